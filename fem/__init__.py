@@ -1,0 +1,1 @@
+"""What the body does: hyperelastic finite elements under follower pressure and contact."""

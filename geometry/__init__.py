@@ -1,0 +1,1 @@
+"""What the body is: designs, solids, meshes and the material curve."""

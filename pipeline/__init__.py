@@ -1,0 +1,1 @@
+"""The story: from a config file to a report."""
