@@ -1,0 +1,188 @@
+"""Designs: dimensions that are checked on birth, and the meshed body they give."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from math import isfinite
+from typing import Any, ClassVar
+
+import numpy as np
+
+from geometry.mesh import Mesh, MeshError
+from geometry.topology import Array
+
+MOST_TETS = 3_000_000
+"""A mesh with more elements than this does not fit the memory of the machines this program is written for."""
+
+
+class DesignError(ValueError):
+    """Dimensions that no body can have.
+
+    `keys` are the names of the dimensions as they stand in a config (`("wall", "chamber_length")`), `sentence` says
+    what is allowed.
+    """
+
+    def __init__(self, keys: str | Sequence[str], sentence: str) -> None:
+        self.keys: tuple[str, ...] = (keys,) if isinstance(keys, str) else tuple(keys)
+        self.sentence = sentence
+        super().__init__(f"{', '.join(self.keys)}: {sentence}")
+
+
+@dataclass(frozen=True)
+class Body:
+    """A meshed body in its frame: x along the length from the clamp, y up, z across, z = 0 the plane of symmetry.
+
+    Raises `MeshError` when the material curve y = curve_y, z = 0, 0 <= x <= length does not run along mesh edges.
+    """
+
+    mesh: Mesh
+    name: str
+    length: float  #: of the material curve, mm
+    pitch: float  #: length of the repeated cell, over which curvature is averaged, mm
+    curve_y: float  #: height of the material curve, mm
+    half: bool = True  #: only z >= 0 is meshed
+    cavities: tuple[str, ...] = ("cavity",)  #: names of the face groups that enclose air
+
+    def __post_init__(self) -> None:
+        missing = [
+            name for name in ("clamp", "tip", *self.cavities, *(["sym"] * self.half)) if name not in self.mesh.faces
+        ]
+        if missing:
+            raise MeshError(f"the body {self.name} has no face named {missing[0]}; it has {', '.join(self.mesh.faces)}")
+        _ = self.curve_vertices
+
+    @cached_property
+    def curve_vertices(self) -> Array:
+        """Indices (k,) of the mesh vertices on the material curve, by increasing x."""
+        points, tolerance = self.mesh.points, 1e-7 * self.length
+        on = (np.abs(points[:, 1] - self.curve_y) < tolerance) & (np.abs(points[:, 2]) < tolerance)
+        found = np.flatnonzero(on)
+        found = found[np.argsort(points[found, 0], kind="stable")]
+        x = points[found, 0]
+        if len(found) < 2 or abs(x[0]) > tolerance or abs(x[-1] - self.length) > tolerance:
+            raise MeshError(
+                f"the material curve y = {self.curve_y:g} mm, z = 0 from x = 0 to {self.length:g} mm "
+                "has no mesh vertex at each of its ends; cut the body along that line before meshing it"
+            )
+        if not self.mesh.has_edges(np.column_stack([found[:-1], found[1:]])).all():
+            raise MeshError(
+                f"the material curve y = {self.curve_y:g} mm, z = 0 does not run along mesh edges; "
+                "cut the body along that line before meshing it"
+            )
+        found.setflags(write=False)
+        return found
+
+    def full(self) -> Body:
+        """The whole body, mirrored at z = 0 (itself when it is whole already)."""
+        if not self.half:
+            return self
+        return Body(self.mesh.mirrored(), self.name, self.length, self.pitch, self.curve_y, False, self.cavities)
+
+
+class Design(ABC):
+    """The dimensions of one family of bodies, all lengths in mm.
+
+    A final class is a frozen dataclass whose fields carry the names of the keys of a config. Impossible dimensions
+    raise `DesignError` on birth.
+    """
+
+    family: ClassVar[str]
+    cavities: ClassVar[tuple[str, ...]] = ("cavity",)
+
+    @property
+    @abstractmethod
+    def length(self) -> float:
+        """Length of the body along x, which is the rest length of the material curve, mm."""
+
+    @property
+    @abstractmethod
+    def extent(self) -> tuple[float, float, float]:
+        """Size of the whole body along x, y and z, mm."""
+
+    @property
+    @abstractmethod
+    def curve_y(self) -> float:
+        """Height of the material curve (it runs along y = curve_y, z = 0 from x = 0 to length), mm."""
+
+    @property
+    @abstractmethod
+    def cells(self) -> Array:
+        """Boundaries along x of the cells over which curvature is averaged, increasing, (number of cells + 1,), mm."""
+
+    @property
+    @abstractmethod
+    def solid_volume(self) -> float:
+        """Volume of the material of the whole body, closed form, mm3."""
+
+    @property
+    @abstractmethod
+    def cavity_volume(self) -> float:
+        """Volume of the air in the whole body that is pressurised, closed form, mm3."""
+
+    @abstractmethod
+    def half_mesh(self, size: float) -> Mesh:
+        """Mesh of the half z >= 0 with elements of at most `size` mm (already checked against the body)."""
+
+    @property
+    def pitch(self) -> float:
+        """Length of one cell, mm."""
+        return float(self.cells[1] - self.cells[0])
+
+    @property
+    def width(self) -> float:
+        """Size of the whole body along z, mm."""
+        return self.extent[2]
+
+    def body(self, size: float) -> Body:
+        """The meshed half z >= 0; `size` is the largest length of an element edge that gmsh aims at, mm.
+
+        Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
+        """
+        check_size(size, self.extent, self.solid_volume / 2)
+        mesh = self.half_mesh(size)
+        return Body(mesh, self.family, self.length, self.pitch, self.curve_y, True, self.cavities)
+
+
+def check_size(size: float, extent: Sequence[float], volume: float) -> None:
+    """Refuse a mesh size (mm) that does not suit a body of that extent (mm, along x, y, z) and meshed volume (mm3)."""
+    measures = " x ".join(f"{side:g}" for side in extent)
+    if not isfinite(size) or size <= 0:
+        raise DesignError("mesh.size", f"must be a positive length, not {size:g} mm")
+    if size > min(extent):
+        raise DesignError(
+            "mesh.size",
+            f"{size:g} mm is larger than the body, which measures {measures} mm; at most {min(extent):g} mm",
+        )
+    regular = size**3 / (6 * 2**0.5)
+    if volume / regular > MOST_TETS:
+        least = (volume / MOST_TETS * 6 * 2**0.5) ** (1 / 3)
+        raise DesignError(
+            "mesh.size",
+            f"{size:g} mm would give about {volume / regular:.0e} elements in a body of {measures} mm; "
+            f"at least {least:.2g} mm",
+        )
+
+
+def check_numbers(design: Any, counts: Sequence[str] = ()) -> None:
+    """Every field of a dataclass must be a positive finite number; those named in `counts` a whole number from 1."""
+    for field in fields(design):
+        value = getattr(design, field.name)
+        if field.name in counts:
+            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+                raise DesignError(field.name, f"must be a whole number of at least 1, not {value!r}")
+        elif isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value) or value <= 0:
+            raise DesignError(field.name, f"must be a positive length, not {value!r}")
+
+
+def check_less(design: Any, small: str, large: str, share: float = 1.0, because: str = "") -> None:
+    """The field `small` must be less than `share` times the field `large`."""
+    value, bound = getattr(design, small), share * getattr(design, large)
+    if not value < bound:
+        part = {1.0: "", 0.5: "half of "}[share]
+        raise DesignError(
+            (small, large),
+            f"{small} {value:g} mm must be less than {part}{large}, {bound:g} mm{because and ': ' + because}",
+        )

@@ -1,0 +1,50 @@
+"""How well tetrahedra are shaped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.topology import EDGES, OUTWARD, Array, normals, signed_volumes
+
+
+@dataclass(frozen=True)
+class Quality:
+    """How well the tetrahedra are shaped.
+
+    The measure is the radius ratio 3 r_inscribed / R_circumscribed: 1 for the regular tetrahedron, 0 for a flat one.
+    """
+
+    count: int  #: number of tetrahedra
+    minimum: float  #: smallest radius ratio
+    mean: float  #: mean radius ratio
+    worst: int  #: index of the tetrahedron with the smallest radius ratio
+    place: tuple[float, float, float]  #: its centre, mm
+    aspect: float  #: largest ratio of longest edge to smallest height of one tetrahedron (1.22 when regular)
+    longest_edge: float  #: mm
+
+
+def measure_quality(points: Array, tets: Array) -> Quality:
+    """Quality of positively oriented tetrahedra (m, 4) on points (n, 3)."""
+    corners, volumes = points[tets], signed_volumes(points, tets)
+    areas = np.linalg.norm(normals(corners[:, OUTWARD].reshape(-1, 3, 3)), axis=1).reshape(-1, 4) / 2
+    a, b, c = (corners[:, i] - corners[:, 0] for i in (1, 2, 3))
+    aa, bb, cc = (np.einsum("ij,ij->i", v, v)[:, None] for v in (a, b, c))
+    # centre of the circumscribed sphere from the first corner, times 12 V
+    centre = aa * np.cross(b, c) + bb * np.cross(c, a) + cc * np.cross(a, b)
+    radius = np.linalg.norm(centre, axis=1) / (12 * volumes)
+    ratio = 9 * volumes / areas.sum(axis=1) / radius
+    edges = np.linalg.norm(corners[:, EDGES[:, 0]] - corners[:, EDGES[:, 1]], axis=2).max(axis=1)
+    aspect = edges * areas.max(axis=1) / (3 * volumes)
+    worst = int(np.argmin(ratio))
+    x, y, z = (float(v) for v in corners[worst].mean(axis=0))
+    return Quality(
+        count=len(ratio),
+        minimum=float(ratio.min()),
+        mean=float(ratio.mean()),
+        worst=worst,
+        place=(x, y, z),
+        aspect=float(aspect.max()),
+        longest_edge=float(edges.max()),
+    )

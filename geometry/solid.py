@@ -1,0 +1,171 @@
+"""Solids described as data and meshed by Gmsh; this module is the only door to Gmsh."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from math import inf
+from threading import Lock
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from geometry.mesh import MeshError
+from geometry.topology import Array
+
+_ONE_SESSION = Lock()  # Gmsh has one global state per process
+
+Volume: TypeAlias = tuple[int, int]  # (3, tag), as Gmsh names a volume
+
+
+@dataclass(frozen=True)
+class Box:
+    """The box between two opposite corners, mm."""
+
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class RoundBar:
+    """The part z >= 0 of a cylinder along x about (y, z) = (centre, 0), cut to bottom <= y <= top; all in mm."""
+
+    start: float
+    end: float
+    centre: float
+    radius: float
+    bottom: float = -inf
+    top: float = inf
+
+
+Shape: TypeAlias = Box | RoundBar
+
+
+@dataclass(frozen=True)
+class Solid:
+    """Material minus air.
+
+    `material` names the regions; a region is a sequence of blocks, each the union of some shapes. Faces between two
+    blocks stay in the mesh (so they place vertices), faces inside a block vanish. `air` lists the empty shapes by the
+    name that the wall around them will carry; what is both is air.
+    """
+
+    material: Mapping[str, Sequence[Sequence[Shape]]]
+    air: Mapping[str, Sequence[Shape]]
+
+
+@dataclass(frozen=True)
+class SolidMesh:
+    """A meshed solid, before it is assembled to a body."""
+
+    points: Array  #: (n, 3), mm
+    regions: Mapping[str, Array]  #: region -> (m, 4) tetrahedra
+    walls: Mapping[str, Array]  #: name of the air -> (k, 3) triangles of the material around it
+
+
+@contextmanager
+def session() -> Iterator[Any]:
+    """A silent, deterministic, single-threaded Gmsh session; yields the `gmsh` module.
+
+    Errors of Gmsh leave it as `MeshError`.
+    """
+    import gmsh
+
+    with _ONE_SESSION:
+        gmsh.initialize([], readConfigFiles=False, run=False, interruptible=False)
+        try:
+            for option, value in _OPTIONS.items():
+                gmsh.option.setNumber(option, value)
+            yield gmsh
+        except MeshError:
+            raise
+        except Exception as error:
+            raise MeshError(f"the body could not be meshed: {error}") from error
+        finally:
+            gmsh.finalize()
+
+
+_OPTIONS = {
+    "General.Terminal": 0,
+    "General.Verbosity": 0,
+    "General.NumThreads": 1,
+    "Mesh.RandomSeed": 1,
+    "Mesh.Algorithm": 6,  # frontal Delaunay on surfaces
+    "Mesh.Algorithm3D": 10,  # HXT: leaves a radius ratio of 0.2-0.3, Delaunay with Netgen's optimiser 0.03-0.2
+    "Mesh.Optimize": 1,
+    "Mesh.MeshSizeExtendFromBoundary": 0,  # else the 1 mm walls would refine everything near them
+}
+
+
+def mesh_solid(solid: Solid, size: float) -> SolidMesh:
+    """Mesh the material of `solid` with element edges of about `size` mm at most."""
+    with session() as gmsh:
+        occ = gmsh.model.occ
+        blocks = [(name, _block(occ, shapes)) for name, region in solid.material.items() for shapes in region]
+        voids = [(name, _drawn(occ, shape)) for name, shapes in solid.air.items() for shape in shapes]
+        parents = [(name, volume) for name, volumes in blocks for volume in volumes] + voids
+        _, children = occ.fragment([volume for _, volume in parents], [])
+        owners = [(name, child) for (name, _), found in zip(parents, children, strict=True) for child in found]
+        air = {child: name for name, child in owners if name in solid.air}
+        material = {child: name for name, child in owners if name in solid.material and child not in air}
+        occ.synchronize()
+        walls = _walls(gmsh, material, air)
+        gmsh.model.occ.remove(list(air), recursive=True)
+        occ.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)  # without it Gmsh refines to a tenth of the body
+        gmsh.model.mesh.generate(3)
+        return _collected(gmsh, material, walls, list(solid.material), list(solid.air))
+
+
+def _block(occ: Any, shapes: Sequence[Shape]) -> list[Volume]:
+    first, *rest = (_drawn(occ, shape) for shape in shapes)
+    return occ.fuse([first], rest)[0] if rest else [first]
+
+
+def _drawn(occ: Any, shape: Shape) -> Volume:
+    if isinstance(shape, Box):
+        sides = np.subtract(shape.high, shape.low)
+        return (3, occ.addBox(*shape.low, *sides))
+    length, radius = shape.end - shape.start, shape.radius
+    cylinder = (3, occ.addCylinder(shape.start, shape.centre, 0, length, 0, 0, radius))
+    bottom = max(shape.bottom, shape.centre - 2 * radius)
+    top = min(shape.top, shape.centre + 2 * radius)
+    window = (3, occ.addBox(shape.start, bottom, 0, length, top - bottom, 2 * radius))
+    return occ.intersect([cylinder], [window])[0][0]
+
+
+def _walls(gmsh: Any, material: Mapping[Volume, str], air: Mapping[Volume, str]) -> dict[int, str]:
+    """The faces between a material volume and an air volume, with the name of the air."""
+    solid_faces = {tag for volume in material for _, tag in _faces(gmsh, volume)}
+    return {tag: name for volume, name in air.items() for _, tag in _faces(gmsh, volume) if tag in solid_faces}
+
+
+def _faces(gmsh: Any, volume: Volume) -> list[tuple[int, int]]:
+    return gmsh.model.getBoundary([volume], oriented=False)
+
+
+def _collected(
+    gmsh: Any, material: Mapping[Volume, str], walls: Mapping[int, str], regions: Sequence[str], names: Sequence[str]
+) -> SolidMesh:
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    index = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    index[tags] = np.arange(len(tags))
+
+    def elements(dimension: int, entity: int, corners: int) -> Array:
+        kind = {3: 4, 2: 2}[dimension]
+        nodes = gmsh.model.mesh.getElementsByType(kind, entity)[1]
+        return index[nodes].reshape(-1, corners)
+
+    tets = {
+        region: np.vstack([elements(3, tag, 4) for (_, tag), name in material.items() if name == region])
+        for region in regions
+    }
+    triangles = {
+        name: np.vstack(
+            [np.empty((0, 3), dtype=np.int64)] + [elements(2, tag, 3) for tag in walls if walls[tag] == name]
+        )
+        for name in names
+    }
+    return SolidMesh(coordinates.reshape(-1, 3), tets, triangles)
