@@ -1,0 +1,229 @@
+"""What a run says while it works: a few messages, and who listens to them.
+
+The work calls the five methods of `Progress`. In a worker process it calls them on a `ToQueue`, and `relayed` in the
+main process hands the messages on, so that one listener hears every experiment.
+"""
+
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, NamedTuple, Protocol, final
+
+from rich.console import Console, Group
+from rich.live import Live
+from rich.progress_bar import ProgressBar
+from rich.table import Table
+from rich.text import Text
+
+__all__ = ["Lines", "Message", "Progress", "Silent", "Terminal", "ToQueue", "progress_for", "relayed"]
+
+
+class Progress(Protocol):
+    """Listens to a run. Pressures in kPa, residuals relative, seconds of wall time."""
+
+    def stage(self, name: str) -> None:
+        """The run enters a stage: mesh, experiments, identification, rod, pictures, report."""
+
+    def experiment(self, name: str, pressures: Sequence[float]) -> None:
+        """An experiment begins; `pressures` are all it will be solved at."""
+
+    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
+        """A Newton iteration on the way to `pressure_kPa` is over."""
+
+    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
+        """An asked pressure is reached; `seconds` is 0 where it was remembered from an earlier run."""
+
+    def done(self) -> None:
+        """Nothing more will come."""
+
+
+class Message(NamedTuple):
+    """One call on its way between processes."""
+
+    method: str
+    arguments: tuple[Any, ...]
+
+
+@final
+class Silent:
+    """Hears and says nothing."""
+
+    def stage(self, name: str) -> None: ...
+
+    def experiment(self, name: str, pressures: Sequence[float]) -> None: ...
+
+    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None: ...
+
+    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None: ...
+
+    def done(self) -> None: ...
+
+
+@final
+class ToQueue:
+    """Puts every call as a `Message` into a queue that another process reads."""
+
+    def __init__(self, queue: Any) -> None:
+        self._queue = queue
+
+    def stage(self, name: str) -> None:
+        self._queue.put(Message("stage", (name,)))
+
+    def experiment(self, name: str, pressures: Sequence[float]) -> None:
+        self._queue.put(Message("experiment", (name, tuple(pressures))))
+
+    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
+        self._queue.put(Message("iteration", (experiment, pressure_kPa, newton_iteration, float(residual))))
+
+    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
+        self._queue.put(Message("step_done", (experiment, pressure_kPa, seconds)))
+
+    def done(self) -> None:
+        """Says nothing: the end of one worker is not the end of the run."""
+
+
+@contextmanager
+def relayed(queue: Any, listener: Progress) -> Iterator[None]:
+    """While the block runs, hand every `Message` in `queue` to `listener`; what is still in it at the end too."""
+
+    def relay() -> None:
+        while (message := queue.get()) is not None:
+            getattr(listener, message.method)(*message.arguments)
+
+    thread = threading.Thread(target=relay, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        queue.put(None)
+        thread.join(timeout=5.0)
+
+
+class _Clock:
+    """Guesses the time left from the pressures that were solved so far."""
+
+    def __init__(self) -> None:
+        self._began = time.monotonic()
+        self._asked = 0
+        self._reached = 0
+        self._solved = 0
+
+    def ask(self, number: int) -> None:
+        if self._asked == 0:
+            self._began = time.monotonic()
+        self._asked += number
+
+    def reach(self, seconds: float) -> None:
+        self._reached += 1
+        self._solved += seconds > 0.0
+
+    def left(self) -> str:
+        """The time until all asked pressures are reached, in words."""
+        if self._solved == 0:
+            return "time left not known yet"
+        pace = (time.monotonic() - self._began) / self._solved
+        return f"about {_duration(pace * (self._asked - self._reached))} left"
+
+
+@final
+class Lines:
+    """One plain line per stage and per pressure, for logs and pipes."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._clock = _Clock()
+        self._iterations: dict[str, int] = {}
+
+    def stage(self, name: str) -> None:
+        self._say(f"stage: {name}")
+
+    def experiment(self, name: str, pressures: Sequence[float]) -> None:
+        self._clock.ask(len(pressures))
+        self._say(f"experiment {name}: {', '.join(f'{pressure:g}' for pressure in pressures)} kPa")
+
+    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
+        self._iterations[experiment] = self._iterations.get(experiment, 0) + 1
+
+    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
+        self._clock.reach(seconds)
+        iterations = self._iterations.pop(experiment, 0)
+        work = f"{iterations} Newton iterations, {_duration(seconds)}" if seconds > 0.0 else "remembered"
+        self._say(f"experiment {experiment}: {pressure_kPa:g} kPa reached ({work}); {self._clock.left()}")
+
+    def done(self) -> None: ...
+
+    def _say(self, text: str) -> None:
+        self._console.print(text, highlight=False, markup=False, soft_wrap=True)
+
+
+class _Row(NamedTuple):
+    pressures: tuple[float, ...]
+    reached: int
+    iterations: int
+    now: str
+
+
+@final
+class Terminal:
+    """A live table: one row per experiment with its pressure, Newton iterations and a bar."""
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._clock = _Clock()
+        self._stage = ""
+        self._began = time.monotonic()
+        self._rows: dict[str, _Row] = {}
+        self._live = Live(get_renderable=self._picture, console=console, refresh_per_second=4)
+
+    def stage(self, name: str) -> None:
+        self._live.start()  # a second start changes nothing
+        self._say_stage()
+        self._stage, self._began = name, time.monotonic()
+
+    def experiment(self, name: str, pressures: Sequence[float]) -> None:
+        self._clock.ask(len(pressures))
+        self._rows[name] = _Row(tuple(pressures), 0, 0, "starts")
+
+    def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
+        row = self._rows.get(experiment, _Row((pressure_kPa,), 0, 0, ""))
+        now = f"{pressure_kPa:g} kPa, Newton iteration {newton_iteration}, residual {residual:.1e}"
+        self._rows[experiment] = row._replace(iterations=row.iterations + 1, now=now)
+
+    def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
+        self._clock.reach(seconds)
+        row = self._rows.get(experiment, _Row((pressure_kPa,), 0, 0, ""))
+        now = f"{pressure_kPa:g} kPa reached, {row.iterations} Newton iterations in all"
+        self._rows[experiment] = row._replace(reached=row.reached + 1, now=now)
+
+    def done(self) -> None:
+        self._say_stage()
+        self._stage = ""
+        self._live.stop()
+
+    def _say_stage(self) -> None:
+        if self._stage:
+            self._console.print(f"{self._stage}: {_duration(time.monotonic() - self._began)}", highlight=False)
+
+    def _picture(self) -> Group:
+        table = Table.grid(padding=(0, 2))
+        for name, row in self._rows.items():
+            bar = ProgressBar(total=len(row.pressures), completed=row.reached, width=24)
+            table.add_row(f"experiment {name}", bar, row.now)
+        if not self._stage:
+            return Group(table)
+        head = f"{self._stage}: {_duration(time.monotonic() - self._began)}"
+        return Group(Text(f"{head}, {self._clock.left()}" if self._rows else head), table)
+
+
+def progress_for(console: Console) -> Progress:
+    """A live table on a terminal, plain lines elsewhere."""
+    return Terminal(console) if console.is_terminal else Lines(console)
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 10.0:
+        return f"{seconds:.1f} s"
+    if seconds < 120.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds // 60:.0f} min {seconds % 60:02.0f} s"
