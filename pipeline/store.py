@@ -98,7 +98,7 @@ def open_store(directory: Path | str, config: Config, *, fresh: bool = False) ->
     place = Path(directory)
     _check_writable(place)
     with _held(place):
-        for left in place.rglob(".*.part"):  # of a run that was killed while it wrote
+        for left in place.rglob(".*.part*"):  # of a run that was killed while it wrote
             left.unlink()
         if fresh:
             _clear(place)

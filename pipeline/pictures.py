@@ -1,0 +1,201 @@
+"""Pictures and fields of the body; the only door to pyvista. Works without a display.
+
+Elements are tetrahedra with 4 or 10 nodes. The mid-edge nodes of the latter stand on the edges (0,1), (1,2), (0,2),
+(0,3), (1,3), (2,3), in this order, which is that of VTK_QUADRATIC_TETRA and of scikit-fem's ElementTetP2.
+"""
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pyvista
+from numpy.typing import NDArray
+
+__all__ = ["Colour", "draw_body", "draw_deformed", "write_fields", "write_series"]
+
+Array = NDArray[Any]
+
+_WIDTH, _TALLEST = 1400, 900  # pixels of the body in a picture
+_BAR = 120  # pixels of the scale under it
+_SILICONE = "#d9dde3"
+_INK = "#1f2933"
+_OUTLINE = "#9aa5b1"
+
+pyvista.vtk_verbosity("off")  # VTK says on stderr that there is no X server, which is as it should be
+
+
+@dataclass(frozen=True)
+class Colour:
+    """What the colours of a picture mean."""
+
+    values: Array  #: per node (n,) or per element (m,)
+    title: str  #: with its unit: largest principal stretch, displacement (mm)
+    limits: tuple[float, float] | None = None  #: ends of the scale; those of the values when None
+
+
+def write_fields(path: Path, points: Array, tets: Array, fields: Mapping[str, Array] | None = None) -> None:
+    """Write a .vtu file of the body at rest with fields on it.
+
+    points (n, 3) in mm; tets (m, 4) or (m, 10); a field has n rows (at nodes) or m rows (per element) and any number
+    of components. A field named `displacement` lets ParaView warp the body.
+    """
+    grid = _grid(points, tets)
+    for name, values in (fields or {}).items():
+        _attach(grid, name, np.asarray(values))
+    with _whole_file(path) as beside:
+        grid.save(beside)
+
+
+def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
+    """Write a .pvd time series: pairs of pressure in kPa (its time) and the .vtu file, relative to the .pvd."""
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    collection = ElementTree.SubElement(root, "Collection")
+    for pressure, file in files:
+        ElementTree.SubElement(collection, "DataSet", timestep=f"{pressure:.12g}", group="", part="0", file=file)
+    ElementTree.indent(root)
+    with _whole_file(path) as beside:
+        ElementTree.ElementTree(root).write(beside, encoding="utf-8", xml_declaration=True)
+
+
+def draw_body(path: Path, points: Array, tets: Array, *, cut_open: bool = False) -> None:
+    """Draw the body at rest into a PNG: mirrored at z = 0 to the whole, or cut open there to show its inside."""
+    half = _skin(_grid(points, tets))
+    body = half if cut_open else _whole(half)
+    plotter = _plotter()
+    plotter.add_mesh(body, color=_SILICONE, smooth_shading=True, split_sharp_edges=True, ambient=0.35, diffuse=0.75)
+    _add_edges(plotter, body)
+    _look(plotter, body.points, -1.0 if cut_open else 1.0)
+    _save(plotter, path)
+
+
+def draw_deformed(
+    path: Path, points: Array, tets: Array, displacement: Array, colour: Colour, *, whole: bool = True
+) -> None:
+    """Draw the deformed body into a PNG, with the outline of the body at rest.
+
+    points and displacement (n, 3) in mm, tets (m, 4) or (m, 10). `whole` mirrors a half model at z = 0.
+    """
+    grid = _grid(points + displacement, tets)
+    _attach(grid, colour.title, np.asarray(colour.values, dtype=float))
+    body, rest = _skin(grid), _skin(_grid(points, tets))
+    if whole:
+        body, rest = _whole(body), _whole(rest)
+    plotter = _plotter()
+    actor = plotter.add_mesh(
+        body,
+        scalars=colour.title,
+        clim=colour.limits or (float(np.min(colour.values)), float(np.max(colour.values))),
+        cmap="viridis",
+        ambient=0.45,
+        diffuse=0.65,
+        show_scalar_bar=False,
+    )
+    _add_edges(plotter, body)
+    rest = rest.connectivity("closest", closest_point=rest.points[rest.points[:, 0].argmax()])  # not the cavities
+    outline = rest.extract_feature_edges(35, boundary_edges=False, non_manifold_edges=False)
+    plotter.add_mesh(outline, color=_OUTLINE, line_width=1)
+    _look(plotter, np.vstack([body.points, rest.points]), 1.0, below=_BAR)
+    _add_bar(plotter, colour.title, actor.mapper)
+    _save(plotter, path)
+
+
+def _grid(points: Array, tets: Array) -> Any:
+    nodes = tets.shape[1]
+    kind = {4: pyvista.CellType.TETRA, 10: pyvista.CellType.QUADRATIC_TETRA}[nodes]
+    return pyvista.UnstructuredGrid({kind: np.ascontiguousarray(tets, dtype=np.int64)}, np.array(points, dtype=float))
+
+
+def _attach(grid: Any, name: str, values: Array) -> str:
+    """Put a field on nodes or elements, whichever it has as many rows as."""
+    if len(values) == grid.n_points:
+        grid.point_data[name] = values
+    elif len(values) == grid.n_cells:
+        grid.cell_data[name] = values
+    else:
+        raise ValueError(
+            f"the field '{name}' has {len(values)} rows; the body has {grid.n_points} nodes and {grid.n_cells} elements"
+        )
+    return name
+
+
+def _skin(grid: Any) -> Any:
+    """The boundary triangles; faces of quadratic elements give four each."""
+    return grid.extract_surface(nonlinear_subdivision=1, algorithm="dataset_surface")
+
+
+def _whole(half: Any) -> Any:
+    """The skin of both halves, without the faces in the plane z = 0 where they meet."""
+    z = half.points[half.regular_faces, 2]
+    inside = np.abs(z).max(axis=1) < 1e-6 * np.ptp(half.points[:, 0])
+    shell = half.extract_cells(~inside).extract_surface(algorithm="dataset_surface")
+    return shell.merge(shell.reflect((0.0, 0.0, 1.0)).flip_faces()).clean(tolerance=1e-7)
+
+
+def _add_edges(plotter: Any, body: Any) -> None:
+    edges = body.extract_feature_edges(40, boundary_edges=False, non_manifold_edges=False)
+    plotter.add_mesh(edges, color=_INK, line_width=1.5, opacity=0.6)
+
+
+def _add_bar(plotter: Any, title: str, mapper: Any) -> None:
+    plotter.add_scalar_bar(
+        f"{title}\n",  # the line break keeps the title off the labels
+        mapper=mapper,
+        color=_INK,
+        n_labels=4,
+        fmt="%.3g",
+        title_font_size=26,
+        label_font_size=24,
+        width=0.36,
+        height=0.9 * _BAR / plotter.window_size[1],
+        position_x=0.32,
+        position_y=0.01,
+    )
+
+
+def _plotter() -> Any:
+    plotter = pyvista.Plotter(off_screen=True, lighting="light kit")
+    plotter.set_background("white")
+    plotter.enable_anti_aliasing("ssaa")
+    return plotter
+
+
+def _look(plotter: Any, points: Array, side: float, below: int = 0) -> None:
+    """Look from z = `side`, a little from above and from the free end, and fit the window to what is seen.
+
+    `below` pixels stay free under the body.
+    """
+    towards = np.array([0.28, 0.22, side])
+    towards /= np.linalg.norm(towards)
+    right = np.cross([0.0, 1.0, 0.0], towards)
+    right /= np.linalg.norm(right)
+    up = np.cross(towards, right)
+    seen = points @ np.column_stack([right, up])
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    width, height = 1.06 * (high - low)
+    pixel = max(width / _WIDTH, height / _TALLEST)
+    plotter.window_size = [_WIDTH, int(height / pixel) + below]
+    centre = (low + high) / 2 - [0.0, below * pixel / 2]
+    focus = centre[0] * right + centre[1] * up
+    plotter.camera_position = [focus + 10 * width * towards, focus, up]
+    plotter.enable_parallel_projection()
+    plotter.camera.parallel_scale = pixel * plotter.window_size[1] / 2
+    plotter.reset_camera_clipping_range()
+
+
+def _save(plotter: Any, path: Path) -> None:
+    with _whole_file(path) as beside:
+        plotter.screenshot(beside)
+    plotter.close()
+
+
+@contextmanager
+def _whole_file(path: Path) -> Iterator[Path]:
+    """Where to write what becomes `path` once it is whole; the suffix is kept, for it decides the format."""
+    beside = path.with_name(f".{path.stem}.part{path.suffix}")
+    yield beside
+    os.replace(beside, path)
