@@ -109,8 +109,13 @@ class Design(ABC):
 
     @property
     @abstractmethod
+    def pitch(self) -> float:
+        """Length of one cell, mm."""
+
+    @property
+    @abstractmethod
     def cells(self) -> Array:
-        """Boundaries along x of the cells over which curvature is averaged, increasing, (number of cells + 1,), mm."""
+        """Boundaries along x of the cells over which curvature is averaged, increasing, (k,), mm."""
 
     @property
     @abstractmethod
@@ -125,11 +130,6 @@ class Design(ABC):
     @abstractmethod
     def half_mesh(self, size: float) -> Mesh:
         """Mesh of the half z >= 0 with elements of at most `size` mm (already checked against the body)."""
-
-    @property
-    def pitch(self) -> float:
-        """Length of one cell, mm."""
-        return float(self.cells[1] - self.cells[0])
 
     @property
     def width(self) -> float:

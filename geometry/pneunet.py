@@ -65,9 +65,13 @@ class PneuNet(Design):
         return self.base / 2
 
     @property
+    def pitch(self) -> float:
+        return self.gap + self.chamber_length
+
+    @property
     def cells(self) -> Array:
         """From the middle of one gap to the middle of the next; the slabs at the ends count as gaps."""
-        return self.gap / 2 + (self.gap + self.chamber_length) * np.arange(self.chambers + 1)
+        return self.gap / 2 + self.pitch * np.arange(self.chambers + 1)
 
     @property
     def solid_volume(self) -> float:

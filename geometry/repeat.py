@@ -58,6 +58,12 @@ def repeat(solid: SolidMesh, middle: float, edge: float, half_cells: int) -> Mes
     return _named(np.vstack(points), np.vstack(tets), {name: np.vstack(parts) for name, parts in walls.items()}, length)
 
 
+def slices(length: float, nominal: float) -> tuple[int, float]:
+    """How many equal slices, each as near to `nominal` as can be, make up `length`, and how long one is (mm)."""
+    count = max(1, round(length / nominal))
+    return count, length / count
+
+
 def _placed(points: Array, k: int, middle: float, edge: float, length: float) -> Array:
     """Points (n, 3) of the k-th half cell where it belongs; k = -1 stands for the far end piece."""
     placed = points.copy()

@@ -14,6 +14,9 @@ import numpy as np
 from geometry.mesh import MeshError
 from geometry.topology import Array
 
+LARGEST_ARC = np.pi / 8
+"""No chord of a circle spans more than this angle, rad: it cuts the radius by 2 % at most."""
+
 _ONE_SESSION = Lock()  # Gmsh has one global state per process
 
 Volume: TypeAlias = tuple[int, int]  # (3, tag), as Gmsh names a volume
@@ -115,6 +118,7 @@ def mesh_solid(solid: Solid, size: float) -> SolidMesh:
         occ.synchronize()
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)  # without it Gmsh refines to a tenth of the body
+        _divide_round_walls(gmsh, size)
         gmsh.model.mesh.generate(3)
         return _collected(gmsh, material, walls, list(solid.material), list(solid.air))
 
@@ -144,6 +148,33 @@ def _walls(gmsh: Any, material: Mapping[Volume, str], air: Mapping[Volume, str])
 
 def _faces(gmsh: Any, volume: Volume) -> list[tuple[int, int]]:
     return gmsh.model.getBoundary([volume], oriented=False)
+
+
+def _divide_round_walls(gmsh: Any, size: float) -> None:
+    """Divide round faces into straight strips along x, all arcs by the same angle.
+
+    So the two sides of a round wall face each other vertex to vertex, and its thickness is that of the drawing times
+    the cosine of half the angle everywhere. Freely meshed, coarse chords of one side can come near the other side.
+    """
+    model = gmsh.model
+    radii = {tag: _radius(model, tag) for _, tag in model.getEntities(1) if model.getType(1, tag) == "Circle"}
+    if not radii:
+        return
+    angle = min(size / max(radii.values()), LARGEST_ARC)
+    for _, curve in model.getEntities(1):
+        measure, step = model.occ.getMass(1, curve), size
+        if curve in radii:
+            measure, step = measure / radii[curve], angle
+        model.mesh.setTransfiniteCurve(curve, int(np.ceil(measure / step - 1e-6)) + 1)
+    for _, face in model.getEntities(2):
+        sides = model.getBoundary([(2, face)], oriented=False)
+        if model.getType(2, face) == "Cylinder" and len(sides) == 4:
+            model.mesh.setTransfiniteSurface(face, "Alternate")
+
+
+def _radius(model: Any, arc: int) -> float:
+    middle = float(np.mean(model.getParametrizationBounds(1, arc)))
+    return 1 / float(model.getCurvature(1, arc, [middle])[0])
 
 
 def _collected(
