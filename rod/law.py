@@ -1,0 +1,79 @@
+"""The five-parameter relation between moment and curvature (paper, equations (4) and (8)).
+
+    M = alpha_i Delta + m0_i,    Delta = kappa - kappa_0,    i = 1 for s < d, i = 2 for s >= d
+
+Continuation to M = 0
+---------------------
+The intercepts are secants of a nonlinear curve: the two lines describe a *loaded* rod. Applied where there is no moment
+they would bend a rod that nobody touches. The law is therefore read as
+
+    Delta = (M - w m0_i) / alpha_i,    w = min(1, |M| / fade),    fade -> 0+
+
+which gives Delta = 0 where M vanishes and the plain lines wherever M does not. A rod without any load has M = 0
+everywhere and takes the shape of kappa_0; a loaded rod has M = 0 only at single points (its tip), which weigh nothing,
+so it follows the plain lines. A finite `fade` (N mm) makes the law continuous for loads that tend to zero;
+`tests/test_rod_equilibrium.py` shows that the loaded shapes do not depend on it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+class RodError(ValueError):
+    """What was asked of the rod cannot be done; the message is one sentence that says why."""
+
+
+@dataclass(frozen=True)
+class FiveParameters:
+    """The five numbers of one pressure (paper, equations (4) and (8)).
+
+    Raises `RodError` when a number is not finite, a rigidity is not positive or d is not positive.
+    """
+
+    alpha1: float  #: N mm2, flexural rigidity between the clamp and d
+    alpha2: float  #: N mm2, flexural rigidity beyond d
+    m01: float  #: N mm, intercept between the clamp and d
+    m02: float  #: N mm, intercept beyond d
+    d: float  #: mm, rest arc length at which the rigidity changes
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not math.isfinite(value):
+                raise RodError(f"{field.name} must be a finite number, not {value}.")
+            object.__setattr__(self, field.name, float(value))
+        for name in ("alpha1", "alpha2"):
+            if getattr(self, name) <= 0.0:
+                raise RodError(f"{name} is a rigidity and must be positive, not {getattr(self, name):g} N mm2.")
+        if self.d <= 0.0:
+            raise RodError(f"d is measured from the clamp and must be positive, not {self.d:g} mm.")
+
+    def rigidity(self, s: ArrayLike) -> Array:
+        """alpha at s (mm), N mm2; s = d belongs to the second piece."""
+        return np.where(np.asarray(s, float) < self.d, self.alpha1, self.alpha2)
+
+    def intercept(self, s: ArrayLike) -> Array:
+        """m0 at s (mm), N mm; s = d belongs to the second piece."""
+        return np.where(np.asarray(s, float) < self.d, self.m01, self.m02)
+
+    def moment(self, s: ArrayLike, deviation: ArrayLike) -> Array:
+        """M (N mm) at s (mm) for the curvature deviation Delta = kappa - kappa_0 (1/mm) of a loaded rod."""
+        return self.rigidity(s) * np.asarray(deviation, float) + self.intercept(s)
+
+    def deviation(self, s: ArrayLike, moment: ArrayLike) -> Array:
+        """Delta = kappa - kappa_0 (1/mm) at s (mm) under the moment M (N mm) of a loaded rod."""
+        return (np.asarray(moment, float) - self.intercept(s)) / self.rigidity(s)
+
+    def kappa_rest(self, s: ArrayLike, kappa_0: ArrayLike) -> Array:
+        """kappa_0 - m0/alpha (1/mm): the rest curvature with which a rod code that knows no intercepts carries the law.
+
+        M = alpha (kappa - kappa_0) + m0 is alpha (kappa - kappa_rest); loaded rods only (see the module's docstring).
+        """
+        return np.asarray(kappa_0, float) - self.intercept(s) / self.rigidity(s)

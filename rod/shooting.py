@@ -1,0 +1,190 @@
+"""The rod's equations integrated from the clamp to the tip, with the derivatives Newton's method needs.
+
+All quantities here are dimensionless: lengths over l, moments over B/l, forces over B/l^2, with B a rigidity of the
+rod. The state is (theta, M, x, y); behind it stand its derivatives by the three unknowns M(0), F_x, F_y:
+
+    theta' = kappa_0 + (M - m0)/alpha      x' = cos theta
+    M'     = n_x sin theta - n_y cos theta y' = sin theta,     n(s) = F + q (1 - s)
+
+The scheme is the explicit sixth-order Runge-Kutta method of H. A. Luther, Math. Comp. 22 (1968) 434-436. Its steps are
+chosen by the caller so that every break (d, the samples of kappa_0) lies on a step boundary; nothing jumps inside a
+step. This is the one module of the room where speed may cost clarity (numba).
+"""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+ROOT = math.sqrt(21.0)
+#: where a step of length 1 asks for kappa_0
+ABSCISSAE = np.array([0.0, 1.0, 1 / 2, 2 / 3, (7 - ROOT) / 14, (7 + ROOT) / 14])
+_STAGE_ABSCISSA = np.array([0, 1, 2, 3, 4, 5, 1])
+_STAGES = np.array(
+    [
+        [0, 0, 0, 0, 0, 0],
+        [1, 0, 0, 0, 0, 0],
+        [3 / 8, 1 / 8, 0, 0, 0, 0],
+        [8 / 27, 2 / 27, 8 / 27, 0, 0, 0],
+        [3 * (3 * ROOT - 7) / 392, -8 * (7 - ROOT) / 392, 48 * (7 - ROOT) / 392, -3 * (21 - ROOT) / 392, 0, 0],
+        [
+            -5 * (231 + 51 * ROOT) / 1960,
+            -40 * (7 + ROOT) / 1960,
+            -320 * ROOT / 1960,
+            3 * (21 + 121 * ROOT) / 1960,
+            392 * (6 + ROOT) / 1960,
+            0,
+        ],
+        [
+            15 * (22 + 7 * ROOT) / 180,
+            120 / 180,
+            40 * (7 * ROOT - 5) / 180,
+            -63 * (3 * ROOT - 2) / 180,
+            -14 * (49 + 9 * ROOT) / 180,
+            70 * (7 - ROOT) / 180,
+        ],
+    ]
+)
+_WEIGHTS = np.array([9, 0, 64, 0, 49, 49, 9]) / 180
+
+
+@numba.njit(cache=True)
+def _rate(z: Array, out: Array, kappa_0: float, alpha: float, m0: float, fade: float, nx: float, ny: float) -> None:
+    """Right-hand side for the state z[0:4] and its three derivatives z[4:16] (theta, M, x, y for each unknown)."""
+    moment = z[1]
+    slope = 1.0 / alpha
+    size = abs(moment)
+    if size < fade:  # the intercept fades to nothing with the moment
+        slope = (1.0 - m0 * np.sign(moment) / fade) / alpha
+        m0 = m0 * size / fade
+    c, s = math.cos(z[0]), math.sin(z[0])
+    out[0] = kappa_0 + (moment - m0) / alpha
+    out[1] = nx * s - ny * c
+    out[2] = c
+    out[3] = s
+    axial = nx * c + ny * s
+    for unknown in range(3):
+        j = 4 + 4 * unknown
+        out[j] = slope * z[j + 1]
+        out[j + 1] = axial * z[j]
+        out[j + 2] = -s * z[j]
+        out[j + 3] = c * z[j]
+    out[9] += s  # M' by F_x
+    out[13] -= c  # M' by F_y
+
+
+@numba.njit(cache=True)
+def sweep(
+    s: Array,
+    kappa_0: Array,
+    alpha: Array,
+    m0: Array,
+    fade: float,
+    theta0: float,
+    unknowns: Array,
+    load: Array,
+    states: Array,
+    end: Array,
+) -> None:
+    """Integrate from clamp to tip: fills states (n + 1, 4) and end (16,), the last state with its derivatives.
+
+    s (n + 1,) step boundaries; kappa_0 (n, 6) at ABSCISSAE; alpha, m0 (n,); unknowns = (M(0), F_x, F_y); load = (q_x,
+    q_y).
+    """
+    z = end
+    z[:] = 0.0
+    z[0], z[1] = theta0, unknowns[0]
+    z[5] = 1.0  # M(0) by itself
+    k = np.empty((7, 16))
+    stage = np.empty(16)
+    states[0] = z[:4]
+    for step in range(len(alpha)):
+        h = s[step + 1] - s[step]
+        for i in range(7):
+            stage[:] = z
+            for j in range(i):
+                a = h * _STAGES[i, j]
+                if a != 0.0:
+                    for n in range(16):
+                        stage[n] += a * k[j, n]
+            place = _STAGE_ABSCISSA[i]
+            rest = 1.0 - s[step] - h * ABSCISSAE[place]
+            nx, ny = unknowns[1] + load[0] * rest, unknowns[2] + load[1] * rest
+            _rate(stage, k[i], kappa_0[step, place], alpha[step], m0[step], fade, nx, ny)
+        for i in range(7):
+            if _WEIGHTS[i] != 0.0:
+                for n in range(16):
+                    z[n] += h * _WEIGHTS[i] * k[i, n]
+        states[step + 1] = z[:4]
+
+
+@numba.njit(cache=True)
+def _residual(end: Array, target: Array, free: Array, r: Array, jac: Array) -> None:
+    """r = (M, x, y at the tip) - target, with its matrix; a component of F that is given keeps a trivial row."""
+    for row in range(3):
+        if free[row]:
+            r[row] = end[row + 1] - target[row]
+            for column in range(3):
+                jac[row, column] = end[4 + 4 * column + row + 1] if free[column] else 0.0
+        else:
+            r[row] = 0.0
+            for column in range(3):
+                jac[row, column] = 1.0 if row == column else 0.0
+
+
+@numba.njit(cache=True)
+def _determinant(a: Array) -> float:
+    return (
+        a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1])
+        - a[0, 1] * (a[1, 0] * a[2, 2] - a[1, 2] * a[2, 0])
+        + a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0])
+    )
+
+
+@numba.njit(cache=True)
+def converge(
+    s: Array,
+    kappa_0: Array,
+    alpha: Array,
+    m0: Array,
+    fade: float,
+    theta0: float,
+    unknowns: Array,
+    load: Array,
+    target: Array,
+    free: Array,
+    states: Array,
+    end: Array,
+) -> tuple[bool, float]:
+    """Newton's method for (M(0), F_x, F_y), changed in place. Returns (converged, determinant of the last matrix).
+
+    target = (M, x, y) at the tip; free says which of the three unknowns are to be found (the first always).
+    """
+    r, jac, column = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
+    worst = math.inf
+    for _ in range(16):
+        sweep(s, kappa_0, alpha, m0, fade, theta0, unknowns, load, states, end)
+        _residual(end, target, free, r, jac)
+        determinant = _determinant(jac)
+        if not math.isfinite(determinant) or determinant == 0.0:
+            return False, 0.0
+        scale = 1.0 + abs(unknowns[0]) + abs(unknowns[1]) + abs(unknowns[2])
+        # quadratic convergence: behind a correction of 1e-7 the next one would be rounding, unless errors grow along
+        # the rod
+        if worst < 1e-7 * scale and max(abs(r[0]), abs(r[1]), abs(r[2])) < 1e-10 * scale:
+            return True, determinant
+        worst = 0.0
+        for i in range(3):
+            column[:] = jac
+            column[:, i] = -r
+            correction = _determinant(column) / determinant
+            unknowns[i] += correction
+            worst = max(worst, abs(correction))
+        if not math.isfinite(worst) or worst > 1e6 * scale:
+            return False, 0.0
+    return False, 0.0

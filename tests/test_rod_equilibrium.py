@@ -1,0 +1,260 @@
+"""The rod as a boundary-value problem.
+
+Known answers: design notes, "The rod"; those of the elastica are K. E. Bisshopp and D. C. Drucker (1945).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+
+from rod import FiveParameters, Rod, RodError
+from rod.profile import cut_into_steps
+from rod.shooting import sweep
+
+PLAIN = FiveParameters(1.0, 1.0, 0.0, 0.0, 0.13)
+TWO_LINES = FiveParameters(2.0, 1.0, 0.1, -0.05, 0.13)
+#: design (a) at about 31 kPa
+ARM = Rod(112.0, 0.03, FiveParameters(180.0, 400.0, 0.5, -0.2, 12.0))
+
+
+@pytest.mark.parametrize(
+    ("load", "deflection", "shortening", "angle"),
+    [
+        (1.0, 0.3017208, 0.0564332, 0.4613519),
+        (5.0, 0.7137915, 0.3876284, 1.2153681),
+        (10.0, 0.8106090, 0.5549956, 1.4302855),
+    ],
+)
+def test_elastica_under_a_dead_transverse_load(load, deflection, shortening, angle):
+    shape = Rod(1.0, 0.0, PLAIN).solve(force=(0.0, load))
+    assert (shape.y[-1], 1.0 - shape.x[-1], shape.theta[-1]) == pytest.approx((deflection, shortening, angle), abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("law", "x", "y", "angle", "moment"),
+    [
+        (PLAIN, 0.70097483, 0.56834236, 1.54170958, -0.98514601),
+        (TWO_LINES, 0.64205249, 0.61692984, 1.66617274, -0.95051741),
+    ],
+)
+def test_piecewise_law_with_curved_rest_shape(law, x, y, angle, moment):
+    shape = Rod(1.0, 2.0, law).solve(force=(0.5, -1.0))
+    assert (shape.x[-1], shape.y[-1], shape.theta[-1], shape.moment[0]) == pytest.approx(
+        (x, y, angle, moment), abs=1e-7
+    )
+
+
+def test_agreement_with_scipy_solve_bvp():
+    law, force, moment, weight = TWO_LINES, (0.5, -1.0), 0.2, (0.0, -0.7)
+    shape = Rod(1.0, lambda s: 2.0 + 0.4 * np.sin(9.0 * s), law).solve(force=force, moment=moment, weight=weight)
+
+    def rates(t, z):  # both pieces on one unit interval, so that nothing jumps
+        out = []
+        for a, b, (theta, m, _x, _y), alpha, m0 in ((0, law.d, z[:4], 2.0, 0.1), (law.d, 1, z[4:], 1.0, -0.05)):
+            s = a + (b - a) * t
+            nx, ny = force[0] + weight[0] * (1 - s), force[1] + weight[1] * (1 - s)
+            rate = [
+                2.0 + 0.4 * np.sin(9.0 * s) + (m - m0) / alpha,
+                nx * np.sin(theta) - ny * np.cos(theta),
+                np.cos(theta),
+                np.sin(theta),
+            ]
+            out += [(b - a) * r for r in rate]
+        return np.array(out)
+
+    def ends(a, b):
+        return np.array([a[0], a[2], a[3], *(a[4:] - b[:4]), b[5] - moment])
+
+    reference = solve_bvp(rates, ends, np.linspace(0, 1, 40), np.zeros((8, 40)), tol=1e-10, max_nodes=20000)
+    assert reference.success
+    tip = [shape.theta[-1], shape.moment[-1], shape.x[-1], shape.y[-1]]
+    assert tip == pytest.approx(reference.y[4:, -1], abs=1e-8)
+
+
+def test_moment_at_the_clamp_balances_the_end_force():
+    shape = ARM.solve(force=(0.04, 0.06), moment=1.5)
+    arm_x, arm_y = shape.x[-1] - shape.x, shape.y[-1] - shape.y
+    assert shape.moment == pytest.approx(arm_x * 0.06 - arm_y * 0.04 + 1.5, abs=1e-10)
+
+
+def test_the_scheme_is_of_sixth_order():
+    """Luther's method: halving the steps divides the error by 64."""
+    ends = []
+    for n in (8, 16, 32, 64):
+        steps = cut_into_steps(1.0, lambda s: 3.0 + s**2, FiveParameters(1.0, 1.0, 0.0, 0.0, 0.5), refinement=n / 160)
+        states, ones = np.empty((len(steps.s), 4)), np.ones(len(steps.s) - 1)
+        sweep(
+            steps.s,
+            steps.kappa_0,
+            ones,
+            0 * ones,
+            0.0,
+            0.0,
+            np.array([0.4, 1.0, -3.0]),
+            np.zeros(2),
+            states,
+            np.empty(16),
+        )
+        ends.append(states[-1].copy())
+    differences = [np.abs(a - b).max() for a, b in itertools.pairwise(ends)]
+    rates = np.log2(np.array(differences[:-1]) / differences[1:])
+    assert rates == pytest.approx(6.0, abs=0.5)
+
+
+def test_derivatives_by_the_unknowns_against_central_differences():
+    steps = cut_into_steps(1.0, 2.0, TWO_LINES)
+    alpha, m0 = np.where(steps.first, 2.0, 1.0), np.where(steps.first, 0.1, -0.05)
+    unknowns, load = np.array([-0.8, 0.5, -1.0]), np.array([0.1, -0.3])
+
+    def end(u):
+        out = np.empty(16)
+        sweep(steps.s, steps.kappa_0, alpha, m0, 0.05, 0.2, u, load, np.empty((len(steps.s), 4)), out)
+        return out
+
+    for i in range(3):
+        step = 1e-6 * np.eye(3)[i]
+        assert end(unknowns)[4 + 4 * i : 8 + 4 * i] == pytest.approx(
+            (end(unknowns + step) - end(unknowns - step))[:4] / 2e-6, abs=1e-8
+        )
+
+
+def test_prescribed_end_gives_back_the_force():
+    dead = ARM.solve(force=(0.0, -0.05))
+    held = ARM.solve(end_y=dead.y[-1])
+    assert held.force == pytest.approx([0.0, -0.05], abs=1e-10)
+    assert held.x == pytest.approx(dead.x, abs=1e-8)
+    both = ARM.solve(end=(dead.x[-1], dead.y[-1]))
+    assert both.force == pytest.approx([0.0, -0.05], abs=1e-9)
+    pushed = ARM.solve(force=(0.03, 0.0))
+    assert ARM.solve(end_x=pushed.x[-1]).force == pytest.approx([0.03, 0.0], abs=1e-10)
+
+
+def test_elastica_with_prescribed_end_height():
+    """The transverse load of the known answer P = 5 from its deflection (Test III of the paper)."""
+    shape = Rod(1.0, 0.0, PLAIN).solve(end_y=0.7137915236)
+    assert shape.force == pytest.approx([0.0, 5.0], abs=1e-7)
+
+
+def test_end_moment_bends_a_circle():
+    shape = Rod(1.0, 0.0, PLAIN).solve(moment=1.5)
+    assert shape.kappa == pytest.approx(1.5, abs=1e-12)
+    assert (shape.x[-1], shape.y[-1]) == pytest.approx((math.sin(1.5) / 1.5, (1 - math.cos(1.5)) / 1.5), abs=1e-10)
+
+
+def test_gravity_bends_a_light_cantilever_as_the_linear_theory_says():
+    shape = Rod(1.0, 0.0, PLAIN).solve(weight=(0.0, -1e-3))
+    assert shape.y[-1] == pytest.approx(-1e-3 / 8, rel=1e-5)
+
+
+def test_without_load_the_shape_is_that_of_kappa_0():
+    shape = Rod(1.0, 2.0, TWO_LINES, theta0=0.3, start=(1.0, -2.0)).solve()
+    assert shape.kappa == pytest.approx(2.0)
+    assert shape.x == pytest.approx(1.0 + (np.sin(0.3 + 2 * shape.s) - math.sin(0.3)) / 2, abs=1e-9)
+    held = Rod(1.0, 2.0, TWO_LINES).solve(end_y=(1 - math.cos(2.0)) / 2)
+    assert held.force == pytest.approx([0.0, 0.0], abs=1e-9)
+
+
+def test_how_the_law_reaches_zero_moment_does_not_matter_for_loaded_shapes():
+    """The intercepts fade below a moment; the loaded shape moves by less than its share, and ever less."""
+    plain = ARM.solve(end_y=0.0)
+    largest = np.abs(plain.moment).max()
+    moved = []
+    for share in (0.1, 0.05, 0.025):
+        faded = dataclasses.replace(ARM, fade=share * largest).solve(end_y=0.0)
+        distance = np.hypot(*(faded.positions(plain.s) - np.column_stack([plain.x, plain.y])).T).max()
+        moved.append(distance / ARM.length)
+        assert faded.force == pytest.approx(plain.force, rel=5e-3)
+    assert moved[0] < 1e-3
+    assert moved[2] < moved[1] < moved[0]
+    tiny = dataclasses.replace(ARM, fade=0.1 * largest).solve(force=(0.0, 1e-9))
+    rest = ARM.solve()
+    assert tiny.y == pytest.approx(rest.y, abs=1e-4)  # continuous to the unloaded rod
+
+
+def test_forms_of_kappa_0_agree():
+    def wave(s):
+        return 0.03 + 0.004 * np.sin(2 * np.pi * s / 40.0)
+
+    s = np.linspace(0.0, 112.0, 2001)
+    forms = [wave, wave(s), np.column_stack([s, wave(s)])]
+    tips = [dataclasses.replace(ARM, kappa_0=form).solve(end_y=0.0) for form in forms]
+    for tip in tips[1:]:
+        assert (tip.x[-1], tip.force[1]) == pytest.approx((tips[0].x[-1], tips[0].force[1]), abs=1e-4)
+
+
+def test_positions_between_nodes_lie_on_the_circle():
+    shape = Rod(1.0, 2.0, PLAIN).solve()
+    s = np.linspace(0.0, 1.0, 333)
+    assert shape.positions(s) == pytest.approx(np.column_stack([np.sin(2 * s) / 2, (1 - np.cos(2 * s)) / 2]), abs=1e-8)
+    with pytest.raises(RodError, match="no point at s"):
+        shape.positions(np.array([1.2]))
+
+
+def test_a_thousand_solves_stay_on_the_path_of_one():
+    """The solution for a large load does not depend on the steps by which it was reached."""
+    rod = Rod(1.0, 2.0, TWO_LINES)
+    whole = rod.solve(force=(-3.0, -8.0))
+    assert whole.load_steps > 1
+    tips = [rod.solve(force=(-3.0 * f, -8.0 * f)) for f in np.linspace(0.05, 1.0, 40)]
+    turns = np.abs(np.diff([tip.theta[-1] for tip in tips]))
+    assert turns.max() < 0.4
+    assert tips[-1].theta == pytest.approx(whole.theta, abs=1e-9)
+
+
+def test_large_forces_keep_their_accuracy():
+    """At F l^2/alpha = 100 errors grow e^10-fold along the rod; sin of the tip angle follows from the first integral.
+
+    (theta')^2/2 = P (sin theta_l - sin theta) for a dead transverse load, so kappa(0)^2 = 2 P sin theta_l.
+    """
+    shape = Rod(1.0, 0.0, PLAIN).solve(force=(0.0, 100.0))
+    assert shape.kappa[0] ** 2 == pytest.approx(200.0 * math.sin(shape.theta[-1]), rel=1e-9)
+
+
+def test_buckling_is_reported_not_stepped_over():
+    with pytest.raises(RodError, match=r"The rod buckles at 9.* % of the load"):
+        Rod(1.0, 0.0, PLAIN).solve(force=(-2.5, 0.0))  # Euler: pi^2/4 = 2.467
+    straight = Rod(1.0, 0.0, PLAIN).solve(force=(-2.4, 0.0))
+    assert straight.x[-1] == pytest.approx(1.0)
+    imperfect = Rod(1.0, 1e-3, PLAIN).solve(force=(-5.0, 0.0))
+    assert imperfect.y[-1] > 0.5
+
+
+@pytest.mark.parametrize(
+    ("loads", "sentence"),
+    [
+        ({"end": (0.9, 0.9)}, r"The end cannot be 1\.\d+ mm from the clamp"),
+        ({"end_y": -1.5}, r"The end cannot be 1\.5 mm from the clamp"),
+        ({"end": (0.1, 0.1), "end_y": 0.2}, r"either end = \(x, y\) or one of"),
+        ({"force": (0.0, 1.0), "end_y": 0.2}, r"either the force on the end or its position"),
+        ({"force": (0.0, float("nan"))}, r"force is a pair of finite numbers"),
+        ({"moment": float("inf")}, r"The end moment must be a finite number"),
+        ({"force": (0.0, 1e5)}, r"this solver follows the rod to about 200|the path from the unloaded rod ends"),
+    ],
+)
+def test_loads_without_solution_say_so(loads, sentence):
+    with pytest.raises(RodError, match=sentence):
+        Rod(1.0, 2.0, TWO_LINES).solve(**loads)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        ({"length": -1.0}, r"The length of a rod must be positive"),
+        ({"length": 0.1}, r"The break d = 0\.13 mm lies off the rod"),
+        ({"fade": -1.0}, r"fade is a moment"),
+        ({"kappa_0": np.zeros((3, 3))}, r"its shape is \(3, 3\)"),
+        ({"kappa_0": float("nan")}, r"kappa_0 holds a value"),
+        ({"kappa_0": np.array([[0.0, 1.0], [0.5, 1.0]])}, r"given from s = 0 to 0\.5 mm, the rod goes from 0 to 1 mm"),
+        ({"kappa_0": np.array([[0.0, 1.0], [0.0, 1.0], [1.0, 1.0]])}, r"must rise from row to row"),
+        ({"kappa_0": lambda s: 1.0}, r"kappa_0 as a function"),
+    ],
+)
+def test_an_impossible_rod_is_refused(change, sentence):
+    with pytest.raises(RodError, match=sentence):
+        dataclasses.replace(Rod(1.0, 2.0, TWO_LINES), **change)
