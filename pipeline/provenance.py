@@ -9,7 +9,7 @@ from typing import Any
 
 from packaging.requirements import Requirement
 
-__all__ = ["pinned", "provenance"]
+__all__ = ["installed", "pinned", "provenance"]
 
 
 def pinned() -> dict[str, str]:
@@ -28,7 +28,7 @@ def provenance() -> dict[str, Any]:
         "pneurod": metadata.version("pneurod"),
         "commit": _commit(),
         "python": platform.python_version(),
-        "packages": {name: _installed(name) for name in pinned()},
+        "packages": {name: installed(name) for name in pinned()},
         "machine": {
             "system": platform.platform(),
             "processor": _processor(),
@@ -38,7 +38,8 @@ def provenance() -> dict[str, Any]:
     }
 
 
-def _installed(name: str) -> str | None:
+def installed(name: str) -> str | None:
+    """The version of a distribution on this machine, or None."""
     try:
         return metadata.version(name)
     except metadata.PackageNotFoundError:

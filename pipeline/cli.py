@@ -1,0 +1,150 @@
+"""The command line: `pneurod run`, `mesh` and `doctor`. Exit status 0 done, 1 failed, 2 wrong input, 130 interrupted.
+
+Everything heavy is imported inside the commands, so that `pneurod --help` answers at once.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+from rich.table import Table
+
+from pipeline.failure import InputError, RunFailed
+
+if TYPE_CHECKING:
+    from geometry import Body, Design
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    help="From the drawing of a pneumatic soft actuator to a rod model that can be trusted.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+ConfigFile = Annotated[Path, typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml.")]
+OutFolder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Result folder. [default: results/NAME]")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: --set mesh.size='4 mm'. May be repeated."),
+]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, help="Experiments at the same time. [default: cores, 3 at most]")
+]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Forget what DIR holds and begin again.")]
+
+
+@app.command()
+def run(
+    config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
+) -> None:
+    """The whole story: mesh, experiments I, II and III, the five parameters, the rod, the report."""
+    with _plain_endings():
+        from pipeline.config import load_config
+        from pipeline.progress import progress_for
+
+        design = load_config(config, settings or ())
+        folder = out or Path("results") / design.name
+
+        from pipeline.run import run as run_story
+
+        console = Console()
+        progress = progress_for(console)
+        try:
+            run_story(design, folder, jobs or min(3, len(os.sched_getaffinity(0))), fresh, progress)
+        finally:
+            progress.done()
+        console.print(f"report: {folder / 'report.html'}", highlight=False, soft_wrap=True)
+
+
+@app.command()
+def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -> None:
+    """Only the body: DIR/mesh.vtu, volumes and the quality of the elements. [default DIR: results/NAME_mesh]"""
+    with _plain_endings():
+        from geometry import MeshError
+        from pipeline.config import load_config
+
+        design = load_config(config, settings or ())
+        folder = out or Path("results") / f"{design.name}_mesh"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            body = design.design.body(design.mesh.size_mm)
+            body.mesh.write(folder / "mesh.vtu")
+        except MeshError as failure:
+            raise RunFailed(str(failure)) from None
+        except OSError as failure:
+            raise InputError(f"--out {folder}: cannot be written ({failure.strerror}); give another folder") from None
+        Console().print(_body_table(folder / "mesh.vtu", design.design, body), highlight=False, soft_wrap=True)
+
+
+@app.command()
+def doctor() -> None:
+    """What is installed, what is missing, and the one command that mends it."""
+    with _plain_endings():
+        from pipeline.doctor import examine, remedy
+
+        console = Console()
+        table = Table("", "what", "found", box=None, pad_edge=False)
+        findings = examine()
+        for finding in findings:
+            table.add_row("[green]ok[/]" if finding.sound else "[red]no[/]", finding.subject, finding.found)
+        console.print(table, highlight=False)
+        command = remedy(findings)
+        if command:
+            raise RunFailed(f"something is missing; to mend it: {command}")
+        console.print("everything pneurod needs is here", highlight=False)
+
+
+def main() -> None:
+    """The console script."""
+    app()
+
+
+@contextmanager
+def _plain_endings() -> Iterator[None]:
+    """End with one sentence on stderr and the exit status of what went wrong."""
+    try:
+        yield
+    except InputError as failure:
+        _end(str(failure), 2)
+    except RunFailed as failure:
+        _end(str(failure), 1)
+    except KeyboardInterrupt:
+        _end("interrupted; what is finished is kept, and the same command goes on from there", 130)
+    except MemoryError:
+        _end("the memory of this machine does not suffice; choose a larger mesh.size or fewer --jobs", 1)
+    except OSError as failure:
+        place = f"{failure.filename}: " if failure.filename else ""
+        _end(f"{place}{failure.strerror or failure}; what is finished is kept", 1)
+
+
+def _end(sentence: str, status: int) -> None:
+    typer.echo(f"pneurod: {sentence}", err=True)
+    raise typer.Exit(status) from None
+
+
+def _body_table(path: Path, design: "Design", body: "Body") -> Table:
+    quality, halves = body.mesh.quality, 2 if body.half else 1
+    air = sum(body.mesh.enclosed_volume(name) for name in body.cavities)
+    table = Table.grid(padding=(0, 2))
+    table.add_row("mesh", f"{path}, {'the half z >= 0' if body.half else 'the whole body'}")
+    table.add_row("length", f"{body.length:g} mm")
+    table.add_row(
+        "solid", f"{halves * body.mesh.volume:.7g} mm3 in the whole body; closed form {design.solid_volume:.7g}"
+    )
+    table.add_row("cavities", f"{halves * air:.7g} mm3 in the whole body; closed form {design.cavity_volume:.7g}")
+    table.add_row("tetrahedra", str(quality.count))
+    table.add_row(
+        "radius ratio", f"smallest {quality.minimum:.3f} at {_point(quality.place)} mm, mean {quality.mean:.3f}"
+    )
+    table.add_row("longest edge", f"{quality.longest_edge:.3g} mm")
+    return table
+
+
+def _point(place: tuple[float, float, float]) -> str:
+    return "(" + ", ".join(f"{coordinate:.3g}" for coordinate in place) + ")"

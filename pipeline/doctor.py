@@ -1,0 +1,149 @@
+"""Whether this machine can do the work, and the one command that mends what is missing.
+
+Each check of a heavy library runs in a process of its own, for a library that misses a system library may end it.
+"""
+
+import platform
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.provenance import installed, pinned
+
+__all__ = ["Finding", "examine", "remedy", "system_packages"]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was looked at."""
+
+    subject: str
+    sound: bool
+    found: str
+    mends: str = ""  #: the command that mends it; empty where it is sound
+
+
+def examine() -> list[Finding]:
+    """Look at everything pneurod needs: Python, packages, gmsh, pictures, linear solver, threads, disk."""
+    return [_python(), *_packages(), *(_tried(subject) for subject in CHECKS), _disk()]
+
+
+def remedy(findings: Sequence[Finding]) -> str:
+    """The one command that mends everything, empty when nothing is wrong."""
+    return " && ".join(dict.fromkeys(finding.mends for finding in findings if finding.mends))
+
+
+def system_packages() -> list[str]:
+    """The Debian packages whose libraries gmsh and VTK load."""
+    return (Path(__file__).parent / "system_packages.txt").read_text(encoding="utf-8").split()
+
+
+def _python() -> Finding:
+    sound = sys.version_info >= (3, 11)
+    return Finding("Python", sound, platform.python_version(), "" if sound else "apt-get install python3.11-venv")
+
+
+def _packages() -> list[Finding]:
+    findings = []
+    for name, wanted in pinned().items():
+        version = installed(name)
+        sound = version == wanted
+        found = version or "not installed"
+        findings.append(
+            Finding(name, sound, found if sound else f"{found}, pinned {wanted}", "" if sound else "make setup")
+        )
+    return findings
+
+
+def _tried(subject: str) -> Finding:
+    command = [sys.executable, "-m", "pipeline.doctor", subject]
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    except subprocess.TimeoutExpired:
+        return Finding(subject, False, "no answer within two minutes", "make setup")
+    if done.returncode == 0:
+        return Finding(subject, True, done.stdout.strip())
+    said = (done.stderr.strip().splitlines() or [f"ended by signal {-done.returncode}"])[-1]
+    missing_library = "lib" in said and ".so" in said
+    by_apt = missing_library or done.returncode < 0 or subject == "pictures"
+    return Finding(subject, False, said, _apt() if by_apt else "make setup")
+
+
+def _apt() -> str:
+    packages = " ".join(system_packages())
+    return f'sudo sh -c "apt-get update && apt-get install -y --no-install-recommends {packages}"'
+
+
+def _disk() -> Finding:
+    here = Path.cwd()
+    try:
+        with tempfile.TemporaryFile(dir=here):
+            free = shutil.disk_usage(here).free / 1e9
+    except OSError as failure:
+        return Finding(
+            "disk", False, f"{here} cannot be written: {failure.strerror}", "cd to a folder you may write to"
+        )
+    return Finding("disk", True, f"{here} can be written, {free:.0f} GB free")
+
+
+def _try_gmsh() -> str:
+    from geometry import PneuNet
+
+    return f"meshes one chamber with {PneuNet(chambers=1).body(4.0).mesh.quality.count} tetrahedra"
+
+
+def _try_pictures() -> str:
+    import numpy as np
+
+    from pipeline.pictures import draw_body
+
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    with tempfile.TemporaryDirectory() as folder:
+        picture = Path(folder) / "tetrahedron.png"
+        draw_body(picture, corners, np.array([[0, 1, 2, 3]]))
+        return f"drawn without a display, {picture.stat().st_size} bytes"
+
+
+def _try_linear_solver() -> str:
+    import numpy as np
+
+    from fem.linear import available_solver
+
+    solver = available_solver()()
+    solver.analyse(np.array([0, 2, 3]), np.array([0, 1, 1]))
+    solver.factorize(np.array([2.0, 1.0, -3.0]))
+    solution = solver.solve(np.array([3.0, -2.0]))
+    solver.close()
+    if not np.allclose(solution, [1.0, 1.0]):
+        raise ArithmeticError(f"{type(solver).__name__} solves 2 x 2 equations wrongly")
+    slower = "" if type(solver).__name__ == "Pardiso" else ", the slower one; PARDISO has no package for this machine"
+    return f"{type(solver).__name__}{slower}"
+
+
+def _try_threads() -> str:
+    import numba
+    from numba import prange
+
+    def add_up(count: int) -> float:
+        total = 0.0
+        for index in prange(count):
+            total += index
+        return total
+
+    numba.njit(parallel=True)(add_up)(4)
+    return f"numba runs {numba.get_num_threads()} threads on {numba.threading_layer()}"
+
+
+CHECKS: dict[str, Callable[[], str]] = {
+    "gmsh": _try_gmsh,
+    "pictures": _try_pictures,
+    "linear solver": _try_linear_solver,
+    "threads": _try_threads,
+}
+
+if __name__ == "__main__":
+    sys.stdout.write(CHECKS[sys.argv[1]]() + "\n")
