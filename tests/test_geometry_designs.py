@@ -1,0 +1,206 @@
+"""What every family must keep: names, closed surfaces, symmetry, equal cells, the curve on the mesh."""
+
+import hashlib
+import threading
+from dataclasses import replace
+from functools import lru_cache
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from geometry import (
+    FAMILIES,
+    BisectedCircle,
+    Body,
+    Design,
+    DesignError,
+    Mesh,
+    MeshError,
+    PneuNet,
+    Semicircular,
+    SemicircularSingle,
+)
+
+DESIGNS = [
+    PneuNet(),
+    PneuNet(chambers=1),
+    PneuNet(chambers=2, gap=3, wall=1.5, channel=1),
+    Semicircular(chambers=4),
+    Semicircular(chambers=1, partition=7),
+    SemicircularSingle(length=60),
+    SemicircularSingle(length=10),
+    BisectedCircle(length=60),
+]
+
+
+@lru_cache
+def meshed(design: Design, size: float) -> Body:
+    return design.body(size)
+
+
+@pytest.fixture(params=DESIGNS, ids=lambda design: f"{design.family}-{design.length:g}mm")
+def design(request: pytest.FixtureRequest) -> Design:
+    return request.param
+
+
+def twins(points: np.ndarray, image: np.ndarray) -> np.ndarray:
+    """For each row of `image` the index of the equal row of `points` (to 1e-9)."""
+    order, other = (np.lexsort(np.round(p, 6).T) for p in (points, image))
+    assert points[order] == pytest.approx(image[other], abs=1e-9)
+    found = np.empty(len(points), dtype=int)
+    found[other] = order
+    return found
+
+
+def rows(indices: np.ndarray) -> set[tuple[int, ...]]:
+    return set(map(tuple, np.sort(indices, axis=1).tolist()))
+
+
+def test_every_boundary_triangle_has_one_name_and_the_surface_is_closed(design: Design) -> None:
+    mesh = meshed(design, 4).mesh
+    named = np.vstack(list(mesh.faces.values()))
+    assert len(rows(named)) == len(named) == len(mesh.boundary)
+    directed = named[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    # each edge is walked once in each direction: closed, and all triangles outward together
+    assert set(map(tuple, directed.tolist())) == set(map(tuple, directed[:, ::-1].tolist()))
+    assert len(np.unique(directed, axis=0)) == len(directed)
+
+
+def test_planes_are_where_they_are_named_and_face_outward(design: Design) -> None:
+    mesh = meshed(design, 4).mesh
+    for name, axis, value, sign in [("clamp", 0, 0, -1), ("tip", 0, design.length, 1), ("sym", 2, 0, -1)]:
+        corners = mesh.points[mesh.faces[name]]
+        assert corners[:, :, axis] == pytest.approx(np.full(corners.shape[:2], value), abs=1e-10)
+        normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        assert (sign * normal[:, axis] > 0).all()
+    others = np.vstack([mesh.faces[name] for name in mesh.faces if name not in ("clamp", "tip", "sym")])
+    for axis, value in ((0, 0), (0, design.length), (2, 0)):
+        assert not (np.abs(mesh.points[others][:, :, axis] - value) < 1e-9).all(axis=1).any()
+
+
+def test_body_fills_its_extent(design: Design) -> None:
+    whole = meshed(design, 4).full()
+    assert np.ptp(whole.mesh.points, axis=0) == pytest.approx(design.extent, rel=1e-12)
+    assert not whole.half
+    assert whole.full() is whole
+    assert design.width == design.extent[2]
+
+
+def test_body_is_mirror_symmetric_about_its_middle(design: Design) -> None:
+    mesh = meshed(design, 4).mesh
+    twin = twins(mesh.points, mesh.points * [-1, 1, 1] + [design.length, 0, 0])
+    assert rows(twin[mesh.tets]) == rows(mesh.tets)
+    assert rows(twin[mesh.faces["clamp"]]) == rows(mesh.faces["tip"])
+    for name in mesh.faces.keys() - {"clamp", "tip"}:
+        assert rows(twin[mesh.faces[name]]) == rows(mesh.faces[name])
+
+
+def inside(mesh: Mesh, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points and tetrahedra between two planes, the tetrahedra by the numbers of those points sorted by place."""
+    centre = mesh.points[mesh.tets][:, :, 0].mean(axis=1)
+    tets = mesh.tets[(centre > low) & (centre < high)]
+    used = np.unique(tets)
+    points = mesh.points[used] - [low, 0, 0]
+    order = np.lexsort(np.round(points, 6).T)
+    place = np.empty(len(mesh.points), dtype=int)
+    place[used[order]] = np.arange(len(used))
+    return points[order], place[tets]
+
+
+@pytest.mark.parametrize(
+    "design", [PneuNet(chambers=5), Semicircular(chambers=5), BisectedCircle(), SemicircularSingle()]
+)
+def test_inner_cells_are_equal(design: Design) -> None:
+    mesh, cells = meshed(design, 4).mesh, design.cells
+    assert np.diff(cells) == pytest.approx(np.full(len(cells) - 1, design.pitch))
+    points, tets = inside(mesh, cells[1], cells[2])
+    for low, high in pairwise(cells[2:-1]):
+        other_points, other_tets = inside(mesh, low, high)
+        assert other_points == pytest.approx(points, abs=1e-9)
+        assert rows(other_tets) == rows(tets)
+
+
+@pytest.mark.parametrize("size", [4, 1.7])
+def test_curve_runs_along_edges_from_clamp_to_tip(design: Design, size: float) -> None:
+    body = meshed(design, size)
+    curve = body.mesh.points[body.curve_vertices]
+    assert curve[:, 1] == pytest.approx(np.full(len(curve), design.curve_y), abs=1e-12)
+    assert not curve[:, 2].any()
+    assert curve[[0, -1], 0] == pytest.approx([0, design.length], abs=1e-12)
+    assert np.diff(curve[:, 0]).min() > 0
+    assert np.diff(curve[:, 0]).max() <= size * (1 + 1e-12)
+    assert body.curve_y == design.curve_y
+    assert (body.length, body.pitch) == (design.length, design.pitch)
+
+
+def test_tip_and_clamp_have_an_edge_at_the_height_of_the_curve(design: Design) -> None:
+    body = meshed(design, 4)
+    mesh = body.mesh
+    for name in ("clamp", "tip"):
+        vertices = np.unique(mesh.faces[name])
+        edge = vertices[np.abs(mesh.points[vertices, 1] - design.curve_y) < 1e-9]
+        edge = edge[np.argsort(mesh.points[edge, 2])]
+        assert np.ptp(mesh.points[edge, 2]) == pytest.approx(design.width / 2)
+        assert mesh.has_edges(np.column_stack([edge[:-1], edge[1:]])).all()
+
+
+def test_plane_of_the_curve_is_whole_mesh_faces(design: Design) -> None:
+    mesh = meshed(design, 4).mesh
+    a, b, c = np.moveaxis(mesh.points[mesh.plane(1, design.curve_y)], 1, 0)
+    area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+    assert area == pytest.approx(design.length * design.width / 2, rel=1e-12)
+
+
+def test_elements_are_not_worse_than_measured(design: Design) -> None:
+    floors = {6: 0.08, 4: 0.12, 2.5: 0.14}
+    for size, floor in floors.items():
+        quality = meshed(design, size).mesh.quality
+        assert quality.minimum > floor
+        assert quality.mean > 0.4
+        assert quality.longest_edge < 1.9 * size
+
+
+def test_equal_designs_give_equal_meshes(design: Design) -> None:
+    def digest(body: Body) -> str:
+        parts = [body.mesh.points, body.mesh.tets, *body.mesh.faces.values()]
+        return hashlib.sha256(b"".join(np.ascontiguousarray(part).tobytes() for part in parts)).hexdigest()
+
+    assert digest(replace(design).body(4)) == digest(meshed(design, 4))
+
+
+def test_meshing_is_silent_and_works_in_threads(capfd: pytest.CaptureFixture[str]) -> None:
+    bodies: list[Body] = []
+    threads = [threading.Thread(target=lambda: bodies.append(PneuNet(chambers=1).body(5))) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len({body.mesh.volume for body in bodies}) == 1
+    assert len(bodies) == 3
+    assert capfd.readouterr() == ("", "")
+
+
+def test_families_are_listed_by_name() -> None:
+    names = {PneuNet: "pneunet", Semicircular: "semicircular", BisectedCircle: "bisected_circle"}
+    names[SemicircularSingle] = "semicircular_single"
+    assert {design: name for name, design in FAMILIES.items()} == names
+    assert all(design().length == pytest.approx(112) for design in FAMILIES.values())
+
+
+@pytest.mark.parametrize("size", [0, -1, float("nan"), float("inf"), 112, 16, 0.01])
+def test_sizes_that_do_not_suit_the_body_are_refused(size: float) -> None:
+    with pytest.raises(DesignError, match=r"^mesh\.size: ") as caught:
+        PneuNet().body(size)
+    assert caught.value.keys == ("mesh.size",)
+    assert "mm" in caught.value.sentence
+
+
+def test_body_without_its_curve_is_refused() -> None:
+    mesh = meshed(PneuNet(), 4).mesh
+    with pytest.raises(MeshError, match="no mesh vertex at each of its ends"):
+        Body(mesh, "astray", 112, 10, 1.5)
+    with pytest.raises(MeshError, match="no face named cavity_lower"):
+        Body(mesh, "astray", 112, 10, 1, True, ("cavity", "cavity_lower"))
+    with pytest.raises(MeshError, match="does not run along mesh edges"):
+        Body(mesh, "astray", 112, 10, 5)

@@ -1,0 +1,56 @@
+"""Impossible dimensions are refused by name."""
+
+from dataclasses import fields
+
+import pytest
+
+from geometry import FAMILIES, BisectedCircle, Design, DesignError, PneuNet, Semicircular, SemicircularSingle
+
+
+def names(design: type[Design]) -> list[str]:
+    return [field.name for field in fields(design)]  # type: ignore[arg-type]
+
+
+LENGTHS = [(design, key) for design in FAMILIES.values() for key in names(design) if key != "chambers"]
+
+
+@pytest.mark.parametrize("value", [0, -1.0, float("nan"), float("inf"), "2 mm", True, None])
+@pytest.mark.parametrize(("family", "key"), LENGTHS)
+def test_every_length_must_be_a_positive_number(family: type[Design], key: str, value: object) -> None:
+    with pytest.raises(DesignError, match=f"^{key}: must be a positive length") as caught:
+        family(**{key: value})
+    assert caught.value.keys == (key,)
+
+
+@pytest.mark.parametrize("chambers", [0, -3, 2.0, True, "eleven"])
+@pytest.mark.parametrize("family", [PneuNet, Semicircular])
+def test_chambers_must_be_counted(family: type[Design], chambers: object) -> None:
+    with pytest.raises(DesignError, match="chambers: must be a whole number of at least 1"):
+        family(chambers=chambers)
+
+
+@pytest.mark.parametrize(
+    ("family", "dimensions", "keys"),
+    [
+        (PneuNet, {"wall": 4}, ("wall", "chamber_length")),
+        (PneuNet, {"wall": 5}, ("wall", "chamber_length")),
+        (PneuNet, {"side_wall": 7.5}, ("side_wall", "width")),
+        (PneuNet, {"roof": 12}, ("roof", "chamber_height")),
+        (PneuNet, {"channel": 3}, ("channel", "strip")),
+        (PneuNet, {"channel": 2.5, "side_wall": 6.5}, ("channel", "width", "side_wall")),
+        (Semicircular, {"wall": 7.5}, ("wall", "radius")),
+        (Semicircular, {"channel": 6}, ("channel", "radius", "wall")),
+        (SemicircularSingle, {"wall": 8}, ("wall", "radius")),
+        (SemicircularSingle, {"end_wall": 56}, ("end_wall", "length")),
+        (BisectedCircle, {"wall": 8}, ("wall", "radius")),
+        (BisectedCircle, {"end_wall": 60}, ("end_wall", "length")),
+        (BisectedCircle, {"divider": 13}, ("divider", "radius", "wall")),
+    ],
+)
+def test_dimensions_that_leave_no_body(family: type[Design], dimensions: dict, keys: tuple[str, ...]) -> None:
+    with pytest.raises(DesignError, match="must be less than") as caught:
+        family(**dimensions)
+    assert caught.value.keys == keys
+    assert str(caught.value).startswith(", ".join(keys))
+    assert "mm" in caught.value.sentence
+    assert "\n" not in str(caught.value)
