@@ -1,0 +1,195 @@
+"""The report is made from the result files alone, opens offline, and says what a failed run did not reach."""
+
+import csv
+import json
+import re
+import struct
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.report import render_report
+from pipeline.report_data import read_results
+from pipeline.report_words import agreement_of_rod, difference_of_rest_curvatures, number, share_of_factorization
+
+LENGTH, CUT = 112.0, 15.0
+PRESSURES = (17.0, 37.0)
+ALPHAS = {17.0: (60.0, 300.0), 37.0: (52.0, 440.0)}
+
+
+def curve_rows(experiment: str, pressure: float) -> list[list[float | str]]:
+    """A rod with known numbers: constant kappa_0, two slopes in III."""
+    s = np.linspace(0.0, LENGTH, 113)
+    moment = np.zeros_like(s)
+    kappa = np.full_like(s, -4e-4 * pressure * (1.001 if experiment == "I" else 1.0))
+    if experiment == "III":
+        moment = 6e-4 * pressure * (LENGTH - s) * 10.0 / LENGTH * 20.0
+        first, second = ALPHAS[pressure]
+        kappa = kappa + np.where(s < CUT, moment / first, moment / second)
+    theta = np.concatenate([[0.0], np.cumsum((kappa[1:] + kappa[:-1]) / 2 * np.diff(s))])
+    x = np.concatenate([[0.0], np.cumsum(np.cos((theta[1:] + theta[:-1]) / 2) * np.diff(s))])
+    y = 1.0 + np.concatenate([[0.0], np.cumsum(np.sin((theta[1:] + theta[:-1]) / 2) * np.diff(s))])
+    spread = np.full_like(s, 2e-4)
+    rod = ["", ""] if experiment == "I" else None
+    return [
+        [experiment, pressure, *values, *(rod or (values[1] + 0.4, values[2] + 0.3))]
+        for values in zip(s, x, y, theta, kappa, spread, moment, strict=True)
+    ]
+
+
+def experiment_row(experiment: str, pressure: float) -> dict[str, object]:
+    return {
+        "experiment": experiment,
+        "pressure_kPa": pressure,
+        "end_x_mm": 80.0,
+        "end_y_mm": -60.0,
+        "reaction_N": [0.0, 0.08] if experiment == "III" else [0.0, 0.0],
+        "cavity_volume_mm3": 9800.0,
+        "stretch_of_curve": 1.0012,
+        "min_J": 0.93,
+        "max_stretch": 1.31,
+        "min_stretch": 0.8,
+        "min_gap_mm": 0.17,
+        "newton_iterations": 12,
+        "factorizations": 11,
+        "seconds": 4.2,
+        "status": "converged",
+        "reason": "",
+    }
+
+
+def png(colour: tuple[int, int, int]) -> bytes:
+    """A picture of 8 x 4 pixels."""
+
+    def chunk(name: bytes, content: bytes) -> bytes:
+        return struct.pack(">I", len(content)) + name + content + struct.pack(">I", zlib.crc32(name + content))
+
+    lines = (b"\0" + bytes(colour) * 8) * 4
+    header = struct.pack(">IIBBBBB", 8, 4, 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b"")
+
+
+def parameters() -> dict[str, object]:
+    numbers = {
+        "alpha1_N_mm2": [60.0, 52.0],
+        "alpha2_N_mm2": [300.0, 440.0],
+        "m01_N_mm": [0.1, 0.2],
+        "m02_N_mm": [-0.3, -0.4],
+        "d_mm": [15.0, 15.0],
+    }
+    spreads = {f"{name}_std": [abs(value) / 30 for value in values] for name, values in numbers.items()}
+    slopes = {"beta1_N_mm2_per_kPa": -0.4, "beta1_N_mm2_per_kPa_std": 0.05, "beta2_N_mm2_per_kPa": 7.0}
+    lines = {"one_line_alpha_N_mm2": [250.0, 350.0], "one_line_m0_N_mm": [0.0, 0.0]}
+    return {"length_mm": LENGTH, "pressures_kPa": list(PRESSURES), **numbers, **spreads, **slopes, **lines}
+
+
+@pytest.fixture
+def finished(tmp_path: Path) -> Path:
+    """The result files of a run that reached everything."""
+    (tmp_path / "pictures").mkdir()
+    header = ["experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"]
+    with (tmp_path / "curves.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([*header, "moment_N_mm", "rod_x_mm", "rod_y_mm"])
+        for experiment in ("I", "II", "III"):
+            for pressure in PRESSURES:
+                writer.writerows(curve_rows(experiment, pressure))
+                (tmp_path / "pictures" / f"{experiment}_{pressure:g}kPa.png").write_bytes(png((40, 90, 160)))
+    for name in ("body", "body_open"):
+        (tmp_path / "pictures" / f"{name}.png").write_bytes(png((200, 200, 210)))
+    rows = [experiment_row(experiment, pressure) for experiment in ("I", "II", "III") for pressure in PRESSURES]
+    validation = [
+        {"experiment": "II", "pressure_kPa": 37.0, "distance_over_length": 0.0071, "end_angle_error_rad": 0.01},
+        {
+            "experiment": "III",
+            "pressure_kPa": 37.0,
+            "distance_over_length": 0.018,
+            "end_angle_error_rad": 0.02,
+            "force_error": -0.03,
+        },
+    ]
+    effects = [
+        {"effect": "self_contact", "state": "on", "reason": "walls come close <here>", "share_of_time": 0.018},
+        {"effect": "symmetry", "state": "on", "reason": "body and loads are mirror images", "share_of_time": None},
+    ]
+    run = {
+        "config": {"name": "arm"},
+        "config_hash": "ab" * 32,
+        "pneurod": "0.1.0",
+        "commit": None,
+        "python": "3.11",
+        "packages": {"numpy": "2.4.6"},
+        "machine": {"processor": "a processor", "cores": 2, "memory_GB": 24.0, "system": "Linux"},
+        "seconds": {"mesh": 0.3, "experiments": 30.0},
+        "solver_seconds": {"set_up": 1.0, "assembly": 4.0, "contact": 0.5, "factorization": 12.0, "solve": 1.5},
+    }
+    for name, content in {
+        "parameters": parameters(),
+        "experiments": rows,
+        "validation": validation,
+        "effects": effects,
+        "run": run,
+    }.items():
+        (tmp_path / f"{name}.json").write_text(json.dumps(content), encoding="utf-8")
+    return tmp_path
+
+
+def test_report_opens_offline(finished: Path) -> None:
+    html = render_report(finished)
+    scripts = re.findall(r"<script[^>]*>", html)
+    assert scripts
+    assert not [tag for tag in scripts if "src" in tag]
+    page = re.sub(r"<script.*?</script>", "", html, flags=re.DOTALL)
+    sources = re.findall(r"<[^>]+\s(?:src|href)\s*=\s*[\"']?([^\"'\s>]{0,40})", page)
+    assert len(sources) >= 8
+    assert all(source.startswith("data:image/png;base64,") for source in sources)
+    assert html.count("Plotly.newPlot(") >= 5
+    assert "@import" not in page
+
+
+def test_report_says_the_five_numbers_and_the_agreement(finished: Path) -> None:
+    html = render_report(finished)
+    for text in ("60.0 ± 2.0", "440 ± 15", "β₁ = -0.400 ± 0.050 N mm²/kPa", "β₂ = 7 N mm²/kPa", "0.134"):
+        assert text in html
+    assert agreement_of_rod(read_results(finished)) == [
+        "In II the curves are at most 0.71 % of the length apart (at 37 kPa), "
+        "the end angle is off by at most 0.57° (at 37 kPa).",
+        "In III the curves are at most 1.8 % of the length apart (at 37 kPa), "
+        "the end angle is off by at most 1.1° (at 37 kPa), the end force by at most 3 % (at 37 kPa).",
+    ]
+    assert "walls come close &lt;here&gt;" in html
+
+
+def test_report_says_how_far_I_and_II_differ_and_where_the_time_went(finished: Path) -> None:
+    results = read_results(finished)
+    assert [row[2] for row in difference_of_rest_curvatures(results)] == ["0.1 %", "0.1 %"]
+    assert share_of_factorization(results) == "Numeric factorization took 63 % of 19 s; there were 66 factorizations."
+
+
+def test_report_of_a_failed_run_says_what_failed(finished: Path) -> None:
+    for name in ("parameters.json", "validation.json"):
+        (finished / name).unlink()
+    rows = json.loads((finished / "experiments.json").read_text(encoding="utf-8"))
+    rows[-1] |= {"status": "failed", "reason": "an element near (3, 4, 5) mm turned inside out", "min_J": None}
+    (finished / "experiments.json").write_text(json.dumps(rows), encoding="utf-8")
+    html = render_report(finished)
+    assert "Not every pressure was reached" in html
+    assert html.count("III at 37 kPa: an element near (3, 4, 5) mm turned inside out") == 1
+    assert "They were not identified" in html
+    assert "Not compared" in html
+
+
+def test_report_of_a_run_that_reached_nothing(tmp_path: Path) -> None:
+    html = render_report(tmp_path)
+    assert "No pressure was reached" in html
+    assert "There is no run.json" in html
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(None, "-"), (0.0, "0"), (1.23456789, "1.235"), (123456.0, "1.235e+05"), (3, "3"), (0.02, "0.02"), ("II", "II")],
+)
+def test_numbers_are_readable(value: object, text: str) -> None:
+    assert number(value) == text
