@@ -1,0 +1,45 @@
+# Every target sets up what it needs first: `make pneunet` works in a fresh clone.
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.ONESHELL:
+.DEFAULT_GOAL := help
+
+BIN := .venv/bin
+READY := .venv/.ready
+
+.PHONY: help setup pneunet pneunet-coarse test slow lint types doctor clean
+
+help:  ## list the targets
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 22
+
+setup: $(READY)  ## virtual environment, pinned packages and system libraries (implied by all others)
+
+pneunet: $(READY)  ## the gapped pneu-net arm: five parameters and a report in results/pneunet
+	@$(BIN)/pneurod run configs/pneunet.yaml --out results/pneunet
+
+pneunet-coarse: $(READY)  ## the same arm on a coarse mesh, in less time
+	@$(BIN)/pneurod run configs/pneunet_coarse.yaml --out results/pneunet_coarse
+
+test: $(READY)  ## all tests but the slow ones
+	@$(BIN)/python -m pytest
+
+slow: $(READY)  ## the tests that take longer than two minutes
+	@$(BIN)/python -m pytest -m slow
+
+lint: $(READY)  ## style: ruff
+	@$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(READY)  ## types: mypy
+	@$(BIN)/mypy
+
+doctor: $(READY)  ## what is installed, what is missing, and the one command that mends it
+	@$(BIN)/pneurod doctor
+
+clean:  ## remove results and caches; the virtual environment stays
+	@rm -rf results build .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -path ./.venv -prune -o -name __pycache__ -type d -print0 | xargs -0 rm -rf
+
+$(READY): pyproject.toml requirements.lock pipeline/system_packages.txt setup.sh
+	@bash setup.sh
+	touch $@
