@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.design import Design, DesignError, check_less, check_numbers
+from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.mesh import Mesh
 from geometry.repeat import repeat, slices
 from geometry.solid import RoundBar, Solid, mesh_solid
@@ -17,7 +17,7 @@ from geometry.topology import Array
 
 @final
 @dataclass(frozen=True)
-class BisectedCircle(Design):
+class BisectedCircle(SymmetricDesign):
     """A disc extruded along x with a dividing wall in the plane y = 0 and a cavity on each side; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity (the upper one, which is pressurised), cavity_lower,
@@ -26,7 +26,6 @@ class BisectedCircle(Design):
     """
 
     family: ClassVar[str] = "bisected_circle"
-    cavities: ClassVar[tuple[str, ...]] = ("cavity", "cavity_lower")
 
     length: float = 112.0
     radius: float = 7.5  #: outer
@@ -44,6 +43,10 @@ class BisectedCircle(Design):
                 ("divider", "radius", "wall"),
                 f"divider {self.divider:g} mm must be less than the inner diameter, {across:g} mm",
             )
+
+    @property
+    def cavities(self) -> tuple[str, ...]:
+        return ("cavity", "cavity_lower")
 
     @property
     def extent(self) -> tuple[float, float, float]:

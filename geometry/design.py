@@ -90,7 +90,11 @@ class Design(ABC):
     """
 
     family: ClassVar[str]
-    cavities: ClassVar[tuple[str, ...]] = ("cavity",)
+
+    @property
+    @abstractmethod
+    def cavities(self) -> tuple[str, ...]:
+        """Names of the face groups that enclose air; the first is the one that is pressurised."""
 
     @property
     @abstractmethod
@@ -120,24 +124,35 @@ class Design(ABC):
     @property
     @abstractmethod
     def solid_volume(self) -> float:
-        """Volume of the material of the whole body, closed form, mm3."""
+        """Volume of the material of the whole body, exact, mm3."""
 
     @property
     @abstractmethod
     def cavity_volume(self) -> float:
-        """Volume of the air in the whole body that is pressurised, closed form, mm3."""
+        """Volume of the air in the whole body that is pressurised, exact, mm3."""
 
     @abstractmethod
-    def half_mesh(self, size: float) -> Mesh:
-        """Mesh of the half z >= 0 with elements of at most `size` mm (already checked against the body)."""
+    def body(self, size: float) -> Body:
+        """The meshed body; `size` is the largest length of an element edge that the mesher aims at, mm.
+
+        Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
+        """
 
     @property
     def width(self) -> float:
         """Size of the whole body along z, mm."""
         return self.extent[2]
 
+
+class SymmetricDesign(Design):
+    """A design whose two halves about z = 0 are mirror images, so that only z >= 0 is meshed."""
+
+    @abstractmethod
+    def half_mesh(self, size: float) -> Mesh:
+        """Mesh of the half z >= 0 with elements of at most `size` mm (already checked against the body)."""
+
     def body(self, size: float) -> Body:
-        """The meshed half z >= 0; `size` is the largest length of an element edge that gmsh aims at, mm.
+        """The meshed half z >= 0; `size` is the largest length of an element edge that Gmsh aims at, mm.
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """

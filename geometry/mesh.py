@@ -55,6 +55,10 @@ class Mesh:
         turned = {name: _frozen(self._outward(name, triangles)) for name, triangles in faces.items()}
         object.__setattr__(self, "faces", MappingProxyType(turned))
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # a read-only mapping cannot be pickled; the copy is checked and frozen like any other mesh
+        return Mesh, (self.points, self.tets, dict(self.faces))
+
     def _outward(self, name: str, triangles: Array) -> Array:
         """The triangles (k, 3) as they stand, outward, in the boundary."""
         row = find_rows(triangles, self.boundary, len(self.points))

@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.design import Design, DesignError, check_less, check_numbers
+from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.mesh import Mesh
 from geometry.repeat import repeat
 from geometry.solid import Box, Solid, mesh_solid
@@ -16,7 +16,7 @@ from geometry.topology import Array
 
 @final
 @dataclass(frozen=True)
-class PneuNet(Design):
+class PneuNet(SymmetricDesign):
     """A row of chambers with gaps between them, on a strip, on a base plate; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, gap (the facing walls of neighbouring chambers and the
@@ -51,6 +51,10 @@ class PneuNet(Design):
                 f"channel {self.channel:g} mm must be less than the width of the cavity, "
                 f"width - 2 side_wall = {across:g} mm",
             )
+
+    @property
+    def cavities(self) -> tuple[str, ...]:
+        return ("cavity",)
 
     @property
     def length(self) -> float:

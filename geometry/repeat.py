@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.mesh import Mesh
+from geometry.names import name_faces
 from geometry.solid import SolidMesh
-from geometry.topology import Array, find_rows
+from geometry.topology import Array
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,9 @@ def repeat(solid: SolidMesh, middle: float, edge: float, half_cells: int) -> Mes
         tets.append(here[piece.tets])
         for name, triangles in piece.walls.items():
             walls[name].append(here[triangles])
-    return _named(np.vstack(points), np.vstack(tets), {name: np.vstack(parts) for name, parts in walls.items()}, length)
+    planes = {"clamp": (0, 0.0), "tip": (0, length), "sym": (2, 0.0)}
+    joined = {name: np.vstack(parts) for name, parts in walls.items()}
+    return name_faces(np.vstack(points), np.vstack(tets), joined, planes)
 
 
 def slices(length: float, nominal: float) -> tuple[int, float]:
@@ -88,22 +91,3 @@ def _cut(solid: SolidMesh, region: str) -> _Piece:
         {name: triangles[(triangles >= 0).all(axis=1)] for name, triangles in walls.items()},
         used,
     )
-
-
-def _named(points: Array, tets: Array, walls: Mapping[str, Array], length: float) -> Mesh:
-    """The mesh with every boundary triangle under exactly one name."""
-    boundary = Mesh(points, tets, {}).boundary
-    free = np.ones(len(boundary), dtype=bool)
-    faces: dict[str, Array] = {}
-    tolerance = 1e-9 * length
-    for name, triangles in walls.items():
-        rows = find_rows(triangles, boundary, len(points))
-        faces[name] = boundary[rows[rows >= 0]]
-        free[rows[rows >= 0]] = False
-    for name, axis, value in (("clamp", 0, 0.0), ("tip", 0, length), ("sym", 2, 0.0)):
-        on = (np.abs(points[boundary][:, :, axis] - value) < tolerance).all(axis=1) & free
-        faces[name] = boundary[on]
-        free &= ~on
-    faces["outer"] = boundary[free]
-    order = ["clamp", "tip", "sym", *walls, "outer"]
-    return Mesh(points, tets, {name: faces[name] for name in order if len(faces[name])})

@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.design import Design, DesignError, check_less, check_numbers
+from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.mesh import Mesh
 from geometry.repeat import repeat
 from geometry.solid import Box, RoundBar, Shape, Solid, mesh_solid
@@ -17,7 +17,7 @@ from geometry.topology import Array
 
 @final
 @dataclass(frozen=True)
-class Semicircular(Design):
+class Semicircular(SymmetricDesign):
     """A half disc extruded along x on a base plate of the same width, with a row of chambers; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. The source shows this body without dimensions:
@@ -45,6 +45,10 @@ class Semicircular(Design):
                 f"channel {self.channel:g} mm must be less than {inner / hypot(1, 0.5):.3g} mm "
                 f"to lie inside the cavity of radius {inner:g} mm",
             )
+
+    @property
+    def cavities(self) -> tuple[str, ...]:
+        return ("cavity",)
 
     @property
     def length(self) -> float:

@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.design import Design, check_less, check_numbers
+from geometry.design import SymmetricDesign, check_less, check_numbers
 from geometry.mesh import Mesh
 from geometry.repeat import repeat, slices
 from geometry.semicircular import cavity, dome
@@ -18,7 +18,7 @@ from geometry.topology import Array
 
 @final
 @dataclass(frozen=True)
-class SemicircularSingle(Design):
+class SemicircularSingle(SymmetricDesign):
     """A half disc extruded along x on a base plate of the same width, with a single cavity; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. All dimensions are choices, those of the
@@ -38,6 +38,10 @@ class SemicircularSingle(Design):
         check_numbers(self)
         check_less(self, "wall", "radius", because="the wall leaves no cavity")
         check_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
+
+    @property
+    def cavities(self) -> tuple[str, ...]:
+        return ("cavity",)
 
     @property
     def extent(self) -> tuple[float, float, float]:

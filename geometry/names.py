@@ -1,0 +1,34 @@
+"""Every boundary triangle of a body under exactly one name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from geometry.mesh import Mesh
+from geometry.topology import Array, find_rows
+
+
+def name_faces(points: Array, tets: Array, walls: Mapping[str, Array], planes: Mapping[str, tuple[int, float]]) -> Mesh:
+    """The mesh whose boundary triangles are named by the air they touch, else by the plane they lie in, else `outer`.
+
+    points (n, 3), mm; tets (m, 4); walls: name -> (k, 3) triangles, those inside the body being ignored; planes:
+    name -> (axis, position in mm). A name without triangles is left out.
+    """
+    boundary = Mesh(points, tets, {}).boundary
+    free = np.ones(len(boundary), dtype=bool)
+    tolerance = 1e-9 * np.ptp(points, axis=0).max()
+    air: dict[str, Array] = {}
+    for name, triangles in walls.items():
+        rows = find_rows(triangles, boundary, len(points))
+        rows = rows[rows >= 0]
+        air[name] = boundary[rows]
+        free[rows] = False
+    flat: dict[str, Array] = {}
+    for name, (axis, position) in planes.items():
+        on = (np.abs(points[boundary][:, :, axis] - position) < tolerance).all(axis=1) & free
+        flat[name] = boundary[on]
+        free &= ~on
+    faces = flat | air | {"outer": boundary[free]}
+    return Mesh(points, tets, {name: triangles for name, triangles in faces.items() if len(triangles)})
