@@ -4,6 +4,8 @@ from geometry.bisected_circle import BisectedCircle
 from geometry.centreline import Centreline
 from geometry.design import Body, Design, DesignError
 from geometry.mesh import Mesh, MeshError, Quality
+from geometry.own_mesh import OwnMesh
+from geometry.own_solid import OwnSolid
 from geometry.pneunet import PneuNet
 from geometry.semicircular import Semicircular
 from geometry.semicircular_single import SemicircularSingle
@@ -22,6 +24,8 @@ __all__ = [
     "DesignError",
     "Mesh",
     "MeshError",
+    "OwnMesh",
+    "OwnSolid",
     "PneuNet",
     "Quality",
     "Semicircular",

@@ -81,9 +81,9 @@ def session() -> Iterator[Any]:
             for option, value in _OPTIONS.items():
                 gmsh.option.setNumber(option, value)
             yield gmsh
-        except MeshError:
-            raise
         except Exception as error:
+            if type(error) is not Exception:  # Gmsh raises nothing more special than that
+                raise
             raise MeshError(f"the body could not be meshed: {error}") from error
         finally:
             gmsh.finalize()
@@ -113,14 +113,14 @@ def mesh_solid(solid: Solid, size: float) -> SolidMesh:
         air = {child: name for name, child in owners if name in solid.air}
         material = {child: name for name, child in owners if name in solid.material and child not in air}
         occ.synchronize()
-        walls = _walls(gmsh, material, air)
+        walls = walls_between(gmsh, material, air)
         gmsh.model.occ.remove(list(air), recursive=True)
         occ.synchronize()
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)  # without it Gmsh refines to a tenth of the body
-        _divide_round_walls(gmsh, size)
+        _divide_roundwalls_between(gmsh, size)
         gmsh.model.mesh.generate(3)
-        return _collected(gmsh, material, walls, list(solid.material), list(solid.air))
+        return collected(gmsh, material, walls, list(solid.material), list(solid.air))
 
 
 def _block(occ: Any, shapes: Sequence[Shape]) -> list[Volume]:
@@ -140,7 +140,7 @@ def _drawn(occ: Any, shape: Shape) -> Volume:
     return occ.intersect([cylinder], [window])[0][0]
 
 
-def _walls(gmsh: Any, material: Mapping[Volume, str], air: Mapping[Volume, str]) -> dict[int, str]:
+def walls_between(gmsh: Any, material: Mapping[Volume, str], air: Mapping[Volume, str]) -> dict[int, str]:
     """The faces between a material volume and an air volume, with the name of the air."""
     solid_faces = {tag for volume in material for _, tag in _faces(gmsh, volume)}
     return {tag: name for volume, name in air.items() for _, tag in _faces(gmsh, volume) if tag in solid_faces}
@@ -150,7 +150,7 @@ def _faces(gmsh: Any, volume: Volume) -> list[tuple[int, int]]:
     return gmsh.model.getBoundary([volume], oriented=False)
 
 
-def _divide_round_walls(gmsh: Any, size: float) -> None:
+def _divide_roundwalls_between(gmsh: Any, size: float) -> None:
     """Divide round faces into straight strips along x, all arcs by the same angle.
 
     So the two sides of a round wall face each other vertex to vertex, and its thickness is that of the drawing times
@@ -177,9 +177,10 @@ def _radius(model: Any, arc: int) -> float:
     return 1 / float(model.getCurvature(1, arc, [middle])[0])
 
 
-def _collected(
+def collected(
     gmsh: Any, material: Mapping[Volume, str], walls: Mapping[int, str], regions: Sequence[str], names: Sequence[str]
 ) -> SolidMesh:
+    """The mesh of the session: the tetrahedra of each region, the triangles of each name."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     index = np.zeros(int(tags.max()) + 1, dtype=np.int64)
     index[tags] = np.arange(len(tags))

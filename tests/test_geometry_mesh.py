@@ -1,5 +1,6 @@
 """Meshes as values: orientation, names, volumes, files."""
 
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -117,6 +118,14 @@ def test_mirrored_body_is_twice_the_half(reference: Mesh) -> None:
     assert sum(map(len, whole.faces.values())) == len(whole.boundary)
     with pytest.raises(MeshError, match="named sym"):
         whole.mirrored()
+
+
+def test_mesh_survives_a_trip_to_another_process(reference: Mesh) -> None:
+    again = pickle.loads(pickle.dumps(reference))
+    assert np.array_equal(again.points, reference.points)
+    assert np.array_equal(again.tets, reference.tets)
+    assert all(np.array_equal(again.faces[name], reference.faces[name]) for name in reference.faces)
+    assert not again.points.flags.writeable
 
 
 def test_plane_holds_inner_triangles_too(reference: Mesh) -> None:

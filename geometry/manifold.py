@@ -1,0 +1,33 @@
+"""Whether a mesh is one body with a proper surface."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from geometry.mesh import Mesh, MeshError
+from geometry.topology import row_keys
+
+
+def check_manifold(mesh: Mesh) -> None:
+    """Raise `MeshError` unless the mesh is one piece and each edge of its surface belongs to two boundary triangles."""
+    pairs = mesh.boundary[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    _, first, counts = np.unique(row_keys(pairs, len(mesh.points)), return_index=True, return_counts=True)
+    if (counts != 2).any():
+        x, y, z = mesh.points[pairs[first[counts != 2][0]]].mean(axis=0)
+        raise MeshError(
+            f"the surface of the body is not manifold: an edge near ({x:.3g}, {y:.3g}, {z:.3g}) mm belongs to "
+            f"{counts[counts != 2][0]} boundary triangles; parts that touch along a line must be joined or parted"
+        )
+    pieces = count_pieces(mesh)
+    if pieces > 1:
+        raise MeshError(f"the mesh holds {pieces} solids that share no vertex; unite them to one")
+
+
+def count_pieces(mesh: Mesh) -> int:
+    """Number of pieces that are not connected by a common vertex."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    a, b = mesh.edges.T
+    graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(mesh.points),) * 2)
+    return int(connected_components(graph, directed=False)[0])
