@@ -73,7 +73,8 @@ Pressure = Annotated[float, _in(PRESSURE)]
 Pressures = Annotated[tuple[Pressure, ...], AfterValidator(_ascending), Field(strict=False)]
 PoissonRatio = Annotated[float, BeforeValidator(_number), AfterValidator(_poisson_ratio), Field(examples=["0.495"])]
 Count = Annotated[int, BeforeValidator(_count), Field(examples=["11"])]
-Text = Annotated[str, Field(min_length=1, examples=["pneunet"])]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", examples=["pneunet"])]
+Text = Annotated[str, Field(min_length=1)]
 Switch = Annotated[Literal["auto", "on", "off"], BeforeValidator(_on_or_off), Field(examples=["auto"])]
 
 FORMULATIONS = ("p2p0", "p2", "mixed")
@@ -103,7 +104,7 @@ class _Effects(_Section):
 
 
 class _Document(_Section):
-    name: Text
+    name: Name
     pressures: Pressures = (5.0, 17.0, 31.0, 45.0)
     end: _End = _End()
     mesh: _Mesh

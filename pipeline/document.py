@@ -114,6 +114,8 @@ def _complaint(error: Mapping[str, Any], model: Any) -> str:
         return "must be a list, for example [17 kPa, 37 kPa]"
     if kind in ("string_type", "string_too_short"):
         return f"{error['input']!r} is not a text; for example '{_example(model, key)}'"
+    if kind == "string_pattern_mismatch":
+        return f"'{error['input']}' is not a name; allowed: letters, digits, '_', '-' and '.'"
     return f"{error['msg']}; given: {error['input']!r}"
 
 

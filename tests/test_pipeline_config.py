@@ -1,0 +1,243 @@
+"""A configuration is read with its units, and what is wrong is refused in one sentence with file and key."""
+
+import dataclasses
+import json
+import pickle
+from pathlib import Path
+
+import pytest
+
+from geometry import FAMILIES, PneuNet
+from pipeline.config import EFFECTS, LAWS, Config, load_config
+from pipeline.failure import InputError
+from pipeline.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
+
+
+def refusal(path: Path, *overrides: str) -> str:
+    with pytest.raises(InputError) as refused:
+        load_config(path, overrides)
+    sentence = str(refused.value)
+    assert "\n" not in sentence
+    assert "pydantic" not in sentence
+    return sentence
+
+
+@pytest.fixture
+def written(tmp_path: Path, configs: Path) -> Path:
+    """A copy of the coarse configuration that a test may spoil."""
+    path = tmp_path / "arm.yaml"
+    path.write_text((configs / "pneunet_coarse.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    return path
+
+
+def spoil(path: Path, old: str, new: str) -> Path:
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return path
+
+
+def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
+    config = load_config(configs / "pneunet.yaml")
+    assert config.design == PneuNet()
+    assert config.design.length == 112.0
+    assert config.material.model == "StVenantKirchhoff"
+    assert config.material.constants == {"E": 1.2, "nu": 0.495}
+    assert config.material.density_tonne_mm3 == 1.13e-9
+    assert config.pressures_kPa == (5.0, 17.0, 31.0, 45.0)
+    assert config.pressures_MPa == (0.005, 0.017, 0.031, 0.045)
+    assert config.end_y_mm == 0.0
+    assert config.mesh.formulation == "p2p0"
+    assert config.effects == {"self_contact": "auto", "symmetry": "auto"}
+
+
+def test_a_configuration_travels_to_other_processes(configs: Path) -> None:
+    config = load_config(configs / "pneunet.yaml")
+    assert pickle.loads(pickle.dumps(config)) == config
+    assert json.loads(json.dumps(config.record())) == config.record()
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        config.name = "other"  # type: ignore[misc]
+
+
+def test_the_hash_knows_values_not_spellings(configs: Path) -> None:
+    def hashed(*overrides: str) -> str:
+        return load_config(configs / "pneunet_coarse.yaml", overrides).hash
+
+    assert hashed("material.E=1200 kPa", "pressures=[0.017 MPa, 0.37 bar]", "end.y=0 m") == hashed()
+    different = {hashed(), hashed("mesh.size=3 mm"), hashed("pressures=[17 kPa]"), hashed("effects.symmetry=off")}
+    assert len(different) == 4
+
+
+@pytest.mark.parametrize("family", sorted(FAMILIES))
+def test_every_family_reads_its_own_keys(written: Path, family: str) -> None:
+    keys = [field.name for field in dataclasses.fields(FAMILIES[family])]
+    geometry = f"geometry={{family: {family}}}"
+    config = load_config(written, [geometry])
+    assert config.design == FAMILIES[family]()
+    assert refusal(written, geometry, "geometry.wings=2").endswith(f"allowed here: family, {', '.join(keys)}")
+
+
+def test_what_is_left_out_has_a_default(written: Path) -> None:
+    text = "name: short\ngeometry: {family: pneunet}\nmesh: {size: 4 mm}\n"
+    written.write_text(text + "material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}\n", encoding="utf-8")
+    config = load_config(written)
+    assert config.pressures_kPa == (5.0, 17.0, 31.0, 45.0)
+    assert config.effects == dict.fromkeys(EFFECTS, "auto")
+
+
+#: what stands in the file, what is written instead, the key in the sentence, and what the sentence must say
+SPOILT = [
+    ("size: 4 mm", "size: 4", "mesh.size", "4 has no unit; write a length with its unit, for example '4 mm'"),
+    ("size: 4 mm", "size: 4 furlongz", "mesh.size", "'furlongz' in '4 furlongz' is not a known unit"),
+    ("size: 4 mm", "size: 4 kPa", "mesh.size", "'4 kPa' is not a length"),
+    ("size: 4 mm", "size: four mm", "mesh.size", "not a number followed by a unit"),
+    ("size: 4 mm", "size: 4 mm**", "mesh.size", "not a known unit"),
+    ("size: 4 mm", "size: 1e999 mm", "mesh.size", "not finite"),
+    ("size: 4 mm", "size: 40 mm", "mesh.size", "larger than the body"),
+    ("size: 4 mm", "size: -4 mm", "mesh.size", "allowed: above zero"),
+    ("size: 4 mm", "sizes: 4 mm", "mesh.sizes", "unknown key; did you mean 'size'? allowed here: size, formulation"),
+    ("name: pneunet_coarse", "", "name", "is missing; for example 'name: pneunet'"),
+    ("name: pneunet_coarse", "name: a/b", "name", "letters"),
+    ("name: pneunet_coarse", "name: 12", "name", "is not a text"),
+    ("name: pneunet_coarse", "name: x\ncolour: red", "colour", "unknown key; allowed here: name, pressures, end"),
+    ("width: 15 mm", "width: 15", "geometry.width", "15 has no unit"),
+    ("width: 15 mm", "widht: 15 mm", "geometry.widht", "did you mean 'width'?"),
+    ("width: 15 mm", "width: -15 mm", "geometry.width", "must be a positive length"),
+    ("wall: 1 mm  ", "wall: 5 mm  ", "geometry.wall", "less than half of chamber_length"),
+    ("chambers: 11 ", "chambers: 11 mm ", "geometry.chambers", "is not a whole number"),
+    ("chambers: 11 ", "chambers: 1.5 ", "geometry.chambers", "is not a whole number"),
+    ("family: pneunet", "family: pneu", "geometry.family", "'pneu' is not known; allowed: pneunet"),
+    ("nu: 0.495", "nu: 0.5", "material.nu", "allowed: above -1 and below 0.5"),
+    ("nu: 0.495", "nu: 0.6", "material.nu", "allowed: above -1 and below 0.5"),
+    ("nu: 0.495", "nu: -1", "material.nu", "allowed: above -1 and below 0.5"),
+    ("nu: 0.495", "nu: .nan", "material.nu", "allowed: above -1 and below 0.5"),
+    ("nu: 0.495", "nu: 0.495 MPa", "material.nu", "is not a plain number"),
+    ("nu: 0.495", "mu: 0.4 MPa", "material.mu", "unknown key"),
+    ("E: 1.2 MPa", "E: 1.2 mm", "material.E", "'1.2 mm' is not a stress"),
+    ("E: 1.2 MPa", "E: 0 MPa", "material.E", "allowed: above zero"),
+    ("law: svk", "law: rubber", "material.law", "'rubber' is not known; allowed: svk"),
+    ("density: 1130 kg/m^3", "density: 1130 kg", "material.density", "is not a density"),
+    ("[17 kPa, 37 kPa]", "[37 kPa, 17 kPa]", "pressures", "is not in ascending order"),
+    ("[17 kPa, 37 kPa]", "[17 kPa, 17 kPa]", "pressures", "is not in ascending order"),
+    ("[17 kPa, 37 kPa]", "[-17 kPa, 37 kPa]", "pressures", "-17 kPa is not above zero"),
+    ("[17 kPa, 37 kPa]", "[0 kPa, 37 kPa]", "pressures", "0 kPa is not above zero"),
+    ("[17 kPa, 37 kPa]", "[]", "pressures", "is empty"),
+    ("[17 kPa, 37 kPa]", "17 kPa", "pressures", "must be a list, for example [17 kPa, 37 kPa]"),
+    ("[17 kPa, 37 kPa]", "[17 kPa, 37]", "pressures[2]", "37 has no unit"),
+    ("y: 0 mm", "y: 0", "end.y", "0 has no unit"),
+    ("y: 0 mm", "z: 0 mm", "end.z", "unknown key; allowed here: y"),
+    ("formulation: p2p0", "formulation: p7", "mesh.formulation", "'p7' is not allowed; allowed: p2p0, p2 or mixed"),
+    ("self_contact: auto", "self_contact: never", "effects.self_contact", "allowed: auto, on or off"),
+    ("self_contact: auto", "friction: on", "effects.friction", "unknown key; allowed here: self_contact, symmetry"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "key", "complaint"), SPOILT)
+def test_wrong_input_is_refused_in_one_sentence(written: Path, old: str, new: str, key: str, complaint: str) -> None:
+    sentence = refusal(spoil(written, old, new))
+    assert sentence.startswith(f"{written}: {key}: ")
+    assert complaint in sentence
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "holds no keys"),
+        ("- a\n- b\n", "holds no keys"),
+        ("name: [1, 2\n", "line 2: "),
+        ("name: a\nname: b\n", "line 2: key 'name' given twice"),
+        ("name: a\n", "geometry: is missing"),
+        ("name: a\ngeometry: 3\n", "geometry: must hold keys"),
+        ("name: a\ngeometry: {}\n", "geometry.family: is missing; allowed: pneunet"),
+        ("\x00", "write 'key: value' lines"),
+    ],
+)
+def test_a_file_that_is_no_configuration_is_refused(written: Path, text: str, complaint: str) -> None:
+    written.write_text(text, encoding="utf-8")
+    sentence = refusal(written)
+    assert sentence.startswith(f"{written}: ")
+    assert complaint in sentence
+
+
+def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
+    assert "no such file" in refusal(tmp_path / "none.yaml")
+    assert "cannot be read" in refusal(tmp_path)
+    binary = tmp_path / "binary.yaml"
+    binary.write_bytes(b"\xff\xfe\x80")
+    assert "not a text in UTF-8" in refusal(binary)
+
+
+def test_several_mistakes_are_counted(written: Path) -> None:
+    spoil(spoil(written, "nu: 0.495", "nu: 0.7"), "size: 4 mm", "size: 4")
+    assert refusal(written).endswith("(and 1 more)")
+
+
+@pytest.mark.parametrize(
+    ("value", "state"), [("on", "on"), ("off", "off"), ("yes", "on"), ("no", "off"), ("auto", "auto"), ("'on'", "on")]
+)
+def test_switches_survive_the_booleans_of_yaml(written: Path, value: str, state: str) -> None:
+    assert load_config(spoil(written, "self_contact: auto", f"self_contact: {value}")).effects["self_contact"] == state
+
+
+def test_overrides_replace_values_before_the_check(written: Path) -> None:
+    overrides = ["mesh.size=3 mm", "pressures=[17 kPa, 37 kPa, 45 kPa]", "geometry.wall=1.5 mm", "effects.symmetry=off"]
+    config = load_config(spoil(written, "size: 4 mm", "size: 4"), overrides)
+    assert (config.mesh.size_mm, config.design.wall) == (3.0, 1.5)
+    assert config.pressures_kPa == (17.0, 37.0, 45.0)
+    assert config.effects["symmetry"] == "off"
+
+
+@pytest.mark.parametrize(
+    ("override", "sentence"),
+    [
+        ("mesh.size=4", "--set mesh.size: 4 has no unit"),
+        ("mesh.sise=4 mm", "--set mesh.sise: unknown key; did you mean 'size'?"),
+        ("mesh=4 mm", "--set mesh: must hold keys"),
+        ("mesh={size: 4}", "--set mesh: mesh.size: 4 has no unit"),
+        ("mesh.size.x=4 mm", "--set mesh.size.x: 'mesh.size' holds a value, not keys"),
+        ("mesh.size", "--set mesh.size: is not KEY=VALUE"),
+        ("=4 mm", "--set =4 mm: is not KEY=VALUE"),
+        ("mesh.size=[", "--set mesh.size: line 1: "),
+        ("material.nu=0.6", "--set material.nu: 0.6 is not a Poisson ratio"),
+        ("geometry.chamber_length=1 mm", "--set geometry.chamber_length: wall 1 mm must be less than half"),
+        ("material.law=rubber", "--set material.law: 'rubber' is not known"),
+    ],
+)
+def test_a_wrong_override_is_named(written: Path, override: str, sentence: str) -> None:
+    assert refusal(written, override).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "number"),
+    [
+        ("112 mm", LENGTH, 112.0),
+        ("11.2cm", LENGTH, 112.0),
+        ("0.112 m", LENGTH, 112.0),
+        ("1.2e6 N/m^2", STRESS, 1.2),
+        ("0.45 bar", PRESSURE, 45.0),
+        ("0.017 MPa", PRESSURE, 17.0),
+        ("1130 kg/m^3", DENSITY, 1.13e-9),
+        ("1.13 g/cm**3", DENSITY, 1.13e-9),
+        ("-3 mm", LENGTH, -3.0),
+    ],
+)
+def test_units_are_converted(text: str, dimension: Dimension, number: float) -> None:
+    assert convert(text, dimension) == number
+
+
+def test_every_law_stands_in_fem() -> None:
+    fem = pytest.importorskip("fem")
+    for model, constants in LAWS.values():
+        law = getattr(fem, model)
+        assert set(constants) <= {field.name for field in dataclasses.fields(law)}
+
+
+def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> None:
+    found = sorted(configs.glob("*.yaml"))
+    assert len(found) >= 2
+    for path in found:
+        assert isinstance(load_config(path), Config)
+        for line in path.read_text(encoding="utf-8").splitlines():
+            value = line.partition("#")[0]
+            if any(character.isdigit() for character in value):
+                assert "paper" in line or "choice" in line, f"{path.name}: {line}"

@@ -1,0 +1,165 @@
+"""Imports look down only, lazy ones included, and every heavy library has one door. The guard is shown to bite."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent.parent
+
+#: room -> the rooms it may import
+BELOW: dict[str, set[str]] = {
+    "geometry": set(),
+    "fem": {"geometry"},
+    "rod": {"geometry"},
+    "pipeline": {"geometry", "fem", "rod"},
+}
+
+#: room -> the libraries it may import beside the standard library
+LIBRARIES: dict[str, set[str]] = {
+    "geometry": {"numpy", "gmsh", "meshio"},
+    "fem": {"numpy", "scipy", "skfem", "numba", "ipctk", "pypardiso"},
+    "rod": {"numpy", "scipy", "sklearn", "numba"},
+    "pipeline": {
+        *("numpy", "numba", "packaging", "yaml", "pydantic", "pint"),
+        *("pyvista", "typer", "rich", "jinja2", "plotly"),
+    },
+}
+
+#: library -> the only modules that may import it
+DOORS: dict[str, set[str]] = {
+    "gmsh": {"geometry/solid.py"},
+    "meshio": {"geometry/mesh.py"},
+    "skfem": {"fem/discretisation.py"},
+    "numba": {"fem/kernels.py", "rod/shooting.py", "pipeline/doctor.py"},  # the doctor tries its threads
+    "ipctk": {"fem/contact.py"},
+    "pypardiso": {"fem/linear.py"},
+    "sklearn": {"rod/curvature.py"},
+    "pydantic": {"pipeline/config.py"},
+    "pint": {"pipeline/units.py"},
+    "yaml": {"pipeline/document.py"},
+    "pyvista": {"pipeline/pictures.py"},
+    "typer": {"pipeline/cli.py"},
+    "rich": {"pipeline/cli.py", "pipeline/progress.py"},
+    "jinja2": {"pipeline/report.py"},
+    "plotly": {"pipeline/report.py", "pipeline/report_figures.py"},
+}
+
+#: what `pneurod --help` must not wait for
+HEAVY = {"numpy", "scipy", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn"} | {
+    *("pydantic", "pint", "pyvista", "vtkmodules", "jinja2", "plotly"),
+}
+
+
+def imported(source: str, room: str) -> Iterator[str]:
+    """The full name of every module that the text imports, at its top or inside its functions."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield f"{room}.{node.module or ''}" if node.level else str(node.module)
+        elif isinstance(node, ast.Name | ast.Attribute):
+            name = node.id if isinstance(node, ast.Name) else node.attr
+            if name in ("import_module", "__import__"):
+                yield f"a name computed while running ({name})"
+
+
+def refusals(module: str, source: str) -> list[str]:
+    """Why the imports of `module` ("fem/linear.py") are not allowed, one sentence each."""
+    room = module.partition("/")[0]
+    found = []
+    for name in imported(source, room):
+        library = name.partition(".")[0]
+        if library == room or library in sys.stdlib_module_names:
+            continue
+        if library in BELOW:
+            if library not in BELOW[room]:
+                found.append(f"{module} imports {name}: {room} must not know {library}")
+        elif library not in LIBRARIES[room]:
+            found.append(f"{module} imports {name}: {room} has no use for it")
+        elif module not in DOORS.get(library, {module}):
+            found.append(f"{module} imports {name}: its door is {', '.join(sorted(DOORS[library]))}")
+    return found
+
+
+def modules() -> list[str]:
+    return sorted(str(path.relative_to(HERE)) for room in BELOW for path in (HERE / room).rglob("*.py"))
+
+
+def test_imports_look_down_through_one_door() -> None:
+    found = modules()
+    assert len(found) > 30
+    assert {module.partition("/")[0] for module in found} == set(BELOW)
+    sources = {module: (HERE / module).read_text(encoding="utf-8") for module in found}
+    assert [refusal for module, source in sources.items() for refusal in refusals(module, source)] == []
+    count = sum(len(list(imported(source, module.partition("/")[0]))) for module, source in sources.items())
+    assert count > 100
+
+
+@pytest.mark.parametrize("library", sorted(DOORS))
+def test_every_door_is_used(library: str) -> None:
+    """A door that nobody walks through any more must leave the table."""
+    for module in DOORS[library]:
+        names = imported((HERE / module).read_text(encoding="utf-8"), module.partition("/")[0])
+        assert library in {name.partition(".")[0] for name in names}, f"{module} does not import {library}"
+
+
+@pytest.mark.parametrize(
+    ("module", "source", "because"),
+    [
+        ("geometry/mesh.py", "import fem", "geometry must not know fem"),
+        ("fem/model.py", "def f():\n    from rod.law import FiveParameters", "fem must not know rod"),
+        ("rod/law.py", "import fem.model as model", "rod must not know fem"),
+        ("rod/law.py", "if True:\n    from pipeline import config", "rod must not know pipeline"),
+        ("geometry/mesh.py", "import scipy.sparse", "geometry has no use for it"),
+        ("fem/model.py", "import gmsh", "fem has no use for it"),
+        ("geometry/mesh.py", "def f():\n    import gmsh", "its door is geometry/solid.py"),
+        ("fem/model.py", "from skfem.helpers import grad", "its door is fem/discretisation.py"),
+        ("fem/model.py", "import importlib\nimportlib.import_module('rod')", "fem has no use for it"),
+        ("pipeline/store.py", "import pyvista", "its door is pipeline/pictures.py"),
+        ("pipeline/store.py", "import requests", "pipeline has no use for it"),
+    ],
+)
+def test_the_guard_bites(module: str, source: str, because: str) -> None:
+    assert [refusal for refusal in refusals(module, source) if because in refusal], because
+
+
+@pytest.mark.parametrize(
+    ("module", "source"),
+    [
+        ("geometry/solid.py", "def f():\n    import gmsh"),
+        ("fem/model.py", "from geometry import Mesh\nfrom fem.newton import solve\nimport numpy.typing"),
+        ("rod/equilibrium.py", "from .law import FiveParameters\nfrom . import path"),
+        ("pipeline/run.py", "import fem\nimport rod\nimport geometry\nfrom pathlib import Path"),
+    ],
+)
+def test_the_guard_lets_pass(module: str, source: str) -> None:
+    assert refusals(module, source) == []
+
+
+def loaded_after(statement: str) -> set[str]:
+    """The top-level modules loaded by `statement` in a fresh process."""
+    command = f"import sys\n{statement}\nprint(*{{name.partition('.')[0] for name in sys.modules}})"
+    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True, cwd=HERE)
+    return set(done.stdout.split())
+
+
+def test_help_waits_for_nothing_heavy() -> None:
+    show_help = (
+        "import contextlib, io\n"
+        "from pipeline.cli import app\n"
+        "with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):\n"
+        "    app(['--help'])\n"
+    )
+    loaded = loaded_after(show_help)
+    assert "typer" in loaded
+    assert loaded & HEAVY == set()
+
+
+def test_a_configuration_is_read_without_the_machines() -> None:
+    loaded = loaded_after("from pipeline.config import load_config\nload_config('configs/pneunet.yaml')")
+    assert {"pydantic", "pint", "geometry"} <= loaded
+    assert loaded & {"gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn", "pyvista", "plotly"} == set()
