@@ -118,7 +118,7 @@ def mesh_solid(solid: Solid, size: float) -> SolidMesh:
         occ.synchronize()
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)  # without it Gmsh refines to a tenth of the body
-        _divide_roundwalls_between(gmsh, size)
+        _divide_round_walls(gmsh, size)
         gmsh.model.mesh.generate(3)
         return collected(gmsh, material, walls, list(solid.material), list(solid.air))
 
@@ -150,7 +150,7 @@ def _faces(gmsh: Any, volume: Volume) -> list[tuple[int, int]]:
     return gmsh.model.getBoundary([volume], oriented=False)
 
 
-def _divide_roundwalls_between(gmsh: Any, size: float) -> None:
+def _divide_round_walls(gmsh: Any, size: float) -> None:
     """Divide round faces into straight strips along x, all arcs by the same angle.
 
     So the two sides of a round wall face each other vertex to vertex, and its thickness is that of the drawing times
