@@ -25,9 +25,12 @@ def check_manifold(mesh: Mesh) -> None:
 
 def count_pieces(mesh: Mesh) -> int:
     """Number of pieces that are not connected by a common vertex."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
     a, b = mesh.edges.T
-    graph = coo_array((np.ones(len(a)), (a, b)), shape=(len(mesh.points),) * 2)
-    return int(connected_components(graph, directed=False)[0])
+    lowest = np.arange(len(mesh.points))  # smallest vertex known to be in the same piece
+    while True:
+        before = lowest.copy()
+        np.minimum.at(lowest, a, before[b])
+        np.minimum.at(lowest, b, before[a])
+        lowest = lowest[lowest]  # the vertex it points to may know of a smaller one
+        if np.array_equal(lowest, before):
+            return len(np.unique(lowest))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from geometry import DesignError, Mesh, MeshError, OwnMesh, OwnSolid, PneuNet
+from geometry.manifold import count_pieces
 from geometry.solid import session
 
 Draw = Callable[[Any], Any]
@@ -224,7 +225,9 @@ def twice(mesh: Mesh) -> Mesh:
     count = len(mesh.points)
     faces = {name: np.vstack([f, f + count]) for name, f in mesh.faces.items()}
     return Mesh(
-        np.vstack([mesh.points, np.add(mesh.points, [0, 50, 0])]), np.vstack([mesh.tets, mesh.tets + count]), faces
+        np.vstack([mesh.points, np.add(mesh.points, [0, 2 * np.ptp(mesh.points), 0])]),
+        np.vstack([mesh.tets, mesh.tets + count]),
+        faces,
     )
 
 
@@ -250,6 +253,11 @@ BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
     "two solids": (twice, "2 solids"),
     "hinge": (hinged, "not manifold: an edge near"),
 }
+
+
+def test_pieces_are_counted() -> None:
+    mesh = PneuNet().body(5).mesh
+    assert [count_pieces(m) for m in (mesh, twice(mesh), twice(twice(mesh)))] == [1, 2, 4]
 
 
 @pytest.mark.parametrize("case", BAD_MESHES)
