@@ -81,7 +81,8 @@ class Store:
     def load_state(self, experiment: str, pressure_kPa: float) -> dict[str, NDArray[Any]] | None:
         """The arrays of a remembered state, or None where there is none for this configuration and these sources."""
         try:
-            with np.load(self.directory / _state_name(experiment, pressure_kPa), allow_pickle=False) as stored:
+            path = self.directory / _state_name(experiment, pressure_kPa)
+            with path.open("rb") as file, np.load(file, allow_pickle=False) as stored:
                 arrays = {name: stored[name] for name in stored.files}
         except (OSError, ValueError, EOFError, zipfile.BadZipFile):
             return None

@@ -1,0 +1,162 @@
+"""The command line: exit status, one sentence on stderr, never a traceback for a user's mistake."""
+
+import subprocess
+import sys
+import types
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from pipeline import doctor
+from pipeline.cli import app
+from pipeline.doctor import Finding
+from pipeline.failure import RunFailed
+from pipeline.progress import Progress
+
+Story = Callable[[object, Path, int, bool, Progress], None]
+
+
+@pytest.fixture
+def coarse(configs: Path) -> str:
+    return str(configs / "pneunet_coarse.yaml")
+
+
+@pytest.fixture
+def story(monkeypatch: pytest.MonkeyPatch) -> Callable[[Story], None]:
+    """Put another function in the place of pipeline.run.run."""
+
+    def put(function: Story) -> None:
+        stand_in = types.ModuleType("pipeline.run")
+        stand_in.run = function  # type: ignore[attr-defined]
+        monkeypatch.setitem(sys.modules, "pipeline.run", stand_in)
+
+    return put
+
+
+def call(*arguments: str) -> Result:
+    return CliRunner().invoke(app, list(arguments))
+
+
+def sentence(result: Result, status: int) -> str:
+    """The one sentence on stderr of a command that ended with `status`."""
+    assert result.exit_code == status, result.output
+    lines = result.stderr.splitlines()
+    assert len(lines) == 1, lines
+    assert lines[0].startswith("pneurod: ")
+    return lines[0].removeprefix("pneurod: ")
+
+
+def test_run_hands_everything_on(story: Callable[[Story], None], coarse: str, tmp_path: Path) -> None:
+    calls = []
+    story(lambda *arguments: calls.append(arguments))
+    out = tmp_path / "out"
+    result = call("run", coarse, "--out", str(out), "--set", "mesh.size=3 mm", "--jobs", "2", "--fresh")
+    assert result.exit_code == 0
+    [(config, folder, jobs, fresh, progress)] = calls
+    assert (config.mesh.size_mm, folder, jobs, fresh) == (3.0, out, 2, True)
+    assert hasattr(progress, "step_done")
+    assert "report.html" in result.stdout
+    assert call("run", coarse).exit_code == 0
+    assert calls[1][1] == Path("results/pneunet_coarse")
+
+
+@pytest.mark.parametrize(
+    ("setting", "complaint"),
+    [
+        ("mesh.size=4", "--set mesh.size: 4 has no unit; write a length with its unit, for example '4 mm'"),
+        ("mesh.grain=4 mm", "--set mesh.grain: unknown key; allowed here: size, formulation"),
+        ("material.E=3 mm", "--set material.E: '3 mm' is not a stress; "),
+        ("pressures=[37 kPa, 17 kPa]", "--set pressures: [37 kPa, 17 kPa] is not in ascending order; "),
+        ("pressures=[-5 kPa]", "--set pressures: -5 kPa is not above zero; "),
+        ("material.nu=0.5", "--set material.nu: 0.5 is not a Poisson ratio"),
+        ("mesh.size=200 mm", "--set mesh.size: 200 mm is larger than the body"),
+    ],
+)
+@pytest.mark.parametrize("command", ["run", "mesh"])
+def test_wrong_input_ends_with_2(command: str, setting: str, complaint: str, coarse: str) -> None:
+    assert sentence(call(command, coarse, "--set", setting), 2).startswith(complaint)
+
+
+def test_a_missing_file_ends_with_2() -> None:
+    assert sentence(call("run", "none.yaml"), 2).startswith("none.yaml: no such file")
+
+
+def test_wrong_input_in_a_process_of_its_own(coarse: str) -> None:
+    command = [sys.executable, "-m", "pipeline", "run", coarse, "--set", "material.nu=0.6"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=Path(coarse).parent.parent)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("pneurod: --set material.nu: 0.6 is not a Poisson ratio")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def raising(error: BaseException) -> Story:
+    def tell_and_raise(config: object, out: Path, jobs: int, fresh: bool, progress: Progress) -> None:
+        progress.stage("experiments")
+        raise error
+
+    return tell_and_raise
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "said"),
+    [
+        (RunFailed("the body cannot bear 1000 kPa"), 1, "the body cannot bear 1000 kPa"),
+        (KeyboardInterrupt(), 130, "interrupted; what is finished is kept, and the same command goes on from there"),
+        (OSError(28, "No space left on device", "out/a.json"), 1, "out/a.json: No space left on device"),
+        (MemoryError(), 1, "the memory of this machine does not suffice"),
+    ],
+)
+def test_a_run_that_fails_says_why(
+    story: Callable[[Story], None], coarse: str, tmp_path: Path, error: BaseException, status: int, said: str
+) -> None:
+    story(raising(error))
+    assert sentence(call("run", coarse, "--out", str(tmp_path)), status).startswith(said)
+
+
+def test_mesh_writes_the_body_and_measures_it(coarse: str, tmp_path: Path) -> None:
+    result = call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2", "--set", "mesh.size=5 mm")
+    assert result.exit_code == 0, result.stderr
+    assert (tmp_path / "mesh.vtu").stat().st_size > 1000
+    for text in ("22 mm", "closed form", "radius ratio", "tetrahedra"):
+        assert text in result.stdout
+
+
+def test_mesh_into_a_folder_that_cannot_be_written(coarse: str, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    said = sentence(call("mesh", coarse, "--out", str(tmp_path / "file" / "out")), 2)
+    assert "cannot be written" in said
+
+
+def test_doctor_finds_this_machine_sound() -> None:
+    result = call("doctor")
+    assert result.exit_code == 0, result.output
+    for subject in ("Python", "gmsh", "pictures", "linear solver", "threads", "disk"):
+        assert subject in result.stdout
+    assert result.stdout.count("ok") >= 20
+
+
+def test_doctor_names_the_one_command(monkeypatch: pytest.MonkeyPatch) -> None:
+    findings = [
+        Finding("Python", True, "3.11"),
+        Finding("gmsh", False, "libGLU.so.1: cannot open shared object file", "apt-get install -y libglu1-mesa"),
+        Finding("pictures", False, "ended by signal 11", "apt-get install -y libglu1-mesa"),
+        Finding("numpy", False, "not installed", "make setup"),
+    ]
+    monkeypatch.setattr(doctor, "examine", lambda: findings)
+    said = sentence(call("doctor"), 1)
+    assert said == "something is missing; to mend it: apt-get install -y libglu1-mesa && make setup"
+
+
+def test_doctor_knows_a_missing_system_library_from_a_missing_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(said: str) -> Finding:
+        done = subprocess.CompletedProcess([], 1, "", f"Traceback\n{said}\n")
+        monkeypatch.setattr(doctor.subprocess, "run", lambda *arguments, **options: done)
+        return doctor._tried("gmsh")
+
+    library = failing("OSError: libGLU.so.1: cannot open shared object file: No such file or directory")
+    assert not library.sound
+    assert all(package in library.mends for package in doctor.system_packages())
+    assert failing("ModuleNotFoundError: No module named 'gmsh'").mends == "make setup"

@@ -1,0 +1,123 @@
+"""Pictures show something, and the fields are quadratic tetrahedra that ParaView and meshio can read."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+import pyvista
+
+from pipeline.pictures import (
+    Colour,
+    _grid,
+    _skin,
+    _whole,
+    draw_body,
+    draw_deformed,
+    write_fields,
+    write_series,
+)
+
+EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]
+
+
+def bar() -> tuple[np.ndarray, np.ndarray]:
+    """A half bar 0 <= x <= 8, 0 <= y <= 1, 0 <= z <= 1 of quadratic tetrahedra."""
+    corners = [(x, y, z) for x in range(9) for y in range(2) for z in range(2)]
+    points = [np.array(corner, dtype=float) for corner in corners]
+    number = {corner: index for index, corner in enumerate(corners)}
+    middles: dict[frozenset[int], int] = {}
+    tets = []
+    for x in range(8):
+        for path in [(0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)]:
+            corner, tet = [x, 0, 0], [number[x, 0, 0]]
+            for axis in path:
+                corner[axis] += 1
+                tet.append(number[corner[0], corner[1], corner[2]])
+            sides = np.array([points[node] - points[tet[0]] for node in tet[1:]])
+            if np.linalg.det(sides) < 0:
+                tet[2], tet[3] = tet[3], tet[2]
+            for a, b in EDGES:
+                pair = frozenset((tet[a], tet[b]))
+                if pair not in middles:
+                    middles[pair] = len(points)
+                    points.append((points[tet[a]] + points[tet[b]]) / 2)
+            tets.append([*tet, *(middles[frozenset((tet[a], tet[b]))] for a, b in EDGES)])
+    return np.array(points), np.array(tets)
+
+
+def bent(points: np.ndarray) -> np.ndarray:
+    angle = -points[:, 0] / 5
+    radius = 5 - points[:, 1]
+    x, y = -radius * np.sin(angle), 5 - radius * np.cos(angle)
+    return np.column_stack([x, -y, points[:, 2]]) - points
+
+
+def seen(path: Path) -> np.ndarray:
+    picture = pyvista.read(path)
+    width, height, _ = picture.dimensions
+    return np.asarray(picture.active_scalars).reshape(height, width, -1)[..., :3]
+
+
+def assert_shows_something(path: Path) -> None:
+    pixels = seen(path)
+    assert pixels.shape[0] > 100
+    assert pixels.shape[1] == 1400
+    white = (pixels == 255).all(axis=2).mean()
+    assert 0.1 < white < 0.95
+    assert pixels.std() > 20
+
+
+@pytest.mark.parametrize("cut_open", [False, True])
+def test_the_body_at_rest(tmp_path: Path, cut_open: bool) -> None:
+    draw_body(tmp_path / "body.png", *bar(), cut_open=cut_open)
+    assert_shows_something(tmp_path / "body.png")
+    assert [path.name for path in tmp_path.iterdir()] == ["body.png"]
+
+
+def test_the_deformed_body_coloured_at_nodes_or_elements(tmp_path: Path) -> None:
+    points, tets = bar()
+    displacement = bent(points)
+    for name, values in (("nodes", np.linalg.norm(displacement, axis=1)), ("elements", np.linspace(1, 2, len(tets)))):
+        path = tmp_path / f"{name}.png"
+        draw_deformed(path, points, tets, displacement, Colour(values, "displacement (mm)"))
+        assert_shows_something(path)
+        colours = np.unique(seen(path).reshape(-1, 3) // 32, axis=0)
+        assert len(colours) > 20
+    linear = tmp_path / "linear.png"
+    draw_deformed(linear, points, tets[:, :4], displacement, Colour(values, "stretch", (1.0, 1.5)), whole=False)
+    assert_shows_something(linear)
+
+
+def test_the_mirrored_body_is_closed_and_whole() -> None:
+    half = _skin(_grid(*bar()))
+    whole = _whole(half)
+    assert half.volume == pytest.approx(8.0)
+    assert whole.volume == pytest.approx(16.0)
+    assert whole.n_open_edges == 0
+
+
+def test_fields_and_series_can_be_read(tmp_path: Path) -> None:
+    points, tets = bar()
+    fields = {"displacement": bent(points), "J": np.ones(len(tets)), "cauchy_stress_MPa": np.zeros((len(tets), 6))}
+    (tmp_path / "fields").mkdir()
+    write_fields(tmp_path / "fields" / "II_17kPa.vtu", points, tets, fields)
+    grid = pyvista.read(tmp_path / "fields" / "II_17kPa.vtu")
+    assert set(grid.celltypes) == {pyvista.CellType.QUADRATIC_TETRA}
+    assert grid.compute_cell_sizes()["Volume"].sum() == pytest.approx(8.0)
+    np.testing.assert_array_equal(grid.cells_dict[pyvista.CellType.QUADRATIC_TETRA], tets)
+    np.testing.assert_allclose(grid.point_data["displacement"], fields["displacement"])
+    assert grid.cell_data["cauchy_stress_MPa"].shape == (len(tets), 6)
+    write_series(tmp_path / "II.pvd", [(17.0, "fields/II_17kPa.vtu")])
+    entry = ElementTree.parse(tmp_path / "II.pvd").getroot().find("Collection/DataSet")
+    assert entry is not None
+    assert entry.attrib["timestep"] == "17"
+    assert pyvista.get_reader(tmp_path / "II.pvd").time_values == [17.0]
+
+
+def test_a_field_of_the_wrong_length_is_refused(tmp_path: Path) -> None:
+    points, tets = bar()
+    with pytest.raises(
+        ValueError, match=f"the field 'J' has 3 rows; the body has {len(points)} nodes and {len(tets)} elements"
+    ):
+        write_fields(tmp_path / "a.vtu", points, tets, {"J": np.ones(3)})
