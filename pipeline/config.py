@@ -77,7 +77,8 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", examples=["
 Text = Annotated[str, Field(min_length=1)]
 Switch = Annotated[Literal["auto", "on", "off"], BeforeValidator(_on_or_off), Field(examples=["auto"])]
 
-FORMULATIONS = ("p2p0", "p2", "mixed")
+#: the elements that `fem` offers
+FORMULATIONS = ("p2p0", "p2")
 #: law in the YAML -> the class that `fem` offers under that law, and its constants
 LAWS: dict[str, tuple[str, dict[str, Any]]] = {
     "svk": ("StVenantKirchhoff", {"E": PositiveStress, "nu": PoissonRatio}),

@@ -11,6 +11,7 @@ __all__ = [
     "agreement_of_rod",
     "difference_of_rest_curvatures",
     "limits_met",
+    "lines_needed",
     "number",
     "opening",
     "share_of_factorization",
@@ -55,6 +56,21 @@ def agreement_of_rod(results: Results) -> list[str]:
         if said:
             sentences.append(f"In {experiment} {', '.join(said)}.")
     return sentences
+
+
+def lines_needed(results: Results) -> str:
+    """At which pressures one straight line is as good as two, which a criterion has judged."""
+    verdicts = results.parameters.get("one_line_suffices") or []
+    plain = [
+        f"{pressure:g}"
+        for pressure, verdict in zip(results.parameters.get("pressures_kPa", ()), verdicts, strict=True)
+        if verdict
+    ]
+    if not verdicts:
+        return ""
+    if not plain:
+        return "At every pressure two lines describe the data better than one."
+    return f"At {', '.join(plain)} kPa one line is as good as two: α₁, α₂ and d mean nothing apart there."
 
 
 def _largest(rows: Iterable[Any], key: str, scale: float, sentence: str) -> str:

@@ -81,7 +81,8 @@ def parameters() -> dict[str, object]:
     }
     spreads = {f"{name}_std": [abs(value) / 30 for value in values] for name, values in numbers.items()}
     slopes = {"beta1_N_mm2_per_kPa": -0.4, "beta1_N_mm2_per_kPa_std": 0.05, "beta2_N_mm2_per_kPa": 7.0}
-    lines = {"one_line_alpha_N_mm2": [250.0, 350.0], "one_line_m0_N_mm": [0.0, 0.0]}
+    lines: dict[str, object] = {"one_line_alpha_N_mm2": [250.0, 350.0], "one_line_m0_N_mm": [0.0, 0.0]}
+    lines["one_line_suffices"] = [True, False]
     return {"length_mm": LENGTH, "pressures_kPa": list(PRESSURES), **numbers, **spreads, **slopes, **lines}
 
 
@@ -159,6 +160,7 @@ def test_report_says_the_five_numbers_and_the_agreement(finished: Path) -> None:
         "In III the curves are at most 1.8 % of the length apart (at 37 kPa), "
         "the end angle is off by at most 1.1° (at 37 kPa), the end force by at most 3 % (at 37 kPa).",
     ]
+    assert "At 17 kPa one line is as good as two" in html
     assert "walls come close &lt;here&gt;" in html
 
 
