@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 from rich.console import Console
@@ -72,11 +72,12 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         design = load_config(config, settings or ())
         folder = out or Path("results") / f"{design.name}_mesh"
         try:
-            folder.mkdir(parents=True, exist_ok=True)
             body = design.design.body(design.mesh.size_mm)
-            body.mesh.write(folder / "mesh.vtu")
         except MeshError as failure:
             raise RunFailed(str(failure)) from None
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            body.mesh.write(folder / "mesh.vtu")
         except OSError as failure:
             raise InputError(f"--out {folder}: cannot be written ({failure.strerror}); give another folder") from None
         Console().print(_body_table(folder / "mesh.vtu", design.design, body), highlight=False, soft_wrap=True)
@@ -119,11 +120,15 @@ def _plain_endings() -> Iterator[None]:
     except MemoryError:
         _end("the memory of this machine does not suffice; choose a larger mesh.size or fewer --jobs", 1)
     except OSError as failure:
+        if failure.errno is None:  # a library that could not be loaded
+            _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
         place = f"{failure.filename}: " if failure.filename else ""
-        _end(f"{place}{failure.strerror or failure}; what is finished is kept", 1)
+        _end(f"{place}{failure.strerror}; what is finished is kept", 1)
+    except ImportError as failure:
+        _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
 
 
-def _end(sentence: str, status: int) -> None:
+def _end(sentence: str, status: int) -> NoReturn:
     typer.echo(f"pneurod: {sentence}", err=True)
     raise typer.Exit(status) from None
 

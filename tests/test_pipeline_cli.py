@@ -106,6 +106,8 @@ def raising(error: BaseException) -> Story:
         (RunFailed("the body cannot bear 1000 kPa"), 1, "the body cannot bear 1000 kPa"),
         (KeyboardInterrupt(), 130, "interrupted; what is finished is kept, and the same command goes on from there"),
         (OSError(28, "No space left on device", "out/a.json"), 1, "out/a.json: No space left on device"),
+        (OSError("libGLU.so.1: cannot open"), 1, "libGLU.so.1: cannot open; `pneurod doctor` names the command"),
+        (ImportError("No module named 'gmsh'"), 1, "No module named 'gmsh'; `pneurod doctor` names the command"),
         (MemoryError(), 1, "the memory of this machine does not suffice"),
     ],
 )
