@@ -1,0 +1,154 @@
+"""Effects: what acts on the body besides its elasticity. One object each; an effect that is off is not in the sum.
+
+An `Effect` is a value the user writes; bound to a discretisation it becomes a `Term` of the total potential with energy,
+gradient and second derivative.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem import kernels
+from fem.discretisation import Discretisation, Faces
+from fem.material import Material
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """Second derivative of a term by node pairs rows <= columns; the mirror image of off-diagonal blocks is implied."""
+
+    rows: Index  #: (m,)
+    columns: Index  #: (m,)
+    values: Array  #: (m, 3, 3), N/mm
+
+
+class Term(ABC):
+    """A term of the total potential; x (n, 3) are current positions in mm, factor is the load factor."""
+
+    @abstractmethod
+    def energy(self, x: Array, factor: float) -> float:
+        """Potential, N mm."""
+
+    @abstractmethod
+    def gradient(self, x: Array, factor: float, out: Array) -> None:
+        """Add d Pi / d x (n, 3), N, to out."""
+
+    @abstractmethod
+    def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        """Second derivative; `convex` asks for a positive semi-definite substitute where the term can give one."""
+
+    @abstractmethod
+    def step_limit(self, x: Array, dx: Array) -> float:
+        """Largest share of the step dx (n, 3) in (0, 1] that the term admits."""
+
+
+class Effect(ABC):
+    """What a user asks to be simulated."""
+
+    @abstractmethod
+    def bind(self, space: Discretisation, material: Material) -> Term:
+        """The term of the potential this effect adds on the given discretisation."""
+
+
+@final
+@dataclass(frozen=True)
+class Pressure(Effect):
+    """Pressure in MPa at load factor 1 on a named face, following the surface: Pi = -p V(x)."""
+
+    where: str
+    value: float
+
+    def bind(self, space: Discretisation, material: Material) -> Term:
+        faces = space.surface(self.where)
+        a, b = np.triu_indices(6)
+        first, second = faces.nodes[:, a], faces.nodes[:, b]
+        return PressureTerm(
+            faces,
+            self.value,
+            np.minimum(first, second).ravel(),
+            np.maximum(first, second).ravel(),
+            (first > second).ravel(),
+        )
+
+
+@final
+@dataclass(frozen=True)
+class PressureTerm(Term):
+    """-p V(x), V enclosed by the faces and symmetry planes through the origin."""
+
+    faces: Faces
+    value: float
+    rows: Index  #: (21 f,)
+    columns: Index  #: (21 f,)
+    swapped: NDArray[np.bool_]  #: (21 f,) pairs whose first node has the larger number
+
+    def energy(self, x: Array, factor: float) -> float:
+        return -factor * self.value * enclosed_volume(self.faces, x)
+
+    def gradient(self, x: Array, factor: float, out: Array) -> None:
+        normals = np.zeros_like(x)
+        kernels.surface_pressure(*self._arguments(x), normals, np.empty(self.faces.nodes.shape[0]))
+        out += factor * self.value * normals  # the faces' normals leave the solid, so the cavity's volume falls along them
+
+    def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        values = np.empty((self.faces.nodes.shape[0], 21, 3, 3))
+        kernels.surface_pressure_tangent(*self._arguments(x), values)
+        values = factor * self.value * values.reshape(-1, 3, 3)
+        values[self.swapped] = values[self.swapped].transpose(0, 2, 1)
+        return Blocks(self.rows, self.columns, values)
+
+    def step_limit(self, x: Array, dx: Array) -> float:
+        return 1.0
+
+    def _arguments(self, x: Array) -> tuple[Index, Array, Array, Array, Array]:
+        return self.faces.nodes, self.faces.shape, self.faces.derivative, self.faces.weight, x
+
+
+def enclosed_volume(faces: Faces, x: Array) -> float:
+    """Volume enclosed by faces whose normals point into it (mm3), closed by planes through the origin."""
+    volume = np.empty(faces.nodes.shape[0])
+    kernels.surface_pressure(faces.nodes, faces.shape, faces.derivative, faces.weight, x, np.zeros_like(x), volume)
+    return -float(volume.sum())
+
+
+@final
+@dataclass(frozen=True)
+class Gravity(Effect):
+    """Weight of the body: density in tonne/mm3, acceleration (3,) in mm/s2 at load factor 1."""
+
+    density: float
+    acceleration: tuple[float, float, float] = (0.0, -9810.0, 0.0)
+
+    def bind(self, space: Discretisation, material: Material) -> Term:
+        volume = space.weight[:, :4].sum(axis=1)
+        mass = np.zeros(space.points.shape[0])
+        # exact integrals of the quadratic shape functions over a tetrahedron: -V/20 at vertices, V/5 at mid-edges
+        share = np.array([-0.05] * 4 + [0.2] * 6)
+        np.add.at(mass, space.nodes, self.density * volume[:, None] * share)
+        return DeadForceTerm(mass[:, None] * np.asarray(self.acceleration))
+
+
+@final
+@dataclass(frozen=True)
+class DeadForceTerm(Term):
+    """-f . x with nodal forces that keep their direction."""
+
+    force: Array  #: (n, 3) at load factor 1, N
+
+    def energy(self, x: Array, factor: float) -> float:
+        return -factor * float(np.vdot(self.force, x))
+
+    def gradient(self, x: Array, factor: float, out: Array) -> None:
+        out -= factor * self.force
+
+    def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        return Blocks(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3, 3)))
+
+    def step_limit(self, x: Array, dx: Array) -> float:
+        return 1.0

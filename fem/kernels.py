@@ -1,0 +1,326 @@
+"""The hot loops over elements and faces, compiled by numba; everything here is tested against scikit-fem forms.
+
+Array axes, said once: ``e`` element, ``q`` stress point, ``a``/``b`` node of the element, ``i``/``j`` component,
+``v`` Voigt component (11, 22, 33, 12, 23, 13; strains carry the engineering factor 2 on the last three).
+
+A node pair is addressed in the upper triangle of the reduced matrix without a dof-level map: `offset[e, pair]` is where
+the columns of the node with the larger number begin inside the rows of the other one (see `fem.pattern`).
+Elements of one colour share no node, so a colour is processed in parallel, always with the same sums.
+"""
+
+import numba
+import numpy as np
+from numba import njit, prange
+
+# numba's OpenMP layer brings libgomp beside the Intel OpenMP of PARDISO: with both in one process the first factorization
+# of a matrix came out wrong (measured: thousands of negative pivots, not a number in the solution); its own queue does not.
+numba.config.THREADING_LAYER = "workqueue"
+
+VOIGT = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]])
+
+
+@njit(cache=True, inline="always")
+def _gradients(inverse, reference, g):
+    """g[a, i] = d N_a / d X_i from the reference gradients (a, k) and the inverse Jacobian (k, i)."""
+    for a in range(reference.shape[0]):
+        for i in range(3):
+            g[a, i] = reference[a, 0] * inverse[0, i] + reference[a, 1] * inverse[1, i] + reference[a, 2] * inverse[2, i]
+
+
+@njit(cache=True, inline="always")
+def _displacement_gradient(g, nodes, u, h):
+    """h[i, j] = d u_i / d X_j."""
+    for i in range(3):
+        for j in range(3):
+            h[i, j] = 0.0
+    for a in range(nodes.shape[0]):
+        for i in range(3):
+            for j in range(3):
+                h[i, j] += u[nodes[a], i] * g[a, j]
+
+
+@njit(cache=True, parallel=True)
+def green_lagrange(nodes, inverse, reference, u, strain, jacobian):
+    """Green-Lagrange strain (e, q, v) and J = det F (e, q) at all stress points, written into the last two arguments."""
+    for e in prange(nodes.shape[0]):
+        g = np.empty((nodes.shape[1], 3))
+        h = np.empty((3, 3))
+        for q in range(reference.shape[0]):
+            _gradients(inverse[e], reference[q], g)
+            _displacement_gradient(g, nodes[e], u, h)
+            for v in range(6):
+                i, j = VOIGT[v, 0], VOIGT[v, 1]
+                value = h[i, j] + h[j, i] + h[0, i] * h[0, j] + h[1, i] * h[1, j] + h[2, i] * h[2, j]
+                strain[e, q, v] = 0.5 * value if v < 3 else value
+            for i in range(3):
+                h[i, i] += 1.0
+            jacobian[e, q] = (
+                h[0, 0] * (h[1, 1] * h[2, 2] - h[1, 2] * h[2, 1])
+                - h[0, 1] * (h[1, 0] * h[2, 2] - h[1, 2] * h[2, 0])
+                + h[0, 2] * (h[1, 0] * h[2, 1] - h[1, 1] * h[2, 0])
+            )
+
+
+@njit(cache=True, parallel=True)
+def linearised_strain(nodes, inverse, reference, u, du, strain):
+    """B(u) du (e, q, v): the change of the Green-Lagrange strain at u to first order in du."""
+    for e in prange(nodes.shape[0]):
+        g = np.empty((nodes.shape[1], 3))
+        f = np.empty((3, 3))
+        d = np.empty((3, 3))
+        for q in range(reference.shape[0]):
+            _gradients(inverse[e], reference[q], g)
+            _displacement_gradient(g, nodes[e], u, f)
+            _displacement_gradient(g, nodes[e], du, d)
+            for i in range(3):
+                f[i, i] += 1.0
+            for v in range(6):
+                i, j = VOIGT[v, 0], VOIGT[v, 1]
+                value = 0.0
+                for k in range(3):
+                    value += f[k, i] * d[k, j] + d[k, i] * f[k, j]
+                strain[e, q, v] = 0.5 * value if v < 3 else value
+
+
+@njit(cache=True, parallel=True)
+def internal_force(colours, nodes, inverse, reference, weight, u, stress, force):
+    """Add int P : grad N_a to force (n, 3); stress is the second Piola-Kirchhoff stress (e, q, v), weight (e, q)."""
+    for c in range(colours.shape[0] - 1):
+        for e in prange(colours[c], colours[c + 1]):
+            g = np.empty((nodes.shape[1], 3))
+            f = np.empty((3, 3))
+            p = np.empty((3, 3))
+            s = np.empty((3, 3))
+            fe = np.zeros((nodes.shape[1], 3))
+            for q in range(reference.shape[0]):
+                _gradients(inverse[e], reference[q], g)
+                _displacement_gradient(g, nodes[e], u, f)
+                for i in range(3):
+                    f[i, i] += 1.0
+                for v in range(6):
+                    s[VOIGT[v, 0], VOIGT[v, 1]] = stress[e, q, v] * weight[e, q]
+                    s[VOIGT[v, 1], VOIGT[v, 0]] = stress[e, q, v] * weight[e, q]
+                for i in range(3):
+                    for j in range(3):
+                        p[i, j] = f[i, 0] * s[0, j] + f[i, 1] * s[1, j] + f[i, 2] * s[2, j]
+                for a in range(nodes.shape[1]):
+                    for i in range(3):
+                        fe[a, i] += p[i, 0] * g[a, 0] + p[i, 1] * g[a, 1] + p[i, 2] * g[a, 2]
+            for a in range(nodes.shape[1]):
+                for i in range(3):
+                    force[nodes[e, a], i] += fe[a, i]
+
+
+@njit(cache=True)
+def _element_tangent(nodes, inverse, reference, weight, u, stress, tangent, k):
+    """Upper triangle of sum_q w (B^T C B + G(S)) into k (3 a + i, 3 b + j); the diagonal 3 x 3 blocks are full."""
+    n = nodes.shape[0]
+    g = np.empty((n, 3))
+    f = np.empty((3, 3))
+    b = np.empty((6, 3 * n))
+    cb = np.empty((6, 3 * n))
+    sg = np.empty(3)
+    k[:] = 0.0
+    for q in range(reference.shape[0]):
+        w = weight[q]
+        _gradients(inverse, reference[q], g)
+        _displacement_gradient(g, nodes, u, f)
+        for i in range(3):
+            f[i, i] += 1.0
+        for a in range(n):
+            for i in range(3):
+                r = 3 * a + i
+                b[0, r] = f[i, 0] * g[a, 0]
+                b[1, r] = f[i, 1] * g[a, 1]
+                b[2, r] = f[i, 2] * g[a, 2]
+                b[3, r] = f[i, 0] * g[a, 1] + f[i, 1] * g[a, 0]
+                b[4, r] = f[i, 1] * g[a, 2] + f[i, 2] * g[a, 1]
+                b[5, r] = f[i, 0] * g[a, 2] + f[i, 2] * g[a, 0]
+        c = tangent[q if tangent.shape[0] > 1 else 0]
+        for v in range(6):
+            for r in range(3 * n):
+                cb[v, r] = 0.0
+            for m in range(6):
+                cvm = c[v, m] * w
+                if cvm != 0.0:
+                    for r in range(3 * n):
+                        cb[v, r] += cvm * b[m, r]
+        for a in range(n):
+            for i in range(3):
+                r = 3 * a + i
+                for v in range(6):
+                    brv = b[v, r]
+                    for t in range(3 * a, 3 * n):
+                        k[r, t] += brv * cb[v, t]
+        s = stress[q]
+        for a in range(n):
+            sg[0] = w * (s[0] * g[a, 0] + s[3] * g[a, 1] + s[5] * g[a, 2])
+            sg[1] = w * (s[3] * g[a, 0] + s[1] * g[a, 1] + s[4] * g[a, 2])
+            sg[2] = w * (s[5] * g[a, 0] + s[4] * g[a, 1] + s[2] * g[a, 2])
+            for bb in range(a, n):
+                value = sg[0] * g[bb, 0] + sg[1] * g[bb, 1] + sg[2] * g[bb, 2]
+                for i in range(3):
+                    k[3 * a + i, 3 * bb + i] += value
+
+
+@njit(cache=True, inline="always")
+def _place(data, block, row_node, column_node, offset, node_dof, row_start, free):
+    """Add the 3 x 3 block of the node pair row_node < column_node (or the upper half of a diagonal one)."""
+    if row_node == column_node:
+        for i in range(3):
+            r = node_dof[row_node, i]
+            if r >= 0:
+                for j in range(i, 3):
+                    t = node_dof[row_node, j]
+                    if t >= 0:
+                        data[row_start[r] + t - r] += block[i, j]
+        return
+    first = node_dof[row_node, 0]
+    if first < 0:
+        first = node_dof[row_node, 1] if node_dof[row_node, 1] >= 0 else node_dof[row_node, 2]
+    lead = node_dof[column_node, 0]
+    if lead < 0:
+        lead = node_dof[column_node, 1] if node_dof[column_node, 1] >= 0 else node_dof[column_node, 2]
+    for i in range(3):
+        r = node_dof[row_node, i]
+        if r >= 0:
+            start = row_start[r] + free[row_node] - (r - first) + offset
+            for j in range(3):
+                t = node_dof[column_node, j]
+                if t >= 0:
+                    data[start + t - lead] += block[i, j]
+
+
+@njit(cache=True, parallel=True)
+def tangent_matrix(
+    colours, nodes, inverse, reference, weight, u, stress, tangent, offset, node_dof, row_start, free, data, du, force
+):
+    """Add the tangent to the reduced upper triangle `data`, and K du to force (n, 3) where du (n, 3) is not empty.
+
+    stress (e, q, v) is the one of the geometric term, tangent dS/dE (e, q, v, v) or (1, q or 1, v, v) where constant.
+    """
+    n = nodes.shape[1]
+    for c in range(colours.shape[0] - 1):
+        for e in prange(colours[c], colours[c + 1]):
+            k = np.empty((3 * n, 3 * n))
+            block = np.empty((3, 3))
+            law = tangent[e if tangent.shape[0] > 1 else 0]
+            _element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], law, k)
+            pair = 0
+            for a in range(n):
+                for b in range(a, n):
+                    swap = nodes[e, b] < nodes[e, a]
+                    for i in range(3):
+                        for j in range(3):
+                            block[i, j] = k[3 * a + j, 3 * b + i] if swap else k[3 * a + i, 3 * b + j]
+                    low = nodes[e, b] if swap else nodes[e, a]
+                    high = nodes[e, a] if swap else nodes[e, b]
+                    _place(data, block, low, high, offset[e, pair], node_dof, row_start, free)
+                    pair += 1
+            if du.shape[0] > 0:
+                for a in range(n):
+                    for b in range(n):
+                        for i in range(3):
+                            for j in range(3):
+                                value = k[3 * a + i, 3 * b + j] if a <= b else k[3 * b + j, 3 * a + i]
+                                force[nodes[e, a], i] += value * du[nodes[e, b], j]
+
+
+@njit(cache=True)
+def place_blocks(rows, columns, values, offset, node_dof, row_start, free, data):
+    """Add node-pair blocks values (m, 3, 3), rows <= columns, to the reduced upper triangle."""
+    for m in range(rows.shape[0]):
+        _place(data, values[m], rows[m], columns[m], offset[m], node_dof, row_start, free)
+
+
+@njit(cache=True)
+def blocks_times(rows, columns, values, du, force):
+    """Add H du to force (n, 3) for the symmetric H given by its node-pair blocks, rows <= columns."""
+    for m in range(rows.shape[0]):
+        r, c = rows[m], columns[m]
+        for i in range(3):
+            for j in range(3):
+                force[r, i] += values[m, i, j] * du[c, j]
+                if r != c:
+                    force[c, j] += values[m, i, j] * du[r, i]
+
+
+@njit(cache=True)
+def surface_pressure(faces, shape, derivative, weight, x, force, volume):
+    """Area-weighted normals: force_a = int N_a (x_,xi x x_,eta) added to force (n, 3), and per face
+    int x . (x_,xi x x_,eta) / 3 into volume (f,). shape (q, a), derivative (q, a, 2), weight (q,), x (n, 3)."""
+    for f in range(faces.shape[0]):
+        volume[f] = 0.0
+        for q in range(weight.shape[0]):
+            p = np.zeros(3)
+            t = np.zeros((2, 3))
+            for a in range(faces.shape[1]):
+                for i in range(3):
+                    p[i] += shape[q, a] * x[faces[f, a], i]
+                    t[0, i] += derivative[q, a, 0] * x[faces[f, a], i]
+                    t[1, i] += derivative[q, a, 1] * x[faces[f, a], i]
+            n = np.cross(t[0], t[1])
+            volume[f] += weight[q] * (p[0] * n[0] + p[1] * n[1] + p[2] * n[2]) / 3.0
+            for a in range(faces.shape[1]):
+                for i in range(3):
+                    force[faces[f, a], i] += weight[q] * shape[q, a] * n[i]
+
+
+@njit(cache=True, parallel=True)
+def surface_pressure_tangent(faces, shape, derivative, weight, x, values):
+    """Symmetric part of d force / d x as blocks values (f, pair, 3, 3), pair running over a <= b.
+
+    The antisymmetric part is an integral over the rim of the surface; it vanishes where the surface is closed or its
+    rim stays in a symmetry plane, which is where pressure has a potential at all.
+    """
+    n = faces.shape[1]
+    for f in prange(faces.shape[0]):
+        t = np.empty((2, 3))
+        full = np.zeros((n, n, 3, 3))
+        for q in range(weight.shape[0]):
+            t[:] = 0.0
+            for a in range(n):
+                for i in range(3):
+                    t[0, i] += derivative[q, a, 0] * x[faces[f, a], i]
+                    t[1, i] += derivative[q, a, 1] * x[faces[f, a], i]
+            for a in range(n):
+                w = weight[q] * shape[q, a]
+                for b in range(n):
+                    # d(t0 x t1)/dx_b = N_b,xi (e_j x t1) - N_b,eta (e_j x t0)
+                    d0 = w * (derivative[q, b, 0] * t[1, 0] - derivative[q, b, 1] * t[0, 0])
+                    d1 = w * (derivative[q, b, 0] * t[1, 1] - derivative[q, b, 1] * t[0, 1])
+                    d2 = w * (derivative[q, b, 0] * t[1, 2] - derivative[q, b, 1] * t[0, 2])
+                    full[a, b, 0, 1] += d2
+                    full[a, b, 0, 2] -= d1
+                    full[a, b, 1, 0] -= d2
+                    full[a, b, 1, 2] += d0
+                    full[a, b, 2, 0] += d1
+                    full[a, b, 2, 1] -= d0
+        pair = 0
+        for a in range(n):
+            for b in range(a, n):
+                for i in range(3):
+                    for j in range(3):
+                        values[f, pair, i, j] = 0.5 * (full[a, b, i, j] + full[b, a, j, i])
+                pair += 1
+
+
+@njit(cache=True)
+def greedy_colours(tets, vertices):
+    """Colour (e,) per element such that elements sharing a vertex differ; at most 256 colours are tried."""
+    used = np.zeros((vertices, 4), dtype=np.uint64)
+    colour = np.empty(tets.shape[0], dtype=np.int64)
+    for e in range(tets.shape[0]):
+        for word in range(4):
+            taken = np.uint64(0)
+            for a in range(4):
+                taken |= used[tets[e, a], word]
+            if taken != np.uint64(0xFFFFFFFFFFFFFFFF):
+                bit = 0
+                while taken & (np.uint64(1) << np.uint64(bit)):
+                    bit += 1
+                for a in range(4):
+                    used[tets[e, a], word] |= np.uint64(1) << np.uint64(bit)
+                colour[e] = 64 * word + bit
+                break
+    return colour

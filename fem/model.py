@@ -1,0 +1,39 @@
+"""A model: body, law, supports and effects, before anything is solved."""
+
+from dataclasses import dataclass, field
+from typing import final
+
+from fem.discretisation import FORMULATIONS, Discretisation
+from fem.effects import Effect
+from fem.linear import LinearSolver, available_solver
+from fem.material import Material
+from fem.supports import Constraints, Support
+from fem.system import System
+from geometry import Mesh
+
+
+@final
+@dataclass(frozen=True)
+class Model:
+    """Body, law, supports and effects.
+
+    formulation: "p2p0" (quadratic tetrahedra, volumetric part of the law at one point, the default) or "p2" (four points
+    throughout). Raises ValueError for another one.
+    """
+
+    mesh: Mesh = field(repr=False)
+    material: Material
+    supports: list[Support]
+    effects: list[Effect]
+    formulation: str = "p2p0"
+
+    def __post_init__(self) -> None:
+        if self.formulation not in FORMULATIONS:
+            raise ValueError(f"formulation {self.formulation!r}: allowed are {', '.join(FORMULATIONS)}")
+
+    def system(self, solver: type[LinearSolver] | None = None) -> System:
+        """The assembled equations, with the given linear solver or the best one installed."""
+        space = Discretisation.of(self.mesh, self.formulation)
+        terms = tuple(effect.bind(space, self.material) for effect in self.effects)
+        constraints = Constraints.of(self.supports, space)
+        return System(space, self.material, terms, constraints, (solver or available_solver())())

@@ -1,0 +1,84 @@
+"""Newton's method with the stress as an independent unknown (mixed integration points): algebra only.
+
+Source: D. Magisano, L. Leonetti, G. Garcea, "How to improve efficiency and robustness of the Newton method in geometrically
+non-linear structural problem discretized via displacement-based finite elements", Comput. Methods Appl. Mech. Engrg. 313
+(2017). The residual is the usual one; only the geometric stiffness uses the carried stress, so the solution is the same.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.linear import SingularMatrix
+from fem.system import Assembly, State, System
+
+Array = NDArray[np.float64]
+
+#: called after every iteration with its number and the relative residual
+Watch = Callable[[int, float], None]
+
+
+@dataclass(frozen=True)
+class NewtonOptions:
+    """When Newton stops."""
+
+    tolerance: float = 1e-6  #: norm of the residual over the norm of the internal forces
+    iterations: int = 30  #: factorizations per step at the most
+    blow_up: float = 1e6  #: relative residual that ends the attempt
+
+
+@dataclass(frozen=True)
+class Converged:
+    """Equilibrium at one load factor."""
+
+    state: State
+    assembly: Assembly
+    iterations: int  #: factorizations spent
+    residual: float  #: relative
+    negative_pivots: int  #: of the last factorization
+
+
+class StepFailed(ArithmeticError):
+    """One attempt at a step ended without equilibrium; the sentence says where and why."""
+
+
+def solve(system: System, start: State, factor: float, prescribed: Array, options: NewtonOptions, watch: Watch) -> Converged:
+    """Equilibrium at `factor` with the prescribed displacements (n, 3), from `start`. Raises `StepFailed`."""
+    state = start
+    fixed = system.constraints.fixed
+    relative = np.inf
+    for iteration in range(options.iterations + 1):
+        assembly = system.assemble(state.displacement, factor)
+        jump = np.where(fixed, prescribed - state.displacement, 0.0)
+        relative = _relative_residual(system, assembly)
+        watch(iteration, relative)
+        if relative < options.tolerance and not np.any(jump):
+            return Converged(
+                State(state.displacement, assembly.response.stress),
+                assembly,
+                iteration,
+                relative,
+                system.solver.negative_pivots if iteration else 0,
+            )
+        if not np.isfinite(relative) or relative > options.blow_up:
+            raise StepFailed(f"the residual grew without bound after {iteration} iterations")
+        if iteration < options.iterations:
+            state = _advance(system, state, assembly, factor, jump, convex=relative > 0.1)
+    raise StepFailed(f"no equilibrium after {options.iterations} iterations (relative residual {relative:.1e})")
+
+
+def _advance(system: System, state: State, assembly: Assembly, factor: float, jump: Array, convex: bool) -> State:
+    try:
+        increment = system.increment(state, assembly, factor, jump, convex)
+    except SingularMatrix as error:
+        raise StepFailed(f"the tangent is singular ({error})") from None
+    increment *= system.step_limit(state.displacement, increment)
+    stress = system.carried_stress(state, assembly, increment)
+    return State(state.displacement + increment, stress)
+
+
+def _relative_residual(system: System, assembly: Assembly) -> float:
+    residual = float(np.linalg.norm(system.free(assembly.gradient)))
+    return residual / assembly.scale if assembly.scale > 0 else (np.inf if residual > 0 else 0.0)

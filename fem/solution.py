@@ -1,0 +1,109 @@
+"""What a load path leaves behind: frozen steps and the outcome."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.discretisation import Discretisation
+from fem.effects import enclosed_volume
+from fem.supports import nodes_at
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """The worst points of a state and where they sit."""
+
+    min_J: float  #: smallest det F at a stress point
+    max_stretch: float  #: largest principal stretch at a stress point
+    min_stretch: float  #: smallest principal stretch at a stress point
+    min_J_at: tuple[float, float, float]  #: reference position of that element's centre, mm
+    max_stretch_at: tuple[float, float, float]
+    min_stretch_at: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One converged equilibrium."""
+
+    space: Discretisation = field(repr=False)
+    factor: float  #: load factor
+    displacement: Array = field(repr=False)  #: (n, 3), mm
+    stress: Array = field(repr=False)  #: (e, q, 6), second Piola-Kirchhoff of each stress point's share of the law, MPa
+    gradient: Array = field(repr=False)  #: (n, 3) forces of the supports on the body, zero on free components, N
+    extremes: Extremes
+    min_gap: float  #: smallest signed gap between facing walls, mm; infinity without such walls
+    negative_pivots: int  #: of the tangent; 0 in a stable equilibrium
+    newton_iterations: int  #: since the previous step, failed attempts included
+    factorizations: int  #: since the previous step, failed attempts included
+    cutbacks: int  #: attempts that failed since the previous step
+    seconds: float  #: since the previous step
+
+    @property
+    def points(self) -> Array:
+        """(n, 3) reference positions of all nodes, mid-edge nodes included, mm."""
+        return self.space.points
+
+    @property
+    def positions(self) -> Array:
+        """(n, 3) current positions, mm."""
+        return self.space.points + self.displacement
+
+    @property
+    def min_J(self) -> float:
+        """Smallest det F at a stress point."""
+        return self.extremes.min_J
+
+    def reaction(self, where: str | tuple[str, str] | Array) -> Array:
+        """(3,) force in N that the supports at `where` exert on the meshed part (half a body gives half the force)."""
+        return np.asarray(self.gradient[nodes_at(where, self.space)].sum(axis=0))
+
+    def cavity_volume(self, name: str) -> float:
+        """Volume in mm3 enclosed by the named faces and the symmetry plane, in the current configuration."""
+        return enclosed_volume(self.space.surface(name), self.positions)
+
+
+@dataclass(frozen=True)
+class Seconds:
+    """Where the time of a load path went."""
+
+    set_up: float = 0.0
+    assembly: float = 0.0
+    contact: float = 0.0
+    analysis: float = 0.0
+    factorization: float = 0.0
+    solve: float = 0.0
+
+    def __add__(self, other: "Seconds") -> "Seconds":
+        return Seconds(**{name: value + getattr(other, name) for name, value in self.as_dict().items()})
+
+    def as_dict(self) -> Mapping[str, float]:
+        """Name of the stage to seconds."""
+        return dict(vars(self))
+
+    @property
+    def total(self) -> float:
+        """Sum of all stages."""
+        return sum(self.as_dict().values())
+
+
+@dataclass(frozen=True)
+class Solution:
+    """The steps at the asked load factors, as far as the path went."""
+
+    steps: tuple[Step, ...]
+    seconds: Seconds
+    factorizations: int  #: in all
+    solver: str  #: name of the linear solver
+
+
+class NotConverged(RuntimeError):
+    """The path ended before the last asked load factor. Carries the reason and what was reached."""
+
+    def __init__(self, reason: str, partial: Solution) -> None:
+        super().__init__(reason)
+        self.reason = reason
+        self.partial = partial
