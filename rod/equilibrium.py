@@ -1,15 +1,11 @@
 """The planar, inextensible rod in equilibrium (paper, section 2.1; design notes, "The rod").
 
-    theta' = kappa,  x' = cos theta,  y' = sin theta,  M' = n_x sin theta - n_y cos theta,  kappa = kappa_0 + (M -
-    m0_i)/alpha_i
+    theta' = kappa,                          x' = cos theta,  y' = sin theta,
+    kappa = kappa_0 + (M - m0_i)/alpha_i,    M' = n_x sin theta - n_y cos theta
 
 clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity). Known
-are F or components of the end position, in which case the force components that hold them are found.
-
-The unknowns are M(0) and the force components that hold the end. They are found by shooting (`shooting`), and large
-loads by continuation: all loads, the prescribed end and the intercepts grow together from the unloaded rod, whose
-shape is that of kappa_0. So the solution is the one that the rod reaches, and a path that folds or splits is reported,
-not stepped over.
+are F or components of the end position, in which case the force components that hold them are found. The unknowns, M(0)
+and those components, are found by shooting (`shooting`), large loads by continuation (`path`).
 """
 
 from __future__ import annotations
@@ -17,21 +13,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .law import FiveParameters, RodError
+from .path import Point, Problem, follow
 from .profile import Profile, Steps, cut_into_steps
-from .shooting import converge, sweep
 
 Array = NDArray[np.float64]
-
-#: rad, the largest change of a tangent angle in one step of the load; keeps Newton's method on its branch
-LARGEST_TURN = 1.0
-SMALLEST_STEP = 1e-5
-#: alpha/l^2, where errors grow too much along the rod, like exp(l sqrt(F/alpha)), for shooting from one end
-FORCE_LIMIT = 200.0
+Order = Literal["as tested", "together", "pressure first"]
 
 
 @dataclass(frozen=True)
@@ -102,13 +94,20 @@ class Rod:
         end_y: float | None = None,
         moment: float = 0.0,
         weight: Sequence[float] = (0.0, 0.0),
+        order: Order = "as tested",
     ) -> RodSolution:
-        """The equilibrium reached from the unloaded rod when all loads grow together.
+        """The equilibrium that is reached when the loads grow from nothing.
 
         force: dead end force (F_x, F_y) in N; or end = (x, y), end_x or end_y in mm, the position of the end (the
         other force component is zero: end_y alone is Test III). Either may be combined with moment, M(l) in N mm, and
-        weight, a dead load (q_x, q_y) per length in N/mm. Raises `RodError` when the loads contradict each other, when
-        the end is put farther away than the rod is long, and when the path ends before the whole load is applied.
+        weight, a dead load (q_x, q_y) per length in N/mm.
+
+        order says which of several equilibria is meant. "pressure first": the loads grow on the rod that already has
+        its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
+        end_y is prescribed, because in Test III the end is held while the pressure rises, else pressure first.
+
+        Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is long,
+        and when the path ends before the whole load is applied.
         """
         if end is not None and (end_x is not None or end_y is not None):
             raise RodError("Give either end = (x, y) or one of end_x and end_y, not both.")
@@ -116,22 +115,44 @@ class Rod:
             end_x, end_y = _pair(end, "end")
         if force is not None and (end_x is not None or end_y is not None):
             raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
-        given = _pair((0.0, 0.0) if force is None else force, "force")
-        loads = (given, end_x, end_y, float(moment), _pair(weight, "weight"))
-        solution = _follow(_Task.of(self, self.steps, *loads))
-        refinement = _refinement(self, solution, loads[-1])
+        if not math.isfinite(moment):
+            raise RodError("The end moment must be a finite number.")
+        loads = _Loads(
+            _pair((0.0, 0.0) if force is None else force, "force"),
+            (end_x, end_y),
+            float(moment),
+            _pair(weight, "weight"),
+            _grow_together(order, end_x, end_y, loaded=force is not None or moment != 0.0 or any(weight)),
+        )
+        solution = self._solved(self.steps, loads)
+        refinement = _refinement(self, solution, loads)
         if refinement > 1.0:
-            steps = cut_into_steps(self.length, self.kappa_0, self.law, refinement)
-            solution = _follow(_Task.of(self, steps, *loads))
+            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.law, refinement), loads)
         return solution
 
+    def _solved(self, steps: Steps, loads: _Loads) -> RodSolution:
+        problem = _problem(self, steps, loads)
+        return _solution(self, problem, *follow(problem))
 
-def _refinement(rod: Rod, solution: RodSolution, weight: tuple[float, float]) -> float:
-    """How much finer than the usual the steps must be: at large forces errors grow like exp(s sqrt(F/alpha))."""
-    softest = min(rod.law.alpha1, rod.law.alpha2)
-    force = np.hypot(*solution.force) + rod.length * math.hypot(*weight)
-    growth = rod.length * math.sqrt(force / softest)
-    return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
+
+@dataclass(frozen=True)
+class _Loads:
+    """What acts on the rod, in mm and N."""
+
+    force: tuple[float, float]
+    end: tuple[float | None, float | None]
+    moment: float
+    weight: tuple[float, float]
+    together: bool
+
+
+def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, loaded: bool) -> bool:
+    if order not in get_args(Order):
+        raise RodError(f"order is one of {', '.join(get_args(Order))}; {order!r} is not.")
+    if order == "as tested":
+        return end_x is None and end_y is not None
+    # on a rod that nothing acts on nothing can grow together
+    return order == "together" and (loaded or end_x is not None or end_y is not None)
 
 
 def _pair(values: Sequence[float], name: str) -> tuple[float, float]:
@@ -141,156 +162,58 @@ def _pair(values: Sequence[float], name: str) -> tuple[float, float]:
     return pair
 
 
-@dataclass(frozen=True)
-class _Task:
-    """One problem in units of the rod: length l, rigidity B = alpha2, moments B/l, forces B/l^2."""
+def _refinement(rod: Rod, solution: RodSolution, loads: _Loads) -> float:
+    """How much finer than the usual the steps must be: at large forces errors grow like exp(s sqrt(F/alpha))."""
+    softest = min(rod.law.alpha1, rod.law.alpha2)
+    force = np.hypot(*solution.force) + rod.length * math.hypot(*loads.weight)
+    growth = rod.length * math.sqrt(force / softest)
+    return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
 
-    rod: Rod
-    steps: Steps
-    alpha: Array  #: (n,) over B
-    m0: Array  #: (n,)
-    fade: float
-    free: Array  #: (3,) bool: M(0), F_x, F_y unknown
-    force: Array  #: (2,) given components, zero where unknown
-    weight: Array  #: (2,)
-    target: Array  #: (3,) M(l), x(l), y(l), the latter two from the clamp and only where free
-    rest: Array  #: (n + 1, 4) states of the unloaded rod
 
-    @staticmethod
-    def of(
-        rod: Rod,
-        steps: Steps,
-        force: tuple[float, float],
-        end_x: float | None,
-        end_y: float | None,
-        moment: float,
-        weight: tuple[float, float],
-    ) -> _Task:
-        law, length = rod.law, rod.length
-        base = law.alpha2
-        alpha = np.where(steps.first, law.alpha1 / base, 1.0)
-        m0 = np.where(steps.first, law.m01, law.m02) * length / base
-        rest = np.empty((len(steps.s), 4))
-        sweep(steps.s, steps.kappa_0, alpha, 0.0 * m0, 0.0, rod.theta0, np.zeros(3), np.zeros(2), rest, np.empty(16))
-        target = np.array([moment * length / base, rest[-1, 2], rest[-1, 3]])
-        for i, place in enumerate((end_x, end_y)):
-            if place is not None:
-                target[1 + i] = (place - rod.start[i]) / length
-        reach = math.hypot(*(target[1 + i] if p is not None else 0.0 for i, p in enumerate((end_x, end_y))))
-        if not math.isfinite(moment):
-            raise RodError("The end moment must be a finite number.")
-        if not reach < 1.0:
-            raise RodError(
-                f"The end cannot be {reach * length:g} mm from the clamp: the rod of {length:g} mm is inextensible."
-            )
-        free = np.array([True, end_x is not None, end_y is not None])
-        unit = length**2 / base
-        return _Task(
-            rod,
-            steps,
-            alpha,
-            m0,
-            rod.fade * length / base,
-            free,
-            np.array(force) * unit,
-            np.array(weight) * unit * length,
-            target,
-            rest,
+def _problem(rod: Rod, steps: Steps, loads: _Loads) -> Problem:
+    """The loads on the rod in units of its length l and rigidity B = alpha2: moments B/l, forces B/l^2."""
+    law, length = rod.law, rod.length
+    base = law.alpha2
+    place = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(loads.end)]
+    reach = math.hypot(*place)
+    if not reach < 1.0:
+        raise RodError(
+            f"The end cannot be {reach * length:g} mm from the clamp: the rod of {length:g} mm is inextensible."
         )
-
-    @property
-    def unloaded(self) -> bool:
-        """Nothing acts: no load, and the end is held, if at all, where it already is."""
-        away = self.target - np.array([0.0, self.rest[-1, 2], self.rest[-1, 3]])
-        return bool(np.all(np.abs(away[self.free]) < 1e-13) and not self.force.any() and not self.weight.any())
-
-
-@dataclass(frozen=True)
-class _Point:
-    """A converged point of the path."""
-
-    factor: float  #: 0 unloaded, 1 whole load
-    unknowns: Array  #: (3,)
-    states: Array  #: (n + 1, 4)
-    determinant: float
-
-
-def _at(task: _Task, factor: float, guess: Array) -> _Point | None:
-    """Newton's method at one load factor, or None where it does not converge."""
-    steps = task.steps
-    unknowns = np.where(task.free, guess, np.concatenate([[0.0], task.force * factor]))
-    start = np.array([0.0, task.rest[-1, 2], task.rest[-1, 3]])
-    target = start + factor * (task.target - start)
-    states = np.empty((len(steps.s), 4))
-    converged, determinant = converge(
-        steps.s,
-        steps.kappa_0,
-        task.alpha,
-        factor * task.m0,
-        task.fade,
-        task.rod.theta0,
-        unknowns,
-        factor * task.weight,
-        target,
-        task.free,
-        states,
-        np.empty(16),
+    unit = length**2 / base
+    return Problem(
+        steps=steps,
+        alpha=np.where(steps.first, law.alpha1 / base, 1.0),
+        m0=np.where(steps.first, law.m01, law.m02) * (length / base),
+        fade=rod.fade * length / base,
+        theta0=rod.theta0,
+        free=np.array([True, loads.end[0] is not None, loads.end[1] is not None]),
+        force=np.array(loads.force) * unit,
+        weight=np.array(loads.weight) * (unit * length),
+        moment=loads.moment * length / base,
+        place=np.array(place),
+        together=loads.together,
     )
-    return _Point(factor, unknowns, states, determinant) if converged else None
 
 
-def _follow(task: _Task) -> RodSolution:
-    """The path from the unloaded rod to the whole load, with steps that shrink and grow."""
-    here = _at(task, 0.0, np.zeros(3)) or _Point(0.0, np.zeros(3), task.rest, 1.0)
-    if task.unloaded:
-        return _solution(task, here, 0)
-    # the path is the one without folds and branches as long as the matrix keeps the sign it has for the unloaded rod
-    before, step, count, sign = here, 1.0, 0, math.copysign(1.0, here.determinant)
-    while here.factor < 1.0:
-        factor = min(1.0, here.factor + step)
-        tangent = np.zeros(3)
-        if here.factor > 0.0:
-            tangent = (here.unknowns - before.unknowns) / (here.factor - before.factor)
-        there = _at(task, factor, here.unknowns + (factor - here.factor) * tangent)
-        near = there is not None and np.max(np.abs(there.states[:, 0] - here.states[:, 0])) < LARGEST_TURN
-        if there is None or not near or there.determinant * sign < 0.0:
-            step = 0.4 * (factor - here.factor)
-            if step < SMALLEST_STEP:
-                raise RodError(_end_of_path(task, here, there is not None and near))
-            continue
-        before, here = here, there
-        step, count = 2.0 * (factor - before.factor), count + 1
-    return _solution(task, here, count)
-
-
-def _end_of_path(task: _Task, point: _Point, split: bool) -> str:
-    size = float(np.hypot(*point.unknowns[1:]) / task.alpha.min())
-    if size > FORCE_LIMIT:
-        return (
-            f"The end force has grown to {size:.0f} alpha/l^2; this solver follows the rod to about {FORCE_LIMIT:.0f}."
-        )
-    reached = f"{100 * point.factor:.3g} % of the load"
-    if split:
-        return f"The rod buckles at {reached}: beyond it what grows from the unloaded rod is unstable or ends."
-    return f"No equilibrium was found beyond {reached}: the path from the unloaded rod ends there."
-
-
-def _solution(task: _Task, point: _Point, count: int) -> RodSolution:
-    rod, law, steps = task.rod, task.rod.law, task.steps
-    moment = point.states[:, 1] * law.alpha2 / rod.length
-    s = steps.s * rod.length
-    share = point.factor if rod.fade == 0.0 else np.minimum(1.0, np.abs(moment) / rod.fade)
+def _solution(rod: Rod, problem: Problem, point: Point, count: int) -> RodSolution:
+    """The dimensionless point in mm and N."""
+    law, steps, length = rod.law, problem.steps, rod.length
+    moment = point.states[:, 1] * (law.alpha2 / length)
+    share = np.full(len(moment), 1.0 if count else 0.0)
+    if rod.fade > 0.0:
+        share *= np.minimum(1.0, np.abs(moment) / rod.fade)
     first = np.append(steps.first, False)
-    m0, alpha = np.where(first, law.m01, law.m02), np.where(first, law.alpha1, law.alpha2)
-    kappa_0 = np.append(steps.kappa_0[:, 0], steps.kappa_0[-1, 1]) / rod.length
+    kappa_0 = np.append(steps.kappa_0[:, 0], steps.kappa_0[-1, 1]) / length
+    deviation = (moment - share * np.where(first, law.m01, law.m02)) / np.where(first, law.alpha1, law.alpha2)
     arrays = {
-        "s": s,
-        "x": rod.start[0] + rod.length * point.states[:, 2],
-        "y": rod.start[1] + rod.length * point.states[:, 3],
+        "s": steps.s * length,
+        "x": rod.start[0] + length * point.states[:, 2],
+        "y": rod.start[1] + length * point.states[:, 3],
         "theta": point.states[:, 0].copy(),
-        "kappa": kappa_0 + (moment - share * m0) / alpha,
+        "kappa": kappa_0 + deviation,
         "moment": moment,
-        "force": np.where(task.free[1:], point.unknowns[1:], task.force) * law.alpha2 / rod.length**2,
+        "force": np.where(problem.free[1:], point.unknowns[1:], problem.force) * (law.alpha2 / length**2),
     }
     for array in arrays.values():
         array.setflags(write=False)

@@ -126,13 +126,24 @@ def test_derivatives_by_the_unknowns_against_central_differences():
 
 def test_prescribed_end_gives_back_the_force():
     dead = ARM.solve(force=(0.0, -0.05))
-    held = ARM.solve(end_y=dead.y[-1])
+    held = ARM.solve(end_y=dead.y[-1], order="pressure first")
     assert held.force == pytest.approx([0.0, -0.05], abs=1e-10)
     assert held.x == pytest.approx(dead.x, abs=1e-8)
     both = ARM.solve(end=(dead.x[-1], dead.y[-1]))
     assert both.force == pytest.approx([0.0, -0.05], abs=1e-9)
     pushed = ARM.solve(force=(0.03, 0.0))
     assert ARM.solve(end_x=pushed.x[-1]).force == pytest.approx([0.03, 0.0], abs=1e-10)
+
+
+def test_an_end_held_while_the_pressure_rises_arches():
+    """Test III: the curvature changes sign (paper, Fig. 8); the same end held afterwards leaves the arm curled."""
+    arch, curl = ARM.solve(end_y=0.0), ARM.solve(end_y=0.0, order="pressure first")
+    assert abs(arch.y[-1]) < 1e-9
+    assert abs(curl.y[-1]) < 1e-9
+    assert arch.x[-1] > 0.7 * ARM.length
+    assert curl.x[-1] < 0.0
+    assert arch.kappa[0] < 0.0 < arch.kappa[-1]
+    assert ARM.solve(order="together").x == pytest.approx(ARM.solve().x)
 
 
 def test_elastica_with_prescribed_end_height():
@@ -156,7 +167,7 @@ def test_without_load_the_shape_is_that_of_kappa_0():
     shape = Rod(1.0, 2.0, TWO_LINES, theta0=0.3, start=(1.0, -2.0)).solve()
     assert shape.kappa == pytest.approx(2.0)
     assert shape.x == pytest.approx(1.0 + (np.sin(0.3 + 2 * shape.s) - math.sin(0.3)) / 2, abs=1e-9)
-    held = Rod(1.0, 2.0, TWO_LINES).solve(end_y=(1 - math.cos(2.0)) / 2)
+    held = Rod(1.0, 2.0, TWO_LINES).solve(end_y=(1 - math.cos(2.0)) / 2, order="pressure first")
     assert held.force == pytest.approx([0.0, 0.0], abs=1e-9)
 
 
@@ -234,6 +245,7 @@ def test_buckling_is_reported_not_stepped_over():
         ({"force": (0.0, 1.0), "end_y": 0.2}, r"either the force on the end or its position"),
         ({"force": (0.0, float("nan"))}, r"force is a pair of finite numbers"),
         ({"moment": float("inf")}, r"The end moment must be a finite number"),
+        ({"order": "sideways", "end_y": 0.0}, r"order is one of as tested, together, pressure first"),
         ({"force": (0.0, 1e5)}, r"this solver follows the rod to about 200|the path from the unloaded rod ends"),
     ],
 )

@@ -1,0 +1,258 @@
+"""Five numbers from two curvatures and a moment (paper, section 3; design notes, "The five numbers").
+
+Delta = kappa - kappa_0 at equal pressure and s, M(s) by equation (7). Two lines
+
+    Delta(s) = a_i M(s) - b_i,    a_i = 1/alpha_i,    b_i = m0_i/alpha_i,    i = 1 for s < d, 2 beyond
+
+are fitted in the least-squares sense, in Delta, because curvature is what carries the errors. What is compared with the
+estimated Delta is not the line itself but what the estimate would have seen of it (`curve.Curvature.resolution`,
+`lines`). d minimises the squares over a stated range; the profile over d is kept.
+
+Errors: the covariance of both curvatures, and the misfit. Where the residual is larger than the covariance explains
+(the law is not the whole truth), the excess is added as an error that neighbouring points within a cell share. The
+intervals come from fits to draws of that error. The effective number of observations is that of this error, at least
+the number of cells: with white noise the number of points, with misfit alone the number of cells.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from .curve import Curvature, Moment
+from .law import FiveParameters, RodError
+from .lines import OFFSET, STIFFEST, WIGGLE, Fit, Seen, Weights, solve, stiffened
+
+Array = NDArray[np.float64]
+
+#: range of d over the length in which the break is looked for; never nearer to the clamp than half a pitch
+BREAKS = (0.03, 0.35)
+PROFILE_POINTS = 65
+DRAWS = 400
+#: relative error of Delta below which nothing is believed
+RESOLUTION_OF_DELTA = 1e-5
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A number with its error."""
+
+    value: float
+    std: float  #: half the distance of the 16 % and 84 % quantiles of the draws
+    low: float  #: 2.5 % of the draws lie below
+    high: float  #: 2.5 % of the draws lie above
+
+
+@dataclass(frozen=True)
+class LineFit:
+    """One straight line M = alpha Delta + m0 for the whole rod."""
+
+    alpha: Interval  #: N mm2
+    m0: Interval  #: N mm
+    r2: float  #: share of the variance of Delta that is explained
+
+
+@dataclass(frozen=True)
+class Identification:
+    """The five numbers of one pressure, their errors, and whether one line would have done."""
+
+    law: FiveParameters
+    alpha1: Interval  #: N mm2
+    alpha2: Interval  #: N mm2
+    m01: Interval  #: N mm
+    m02: Interval  #: N mm
+    d: Interval  #: mm
+    r2: float  #: of the two lines
+    one_line: LineFit
+    observations: float  #: effective number of independent observations
+    criterion_two: float  #: corrected Akaike criterion of two lines
+    criterion_one: float  #: and of one; the smaller wins
+    profile: Array  #: (n, 2) columns d (mm) and root-mean-square residual of Delta (1/mm)
+    points: Array  #: (m, 4) columns s (mm), Delta (1/mm), fitted Delta (1/mm), M (N mm) as the estimate sees it
+
+    @property
+    def two_lines(self) -> bool:
+        """Two lines are worth their three more numbers."""
+        return self.criterion_two < self.criterion_one
+
+
+def identify(
+    kappa_0: Curvature,
+    kappa: Curvature,
+    moment: Moment,
+    *,
+    breaks: tuple[float, float] = BREAKS,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> Identification:
+    """The five numbers from the intrinsic and the loaded curvature and the moment of the loaded curve.
+
+    Both curvatures come from the same estimator at the same points. breaks: range of d over the length. Raises
+    `RodError` when the curvatures do not belong together, when the rod carries no moment, when there are fewer cells
+    than numbers, when breaks leaves the rod, and when curvature falls where the moment grows.
+    """
+    seen = Seen.of(kappa_0, kappa, moment)
+    grid = _grid(seen, breaks)
+    weights, error = _weights(seen, grid)
+    one = solve(seen.whole, seen.delta, weights)
+    if one.numbers[0] <= 0.0:
+        raise RodError("Curvature falls where the moment grows: no positive rigidity fits these data.")
+    stiffest = STIFFEST / one.numbers[0]
+    profile = [stiffened(solve(seen.columns(d), seen.delta, weights), seen.delta, weights, stiffest) for d in grid]
+    d = _refined(seen, weights, grid, np.array([fit.objective for fit in profile]))
+    two = stiffened(solve(seen.columns(d), seen.delta, weights), seen.delta, weights, stiffest)
+    law = FiveParameters(
+        1 / two.numbers[0], 1 / two.numbers[2], two.numbers[1] / two.numbers[0], two.numbers[3] / two.numbers[2], d
+    )
+    random = np.random.default_rng(seed)
+    sampled = _draws_two(seen, weights, grid, d, two.fitted, _drawn(error, draws, random), random, stiffest)
+    best = (law.alpha1, law.alpha2, law.m01, law.m02, law.d)
+    alpha1, alpha2, m01, m02, place = (interval(v, c) for v, c in zip(best, sampled.T, strict=True))
+    observations = max(_observations(error), float(np.ptp(seen.s)) / seen.pitch + 1.0)
+    return Identification(
+        law=law,
+        alpha1=alpha1,
+        alpha2=alpha2,
+        m01=m01,
+        m02=m02,
+        d=place,
+        r2=_r2(seen, two),
+        one_line=_one_line(seen, one, weights, _drawn(error, draws, random), random),
+        observations=observations,
+        criterion_two=_criterion(seen, two, 5, observations),
+        criterion_one=_criterion(seen, one, 2, observations),
+        profile=np.column_stack([grid, [_rms(seen, fit) for fit in profile]]),
+        points=np.column_stack([seen.s, seen.delta, two.fitted, seen.whole[0, :, 0]]),
+    )
+
+
+def interval(value: float, drawn: Array) -> Interval:
+    """A number and its draws as value, standard deviation and 95 % interval."""
+    low, below, above, high = np.quantile(drawn, [0.025, 0.1587, 0.8413, 0.975])
+    return Interval(float(value), float(0.5 * (above - below)), float(low), float(high))
+
+
+def _grid(seen: Seen, breaks: tuple[float, float]) -> Array:
+    low, high = breaks
+    if not 0.0 < low < high < 1.0:
+        raise RodError(
+            f"The range of d over the length must rise and lie between 0 and 1; {low:g} ... {high:g} does not."
+        )
+    low = max(low, 0.5 * seen.pitch / seen.length)
+    if low >= high:
+        raise RodError(
+            f"No d below {high:g} of the length can be told apart from the clamp with cells of {seen.pitch:g} mm."
+        )
+    return np.linspace(low, high, PROFILE_POINTS) * seen.length
+
+
+def _rms(seen: Seen, fit: Fit) -> float:
+    return float(np.sqrt(np.mean((seen.delta - fit.fitted) ** 2)))
+
+
+def _weights(seen: Seen, grid: Array) -> tuple[Weights, Array]:
+    """Weights of the data and covariance of their errors, from the best fit with next to no prior knowledge."""
+    offset = OFFSET * float(np.abs(seen.delta).max())
+    least = RESOLUTION_OF_DELTA * math.sqrt(float(np.mean(seen.delta**2)))
+    eager = Weights(1.0 / least, offset)
+    objective = np.array([solve(seen.columns(d), seen.delta, eager).objective for d in grid])
+    fit = solve(seen.columns(_refined(seen, eager, grid, objective)), seen.delta, eager)
+    error = _total_error(seen, fit, least)
+    deviation = math.sqrt(float(np.trace(error)) / len(seen.s))
+    return Weights(math.sqrt(_observations(error) / len(seen.s)) / deviation, offset), error
+
+
+def _total_error(seen: Seen, fit: Fit, least: float) -> Array:
+    """Covariance of the curvatures, plus the misfit that it does not explain, shared within a cell."""
+    q, _ = np.linalg.qr(fit.matrix)
+
+    def left(covariance: Array) -> float:  # expected summed square behind a fit of these columns
+        return float(np.trace(covariance) - np.trace(q.T @ covariance @ q))
+
+    shared = np.exp(-0.5 * ((seen.s[:, None] - seen.s[None, :]) / (0.5 * seen.pitch)) ** 2)
+    residual = seen.delta - fit.fitted
+    excess = max(least**2, (float(residual @ residual) - left(seen.covariance)) / left(shared))
+    return seen.covariance + excess * shared
+
+
+def _observations(error: Array) -> float:
+    return float(np.trace(error) ** 2 / np.sum(error**2))
+
+
+def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> float:
+    """d between the neighbours of the best grid point."""
+    best = int(np.argmin(objective))
+    bounds = (grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)])
+    found = minimize_scalar(
+        lambda d: solve(seen.columns(d), seen.delta, weights).objective,
+        bounds=bounds,
+        method="bounded",
+        options={"xatol": 1e-7 * seen.length},
+    )
+    return float(found.x) if found.fun < objective[best] else float(grid[best])
+
+
+def _drawn(error: Array, draws: int, random: np.random.Generator) -> Array:
+    """(n, draws) errors with that covariance."""
+    size, vectors = np.linalg.eigh(error)
+    return vectors @ (np.sqrt(np.maximum(size, 0.0))[:, None] * random.standard_normal((len(error), draws)))
+
+
+def _rows(weights: Weights, drawn: Array, priors: int, random: np.random.Generator) -> Array:
+    """Right-hand sides: weighted data above, draws of the prior knowledge below."""
+    return np.vstack([weights.data * drawn, random.standard_normal((priors, drawn.shape[1]))])
+
+
+def _draws_two(
+    seen: Seen,
+    weights: Weights,
+    grid: Array,
+    place: float,
+    fitted: Array,
+    error: Array,
+    random: np.random.Generator,
+    stiffest: float,
+) -> Array:
+    """(draws, 5): alpha1, alpha2, m01, m02, d of fits to the fitted Delta plus drawn errors."""
+    drawn = fitted[:, None] + error
+    right = _rows(weights, drawn, 4, random)
+    count = drawn.shape[1]
+    best, numbers, places = np.full(count, np.inf), np.zeros((6, count)), np.zeros(count)
+    step = grid[1] - grid[0]
+    near = np.clip(place + step * np.linspace(-2.0, 2.0, 41), grid[0], grid[-1])
+    for d in np.union1d(near, grid):
+        fit = solve(seen.columns(d), fitted, weights)
+        solved = fit.solution @ right
+        prior = np.vstack([solved[[1, 3]] / weights.offset, solved[4:] / WIGGLE]) - right[len(drawn) :]
+        squares = np.sum((weights.data * (drawn - fit.matrix @ solved)) ** 2, axis=0) + np.sum(prior**2, axis=0)
+        better = squares < best
+        best[better], numbers[:, better], places[better] = squares[better], solved[:, better], d
+    a1, a2 = (np.maximum(numbers[i], 1.0 / stiffest) for i in (0, 2))
+    return np.column_stack([1.0 / a1, 1.0 / a2, numbers[1] / a1, numbers[3] / a2, places])
+
+
+def _one_line(seen: Seen, fit: Fit, weights: Weights, error: Array, random: np.random.Generator) -> LineFit:
+    a, b = (fit.solution @ _rows(weights, fit.fitted[:, None] + error, 3, random))[:2]
+    a = np.maximum(a, fit.numbers[0] / STIFFEST)
+    return LineFit(
+        interval(1.0 / fit.numbers[0], 1.0 / a), interval(fit.numbers[1] / fit.numbers[0], b / a), _r2(seen, fit)
+    )
+
+
+def _r2(seen: Seen, fit: Fit) -> float:
+    return 1.0 - float(np.sum((seen.delta - fit.fitted) ** 2) / np.sum((seen.delta - seen.delta.mean()) ** 2))
+
+
+def _criterion(seen: Seen, fit: Fit, numbers: int, observations: float) -> float:
+    """Corrected Akaike criterion; the variance of the error is one more number.
+
+    The residual cannot be known better than the covariance of the curvatures, nor than RESOLUTION_OF_DELTA.
+    """
+    k = numbers + 1
+    floor = float(np.trace(seen.covariance)) / len(seen.s) + RESOLUTION_OF_DELTA**2 * float(np.mean(seen.delta**2))
+    variance = max(_rms(seen, fit) ** 2, floor)
+    return observations * math.log(variance) + 2.0 * k + 2.0 * k * (k + 1) / max(observations - k - 1.0, 0.5)

@@ -1,0 +1,60 @@
+"""Curves of rods whose numbers are known: what an estimator must give back before it is trusted with finite-element
+curves.
+
+An arm like design (a): a curvature that wiggles within each cell, in the rest state and in its answer to a moment,
+nodes as a mesh spaces them, and measured positions with white noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import Centreline
+
+from .equilibrium import Rod
+from .law import FiveParameters
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SyntheticArm:
+    """An arm with known numbers. Wiggles are relative: curvature times 1 + wiggle cos(2 pi s/pitch + phase)."""
+
+    law: FiveParameters
+    kappa_0: float = 0.03  #: 1/mm, mean over a cell
+    length: float = 112.0  #: mm
+    pitch: float = 10.0  #: mm
+    node_spacing: float = 1.0  #: mm, a whole fraction of the pitch
+    wiggle: float = 0.0  #: of kappa_0
+    compliance_wiggle: float = 0.0  #: of Delta
+    phase: float = 0.0  #: rad
+    noise: float = 0.0  #: mm, standard deviation of each measured coordinate
+
+    def curves(self, seed: int = 0) -> tuple[Centreline, Centreline, tuple[float, float]]:
+        """Test II, Test III (end height zero), both with noise, and the end force of Test III in N."""
+        nodes = np.linspace(0.0, self.length, round(self.length / self.node_spacing) + 1)
+        rest, loaded = self._rods()
+        held = loaded.solve(end_y=0.0)
+        random = np.random.default_rng(seed)
+        free, bent = (
+            shape.positions(nodes) + self.noise * random.standard_normal((len(nodes), 2))
+            for shape in (rest.solve(), held)
+        )
+        force = (float(held.force[0]), float(held.force[1]))
+        return Centreline(nodes, *free.T), Centreline(nodes, *bent.T), force
+
+    def _rods(self) -> tuple[Rod, Rod]:
+        s = np.linspace(0.0, self.length, 1121)
+        wave = np.cos(2.0 * np.pi * s / self.pitch + self.phase)
+        kappa_0 = self.kappa_0 * (1.0 + self.wiggle * wave)
+        rest = Rod(self.length, np.column_stack([s, kappa_0]), self.law)
+        loaded = rest
+        for _ in range(6 if self.compliance_wiggle else 0):  # the wiggle follows Delta, which follows the moment
+            moment = loaded.solve(end_y=0.0)
+            delta = self.law.deviation(s, np.interp(s, moment.s, moment.moment))
+            loaded = replace(rest, kappa_0=np.column_stack([s, kappa_0 + self.compliance_wiggle * wave * delta]))
+        return rest, loaded

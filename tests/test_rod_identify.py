@@ -1,0 +1,149 @@
+"""Five numbers from two curves and a force: what a rod with known numbers must give back."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from rod import (
+    Curvature,
+    FiveParameters,
+    Moment,
+    Rod,
+    RodError,
+    SyntheticArm,
+    cell_averaged,
+    gaussian_process,
+    identify,
+    moment_from_force,
+    shared_smoothing,
+)
+
+#: Delta continuous at d, as the lines of the paper's Fig. 9 meet
+MEETING = FiveParameters(55.0, 400.0, -5.2, 0.1, 14.0)
+#: a soft first cell, both lines through the origin
+STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
+ONE = FiveParameters(200.0, 200.0, 0.0, 0.0, 11.0)
+NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
+
+
+def by_cells(arm, seed=0):
+    free, loaded, force = arm.curves(seed)
+    return cell_averaged(free, arm.pitch), cell_averaged(loaded, arm.pitch), moment_from_force(loaded, force)
+
+
+def by_process(arm, seed=0):
+    free, loaded, force = arm.curves(seed)
+    smoothing = shared_smoothing([free, loaded], arm.pitch)
+    estimates = (gaussian_process(c, smoothing, arm.pitch) for c in (free, loaded))
+    return *estimates, moment_from_force(loaded, force)
+
+
+@pytest.mark.parametrize("law", [MEETING, STEP])
+def test_round_trip_from_the_rod_itself(law):
+    """Data made by the rod give the five numbers back to 1e-4 (design notes, "The rod")."""
+    shape = Rod(112.0, 0.03, law).solve(end_y=0.0)
+    s = np.linspace(0.0, 112.0, 449)[:-1] + 0.125
+    moment = CubicSpline(shape.s, shape.moment)(s)
+    loaded = 0.03 + law.deviation(s, moment)
+    free, bent = (
+        Curvature.at_points(s, k, length=112.0, pitch=10.0, theta=0 * s) for k in (np.full(len(s), 0.03), loaded)
+    )
+    found = identify(free, bent, Moment(shape.s, shape.moment), draws=20)
+    for name in NAMES:
+        scale = abs(shape.moment[0]) if name.startswith("m0") else getattr(law, name)
+        assert abs(getattr(found.law, name) - getattr(law, name)) < 1e-4 * scale, name
+    assert found.two_lines
+
+
+@pytest.mark.parametrize("law", [MEETING, STEP])
+def test_cells_find_the_numbers_behind_a_wiggle(law):
+    found = identify(*by_cells(SyntheticArm(law, wiggle=0.25, node_spacing=0.5)), draws=50)
+    assert found.two_lines
+    assert found.law.d == pytest.approx(law.d, abs=0.05)
+    assert found.law.alpha2 == pytest.approx(law.alpha2, rel=1e-3)
+    assert found.law.alpha1 == pytest.approx(law.alpha1, rel=0.02)
+
+
+@pytest.mark.parametrize("data", [by_cells, by_process])
+@pytest.mark.parametrize("law", [MEETING, STEP])
+def test_two_lines_are_found_with_their_break_at_the_soft_cell(data, law):
+    arm = SyntheticArm(law, wiggle=0.2, compliance_wiggle=0.1, phase=0.7, noise=0.003)
+    found = identify(*data(arm), draws=100)
+    assert found.two_lines
+    assert 0.05 <= found.law.d / arm.length <= 0.15
+    assert found.law.alpha2 == pytest.approx(law.alpha2, rel=0.03)
+    for name in NAMES:
+        number = getattr(found, name)
+        assert number.low <= number.value <= number.high, name
+
+
+@pytest.mark.parametrize("data", [by_cells, by_process])
+def test_one_line_is_found_where_there_is_one(data):
+    arm = SyntheticArm(ONE, wiggle=0.2, compliance_wiggle=0.15, phase=0.7, noise=0.003)
+    found = identify(*data(arm), draws=100)
+    assert not found.two_lines
+    assert found.one_line.alpha.value == pytest.approx(200.0, rel=0.02)
+    assert found.one_line.alpha.low <= 200.0 <= found.one_line.alpha.high
+
+
+def test_nearly_one_line_stays_one_line():
+    """Rigidity rising by 3 % along the arm, as measured without contact: not worth three more numbers."""
+    arm = SyntheticArm(ONE, wiggle=0.2, noise=0.001)
+    free, loaded, moment = by_cells(arm)
+    rising = 1.0 - 0.03 * loaded.s / arm.length
+    bent = dataclasses.replace(loaded, kappa=free.kappa + (loaded.kappa - free.kappa) * rising)
+    found = identify(free, bent, moment, draws=50)
+    assert found.one_line.r2 > 0.999
+    assert not found.two_lines
+
+
+def test_profile_over_d_is_kept_and_lowest_at_d():
+    found = identify(*by_cells(SyntheticArm(STEP, wiggle=0.2)), draws=20)
+    lowest = found.profile[np.argmin(found.profile[:, 1]), 0]
+    assert lowest == pytest.approx(found.law.d, abs=found.profile[1, 0] - found.profile[0, 0])
+    assert found.profile[0, 0] == pytest.approx(5.0)  # half a pitch
+    narrow = identify(*by_cells(SyntheticArm(STEP, wiggle=0.2)), breaks=(0.2, 0.3), draws=20)
+    assert 0.2 <= narrow.law.d / 112.0 <= 0.3
+
+
+def test_same_seed_same_intervals():
+    data = by_cells(SyntheticArm(STEP, noise=0.003))
+    first, again, other = (identify(*data, draws=40, seed=k).alpha2 for k in (1, 1, 2))
+    assert first == again
+    assert first.value == other.value
+    assert first.low != other.low
+
+
+def test_more_noise_more_uncertainty():
+    stds = [identify(*by_cells(SyntheticArm(STEP, noise=n)), draws=100).alpha2.std for n in (0.001, 0.004, 0.016)]
+    assert stds[0] < stds[1] < stds[2]
+
+
+DATA = by_cells(SyntheticArm(STEP))
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda f, b, m: identify(f, dataclasses.replace(b, s=b.s + 1.0), m), r"given at the same points"),
+        (
+            lambda f, b, m: identify(f, b, Moment(m.s * 2, m.value)),
+            r"that of a curve of 224 mm, the curvature of one of 112",
+        ),
+        (lambda f, b, m: identify(f, b, Moment(m.s, 0 * m.value)), r"The rod carries no moment"),
+        (lambda f, b, m: identify(f, b, Moment(m.s, -m.value)), r"Curvature falls where the moment grows"),
+        (lambda f, b, m: identify(f, b, m, breaks=(0.5, 0.2)), r"must rise and lie between 0 and 1; 0\.5 \.\.\. 0\.2"),
+        (lambda f, b, m: identify(f, b, m, breaks=(0.01, 0.02)), r"No d below 0\.02 of the length"),
+        (
+            lambda f, b, m: identify(dataclasses.replace(f, pitch=20.0), dataclasses.replace(b, pitch=20.0), m),
+            r"Five numbers need seven cells",
+        ),
+    ],
+)
+def test_data_that_cannot_give_five_numbers_are_refused(call, sentence):
+    with pytest.raises(RodError, match=sentence):
+        call(*DATA)
