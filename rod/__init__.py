@@ -4,7 +4,9 @@ from .cells import cell_averaged
 from .curvature import Smoothing, gaussian_process, shared_smoothing
 from .curve import Curvature, Moment, moment_from_force
 from .equilibrium import Rod, RodSolution
-from .identify import Identification, Interval, LineFit, identify
+from .errors import Interval
+from .fit import LoadedShape, RodFit, fit_rod, profile_over_break, without_stretch
+from .identify import Identification, LineFit, identify
 from .law import FiveParameters, RodError
 from .synthetic import SyntheticArm
 
@@ -14,15 +16,20 @@ __all__ = [
     "Identification",
     "Interval",
     "LineFit",
+    "LoadedShape",
     "Moment",
     "Rod",
     "RodError",
+    "RodFit",
     "RodSolution",
     "Smoothing",
     "SyntheticArm",
     "cell_averaged",
+    "fit_rod",
     "gaussian_process",
     "identify",
     "moment_from_force",
+    "profile_over_break",
     "shared_smoothing",
+    "without_stretch",
 ]

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from .curve import Curvature, Moment
+from .errors import Interval, drawn_errors, effective_observations, interval, shared_within, total_error
 from .law import FiveParameters, RodError
 from .lines import OFFSET, STIFFEST, WIGGLE, Fit, Seen, Weights, solve, stiffened
 
@@ -35,16 +36,6 @@ PROFILE_POINTS = 65
 DRAWS = 400
 #: relative error of Delta below which nothing is believed
 RESOLUTION_OF_DELTA = 1e-5
-
-
-@dataclass(frozen=True)
-class Interval:
-    """A number with its error."""
-
-    value: float
-    std: float  #: half the distance of the 16 % and 84 % quantiles of the draws
-    low: float  #: 2.5 % of the draws lie below
-    high: float  #: 2.5 % of the draws lie above
 
 
 @dataclass(frozen=True)
@@ -109,10 +100,10 @@ def identify(
         1 / two.numbers[0], 1 / two.numbers[2], two.numbers[1] / two.numbers[0], two.numbers[3] / two.numbers[2], d
     )
     random = np.random.default_rng(seed)
-    sampled = _draws_two(seen, weights, grid, d, two.fitted, _drawn(error, draws, random), random, stiffest)
+    sampled = _draws_two(seen, weights, grid, d, two.fitted, drawn_errors(error, draws, random), random, stiffest)
     best = (law.alpha1, law.alpha2, law.m01, law.m02, law.d)
     alpha1, alpha2, m01, m02, place = (interval(v, c) for v, c in zip(best, sampled.T, strict=True))
-    observations = max(_observations(error), float(np.ptp(seen.s)) / seen.pitch + 1.0)
+    observations = max(effective_observations(error), float(np.ptp(seen.s)) / seen.pitch + 1.0)
     return Identification(
         law=law,
         alpha1=alpha1,
@@ -121,19 +112,13 @@ def identify(
         m02=m02,
         d=place,
         r2=_r2(seen, two),
-        one_line=_one_line(seen, one, weights, _drawn(error, draws, random), random),
+        one_line=_one_line(seen, one, weights, drawn_errors(error, draws, random), random),
         observations=observations,
         criterion_two=_criterion(seen, two, 5, observations),
         criterion_one=_criterion(seen, one, 2, observations),
         profile=np.column_stack([grid, [_rms(seen, fit) for fit in profile]]),
         points=np.column_stack([seen.s, seen.delta, two.fitted, seen.whole[0, :, 0]]),
     )
-
-
-def interval(value: float, drawn: Array) -> Interval:
-    """A number and its draws as value, standard deviation and 95 % interval."""
-    low, below, above, high = np.quantile(drawn, [0.025, 0.1587, 0.8413, 0.975])
-    return Interval(float(value), float(0.5 * (above - below)), float(low), float(high))
 
 
 def _grid(seen: Seen, breaks: tuple[float, float]) -> Array:
@@ -161,26 +146,9 @@ def _weights(seen: Seen, grid: Array) -> tuple[Weights, Array]:
     eager = Weights(1.0 / least, offset)
     objective = np.array([solve(seen.columns(d), seen.delta, eager).objective for d in grid])
     fit = solve(seen.columns(_refined(seen, eager, grid, objective)), seen.delta, eager)
-    error = _total_error(seen, fit, least)
+    error = total_error(seen.delta - fit.fitted, fit.matrix, seen.covariance, shared_within(seen.pitch, seen.s), least)
     deviation = math.sqrt(float(np.trace(error)) / len(seen.s))
-    return Weights(math.sqrt(_observations(error) / len(seen.s)) / deviation, offset), error
-
-
-def _total_error(seen: Seen, fit: Fit, least: float) -> Array:
-    """Covariance of the curvatures, plus the misfit that it does not explain, shared within a cell."""
-    q, _ = np.linalg.qr(fit.matrix)
-
-    def left(covariance: Array) -> float:  # expected summed square behind a fit of these columns
-        return float(np.trace(covariance) - np.trace(q.T @ covariance @ q))
-
-    shared = np.exp(-0.5 * ((seen.s[:, None] - seen.s[None, :]) / (0.5 * seen.pitch)) ** 2)
-    residual = seen.delta - fit.fitted
-    excess = max(least**2, (float(residual @ residual) - left(seen.covariance)) / left(shared))
-    return seen.covariance + excess * shared
-
-
-def _observations(error: Array) -> float:
-    return float(np.trace(error) ** 2 / np.sum(error**2))
+    return Weights(math.sqrt(effective_observations(error) / len(seen.s)) / deviation, offset), error
 
 
 def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> float:
@@ -194,12 +162,6 @@ def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> flo
         options={"xatol": 1e-7 * seen.length},
     )
     return float(found.x) if found.fun < objective[best] else float(grid[best])
-
-
-def _drawn(error: Array, draws: int, random: np.random.Generator) -> Array:
-    """(n, draws) errors with that covariance."""
-    size, vectors = np.linalg.eigh(error)
-    return vectors @ (np.sqrt(np.maximum(size, 0.0))[:, None] * random.standard_normal((len(error), draws)))
 
 
 def _rows(weights: Weights, drawn: Array, priors: int, random: np.random.Generator) -> Array:

@@ -1,0 +1,57 @@
+"""Errors of fitted numbers: what noise explains, what misfit adds, and intervals from draws."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A number with its error."""
+
+    value: float
+    std: float  #: half the distance of the 16 % and 84 % quantiles of the draws
+    low: float  #: 2.5 % of the draws lie below
+    high: float  #: 2.5 % of the draws lie above
+
+
+def interval(value: float, drawn: Array) -> Interval:
+    """A number and its draws as value, standard deviation and 95 % interval."""
+    low, below, above, high = np.quantile(drawn, [0.025, 0.1587, 0.8413, 0.975])
+    return Interval(float(value), float(0.5 * (above - below)), float(low), float(high))
+
+
+def shared_within(pitch: float, s: Array) -> Array:
+    """(n, n) correlation of a misfit at the points s (n,) mm: shared within a cell, independent beyond a few."""
+    return np.exp(-2.0 * ((s[:, None] - s[None, :]) / pitch) ** 2)
+
+
+def total_error(residual: Array, matrix: Array, noise: Array, shared: Array, least: float) -> Array:
+    """(n, n) covariance of noise, plus the misfit that it does not explain, with the correlation `shared`.
+
+    residual (n,) is what a least-squares fit with the columns of matrix (n, k) has left; least: the standard deviation
+    of the misfit that is assumed at the very least.
+    """
+    q, _ = np.linalg.qr(matrix)
+
+    def left(covariance: Array) -> float:  # expected summed square behind a fit of these columns
+        return float(np.trace(covariance) - np.trace(q.T @ covariance @ q))
+
+    excess = max(least**2, (float(residual @ residual) - left(noise)) / left(shared))
+    return noise + excess * shared
+
+
+def effective_observations(error: Array) -> float:
+    """Number of independent observations with the same information on a mean: the number of points for white noise."""
+    return float(np.trace(error) ** 2 / np.sum(error**2))
+
+
+def drawn_errors(error: Array, draws: int, random: np.random.Generator) -> Array:
+    """(n, draws) errors with the covariance `error`."""
+    size, vectors = np.linalg.eigh(error)
+    return vectors @ (np.sqrt(np.maximum(size, 0.0))[:, None] * random.standard_normal((len(error), draws)))

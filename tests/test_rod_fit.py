@@ -1,0 +1,115 @@
+"""The rod that comes closest to a loaded shape and its force."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from geometry import Centreline
+from rod import FiveParameters, RodError, SyntheticArm
+from rod.fit import LoadedShape, fit_rod, profile_over_break, rest_curvature, without_stretch
+
+MEETING = FiveParameters(55.0, 400.0, -5.2, 0.1, 14.0)
+STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
+NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
+
+
+def shape_of(law, seed=0, **arm):
+    arm = SyntheticArm(law, **arm)
+    return LoadedShape(*arm.curves(seed), arm.pitch)
+
+
+def off(law, start=1.2):
+    """A law to start from that is not the answer."""
+    return FiveParameters(start * law.alpha1, law.alpha2 / start, law.m01, law.m02 + 0.1, law.d * start)
+
+
+def test_round_trip():
+    """Rod data in, the five numbers back to 1e-4."""
+    found = fit_rod(shape_of(STEP, node_spacing=0.5), [off(STEP)], draws=2)
+    for name in NAMES:
+        scale = 10.0 if name.startswith("m0") else getattr(STEP, name)
+        assert abs(getattr(found.law, name) - getattr(STEP, name)) < 1e-4 * scale, name
+    assert found.shape_error < 1e-6
+    assert found.force_error < 1e-6
+
+
+def test_a_wiggle_in_the_cells_does_not_mislead():
+    found = fit_rod(shape_of(MEETING, wiggle=0.25, compliance_wiggle=0.1, phase=1.0), [off(MEETING, 1.1)], draws=40)
+    assert found.law.d == pytest.approx(14.0, abs=0.05)
+    assert found.law.alpha1 == pytest.approx(55.0, rel=0.02)
+    assert found.law.alpha2 == pytest.approx(400.0, rel=1e-3)
+
+
+def test_noise_is_borne_and_widens_the_intervals():
+    quiet, loud = (
+        fit_rod(shape_of(MEETING, wiggle=0.2, noise=n, seed=3), [MEETING], draws=100) for n in (0.001, 0.006)
+    )
+    for found in (quiet, loud):
+        assert found.alpha2.value == pytest.approx(400.0, rel=0.01)
+        assert 0.05 < found.law.d / 112.0 < 0.15
+    assert quiet.alpha1.high - quiet.alpha1.low < loud.alpha1.high - loud.alpha1.low
+    assert loud.alpha1.low <= 55.0 <= loud.alpha1.high
+
+
+def test_the_best_of_several_starts_is_taken():
+    shape = shape_of(STEP)
+    wrong = FiveParameters(150.0, 300.0, 0.0, 0.0, 35.0)
+    both = fit_rod(shape, [wrong, off(STEP)], draws=2)
+    assert both.law.d == pytest.approx(11.0, abs=0.01)
+
+
+def test_profile_over_the_break_is_lowest_at_the_break():
+    """The paper's Fig. 11."""
+    rows = profile_over_break(shape_of(STEP), STEP, [6.0, 11.0, 16.0, 20.0])
+    assert rows[:, 0].tolist() == pytest.approx([6.0, 11.0, 16.0, 20.0])
+    assert np.argmin(rows[:, 1]) == 1
+    assert rows[1, 1] < 0.01 * rows[3, 1]
+
+
+def test_rest_curvature_gives_back_the_chords():
+    arm = SyntheticArm(STEP, wiggle=0.3)
+    free, _, _ = arm.curves()
+    theta0, profile = rest_curvature(free)
+    assert theta0 == pytest.approx(0.0, abs=1e-3)
+    assert np.trapezoid(profile[:, 1], profile[:, 0]) == pytest.approx(0.03 * 112.0, rel=0.01)
+
+
+def test_without_stretch_keeps_angles_and_rest_length():
+    free, _, _ = SyntheticArm(STEP).curves()
+    longer = Centreline(free.s, 1.02 * free.x, 1.02 * free.y)
+    back = without_stretch(longer)
+    assert np.hypot(np.diff(back.x), np.diff(back.y)) == pytest.approx(np.diff(free.s), rel=1e-12)
+    assert back.x == pytest.approx(free.x, abs=1e-2)
+
+
+FREE, LOADED, FORCE = SyntheticArm(STEP).curves()
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (
+            lambda: LoadedShape(FREE, Centreline(2 * LOADED.s, LOADED.x, LOADED.y), FORCE, 10.0),
+            r"of one material curve",
+        ),
+        (lambda: LoadedShape(FREE, LOADED, (0.0, 0.0), 10.0), r"Without an end force"),
+        (lambda: fit_rod(LoadedShape(FREE, LOADED, FORCE, 10.0), []), r"needs a law to start from"),
+        (
+            lambda: fit_rod(LoadedShape(FREE, LOADED, FORCE, 10.0), [STEP], breaks=(0.5, 0.2)),
+            r"must lie between 0 and 1",
+        ),
+        (
+            lambda: fit_rod(
+                LoadedShape(FREE, dataclasses.replace(LOADED, y=LOADED.y + np.linspace(0, 200, 113)), FORCE, 10.0),
+                [STEP],
+            ),
+            r"No rod near the laws to start from",
+        ),
+    ],
+)
+def test_shapes_that_no_rod_fits_are_refused(call, sentence):
+    with pytest.raises(RodError, match=sentence):
+        call()
