@@ -5,12 +5,17 @@ from .curvature import Smoothing, gaussian_process, shared_smoothing
 from .curve import Curvature, Moment, moment_from_force
 from .equilibrium import Rod, RodSolution
 from .errors import Interval
+from .export import EXPORTS, Arm, export
 from .fit import LoadedShape, RodFit, fit_rod, profile_over_break, without_stretch
 from .identify import Identification, LineFit, identify
 from .law import FiveParameters, RodError
+from .pressures import PressurisedRod, Straightness, straightness
+from .scaling import Reference, Scaled, scaled
 from .synthetic import SyntheticArm
 
 __all__ = [
+    "EXPORTS",
+    "Arm",
     "Curvature",
     "FiveParameters",
     "Identification",
@@ -18,18 +23,25 @@ __all__ = [
     "LineFit",
     "LoadedShape",
     "Moment",
+    "PressurisedRod",
+    "Reference",
     "Rod",
     "RodError",
     "RodFit",
     "RodSolution",
+    "Scaled",
     "Smoothing",
+    "Straightness",
     "SyntheticArm",
     "cell_averaged",
+    "export",
     "fit_rod",
     "gaussian_process",
     "identify",
     "moment_from_force",
     "profile_over_break",
+    "scaled",
     "shared_smoothing",
+    "straightness",
     "without_stretch",
 ]

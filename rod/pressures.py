@@ -1,0 +1,95 @@
+"""The five numbers over pressure: slopes, where they are straight, and the rod at a pressure between (paper, 4.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .equilibrium import Rod
+from .law import FiveParameters, RodError
+
+Array = NDArray[np.float64]
+
+#: a departure from a straight line that does not matter, over the largest value
+TOLERANCE = 0.02
+
+
+@dataclass(frozen=True)
+class Straightness:
+    """A straight line through values over pressure, and whether it may be called one."""
+
+    slope: float  #: per kPa
+    slope_std: float
+    intercept: float  #: at 0 kPa
+    departure: float  #: largest distance of a value from the line, over the largest value
+    straight: bool  #: every value lies within two standard deviations or TOLERANCE of the line
+    tested: bool  #: there are more than the two pressures through which a line always goes
+
+
+def straightness(pressures: Sequence[float], values: Sequence[float], stds: Sequence[float]) -> Straightness:
+    """Weighted straight line through values at the pressures (kPa).
+
+    A standard deviation of zero counts as a thousandth of the largest value. Raises `RodError` for fewer than two
+    different pressures or lengths that differ.
+    """
+    p, v, e = (np.asarray(a, float) for a in (pressures, values, stds))
+    if not p.shape == v.shape == e.shape or len(np.unique(p)) < 2:
+        raise RodError("A slope over pressure needs values and errors at two different pressures at least.")
+    scale = float(np.abs(v).max()) or 1.0
+    e = np.maximum(np.where(np.isfinite(e), e, scale), 1e-3 * scale)
+    rows = np.column_stack([p, np.ones(len(p))]) / e[:, None]
+    slope, intercept = np.linalg.lstsq(rows, v / e, rcond=None)[0]
+    covariance = np.linalg.inv(rows.T @ rows)
+    off = np.abs(v - slope * p - intercept)
+    return Straightness(
+        float(slope),
+        float(np.sqrt(covariance[0, 0])),
+        float(intercept),
+        float(off.max()) / scale,
+        bool(np.all(off <= np.maximum(2.0 * e, TOLERANCE * scale))),
+        len(p) > 2,
+    )
+
+
+@dataclass(frozen=True)
+class PressurisedRod:
+    """The identified rod over a range of pressures: numbers and kappa_0 are joined by straight lines between pressures.
+
+    Raises `RodError` unless pressures rise and every one has a law and a row of kappa_0.
+    """
+
+    length: float  #: mm
+    pressures: Array  #: (n,) kPa
+    laws: tuple[FiveParameters, ...]  #: (n,)
+    s: Array  #: (m,) mm, from 0 to length
+    kappa_0: Array  #: (n, m) 1/mm
+
+    def __post_init__(self) -> None:
+        if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0):
+            raise RodError("The pressures of a rod must rise.")
+        if len(self.laws) != len(self.pressures) or self.kappa_0.shape != (len(self.pressures), len(self.s)):
+            raise RodError("Every pressure of a rod needs its five numbers and its kappa_0 at every s.")
+
+    def at(self, pressure: float, *, extrapolate: bool = False) -> Rod:
+        """The rod at a pressure (kPa) inside the identified range; outside it only on request, along the last lines.
+
+        Raises `RodError` outside the range unless asked, and where the extrapolated numbers are no law.
+        """
+        p = self.pressures
+        if not (p[0] <= pressure <= p[-1]) and not extrapolate:
+            raise RodError(f"{pressure:g} kPa lies outside the identified range of {p[0]:g} to {p[-1]:g} kPa.")
+        if len(p) == 1:
+            if pressure != p[0]:
+                raise RodError(f"From one pressure, {p[0]:g} kPa, there is no line to extrapolate.")
+            return Rod(self.length, np.column_stack([self.s, self.kappa_0[0]]), self.laws[0])
+        i = int(np.clip(np.searchsorted(p, pressure) - 1, 0, len(p) - 2))
+        t = (pressure - p[i]) / (p[i + 1] - p[i])
+        numbers = [
+            (1.0 - t) * getattr(self.laws[i], name) + t * getattr(self.laws[i + 1], name)
+            for name in ("alpha1", "alpha2", "m01", "m02", "d")
+        ]
+        kappa_0 = (1.0 - t) * self.kappa_0[i] + t * self.kappa_0[i + 1]
+        return Rod(self.length, np.column_stack([self.s, kappa_0]), FiveParameters(*numbers))

@@ -1,0 +1,101 @@
+"""Numbers over pressure and over length: paper, section 4.1, equations (9) and (10)."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from rod import FiveParameters, RodError
+from rod.pressures import PressurisedRod, straightness
+from rod.scaling import Reference, scaled
+
+S = np.linspace(0.0, 112.0, 57)
+ROD = PressurisedRod(
+    112.0,
+    np.array([17.0, 37.0]),
+    (FiveParameters(80.0, 290.0, -1.0, 0.1, 12.0), FiveParameters(60.0, 430.0, -3.0, 0.2, 14.0)),
+    S,
+    np.outer([0.012, 0.03], 1.0 + 0.1 * np.cos(S)),
+)
+REFERENCE = Reference(112.0, 0.2, 24.0, FiveParameters(70.0, 340.0, -2.0, 0.1, 13.0), -1.0, 7.0, 0.02)
+
+
+def test_a_line_through_rigidities():
+    p = [10.0, 17.0, 24.0, 31.0]
+    line = straightness(p, [200.0 + 3.0 * q for q in p], [1.0] * 4)
+    assert (line.slope, line.intercept) == pytest.approx((3.0, 200.0))
+    assert line.straight
+    assert line.tested
+    assert line.departure < 1e-9
+    bent = straightness(p, [200.0 + 0.3 * q**2 for q in p], [1.0] * 4)
+    assert not bent.straight
+    assert bent.departure > 0.02
+    assert not straightness(p[:2], [1.0, 2.0], [0.1, 0.1]).tested
+
+
+def test_slope_error_follows_the_errors_of_the_values():
+    p = np.array([5.0, 17.0, 31.0, 45.0])
+    random = np.random.default_rng(0)
+    slopes = [straightness(p, 200.0 + p + 4.0 * random.standard_normal(4), [4.0] * 4) for _ in range(400)]
+    assert np.std([s.slope for s in slopes]) == pytest.approx(slopes[0].slope_std, rel=0.15)
+
+
+def test_the_rod_between_two_pressures():
+    rod = ROD.at(27.0)
+    assert dataclasses.astuple(rod.law) == pytest.approx((70.0, 360.0, -2.0, 0.15, 13.0))
+    assert rod.solve().kappa[0] == pytest.approx(0.021 * 1.1)
+    assert ROD.at(37.0).law == ROD.laws[1]
+
+
+def test_outside_the_range_only_on_request():
+    with pytest.raises(RodError, match=r"45 kPa lies outside the identified range of 17 to 37 kPa"):
+        ROD.at(45.0)
+    assert ROD.at(45.0, extrapolate=True).law.alpha1 == pytest.approx(52.0)
+    with pytest.raises(RodError, match="alpha1 is a rigidity and must be positive"):
+        ROD.at(120.0, extrapolate=True)
+    one = dataclasses.replace(ROD, pressures=ROD.pressures[:1], laws=ROD.laws[:1], kappa_0=ROD.kappa_0[:1])
+    assert one.at(17.0).law == ROD.laws[0]
+    with pytest.raises(RodError, match="there is no line to extrapolate"):
+        one.at(20.0, extrapolate=True)
+
+
+def test_equation_9_is_that_of_the_paper():
+    other = scaled(REFERENCE, length=1.8 * 112.0, pressure=30.0)
+    assert other.kappa_0_l == pytest.approx(0.02 * 112.0 * (30.0 / 24.0) * 1.8)
+    assert other.alpha2_hat == pytest.approx((340.0 + 6.0 * 7.0) / (0.2 * 112.0**2) / 1.8**2)
+
+
+def test_equation_9_in_millimetres_leaves_the_cells_alone():
+    """More cells of the same kind change neither curvature nor rigidity."""
+    for ratio in (0.64, 1.0, 1.8):
+        other = scaled(REFERENCE, length=ratio * 112.0, pressure=24.0)
+        assert other.kappa_0 == pytest.approx(REFERENCE.kappa_0)
+        assert other.law.alpha2 == pytest.approx(340.0)
+        assert other.law.d == 13.0
+
+
+def test_equation_10_limits():
+    """A rigid body for short arms, a string for long ones."""
+    lengths = np.array([14.0, 112.0, 1e4, 1e6])
+    hats = [scaled(REFERENCE, length=length, pressure=30.0).alpha2_hat for length in lengths]
+    assert np.array(hats) * lengths**2 == pytest.approx(hats[1] * 112.0**2)
+    assert hats[-1] < 1e-7 < 1.0 < hats[0]
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: straightness([10.0, 10.0], [1.0, 2.0], [0.1, 0.1]), r"two different pressures"),
+        (lambda: dataclasses.replace(ROD, pressures=np.array([37.0, 17.0])), r"must rise"),
+        (lambda: dataclasses.replace(ROD, laws=ROD.laws[:1]), r"Every pressure of a rod needs its five numbers"),
+        (lambda: scaled(REFERENCE, length=10.0, pressure=24.0), r"The soft zone of 13 mm is longer"),
+        (lambda: scaled(REFERENCE, length=-1.0, pressure=24.0), r"must be positive"),
+        (lambda: scaled(REFERENCE, length=112.0, pressure=120.0), r"alpha1 is a rigidity"),
+        (lambda: dataclasses.replace(REFERENCE, weight=0.0), r"The reference weight must be positive"),
+    ],
+)
+def test_impossible_requests_are_refused(call, sentence):
+    with pytest.raises(RodError, match=sentence):
+        call()
