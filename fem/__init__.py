@@ -2,7 +2,9 @@
 
 from fem.contact import ContactError, SelfContact
 from fem.effects import Effect, Gravity, Pressure
+from fem.experiments import Experiment
 from fem.loadpath import PathOptions, follow
+from fem.linear import available_solver
 from fem.material import Material, MaterialError, StVenantKirchhoff
 from fem.model import Model
 from fem.newton import NewtonOptions
@@ -12,6 +14,7 @@ from fem.supports import Fixed, Prescribed, SupportError
 __all__ = [
     "ContactError",
     "Effect",
+    "Experiment",
     "Fixed",
     "Gravity",
     "Material",
@@ -27,5 +30,6 @@ __all__ = [
     "StVenantKirchhoff",
     "Step",
     "SupportError",
+    "available_solver",
     "follow",
 ]

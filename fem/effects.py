@@ -6,7 +6,7 @@ gradient and second derivative.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import final
+from typing import ClassVar, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,8 @@ class Blocks:
 class Term(ABC):
     """A term of the total potential; x (n, 3) are current positions in mm, factor is the load factor."""
 
+    effect: ClassVar[str]  #: name of the effect as in a config
+
     @abstractmethod
     def energy(self, x: Array, factor: float) -> float:
         """Potential, N mm."""
@@ -46,6 +48,22 @@ class Term(ABC):
     @abstractmethod
     def step_limit(self, x: Array, dx: Array) -> float:
         """Largest share of the step dx (n, 3) in (0, 1] that the term admits."""
+
+    @abstractmethod
+    def wanted(self, x: Array) -> bool:
+        """Whether the term must be in the sum once equilibrium without it was found at x (n, 3)."""
+
+    @abstractmethod
+    def objection(self, x: Array) -> str:
+        """Why a converged state x (n, 3) cannot be accepted, in a clause; empty where it can."""
+
+    @abstractmethod
+    def stricter(self) -> "Term":
+        """The term to try where this one had an objection; the term itself where there is no other."""
+
+    @abstractmethod
+    def gap(self, x: Array) -> float:
+        """Smallest distance in mm between parts of the body that the term keeps apart; infinity for other terms."""
 
 
 class Effect(ABC):
@@ -82,6 +100,8 @@ class Pressure(Effect):
 class PressureTerm(Term):
     """-p V(x), V enclosed by the faces and symmetry planes through the origin."""
 
+    effect = "pressure"
+
     faces: Faces
     value: float
     rows: Index  #: (21 f,)
@@ -94,7 +114,9 @@ class PressureTerm(Term):
     def gradient(self, x: Array, factor: float, out: Array) -> None:
         normals = np.zeros_like(x)
         kernels.surface_pressure(*self._arguments(x), normals, np.empty(self.faces.nodes.shape[0]))
-        out += factor * self.value * normals  # the faces' normals leave the solid, so the cavity's volume falls along them
+        out += (
+            factor * self.value * normals
+        )  # the faces' normals leave the solid, so the cavity's volume falls along them
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         values = np.empty((self.faces.nodes.shape[0], 21, 3, 3))
@@ -105,6 +127,18 @@ class PressureTerm(Term):
 
     def step_limit(self, x: Array, dx: Array) -> float:
         return 1.0
+
+    def wanted(self, x: Array) -> bool:
+        return True
+
+    def objection(self, x: Array) -> str:
+        return ""
+
+    def stricter(self) -> Term:
+        return self
+
+    def gap(self, x: Array) -> float:
+        return np.inf
 
     def _arguments(self, x: Array) -> tuple[Index, Array, Array, Array, Array]:
         return self.faces.nodes, self.faces.shape, self.faces.derivative, self.faces.weight, x
@@ -139,6 +173,8 @@ class Gravity(Effect):
 class DeadForceTerm(Term):
     """-f . x with nodal forces that keep their direction."""
 
+    effect = "gravity"
+
     force: Array  #: (n, 3) at load factor 1, N
 
     def energy(self, x: Array, factor: float) -> float:
@@ -152,3 +188,15 @@ class DeadForceTerm(Term):
 
     def step_limit(self, x: Array, dx: Array) -> float:
         return 1.0
+
+    def wanted(self, x: Array) -> bool:
+        return True
+
+    def objection(self, x: Array) -> str:
+        return ""
+
+    def stricter(self) -> Term:
+        return self
+
+    def gap(self, x: Array) -> float:
+        return np.inf

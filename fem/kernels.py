@@ -24,7 +24,9 @@ def _gradients(inverse, reference, g):
     """g[a, i] = d N_a / d X_i from the reference gradients (a, k) and the inverse Jacobian (k, i)."""
     for a in range(reference.shape[0]):
         for i in range(3):
-            g[a, i] = reference[a, 0] * inverse[0, i] + reference[a, 1] * inverse[1, i] + reference[a, 2] * inverse[2, i]
+            g[a, i] = (
+                reference[a, 0] * inverse[0, i] + reference[a, 1] * inverse[1, i] + reference[a, 2] * inverse[2, i]
+            )
 
 
 @njit(cache=True, inline="always")

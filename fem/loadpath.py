@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem import newton
-from fem.contact import ContactTerm
 from fem.extremes import extremes_of
 from fem.linear import LinearSolver
 from fem.model import Model
 from fem.newton import Converged, NewtonOptions, StepFailed
 from fem.solution import NotConverged, Seconds, Solution, Step
-from fem.system import State, System
+from fem.system import State, System, Terms
 
 Array = NDArray[np.float64]
 
@@ -82,11 +81,15 @@ class Path:
         self.options = options
         self.watch = watch
         self.places = [Place(0.0, 0.0, system.start())]
+        rest = system.space.points
+        self.terms = tuple(term for term in system.terms if term.wanted(rest))
 
     def take_up(self, steps: Sequence[Step]) -> None:
         """Go on from the last of the given steps."""
         for step in steps:
             self.places.append(Place(step.factor, 1.0, State(step.displacement, step.stress)))
+            x = self.system.space.points + step.displacement
+            self.terms = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
 
     def advance(self, factor: float) -> Step:
         """Equilibrium at `factor`, in as few pieces as converge; raises `StepFailed`."""
@@ -113,19 +116,36 @@ class Path:
 
     def _attempt(self, origin: Place, factor: float, share: float) -> Converged:
         aim = self._place(origin, factor, share, self.places[-1].state)
-        start = aim.state
-        found = newton.solve(
+        found = self._solve(factor, aim, aim.state, self.terms)
+        x = self.system.space.points + found.state.displacement
+        woken = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
+        if len(woken) > len(self.terms):
+            self.terms = woken
+            found = self._solve(factor, aim, found.state, self.terms)
+        if self._objections(found, self.terms):
+            terms = tuple(term.stricter() for term in self.terms)
+            found = self._solve(factor, aim, aim.state, terms)
+            if objections := self._objections(found, terms):
+                raise StepFailed(objections[0])
+        if found.assembly.jacobian.min() <= 0:
+            worst = extremes_of(self.system.space, found.state.displacement, found.assembly.jacobian)
+            raise StepFailed(f"an element is turned inside out at {_at(worst.min_J_at)} (J = {worst.min_J:.3g})")
+        return found
+
+    def _objections(self, found: Converged, terms: Terms) -> list[str]:
+        x = self.system.space.points + found.state.displacement
+        return [objection for term in terms if (objection := term.objection(x))]
+
+    def _solve(self, factor: float, aim: Place, start: State, terms: Terms) -> Converged:
+        return newton.solve(
             self.system,
+            terms,
             start,
             aim.factor,
             self.system.prescribed(aim.factor, aim.share),
             self.options.newton,
             lambda iteration, residual: self.watch(factor, iteration, residual),
         )
-        if found.assembly.jacobian.min() <= 0:
-            worst = extremes_of(self.system.space, found.state.displacement, found.assembly.jacobian)
-            raise StepFailed(f"an element is turned inside out at {_at(worst.min_J_at)} (J = {worst.min_J:.3g})")
-        return found
 
     @staticmethod
     def _place(origin: Place, factor: float, share: float, state: State) -> Place:
@@ -142,7 +162,6 @@ class Path:
     def _step(self, factor: float, found: Converged, spent: int, cutbacks: int, seconds: float) -> Step:
         displacement = found.state.displacement
         x = self.system.space.points + displacement
-        gaps = [term.gap(x) for term in self.system.terms if isinstance(term, ContactTerm)]
         return Step(
             space=self.system.space,
             factor=factor,
@@ -150,7 +169,7 @@ class Path:
             stress=found.state.stress,
             gradient=np.where(self.system.constraints.fixed, found.assembly.gradient, 0.0),
             extremes=extremes_of(self.system.space, displacement, found.assembly.jacobian),
-            min_gap=min(gaps, default=np.inf),
+            min_gap=min((term.gap(x) for term in self.system.terms), default=np.inf),
             negative_pivots=found.negative_pivots,
             newton_iterations=spent,
             factorizations=spent,
@@ -160,19 +179,20 @@ class Path:
 
     def solution(self, steps: Sequence[Step], set_up: float) -> Solution:
         """What was reached, with the seconds spent."""
-        times, clock = self.system.solver.times, self.system.clock
-        contact = sum(term.seconds for term in self.system.terms if isinstance(term, ContactTerm))
+        times = self.system.solver.times
+        spent = dict(self.system.clock.seconds)
         return Solution(
             steps=tuple(steps),
             seconds=Seconds(
                 set_up=set_up,
-                assembly=clock.assembly - contact,
-                contact=contact,
+                assembly=spent.pop("assembly", 0.0),
                 analysis=times.analysis,
                 factorization=times.factorization,
                 solve=times.solve,
+                effects=spent,
             ),
             factorizations=times.factorizations,
+            analyses=times.analyses,
             solver=type(self.system.solver).__name__,
         )
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.effects import Term
 from fem.linear import SingularMatrix
 from fem.system import Assembly, State, System
 
@@ -26,6 +27,7 @@ class NewtonOptions:
 
     tolerance: float = 1e-6  #: norm of the residual over the norm of the internal forces
     iterations: int = 30  #: factorizations per step at the most
+    strain: float = 0.15  #: largest change of a strain component in one iteration, to first order
     blow_up: float = 1e6  #: relative residual that ends the attempt
 
 
@@ -44,39 +46,58 @@ class StepFailed(ArithmeticError):
     """One attempt at a step ended without equilibrium; the sentence says where and why."""
 
 
-def solve(system: System, start: State, factor: float, prescribed: Array, options: NewtonOptions, watch: Watch) -> Converged:
-    """Equilibrium at `factor` with the prescribed displacements (n, 3), from `start`. Raises `StepFailed`."""
+def solve(
+    system: System,
+    terms: tuple[Term, ...],
+    start: State,
+    factor: float,
+    prescribed: Array,
+    options: NewtonOptions,
+    watch: Watch,
+) -> Converged:
+    """Equilibrium of the body with `terms` at `factor` and the prescribed displacements (n, 3), from `start`.
+
+    Raises `StepFailed`.
+    """
     state = start
     fixed = system.constraints.fixed
     relative = np.inf
     for iteration in range(options.iterations + 1):
-        assembly = system.assemble(state.displacement, factor)
+        assembly = system.assemble(state.displacement, factor, terms)
         jump = np.where(fixed, prescribed - state.displacement, 0.0)
         relative = _relative_residual(system, assembly)
         watch(iteration, relative)
         if relative < options.tolerance and not np.any(jump):
-            return Converged(
-                State(state.displacement, assembly.response.stress),
-                assembly,
-                iteration,
-                relative,
-                system.solver.negative_pivots if iteration else 0,
-            )
+            pivots = system.solver.negative_pivots if iteration else 0
+            carried = State(state.displacement, assembly.response.stress)
+            return Converged(carried, assembly, iteration, relative, pivots)
         if not np.isfinite(relative) or relative > options.blow_up:
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
         if iteration < options.iterations:
-            state = _advance(system, state, assembly, factor, jump, convex=relative > 0.1)
+            state = _advance(system, terms, state, assembly, factor, jump, options, convex=relative > 0.1)
     raise StepFailed(f"no equilibrium after {options.iterations} iterations (relative residual {relative:.1e})")
 
 
-def _advance(system: System, state: State, assembly: Assembly, factor: float, jump: Array, convex: bool) -> State:
+def _advance(
+    system: System,
+    terms: tuple[Term, ...],
+    state: State,
+    assembly: Assembly,
+    factor: float,
+    jump: Array,
+    options: NewtonOptions,
+    convex: bool,
+) -> State:
     try:
-        increment = system.increment(state, assembly, factor, jump, convex)
+        increment = system.increment(state, assembly, factor, terms, jump, convex)
     except SingularMatrix as error:
         raise StepFailed(f"the tangent is singular ({error})") from None
-    increment *= system.step_limit(state.displacement, increment)
-    stress = system.carried_stress(state, assembly, increment)
-    return State(state.displacement + increment, stress)
+    strain = system.linearised_strain(state, increment)
+    largest = float(np.abs(strain).max())
+    share = min(1.0, options.strain / largest) if largest > 0 else 1.0
+    share *= system.step_limit(terms, state.displacement, share * increment)
+    stress = system.carried_stress(assembly, share * strain)
+    return State(state.displacement + share * increment, stress)
 
 
 def _relative_residual(system: System, assembly: Assembly) -> float:

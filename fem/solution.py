@@ -71,23 +71,17 @@ class Seconds:
     """Where the time of a load path went."""
 
     set_up: float = 0.0
-    assembly: float = 0.0
-    contact: float = 0.0
+    assembly: float = 0.0  #: of the body itself
     analysis: float = 0.0
     factorization: float = 0.0
     solve: float = 0.0
-
-    def __add__(self, other: "Seconds") -> "Seconds":
-        return Seconds(**{name: value + getattr(other, name) for name, value in self.as_dict().items()})
-
-    def as_dict(self) -> Mapping[str, float]:
-        """Name of the stage to seconds."""
-        return dict(vars(self))
+    effects: Mapping[str, float] = field(default_factory=dict)  #: assembly of each effect
 
     @property
     def total(self) -> float:
         """Sum of all stages."""
-        return sum(self.as_dict().values())
+        own = self.set_up + self.assembly + self.analysis + self.factorization + self.solve
+        return own + sum(self.effects.values())
 
 
 @dataclass(frozen=True)
@@ -97,6 +91,7 @@ class Solution:
     steps: tuple[Step, ...]
     seconds: Seconds
     factorizations: int  #: in all
+    analyses: int  #: symbolic analyses, one more for each time contact asked for room in the pattern
     solver: str  #: name of the linear solver
 
 

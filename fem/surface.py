@@ -21,6 +21,7 @@ class FacingPairs:
 
     nodes: Index  #: (k,) nodes that have something before them
     triangles: Index  #: (k, 3) the triangle each node looks at
+    area: Array  #: (k,) the node's share of the surface at rest, mm2
 
     @classmethod
     def of(cls, surface: Faces, points: Array) -> "FacingPairs":
@@ -28,8 +29,11 @@ class FacingPairs:
         triangles = surface.triangles
         centre, normal = points[triangles].mean(axis=1), _normals(points, triangles)
         of_node = np.zeros_like(points)
+        share = np.zeros(points.shape[0])
+        doubled = np.linalg.norm(np.cross(*_edges(points, triangles)), axis=1)
         for corner in range(3):
             np.add.at(of_node, triangles[:, corner], normal)
+            np.add.at(share, triangles[:, corner], doubled / 6)
         nodes = surface.unique_nodes
         facing = of_node[nodes] / np.linalg.norm(of_node[nodes], axis=1, keepdims=True)
         count = min(64, triangles.shape[0])
@@ -40,14 +44,59 @@ class FacingPairs:
         opposite = np.einsum("ki,kmi->km", facing, normal[near]) < -0.7
         misfit = np.where(opposite & (ahead > 0), beside, np.inf)
         best = np.argmin(misfit, axis=1)
-        size = np.sqrt(np.linalg.norm(np.cross(*_edges(points, triangles)), axis=1).mean())
+        size = np.sqrt(doubled.mean())
         seen = misfit[np.arange(nodes.shape[0]), best] < 2 * size
-        return cls(nodes[seen], triangles[near[seen, best[seen]]])
+        return cls(nodes[seen], triangles[near[seen, best[seen]]], share[nodes[seen]])
 
     def gaps(self, x: Array) -> Array:
         """Signed gap (k,) in mm of each pair at the positions x (n, 3), along the triangle's normal."""
         normal = _normals(x, self.triangles)
         return np.einsum("ki,ki->k", x[self.nodes] - x[self.triangles].mean(axis=1), normal)
+
+    def local(self, x: Array) -> "LocalPairs":
+        """First and second derivatives of the gaps at the positions x (n, 3)."""
+        node, triangle = self.nodes, self.triangles
+        normal = _normals(x, triangle)
+        first, second = _edges(x, triangle)
+        reach = x[node] - x[triangle[:, 0]]
+        g11, g12, g22 = (np.einsum("ki,ki->k", u, v) for u, v in ((first, first), (first, second), (second, second)))
+        det = g11 * g22 - g12**2
+        slope = np.zeros((node.shape[0], 4, 3))
+        slope[:, 2] = (g22[:, None] * first - g12[:, None] * second) / det[:, None]
+        slope[:, 3] = (g11[:, None] * second - g12[:, None] * first) / det[:, None]
+        slope[:, 1] = -slope[:, 2] - slope[:, 3]
+        share = np.zeros((node.shape[0], 4))
+        share[:, 2:] = -np.einsum("kai,ki->ka", slope[:, 2:], reach)
+        share[:, 0], share[:, 1] = 1.0, -1.0 - share[:, 2] - share[:, 3]
+        gap = np.einsum("ki,ki->k", reach, normal)
+        return LocalPairs(np.column_stack([node, triangle]), normal, share, slope, gap)
+
+
+@dataclass(frozen=True)
+class LocalPairs:
+    """The gap of pairs near a configuration: g = n . (x_0 - foot), the node being number 0 and the triangle 1 to 3."""
+
+    nodes: Index  #: (m, 4)
+    normal: Array  #: (m, 3)
+    share: Array  #: (m, 4) 1 for the node, minus the barycentric coordinates of its foot point for the triangle
+    slope: Array  #: (m, 4, 3) in-plane gradients of the barycentric coordinates, 0 for the node
+    gap: Array  #: (m,) mm
+
+    @property
+    def first(self) -> Array:
+        """d g / d x_k = share_k n, (m, 4, 3)."""
+        return self.share[:, :, None] * self.normal[:, None, :]
+
+    def second(self, a: Index, b: Index) -> Array:
+        """d2 g / d x_a d x_b for index lists a, b (p,): (m, p, 3, 3).
+
+        From dn = -sum_k slope_k (n . dx_k) and d2g = 2 dn . w - g |dn|^2, w = sum_k share_k dx_k the motion at the foot.
+        """
+        n = self.normal[:, None, :]
+        across = np.einsum("mpi,mpj->mpij", self.share[:, b, None] * n, self.slope[:, a])
+        along = self.share[:, a, None, None] * self.slope[:, b, :, None] * n[:, :, None, :]
+        turn = self.gap[:, None] * np.einsum("mpi,mpi->mp", self.slope[:, a], self.slope[:, b])
+        return -across - along - turn[:, :, None, None] * (n[..., :, None] * n[..., None, :])
 
 
 def _edges(x: Array, triangles: Index) -> tuple[Array, Array]:

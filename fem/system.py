@@ -1,5 +1,8 @@
 """The assembled equations of a model: residual and tangent of the total potential on the free components."""
 
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
 from typing import final
@@ -16,6 +19,8 @@ from fem.pattern import Pattern, element_keys
 from fem.supports import Constraints
 
 Array = NDArray[np.float64]
+
+Terms = tuple[Term, ...]
 
 NO_INCREMENT = np.empty((0, 3))
 
@@ -38,12 +43,20 @@ class Assembly:
     scale: float  #: norm of the nodal forces that balance, N
 
 
-@dataclass
 class Clock:
-    """Seconds spent in assembly and in contact."""
+    """Seconds by what they were spent on: "assembly" and the names of effects."""
 
-    assembly: float = 0.0
-    contact: float = 0.0
+    def __init__(self) -> None:
+        self.seconds: defaultdict[str, float] = defaultdict(float)
+
+    @contextmanager
+    def timing(self, name: str) -> Iterator[None]:
+        """Add the time of the block to `name`."""
+        start = perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[name] += perf_counter() - start
 
 
 @final
@@ -54,7 +67,7 @@ class System:
         self,
         space: Discretisation,
         material: Material,
-        terms: tuple[Term, ...],
+        terms: Terms,
         constraints: Constraints,
         solver: LinearSolver,
     ) -> None:
@@ -65,6 +78,7 @@ class System:
         self.solver = solver
         self.clock = Clock()
         self.pattern = Pattern.of(constraints.fixed, element_keys(space.nodes, space.points.shape[0]))
+        self._elements = (space.colours, space.nodes, space.inverse, space.reference)
         self._take_pattern(self.pattern)
 
     def _take_pattern(self, pattern: Pattern) -> None:
@@ -83,112 +97,100 @@ class System:
         """Prescribed displacements (n, 3): ramped ones at `factor`, constant ones to the given share."""
         return factor * self.constraints.ramped + share * self.constraints.constant
 
-    def assemble(self, displacement: Array, factor: float) -> Assembly:
-        """Gradient of the potential at `displacement` (n, 3) and load factor."""
-        start = perf_counter()
-        space = self.space
-        strain = np.empty((*space.weight.shape, 6))
-        jacobian = np.empty(space.weight.shape)
-        kernels.green_lagrange(space.nodes, space.inverse, space.reference, displacement, strain, jacobian)
-        response = space.respond(self.material, strain)
-        gradient = np.zeros_like(displacement)
-        kernels.internal_force(
-            space.colours,
-            space.nodes,
-            space.inverse,
-            space.reference,
-            space.weight,
-            displacement,
-            response.stress,
-            gradient,
-        )
-        loads = np.zeros_like(gradient)
-        x = space.points + displacement
-        for term in self.terms:
-            term.gradient(x, factor, loads)
-        scale = max(float(np.linalg.norm(gradient)), float(np.linalg.norm(loads)))
-        gradient += loads
-        self.clock.assembly += perf_counter() - start
-        return Assembly(response, jacobian, gradient, scale)
+    def assemble(self, displacement: Array, factor: float, terms: Terms) -> Assembly:
+        """Gradient of the potential with the given terms at `displacement` (n, 3) and load factor."""
+        with self.clock.timing("assembly"):
+            strain, jacobian = self._strain(displacement)
+            response = self.space.respond(self.material, strain)
+            internal = np.zeros_like(displacement)
+            kernels.internal_force(*self._elements, self.space.weight, displacement, response.stress, internal)
+        loads = np.zeros_like(internal)
+        for term in terms:
+            with self.clock.timing(term.effect):
+                term.gradient(self.space.points + displacement, factor, loads)
+        scale = max(float(np.linalg.norm(internal)), float(np.linalg.norm(loads)))
+        return Assembly(response, jacobian, internal + loads, scale)
 
-    def energy(self, displacement: Array, factor: float) -> float:
+    def _strain(self, displacement: Array) -> tuple[Array, Array]:
+        strain = np.empty((*self.space.weight.shape, 6))
+        jacobian = np.empty(self.space.weight.shape)
+        kernels.green_lagrange(*self._elements[1:], displacement, strain, jacobian)
+        return strain, jacobian
+
+    def energy(self, displacement: Array, factor: float, terms: Terms) -> float:
         """Total potential, N mm."""
-        space = self.space
-        strain = np.empty((*space.weight.shape, 6))
-        jacobian = np.empty(space.weight.shape)
-        kernels.green_lagrange(space.nodes, space.inverse, space.reference, displacement, strain, jacobian)
-        elastic = float(np.vdot(space.respond(self.material, strain).energy, space.weight))
-        return elastic + sum(term.energy(space.points + displacement, factor) for term in self.terms)
+        strain, _ = self._strain(displacement)
+        elastic = float(np.vdot(self.space.respond(self.material, strain).energy, self.space.weight))
+        return elastic + sum(term.energy(self.space.points + displacement, factor) for term in terms)
 
     def free(self, values: Array) -> Array:
         """The free components (d,) of nodal values (n, 3)."""
         return values[~self.constraints.fixed]
 
-    def increment(self, state: State, assembly: Assembly, factor: float, jump: Array, convex: bool) -> Array:
+    def increment(
+        self, state: State, assembly: Assembly, factor: float, terms: Terms, jump: Array, convex: bool
+    ) -> Array:
         """Newton increment (n, 3) of the displacement; `jump` (n, 3) is what the prescribed components still miss."""
-        data, coupling = self.tangent(state, assembly, factor, jump, convex)
+        data, coupling = self.tangent(state, assembly, factor, terms, jump, convex)
         self.solver.factorize(data)
         increment = jump.copy()
         increment[~self.constraints.fixed] = self.solver.solve(-self.free(assembly.gradient + coupling))
         return increment
 
     def tangent(
-        self, state: State, assembly: Assembly, factor: float, jump: Array, convex: bool
+        self, state: State, assembly: Assembly, factor: float, terms: Terms, jump: Array, convex: bool
     ) -> tuple[Array, Array]:
         """Values (nnz,) of the reduced upper triangle and K jump (n, 3)."""
-        start = perf_counter()
-        space = self.space
-        x = space.points + state.displacement
-        hessians = [term.blocks(x, factor, convex) for term in self.terms]
+        x = self.space.points + state.displacement
+        hessians = []
+        for term in terms:
+            with self.clock.timing(term.effect):
+                hessians.append(term.blocks(x, factor, convex))
         self._make_room(hessians)
-        pattern = self.pattern
-        data = np.zeros(pattern.indices.shape[0])
-        coupling = np.zeros_like(x)
-        moves = bool(np.any(jump))
-        kernels.tangent_matrix(
-            space.colours,
-            space.nodes,
-            space.inverse,
-            space.reference,
-            space.weight,
-            state.displacement,
-            state.stress,
-            assembly.response.tangent,
-            self._offset,
-            pattern.node_dof,
-            pattern.indptr,
-            pattern.free,
-            data,
-            jump if moves else NO_INCREMENT,
-            coupling,
-        )
-        for blocks in hessians:
-            pattern.place(data, blocks.rows, blocks.columns, blocks.values)
-            if moves:
-                kernels.blocks_times(blocks.rows, blocks.columns, blocks.values, jump, coupling)
-        self.clock.assembly += perf_counter() - start
+        with self.clock.timing("assembly"):
+            pattern, moves = self.pattern, bool(np.any(jump))
+            data, coupling = np.zeros(pattern.indices.shape[0]), np.zeros_like(x)
+            kernels.tangent_matrix(
+                *self._elements,
+                self.space.weight,
+                state.displacement,
+                state.stress,
+                assembly.response.tangent,
+                self._offset,
+                pattern.node_dof,
+                pattern.indptr,
+                pattern.free,
+                data,
+                jump if moves else NO_INCREMENT,
+                coupling,
+            )
+            for blocks in hessians:
+                pattern.place(data, blocks.rows, blocks.columns, blocks.values)
+                if moves:
+                    kernels.blocks_times(blocks.rows, blocks.columns, blocks.values, jump, coupling)
         return data, coupling
 
-    def carried_stress(self, state: State, assembly: Assembly, increment: Array) -> Array:
-        """S(E(u)) + C : (B(u) du), the stress (e, q, 6) Newton carries on (Magisano, Leonetti, Garcea 2017)."""
-        start = perf_counter()
-        space = self.space
-        strain = np.empty((*space.weight.shape, 6))
-        kernels.linearised_strain(
-            space.nodes, space.inverse, space.reference, state.displacement, increment, strain
-        )
-        tangent = assembly.response.tangent
-        if tangent.shape[0] == 1:
-            change = np.einsum("qvm,eqm->eqv", np.broadcast_to(tangent[0], (strain.shape[1], 6, 6)), strain, optimize=True)
-        else:
-            change = np.einsum("eqvm,eqm->eqv", tangent, strain)
-        self.clock.assembly += perf_counter() - start
-        return assembly.response.stress + change
+    def linearised_strain(self, state: State, increment: Array) -> Array:
+        """B(u) du (e, q, 6) for an increment (n, 3)."""
+        with self.clock.timing("assembly"):
+            strain = np.empty((*self.space.weight.shape, 6))
+            kernels.linearised_strain(*self._elements[1:], state.displacement, increment, strain)
+        return strain
 
-    def step_limit(self, displacement: Array, increment: Array) -> float:
+    def carried_stress(self, assembly: Assembly, strain: Array) -> Array:
+        """S(E(u)) + C : B(u) du for strain B(u) du (e, q, 6): the stress Newton carries on (Magisano et al. 2017)."""
+        with self.clock.timing("assembly"):
+            tangent = assembly.response.tangent
+            if tangent.shape[0] == 1:
+                change = np.matmul(strain.transpose(1, 0, 2), tangent[0].transpose(0, 2, 1)).transpose(1, 0, 2)
+            else:
+                change = np.einsum("eqvm,eqm->eqv", tangent, strain)
+            return np.ascontiguousarray(assembly.response.stress + change)
+
+    def step_limit(self, terms: Terms, displacement: Array, increment: Array) -> float:
         """Largest admissible share of the increment."""
         x = self.space.points + displacement
-        return min((term.step_limit(x, increment) for term in self.terms), default=1.0)
+        return min((term.step_limit(x, increment) for term in terms), default=1.0)
 
     def _make_room(self, hessians: list[Blocks]) -> None:
         """Take new node pairs (contact) into the pattern; it only ever grows, so this becomes rare."""

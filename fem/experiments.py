@@ -1,0 +1,130 @@
+"""The three tests of the paper as data (called experiments in code: pytest collects anything named test)."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fem.effects import Effect
+from fem.material import Material
+from fem.model import Model
+from fem.solution import Step
+from fem.supports import Fixed, Prescribed, Support
+from geometry import Body, Centreline
+
+Array = NDArray[np.float64]
+
+NAMES = ("I", "II", "III")
+
+
+@final
+@dataclass(frozen=True)
+class Experiment:
+    """How the body is held in one of the three tests, and where its end is read.
+
+    I: free, rigid motion removed by three nodal constraints that carry no force; II: clamped at x = 0; III: clamped, and
+    u_y of the edge x = l on the material curve prescribed.
+    """
+
+    name: str
+    body: Body
+    supports: tuple[Support, ...]
+    edge: Array  #: (k, 3) nodes of the edge x = l, y = curve_y at rest, mm
+    curve: Array  #: (m, 3) nodes of the material curve at rest, by increasing x, mm
+
+    @classmethod
+    def of(cls, name: str, body: Body, end_y: float) -> "Experiment":
+        """Experiment "I", "II" or "III" on `body`; end_y is u_y of the end in III, mm. Raises ValueError for other names."""
+        if name not in NAMES:
+            raise ValueError(f"experiment {name!r}: allowed are {', '.join(NAMES)}")
+        curve = _with_middles(body.mesh.points[body.curve_vertices])
+        edge = _with_middles(_end_edge(body))
+        plane = (Fixed("sym", "z"),) if body.half else ()
+        held: dict[str, tuple[Support, ...]] = {
+            "I": _free_body(curve, body),
+            "II": (Fixed("clamp"),),
+            "III": (Fixed("clamp"), Prescribed(edge, "y", end_y, ramp=False)),
+        }
+        return cls(name, body, (*plane, *held[name]), edge, curve)
+
+    def model(self, material: Material, effects: Sequence[Effect], formulation: str) -> Model:
+        """The model of this experiment."""
+        return Model(self.body.mesh, material, list(self.supports), list(effects), formulation)
+
+    @property
+    def whole(self) -> float:
+        """Forces and volumes of the whole body over those of the meshed part."""
+        return 2.0 if self.body.half else 1.0
+
+    def centreline(self, step: Step) -> Centreline:
+        """The material curve in the state `step`."""
+        nodes = _nodes_of(self.curve, step)
+        positions = step.positions[nodes]
+        return Centreline(s=self.curve[:, 0], x=positions[:, 0], y=positions[:, 1])
+
+    def end(self, step: Step) -> Array:
+        """Current position (3,) of the curve's end, mm."""
+        return np.asarray(step.positions[_nodes_of(self.curve[-1:], step)[0]])
+
+    def end_force(self, step: Step) -> Array:
+        """(2,) force on the end of the whole body, N; zero where nothing holds it."""
+        if self.name != "III":
+            return np.zeros(2)
+        return self.whole * step.reaction(self.edge)[:2]
+
+    def end_couple(self, step: Step) -> float:
+        """Moment of the end force about the curve's end, N mm: the edge bends across the width, so the force does not
+        pass through the curve exactly (0.2 % of M(0) on arm (a))."""
+        nodes = _nodes_of(self.edge, step)
+        arm = step.positions[nodes] - self.end(step)
+        force = step.gradient[nodes]
+        if self.name != "III":
+            return 0.0
+        return self.whole * float(np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]))
+
+    def clamp_force(self, step: Step) -> Array:
+        """(2,) force of the clamp on the whole body, N; in I that of the nodal constraints, which must vanish."""
+        force = step.gradient[:, :2].sum(axis=0) * self.whole
+        return np.asarray(force - self.end_force(step))
+
+    def clamp_moment(self, step: Step) -> float:
+        """Moment of the clamp's forces on the whole body about the curve's start, about z, N mm."""
+        held = step.gradient.copy()
+        held[_nodes_of(self.edge, step)] = 0.0
+        arm = step.positions - step.positions[_nodes_of(self.curve[:1], step)[0]]
+        return self.whole * float(np.sum(arm[:, 0] * held[:, 1] - arm[:, 1] * held[:, 0]))
+
+
+def _with_middles(points: Array) -> Array:
+    """Points (k, 3) along a line and the points halfway between neighbours, in order."""
+    line = np.empty((2 * points.shape[0] - 1, 3))
+    line[::2] = points
+    line[1::2] = (points[1:] + points[:-1]) / 2
+    return line
+
+
+def _end_edge(body: Body) -> Array:
+    """Vertices (k, 3) of the edge x = l, y = curve_y by increasing z, mm."""
+    tip = np.unique(body.mesh.faces["tip"])
+    points = body.mesh.points[tip]
+    on = points[np.abs(points[:, 1] - body.curve_y) < 1e-7 * body.length]
+    return np.asarray(on[np.argsort(on[:, 2])])
+
+
+def _free_body(curve: Array, body: Body) -> tuple[Support, ...]:
+    """Three constraints in the middle of the curve, where they turn the least of the body; the whole body needs three more."""
+    middle = int(np.argmin(np.abs(curve[:, 0] - body.length / 2)))
+    aside = int(np.argmin(np.abs(curve[:, 0] - body.length / 2 - body.pitch)))
+    held: tuple[Support, ...] = (Fixed(curve[middle], "xy"), Fixed(curve[aside], "y"))
+    if body.half:
+        return held
+    above = body.mesh.points[np.abs(body.mesh.points[:, 2]) < 1e-9 * body.length]
+    top = above[int(np.argmax(above[:, 1]))]
+    return (*held, Fixed(curve[middle], "z"), Fixed(curve[aside], "z"), Fixed(top, "z"))
+
+
+def _nodes_of(points: Array, step: Step) -> NDArray[np.int64]:
+    return np.asarray(cKDTree(step.points).query(points)[1])
