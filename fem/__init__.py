@@ -1,18 +1,22 @@
 """What the body does: hyperelastic finite elements under follower pressure and contact."""
 
+from fem.archive import step_from_arrays, step_to_arrays
 from fem.contact import ContactError, SelfContact
+from fem.discretisation import Discretisation
 from fem.effects import Effect, Gravity, Pressure
 from fem.experiments import Experiment
 from fem.loadpath import PathOptions, follow
+from fem.fields import element_fields
 from fem.linear import available_solver
 from fem.material import Material, MaterialError, StVenantKirchhoff
 from fem.model import Model
 from fem.newton import NewtonOptions
-from fem.solution import NotConverged, Solution, Step
+from fem.solution import NotConverged, Seconds, Solution, Step
 from fem.supports import Fixed, Prescribed, SupportError
 
 __all__ = [
     "ContactError",
+    "Discretisation",
     "Effect",
     "Experiment",
     "Fixed",
@@ -26,10 +30,14 @@ __all__ = [
     "Prescribed",
     "Pressure",
     "SelfContact",
+    "Seconds",
     "Solution",
     "StVenantKirchhoff",
     "Step",
     "SupportError",
     "available_solver",
+    "element_fields",
     "follow",
+    "step_from_arrays",
+    "step_to_arrays",
 ]

@@ -93,7 +93,7 @@ class Path:
 
     def advance(self, factor: float) -> Step:
         """Equilibrium at `factor`, in as few pieces as converge; raises `StepFailed`."""
-        begin, spent = perf_counter(), self.system.solver.times.factorizations
+        begin, spent, before = perf_counter(), self.system.solver.times.factorizations, self.spent()
         origin = self.places[-1]
         done, piece, cutbacks = 0.0, 1.0, 0
         while True:
@@ -112,7 +112,7 @@ class Path:
             done = share
             piece *= 2.0 if found.iterations <= 8 else 1.0
         spent = self.system.solver.times.factorizations - spent
-        return self._step(factor, found, spent, cutbacks, perf_counter() - begin)
+        return self._step(factor, found, spent, cutbacks, perf_counter() - begin, self.spent() - before)
 
     def _attempt(self, origin: Place, factor: float, share: float) -> Converged:
         aim = self._place(origin, factor, share, self.places[-1].state)
@@ -159,7 +159,9 @@ class Path:
         reached = origin.factor + done * (factor - origin.factor)
         return f"no equilibrium found beyond load factor {reached:.4g} on the way to {factor:.4g}: {failure}"
 
-    def _step(self, factor: float, found: Converged, spent: int, cutbacks: int, seconds: float) -> Step:
+    def _step(
+        self, factor: float, found: Converged, factorizations: int, cutbacks: int, seconds: float, spent: Seconds
+    ) -> Step:
         displacement = found.state.displacement
         x = self.system.space.points + displacement
         return Step(
@@ -171,30 +173,30 @@ class Path:
             extremes=extremes_of(self.system.space, displacement, found.assembly.jacobian),
             min_gap=min((term.gap(x) for term in self.system.terms), default=np.inf),
             negative_pivots=found.negative_pivots,
-            newton_iterations=spent,
-            factorizations=spent,
+            newton_iterations=factorizations,
+            factorizations=factorizations,
             cutbacks=cutbacks,
+            effects=tuple(term.effect for term in self.terms),
             seconds=seconds,
+            spent=spent,
         )
 
     def solution(self, steps: Sequence[Step], set_up: float) -> Solution:
         """What was reached, with the seconds spent."""
         times = self.system.solver.times
-        spent = dict(self.system.clock.seconds)
         return Solution(
             steps=tuple(steps),
-            seconds=Seconds(
-                set_up=set_up,
-                assembly=spent.pop("assembly", 0.0),
-                analysis=times.analysis,
-                factorization=times.factorization,
-                solve=times.solve,
-                effects=spent,
-            ),
+            seconds=Seconds(set_up=set_up) + self.spent(),
             factorizations=times.factorizations,
             analyses=times.analyses,
             solver=type(self.system.solver).__name__,
         )
+
+    def spent(self) -> Seconds:
+        """Seconds spent so far, without the set-up."""
+        times, effects = self.system.solver.times, dict(self.system.clock.seconds)
+        assembly = effects.pop("assembly", 0.0)
+        return Seconds(0.0, assembly, times.analysis, times.factorization, times.solve, effects)
 
 
 def _at(place: tuple[float, float, float]) -> str:

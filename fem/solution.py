@@ -25,6 +25,40 @@ class Extremes:
     min_stretch_at: tuple[float, float, float]
 
 
+STAGES = ("set_up", "assembly", "analysis", "factorization", "solve")
+
+
+@dataclass(frozen=True)
+class Seconds:
+    """Where the time of a load path went."""
+
+    set_up: float = 0.0
+    assembly: float = 0.0  #: of the body itself
+    analysis: float = 0.0
+    factorization: float = 0.0
+    solve: float = 0.0
+    effects: Mapping[str, float] = field(default_factory=dict)  #: assembly of each effect
+
+    @property
+    def total(self) -> float:
+        """Sum of all stages."""
+        return sum(getattr(self, name) for name in STAGES) + sum(self.effects.values())
+
+    def __sub__(self, other: "Seconds") -> "Seconds":
+        """What was spent after `other`."""
+        return self._combined(other, -1.0)
+
+    def __add__(self, other: "Seconds") -> "Seconds":
+        return self._combined(other, 1.0)
+
+    def _combined(self, other: "Seconds", sign: float) -> "Seconds":
+        names = {**self.effects, **other.effects}
+        return Seconds(
+            *(getattr(self, name) + sign * getattr(other, name) for name in STAGES),
+            {name: self.effects.get(name, 0.0) + sign * other.effects.get(name, 0.0) for name in names},
+        )
+
+
 @dataclass(frozen=True)
 class Step:
     """One converged equilibrium."""
@@ -40,7 +74,9 @@ class Step:
     newton_iterations: int  #: since the previous step, failed attempts included
     factorizations: int  #: since the previous step, failed attempts included
     cutbacks: int  #: attempts that failed since the previous step
+    effects: tuple[str, ...]  #: names of the effects in the potential
     seconds: float  #: since the previous step
+    spent: Seconds  #: the same by what they were spent on; no set-up
 
     @property
     def points(self) -> Array:
@@ -64,24 +100,6 @@ class Step:
     def cavity_volume(self, name: str) -> float:
         """Volume in mm3 enclosed by the named faces and the symmetry plane, in the current configuration."""
         return enclosed_volume(self.space.surface(name), self.positions)
-
-
-@dataclass(frozen=True)
-class Seconds:
-    """Where the time of a load path went."""
-
-    set_up: float = 0.0
-    assembly: float = 0.0  #: of the body itself
-    analysis: float = 0.0
-    factorization: float = 0.0
-    solve: float = 0.0
-    effects: Mapping[str, float] = field(default_factory=dict)  #: assembly of each effect
-
-    @property
-    def total(self) -> float:
-        """Sum of all stages."""
-        own = self.set_up + self.assembly + self.analysis + self.factorization + self.solve
-        return own + sum(self.effects.values())
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,52 @@
+"""A step as plain arrays and back, so that a finished one can be kept on disk and the path taken up from it."""
+
+from collections.abc import Mapping
+from dataclasses import astuple
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.discretisation import Discretisation
+from fem.solution import Extremes, Seconds, Step
+
+ArrayMap = Mapping[str, NDArray[Any]]
+
+COUNTS = ("negative_pivots", "newton_iterations", "factorizations", "cutbacks")
+
+
+def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
+    """Everything of a step but its discretisation, by name."""
+    spent = step.spent
+    return {
+        "displacement": step.displacement,
+        "stress": step.stress,
+        "gradient": step.gradient,
+        "numbers": np.array([step.factor, step.min_gap, step.seconds]),
+        "counts": np.array([getattr(step, name) for name in COUNTS]),
+        "extremes": np.concatenate([np.atleast_1d(value) for value in astuple(step.extremes)]),
+        "effects": np.array(step.effects, dtype=str),
+        "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
+        "timed_effects": np.array(list(spent.effects), dtype=str),
+        "effect_seconds": np.array(list(spent.effects.values())),
+    }
+
+
+def step_from_arrays(space: Discretisation, arrays: ArrayMap) -> Step:
+    """The step that `step_to_arrays` took apart, on an equal discretisation."""
+    extremes = arrays["extremes"].tolist()
+    factor, min_gap, seconds = arrays["numbers"].tolist()
+    timed = dict(zip(arrays["timed_effects"].tolist(), arrays["effect_seconds"].tolist(), strict=True))
+    return Step(
+        space=space,
+        factor=factor,
+        displacement=arrays["displacement"],
+        stress=arrays["stress"],
+        gradient=arrays["gradient"],
+        extremes=Extremes(*extremes[:3], tuple(extremes[3:6]), tuple(extremes[6:9]), tuple(extremes[9:12])),
+        min_gap=min_gap,
+        **dict(zip(COUNTS, arrays["counts"].tolist(), strict=True)),
+        effects=tuple(arrays["effects"].tolist()),
+        seconds=seconds,
+        spent=Seconds(0.0, *arrays["stages"].tolist(), timed),
+    )
