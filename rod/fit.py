@@ -279,7 +279,9 @@ class _Task:
             moved[:, k] = self._with_noise(random).residual(found.x) - found.fun
         for rows in (slice(0, n), slice(n, 2 * n)):
             moved[rows] += self.weight * drawn_errors(self.misfit, draws, random)
-        moved[2 * n :] += random.standard_normal((len(found.fun) - 2 * n, draws))
+        # force and wiggle are drawn; an offset is one number that is not known, and its prior stays where it is
+        for rows in (slice(2 * n, 2 * n + 2), slice(2 * n + 4, 2 * n + 6)):
+            moved[rows] += random.standard_normal((2, draws))
         z = found.x[:, None] - np.linalg.pinv(found.jac, rcond=1e-12) @ moved
         a1, a2 = (np.clip(z[i], *COMPLIANCES) * self.compliance for i in (0, 2))
         d = np.clip(z[4], *self.breaks) * self.shape.length

@@ -164,9 +164,13 @@ def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> flo
     return float(found.x) if found.fun < objective[best] else float(grid[best])
 
 
-def _rows(weights: Weights, drawn: Array, priors: int, random: np.random.Generator) -> Array:
-    """Right-hand sides: weighted data above, draws of the prior knowledge below."""
-    return np.vstack([weights.data * drawn, random.standard_normal((priors, drawn.shape[1]))])
+def _rows(weights: Weights, drawn: Array, lines: int, random: np.random.Generator) -> Array:
+    """Right-hand sides: weighted data above, the prior knowledge below.
+
+    The wiggle differs from arm to arm and is drawn; an offset is one number that is not known, and stays where it is.
+    """
+    draws = drawn.shape[1]
+    return np.vstack([weights.data * drawn, np.zeros((lines, draws)), random.standard_normal((2, draws))])
 
 
 def _draws_two(
@@ -181,7 +185,7 @@ def _draws_two(
 ) -> Array:
     """(draws, 5): alpha1, alpha2, m01, m02, d of fits to the fitted Delta plus drawn errors."""
     drawn = fitted[:, None] + error
-    right = _rows(weights, drawn, 4, random)
+    right = _rows(weights, drawn, 2, random)
     count = drawn.shape[1]
     best, numbers, places = np.full(count, np.inf), np.zeros((6, count)), np.zeros(count)
     step = grid[1] - grid[0]
@@ -198,7 +202,7 @@ def _draws_two(
 
 
 def _one_line(seen: Seen, fit: Fit, weights: Weights, error: Array, random: np.random.Generator) -> LineFit:
-    a, b = (fit.solution @ _rows(weights, fit.fitted[:, None] + error, 3, random))[:2]
+    a, b = (fit.solution @ _rows(weights, fit.fitted[:, None] + error, 1, random))[:2]
     a = np.maximum(a, fit.numbers[0] / STIFFEST)
     return LineFit(
         interval(1.0 / fit.numbers[0], 1.0 / a), interval(fit.numbers[1] / fit.numbers[0], b / a), _r2(seen, fit)

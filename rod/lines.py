@@ -6,7 +6,7 @@ removes the wiggle except where d cuts through a cell, and there it would pass f
 
 Within one or two soft cells M changes little, so that slope and offset of the first line can be told apart only by
 good data. Where they cannot, weak prior knowledge decides: an offset b_i of zero, within twice the largest Delta (a
-secant of a curve through the origin), wiggles of zero within 0.15. Data that can tell outweigh it.
+secant of a curve through the origin), wiggles of zero within 0.1. Data that can tell outweigh it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 #: prior standard deviation of an offset, over the largest Delta
 OFFSET = 2.0
 #: prior standard deviation of each amplitude of the wiggle within a cell
-WIGGLE = 0.15
+WIGGLE = 0.1
 #: the stiffest line that is looked for, over the rigidity of one line for the whole rod
 STIFFEST = 50.0
 
