@@ -190,6 +190,7 @@ class Path:
             factorizations=times.factorizations,
             analyses=times.analyses,
             solver=type(self.system.solver).__name__,
+            degrees_of_freedom=self.system.pattern.size,
         )
 
     def spent(self) -> Seconds:

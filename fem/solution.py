@@ -111,6 +111,7 @@ class Solution:
     factorizations: int  #: in all
     analyses: int  #: symbolic analyses, one more for each time contact asked for room in the pattern
     solver: str  #: name of the linear solver
+    degrees_of_freedom: int  #: free ones
 
 
 class NotConverged(RuntimeError):

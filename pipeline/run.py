@@ -1,0 +1,113 @@
+"""The whole story of a run on one screen: config, body, experiments, five numbers, rod, report."""
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from geometry import Body, DesignError, MeshError
+from pipeline.compare import CURVE_COLUMNS, compare, curve_rows
+from pipeline.config import Config
+from pipeline.drawings import draw_all
+from pipeline.effects import effect_rows
+from pipeline.failure import InputError, RunFailed
+from pipeline.parameters import identify_all, parameters_record
+from pipeline.progress import Progress
+from pipeline.provenance import provenance
+from pipeline.report import render_report
+from pipeline.simulate import Outcome, simulate
+from pipeline.store import Store, open_store
+
+__all__ = ["run"]
+
+
+def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> None:
+    """From a config to `out`/report.html.
+
+    Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed with the reason
+    when a pressure was not reached; everything finished is in `out` then, the report included.
+    """
+    with open_store(out, config, fresh=fresh) as store:
+        seconds: dict[str, float] = {}
+        with _stage("mesh", progress, seconds):
+            body = _meshed(config)
+        with _stage("experiments", progress, seconds):
+            outcomes = simulate(config, body, store, jobs, progress)
+            store.save_json("experiments.json", _experiment_rows(outcomes))
+            store.save_json("effects.json", effect_rows(config, body, outcomes))
+        with _stage("identification", progress, seconds):
+            found, refused = identify_all(outcomes, body.pitch)
+            store.save_json("parameters.json", parameters_record(config, found))
+        with _stage("rod", progress, seconds):
+            comparisons = compare(found)
+            store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, body.pitch))
+            store.save_json("validation.json", [comparison.row() for comparison in comparisons])
+        with _stage("pictures", progress, seconds):
+            draw_all(body, outcomes, store)
+        failure = "; ".join([*(_failure(outcome) for outcome in outcomes.values() if outcome.failure), *refused])
+        with _stage("report", progress, seconds):
+            _write_report(store, config, outcomes, seconds, failure)
+    if failure:
+        raise RunFailed(f"{failure}; what was reached is in {out}")
+
+
+@contextmanager
+def _stage(name: str, progress: Progress, seconds: dict[str, float]) -> Iterator[None]:
+    progress.stage(name)
+    start = perf_counter()
+    yield
+    seconds[name] = perf_counter() - start
+
+
+def _meshed(config: Config) -> Body:
+    try:
+        body = config.design.body(config.mesh.size_mm)
+    except (DesignError, MeshError) as failure:
+        raise InputError(f"{config.source}: {failure}") from None
+    return body.full() if config.effects["symmetry"] == "off" else body
+
+
+def _failure(outcome: Outcome) -> str:
+    return f"experiment {outcome.experiment} stopped before {outcome.failed_kPa:g} kPa: {outcome.failure}"
+
+
+def _experiment_rows(outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
+    rows = []
+    for outcome in outcomes.values():
+        rows.extend(record.row for record in outcome.records)
+        if outcome.failure:
+            rows.append(
+                {
+                    "experiment": outcome.experiment,
+                    "pressure_kPa": outcome.failed_kPa,
+                    "status": "not converged",
+                    "reason": outcome.failure,
+                }
+            )
+    return rows
+
+
+def _write_report(
+    store: Store, config: Config, outcomes: Mapping[str, Outcome], seconds: Mapping[str, float], failure: str
+) -> None:
+    spent = [outcome.seconds for outcome in outcomes.values()]
+    solver_seconds = {
+        stage: sum(getattr(one, stage) for one in spent)
+        for stage in ("set_up", "assembly", "analysis", "factorization", "solve")
+    }
+    solver_seconds["contact"] = sum(one.effects.get("self_contact", 0.0) for one in spent)
+    solver_seconds["assembly"] += sum(one.effects.get("pressure", 0.0) for one in spent)
+    record = {
+        "config": config.record(),
+        "config_hash": config.hash,
+        **provenance(),
+        "seconds": seconds,
+        "solver_seconds": solver_seconds,
+        "factorizations": {name: outcome.factorizations for name, outcome in outcomes.items()},
+        "degrees_of_freedom": {name: outcome.degrees_of_freedom for name, outcome in outcomes.items()},
+        "solver": sorted({outcome.solver for outcome in outcomes.values()}),
+        **({"failure": failure} if failure else {}),
+    }
+    store.save_json("run.json", record)
+    store.save_text("report.html", render_report(store.directory))

@@ -1,0 +1,205 @@
+"""The three experiments on one body, side by side in processes, each state kept when it is reached."""
+
+import multiprocessing
+import os
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import fem
+from geometry import Body, Centreline
+from pipeline.config import Config
+from pipeline.progress import Progress, ToQueue, relayed
+from pipeline.store import Store
+
+__all__ = ["EXPERIMENTS", "Outcome", "Record", "simulate"]
+
+Array = NDArray[np.float64]
+
+#: the loaded one first, for it takes longest
+EXPERIMENTS = ("III", "II", "I")
+
+
+@dataclass(frozen=True)
+class Record:
+    """One experiment at one pressure: what later stages need of it. Forces and volumes are those of the whole body."""
+
+    experiment: str
+    pressure_kPa: float
+    row: dict[str, Any]  #: as in experiments.json
+    centreline: Centreline
+    end_force: tuple[float, float]  #: N
+    end_couple: float  #: N mm, moment of the end force about the curve's end
+    displacement: Array = field(repr=False)  #: (n, 3), mm
+    fields: dict[str, Array] = field(repr=False)  #: per element
+    effects: tuple[str, ...]  #: names of the effects that took part
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One experiment as far as it went."""
+
+    experiment: str
+    records: tuple[Record, ...]
+    failure: str  #: empty, or a sentence
+    failed_kPa: float  #: the pressure that was not reached, NaN where all were
+    seconds: fem.Seconds
+    factorizations: int
+    degrees_of_freedom: int
+    solver: str
+    points: Array = field(repr=False)  #: (n, 3) all nodes at rest, mm
+    nodes: NDArray[np.int64] = field(repr=False)  #: (e, 10)
+
+
+def simulate(config: Config, body: Body, store: Store, jobs: int, progress: Progress) -> dict[str, Outcome]:
+    """Run I, II and III, `jobs` at a time; an experiment that fails does not stop the others."""
+    for name in sorted(EXPERIMENTS):
+        progress.experiment(name, config.pressures_kPa)
+    if jobs == 1:
+        outcomes = [_experiment(name, config, body, store, progress) for name in EXPERIMENTS]
+    else:
+        outcomes = _side_by_side(config, body, store, min(jobs, len(EXPERIMENTS)), progress)
+    return {outcome.experiment: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.experiment)}
+
+
+def _side_by_side(config: Config, body: Body, store: Store, jobs: int, progress: Progress) -> list[Outcome]:
+    context = multiprocessing.get_context("spawn")
+    queue = context.Queue()
+    threads = str(max(1, len(os.sched_getaffinity(0)) // jobs))
+    kept = {name: os.environ.get(name) for name in ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")}
+    os.environ.update(dict.fromkeys(kept, threads))  # read by the libraries when the new processes load them
+    try:
+        with relayed(queue, progress), ProcessPoolExecutor(jobs, context, _take_queue, (queue,)) as pool:
+            try:
+                asked = [pool.submit(_in_worker, name, config, body, store) for name in EXPERIMENTS]
+                return [future.result() for future in asked]
+            except BaseException:
+                pool.shutdown(wait=False, cancel_futures=True)
+                for child in multiprocessing.active_children():
+                    child.terminate()
+                raise
+    finally:
+        for name, value in kept.items():
+            os.environ.pop(name) if value is None else os.environ.update({name: value})
+
+
+_listener: list[ToQueue] = []
+
+
+def _take_queue(queue: Any) -> None:
+    """Runs first in a worker: interrupts are the main process's business, messages go into the queue."""
+    import signal
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _listener.append(ToQueue(queue))
+
+
+def _in_worker(name: str, config: Config, body: Body, store: Store) -> Outcome:
+    return _experiment(name, config, body, store, _listener[0])
+
+
+def _experiment(name: str, config: Config, body: Body, store: Store, progress: Progress) -> Outcome:
+    experiment = fem.Experiment.of(name, body, config.end_y_mm)
+    material = getattr(fem, config.material.model)(**config.material.constants)
+    largest = config.pressures_MPa[-1]
+    model = experiment.model(material, effects_of(config, body, largest), config.mesh.formulation)
+    space = fem.Discretisation.of(body.mesh, config.mesh.formulation)
+    pressures = dict(zip((p / largest for p in config.pressures_MPa), config.pressures_kPa, strict=True))
+    remembered = _remembered(name, config.pressures_kPa, space, store)
+    for step in remembered:
+        progress.step_done(name, pressures[step.factor], 0.0)
+
+    def keep(step: fem.Step) -> None:
+        store.save_state(name, pressures[step.factor], **fem.step_to_arrays(step))
+        progress.step_done(name, pressures[step.factor], step.seconds)
+
+    def watch(factor: float, iteration: int, residual: float) -> None:
+        progress.iteration(name, pressures[factor], iteration, residual)
+
+    failure, failed = "", float("nan")
+    try:
+        solution = fem.follow(model, list(pressures), watch=watch, keep=keep, resume=remembered)
+    except fem.NotConverged as ended:
+        solution, failure = ended.partial, ended.reason
+        failed = list(pressures.values())[len(solution.steps)]
+    seconds = fem.Seconds(set_up=solution.seconds.set_up)
+    for step in solution.steps:
+        seconds = seconds + step.spent
+    return Outcome(
+        experiment=name,
+        records=tuple(_record(experiment, step, pressures[step.factor], material) for step in solution.steps),
+        failure=failure,
+        failed_kPa=failed,
+        seconds=seconds,
+        factorizations=sum(step.factorizations for step in solution.steps),
+        degrees_of_freedom=solution.degrees_of_freedom,
+        solver=solution.solver,
+        points=space.points,
+        nodes=space.nodes,
+    )
+
+
+def effects_of(config: Config, body: Body, largest_MPa: float) -> list[fem.Effect]:
+    """The effects a scene asks for, the pressure being the largest at load factor 1."""
+    effects: list[fem.Effect] = [fem.Pressure(body.cavities[0], largest_MPa)]
+    if config.effects["self_contact"] != "off" and "gap" in body.mesh.faces:
+        effects.append(fem.SelfContact("gap", waits=config.effects["self_contact"] == "auto"))
+    return effects
+
+
+def _remembered(name: str, pressures: Sequence[float], space: fem.Discretisation, store: Store) -> list[fem.Step]:
+    """The finished steps of an earlier run with this configuration, up to the first that is missing."""
+    steps: list[fem.Step] = []
+    for pressure in pressures:
+        arrays = store.load_state(name, pressure)
+        if arrays is None:
+            break
+        steps.append(fem.step_from_arrays(space, arrays))
+    return steps
+
+
+def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, material: fem.Material) -> Record:
+    end, force = experiment.end(step), experiment.end_force(step)
+    curve = experiment.centreline(step)
+    air = sum(step.cavity_volume(name) for name in experiment.body.cavities[:1]) * experiment.whole
+    clamp = experiment.clamp_force(step)
+    row = {
+        "experiment": experiment.name,
+        "pressure_kPa": pressure_kPa,
+        "end_x_mm": end[0],
+        "end_y_mm": end[1],
+        "reaction_N": force.tolist(),
+        "clamp_reaction_N": clamp.tolist(),
+        "clamp_moment_N_mm": experiment.clamp_moment(step),
+        "cavity_volume_mm3": air,
+        "stretch_of_curve": curve.stretch,
+        "min_J": step.extremes.min_J,
+        "max_stretch": step.extremes.max_stretch,
+        "min_stretch": step.extremes.min_stretch,
+        "min_J_at_mm": step.extremes.min_J_at,
+        "max_stretch_at_mm": step.extremes.max_stretch_at,
+        "min_stretch_at_mm": step.extremes.min_stretch_at,
+        "min_gap_mm": step.min_gap,
+        "negative_pivots": step.negative_pivots,
+        "newton_iterations": step.newton_iterations,
+        "factorizations": step.factorizations,
+        "cutbacks": step.cutbacks,
+        "seconds": step.seconds,
+        "status": "converged",
+        "reason": "",
+    }
+    return Record(
+        experiment=experiment.name,
+        pressure_kPa=pressure_kPa,
+        row=row,
+        centreline=curve,
+        end_force=(float(force[0]), float(force[1])),
+        end_couple=experiment.end_couple(step),
+        displacement=step.displacement,
+        fields=fem.element_fields(step, material),
+        effects=step.effects,
+    )
