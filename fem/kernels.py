@@ -115,54 +115,51 @@ def internal_force(colours, nodes, inverse, reference, weight, u, stress, force)
 
 @njit(cache=True)
 def _element_tangent(nodes, inverse, reference, weight, u, stress, tangent, k):
-    """Upper triangle of sum_q w (B^T C B + G(S)) into k (3 a + i, 3 b + j); the diagonal 3 x 3 blocks are full."""
-    n = nodes.shape[0]
-    g = np.empty((n, 3))
+    """sum_q w (B^T C B + G(S)) into k (3 a + i, 3 b + j).
+
+    The strain matrices of all points stand below each other, so that each of the two parts is one matrix product.
+    """
+    n, points = nodes.shape[0], reference.shape[0]
     f = np.empty((3, 3))
-    b = np.empty((6, 3 * n))
-    cb = np.empty((6, 3 * n))
-    sg = np.empty(3)
-    k[:] = 0.0
-    for q in range(reference.shape[0]):
+    b = np.empty((6 * points, 3 * n))
+    cb = np.empty((6 * points, 3 * n))
+    g = np.empty((3 * points, n))
+    sg = np.empty((3 * points, n))
+    slope = np.empty((n, 3))
+    for q in range(points):
         w = weight[q]
-        _gradients(inverse, reference[q], g)
-        _displacement_gradient(g, nodes, u, f)
+        _gradients(inverse, reference[q], slope)
+        _displacement_gradient(slope, nodes, u, f)
         for i in range(3):
             f[i, i] += 1.0
+        s = stress[q]
         for a in range(n):
+            g0, g1, g2 = slope[a, 0], slope[a, 1], slope[a, 2]
             for i in range(3):
                 r = 3 * a + i
-                b[0, r] = f[i, 0] * g[a, 0]
-                b[1, r] = f[i, 1] * g[a, 1]
-                b[2, r] = f[i, 2] * g[a, 2]
-                b[3, r] = f[i, 0] * g[a, 1] + f[i, 1] * g[a, 0]
-                b[4, r] = f[i, 1] * g[a, 2] + f[i, 2] * g[a, 1]
-                b[5, r] = f[i, 0] * g[a, 2] + f[i, 2] * g[a, 0]
+                b[6 * q, r] = f[i, 0] * g0
+                b[6 * q + 1, r] = f[i, 1] * g1
+                b[6 * q + 2, r] = f[i, 2] * g2
+                b[6 * q + 3, r] = f[i, 0] * g1 + f[i, 1] * g0
+                b[6 * q + 4, r] = f[i, 1] * g2 + f[i, 2] * g1
+                b[6 * q + 5, r] = f[i, 0] * g2 + f[i, 2] * g0
+                g[3 * q + i, a] = slope[a, i]
+            sg[3 * q, a] = w * (s[0] * g0 + s[3] * g1 + s[5] * g2)
+            sg[3 * q + 1, a] = w * (s[3] * g0 + s[1] * g1 + s[4] * g2)
+            sg[3 * q + 2, a] = w * (s[5] * g0 + s[4] * g1 + s[2] * g2)
         c = tangent[q if tangent.shape[0] > 1 else 0]
         for v in range(6):
-            for r in range(3 * n):
-                cb[v, r] = 0.0
+            cb[6 * q + v] = 0.0
             for m in range(6):
                 cvm = c[v, m] * w
                 if cvm != 0.0:
-                    for r in range(3 * n):
-                        cb[v, r] += cvm * b[m, r]
-        for a in range(n):
+                    cb[6 * q + v] += cvm * b[6 * q + m]
+    np.dot(b.T, cb, k)
+    geometric = np.dot(g.T, sg)
+    for a in range(n):
+        for bb in range(n):
             for i in range(3):
-                r = 3 * a + i
-                for v in range(6):
-                    brv = b[v, r]
-                    for t in range(3 * a, 3 * n):
-                        k[r, t] += brv * cb[v, t]
-        s = stress[q]
-        for a in range(n):
-            sg[0] = w * (s[0] * g[a, 0] + s[3] * g[a, 1] + s[5] * g[a, 2])
-            sg[1] = w * (s[3] * g[a, 0] + s[1] * g[a, 1] + s[4] * g[a, 2])
-            sg[2] = w * (s[5] * g[a, 0] + s[4] * g[a, 1] + s[2] * g[a, 2])
-            for bb in range(a, n):
-                value = sg[0] * g[bb, 0] + sg[1] * g[bb, 1] + sg[2] * g[bb, 2]
-                for i in range(3):
-                    k[3 * a + i, 3 * bb + i] += value
+                k[3 * a + i, 3 * bb + i] += geometric[a, bb]
 
 
 @njit(cache=True, inline="always")
@@ -214,7 +211,7 @@ def tangent_matrix(
                     swap = nodes[e, b] < nodes[e, a]
                     for i in range(3):
                         for j in range(3):
-                            block[i, j] = k[3 * a + j, 3 * b + i] if swap else k[3 * a + i, 3 * b + j]
+                            block[i, j] = k[3 * b + i, 3 * a + j] if swap else k[3 * a + i, 3 * b + j]
                     low = nodes[e, b] if swap else nodes[e, a]
                     high = nodes[e, a] if swap else nodes[e, b]
                     _place(data, block, low, high, offset[e, pair], node_dof, row_start, free)
@@ -224,8 +221,7 @@ def tangent_matrix(
                     for b in range(n):
                         for i in range(3):
                             for j in range(3):
-                                value = k[3 * a + i, 3 * b + j] if a <= b else k[3 * b + j, 3 * a + i]
-                                force[nodes[e, a], i] += value * du[nodes[e, b], j]
+                                force[nodes[e, a], i] += k[3 * a + i, 3 * b + j] * du[nodes[e, b], j]
 
 
 @njit(cache=True)
