@@ -125,6 +125,12 @@ class BarrierTerm(Term):
             return "two walls pass through each other"
         return ""
 
+    def at(self, share: float) -> Term:
+        return self
+
+    def advanced(self, x: Array, dx: Array) -> Term:
+        return self
+
     def stricter(self) -> Term:
         return self
 

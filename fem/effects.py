@@ -1,11 +1,11 @@
 """Effects: what acts on the body besides its elasticity. One object each; an effect that is off is not in the sum.
 
-An `Effect` is a value the user writes; bound to a discretisation it becomes a `Term` of the total potential with energy,
-gradient and second derivative.
+An `Effect` is a value the user writes; bound to a discretisation it becomes a `Term` of the total potential with
+energy, gradient and second derivative.
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar, final
 
 import numpy as np
@@ -65,6 +65,43 @@ class Term(ABC):
     def gap(self, x: Array) -> float:
         """Smallest distance in mm between parts of the body that the term keeps apart; infinity for other terms."""
 
+    @abstractmethod
+    def at(self, share: float) -> "Term":
+        """The term while what does not grow with the load factor has come to `share` of its size."""
+
+    @abstractmethod
+    def advanced(self, x: Array, dx: Array) -> "Term":
+        """The term after Newton's step dx (n, 3) from x, with the stress carried on; itself where it carries none."""
+
+
+class Acting(Term):
+    """A term that is in the sum from the start and that no state can violate."""
+
+    @final
+    def step_limit(self, x: Array, dx: Array) -> float:
+        """1: any step."""
+        return 1.0
+
+    @final
+    def wanted(self, x: Array) -> bool:
+        """True."""
+        return True
+
+    @final
+    def objection(self, x: Array) -> str:
+        """None."""
+        return ""
+
+    @final
+    def stricter(self) -> Term:
+        """The term itself."""
+        return self
+
+    @final
+    def gap(self, x: Array) -> float:
+        """Infinity: it keeps nothing apart."""
+        return np.inf
+
 
 class Effect(ABC):
     """What a user asks to be simulated."""
@@ -77,10 +114,14 @@ class Effect(ABC):
 @final
 @dataclass(frozen=True)
 class Pressure(Effect):
-    """Pressure in MPa at load factor 1 on a named face, following the surface: Pi = -p V(x)."""
+    """Pressure in MPa at load factor 1 on a named face, following the surface: Pi = -p V(x).
+
+    With ramp=False it is whole from the first asked factor on.
+    """
 
     where: str
     value: float
+    ramp: bool = True
 
     def bind(self, space: Discretisation, material: Material) -> Term:
         faces = space.surface(self.where)
@@ -92,12 +133,13 @@ class Pressure(Effect):
             np.minimum(first, second).ravel(),
             np.maximum(first, second).ravel(),
             (first > second).ravel(),
+            None if self.ramp else 0.0,
         )
 
 
 @final
 @dataclass(frozen=True)
-class PressureTerm(Term):
+class PressureTerm(Acting):
     """-p V(x), V enclosed by the faces and symmetry planes through the origin."""
 
     effect = "pressure"
@@ -107,38 +149,32 @@ class PressureTerm(Term):
     rows: Index  #: (21 f,)
     columns: Index  #: (21 f,)
     swapped: NDArray[np.bool_]  #: (21 f,) pairs whose first node has the larger number
+    held: float | None  #: share of the value reached so far; None where it grows with the load factor
 
     def energy(self, x: Array, factor: float) -> float:
-        return -factor * self.value * enclosed_volume(self.faces, x)
+        return -self._pressure(factor) * enclosed_volume(self.faces, x)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
         normals = np.zeros_like(x)
         kernels.surface_pressure(*self._arguments(x), normals, np.empty(self.faces.nodes.shape[0]))
-        out += (
-            factor * self.value * normals
-        )  # the faces' normals leave the solid, so the cavity's volume falls along them
+        # the faces' normals leave the solid, so the cavity's volume falls along them
+        out += self._pressure(factor) * normals
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         values = np.empty((self.faces.nodes.shape[0], 21, 3, 3))
         kernels.surface_pressure_tangent(*self._arguments(x), values)
-        values = factor * self.value * values.reshape(-1, 3, 3)
+        values = self._pressure(factor) * values.reshape(-1, 3, 3)
         values[self.swapped] = values[self.swapped].transpose(0, 2, 1)
         return Blocks(self.rows, self.columns, values)
 
-    def step_limit(self, x: Array, dx: Array) -> float:
-        return 1.0
+    def at(self, share: float) -> Term:
+        return self if self.held is None else replace(self, held=share)
 
-    def wanted(self, x: Array) -> bool:
-        return True
-
-    def objection(self, x: Array) -> str:
-        return ""
-
-    def stricter(self) -> Term:
+    def advanced(self, x: Array, dx: Array) -> Term:
         return self
 
-    def gap(self, x: Array) -> float:
-        return np.inf
+    def _pressure(self, factor: float) -> float:
+        return self.value * (factor if self.held is None else self.held)
 
     def _arguments(self, x: Array) -> tuple[Index, Array, Array, Array, Array]:
         return self.faces.nodes, self.faces.shape, self.faces.derivative, self.faces.weight, x
@@ -154,10 +190,14 @@ def enclosed_volume(faces: Faces, x: Array) -> float:
 @final
 @dataclass(frozen=True)
 class Gravity(Effect):
-    """Weight of the body: density in tonne/mm3, acceleration (3,) in mm/s2 at load factor 1."""
+    """Weight of the body: density in tonne/mm3, acceleration (3,) in mm/s2 at load factor 1.
+
+    With ramp=False it is whole from the first asked factor on.
+    """
 
     density: float
     acceleration: tuple[float, float, float] = (0.0, -9810.0, 0.0)
+    ramp: bool = True
 
     def bind(self, space: Discretisation, material: Material) -> Term:
         volume = space.weight[:, :4].sum(axis=1)
@@ -165,38 +205,33 @@ class Gravity(Effect):
         # exact integrals of the quadratic shape functions over a tetrahedron: -V/20 at vertices, V/5 at mid-edges
         share = np.array([-0.05] * 4 + [0.2] * 6)
         np.add.at(mass, space.nodes, self.density * volume[:, None] * share)
-        return DeadForceTerm(mass[:, None] * np.asarray(self.acceleration))
+        return DeadForceTerm(mass[:, None] * np.asarray(self.acceleration), None if self.ramp else 0.0)
 
 
 @final
 @dataclass(frozen=True)
-class DeadForceTerm(Term):
+class DeadForceTerm(Acting):
     """-f . x with nodal forces that keep their direction."""
 
     effect = "gravity"
 
-    force: Array  #: (n, 3) at load factor 1, N
+    force: Array  #: (n, 3) whole, N
+    held: float | None  #: share of the force reached so far; None where it grows with the load factor
 
     def energy(self, x: Array, factor: float) -> float:
-        return -factor * float(np.vdot(self.force, x))
+        return -self._share(factor) * float(np.vdot(self.force, x))
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
-        out -= factor * self.force
+        out -= self._share(factor) * self.force
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         return Blocks(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 3, 3)))
 
-    def step_limit(self, x: Array, dx: Array) -> float:
-        return 1.0
+    def at(self, share: float) -> Term:
+        return self if self.held is None else replace(self, held=share)
 
-    def wanted(self, x: Array) -> bool:
-        return True
-
-    def objection(self, x: Array) -> str:
-        return ""
-
-    def stricter(self) -> Term:
+    def advanced(self, x: Array, dx: Array) -> Term:
         return self
 
-    def gap(self, x: Array) -> float:
-        return np.inf
+    def _share(self, factor: float) -> float:
+        return factor if self.held is None else self.held

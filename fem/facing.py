@@ -74,6 +74,12 @@ class FacingTerm(Term):
             return f"two walls pass through each other at ({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm"
         return self.exact().objection(x)
 
+    def at(self, share: float) -> Term:
+        return self
+
+    def advanced(self, x: Array, dx: Array) -> Term:
+        return self
+
     def stricter(self) -> Term:
         return self.exact()
 

@@ -139,7 +139,7 @@ class Path:
     def _solve(self, factor: float, aim: Place, start: State, terms: Terms) -> Converged:
         return newton.solve(
             self.system,
-            terms,
+            tuple(term.at(aim.share) for term in terms),
             start,
             aim.factor,
             self.system.prescribed(aim.factor, aim.share),

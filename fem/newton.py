@@ -74,7 +74,9 @@ def solve(
         if not np.isfinite(relative) or relative > options.blow_up:
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
         if iteration < options.iterations:
+            begin, x = state.displacement, system.space.points + state.displacement
             state = _advance(system, terms, state, assembly, factor, jump, options, convex=relative > 0.1)
+            terms = tuple(term.advanced(x, state.displacement - begin) for term in terms)
     raise StepFailed(f"no equilibrium after {options.iterations} iterations (relative residual {relative:.1e})")
 
 
