@@ -2,11 +2,11 @@
 
 from .cells import cell_averaged
 from .curvature import Smoothing, gaussian_process, shared_smoothing
-from .curve import Curvature, Moment, moment_from_force
+from .curve import Curvature, Moment, moment_from_force, without_stretch
 from .equilibrium import Rod, RodSolution
 from .errors import Interval
 from .export import EXPORTS, Arm, export
-from .fit import LoadedShape, RodFit, fit_rod, profile_over_break, without_stretch
+from .fit import LoadedShape, RodFit, fit_rod, profile_over_break
 from .identify import Identification, LineFit, identify
 from .law import FiveParameters, RodError
 from .pressures import PressurisedRod, Straightness, straightness

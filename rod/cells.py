@@ -41,7 +41,8 @@ def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
     if np.diff(s).max() > 0.5 * pitch:
         raise RodError(f"Nodes {np.diff(s).max():g} mm apart cannot resolve cells of {pitch:g} mm; refine the mesh.")
     middle = 0.5 * (s[:-1] + s[1:])
-    starts = np.flatnonzero(middle + pitch <= middle[-1] + 1e-9 * length)
+    # what holds the end bends its last half cell by itself
+    starts = np.flatnonzero(middle + pitch <= length - 0.5 * pitch)
     ahead = _interpolation(middle, middle[starts] + pitch)
     behind = np.eye(len(middle))[starts]
     difference = (ahead - behind) / pitch

@@ -1,16 +1,18 @@
 """Curvature of a material curve by Gaussian-process regression (paper, section 3 and equation (6)).
 
-X(s) and Y(s) are two draws of one process with kernel c exp(-(s - s')^2 / (2 L^2)) plus white noise w. Because a
-derivative of a Gaussian process is one again, the derivatives of the posterior mean and their covariance are closed
-forms of the kernel's derivatives, and
+X(s) and Y(s), of the curve without its stretch, are draws of one process with three parts: a smooth one with the kernel
+c exp(-(s - s')^2 / (2 L^2)), a wiggle that repeats with the pitch, and white noise. The curve that is meant is the
+smooth part. Because a derivative of a Gaussian process is one again, the derivatives of the posterior mean and their
+covariance are closed forms of the kernel's derivatives, and
 
     kappa = (X' Y'' - X'' Y') / (X'^2 + Y'^2)^(3/2)
 
 comes with a standard deviation, to first order in the errors of the derivatives.
 
-The rule of the length scale: all curves that are compared (Tests II and III) share one set of hyperparameters, found
-by maximum likelihood from all of them together, and L is at least SHORTEST pitches. With L free the process follows
-the wiggle inside the cells in one test and not in the other, and their difference is an artefact.
+The rule of the hyperparameters: all curves that are compared (Tests II and III) share one set, found by maximum
+likelihood from all of them together, and L lies between SHORTEST and LONGEST pitches. With L free and no part for the
+wiggle the process follows it in one test and not in the other, or takes it for noise and smears the soft zone at the
+clamp.
 """
 
 from __future__ import annotations
@@ -25,13 +27,15 @@ from scipy.linalg import cho_factor, cho_solve
 
 from geometry import Centreline
 
-from .curve import GRID_CELLS, Curvature, chord_angles, fine_grid
+from .curve import GRID_CELLS, Curvature, chord_angles, fine_grid, without_stretch
 from .law import RodError
 
 Array = NDArray[np.float64]
 
-#: the smallest length scale over the pitch
-SHORTEST = 1.5
+#: the smallest and the largest length scale over the pitch
+SHORTEST, LONGEST = 1.5, 3.0
+#: over the pitch, the length along which the wiggle within the cells may change
+FADING = 3.0
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,9 @@ class Smoothing:
     amplitude: float  #: mm, square root of the kernel's variance
     length_scale: float  #: mm
     noise: float  #: mm, standard deviation of the white noise
-    at_bound: bool  #: the length scale is the smallest that the rule allows
+    wiggle: float  #: mm, square root of the variance of the wiggle that repeats with the pitch
+    pitch: float  #: mm
+    at_bound: bool  #: the length scale is the smallest or the largest that the rule allows
 
 
 def shared_smoothing(centrelines: Sequence[Centreline], pitch: float, shortest: float = SHORTEST) -> Smoothing:
@@ -53,33 +59,46 @@ def shared_smoothing(centrelines: Sequence[Centreline], pitch: float, shortest: 
     # the one door to scikit-learn; inside, because `import rod` for a single solve must not wait a second for it
     from sklearn.exceptions import ConvergenceWarning
     from sklearn.gaussian_process import GaussianProcessRegressor
-    from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
+    from sklearn.gaussian_process.kernels import RBF, ConstantKernel, ExpSineSquared, WhiteKernel
 
     s = _common_s(centrelines)
     if not (np.isfinite(pitch) and pitch > 0.0 and shortest > 0.0):
         raise RodError(
             f"The pitch and the smallest length scale must be positive, not {pitch} mm and {shortest} pitches."
         )
-    targets = np.column_stack([_without_chord(s, v) for c in centrelines for v in (c.x, c.y)])
+    still = [without_stretch(c) for c in centrelines]
+    targets = np.column_stack([_without_chord(s, v) for c in still for v in (c.x, c.y)])
     unit = float(np.sqrt(np.mean(targets**2))) or 1.0
-    low, high = shortest * pitch, max(4.0 * shortest * pitch, 2.0 * s[-1])
-    kernel = ConstantKernel(10.0, (1e-4, 1e8)) * RBF(1.5 * low, (low, high)) + WhiteKernel(1e-6, (1e-10, 1.0))
+    low, high = shortest * pitch, max(LONGEST, 1.5 * shortest) * pitch
+    smooth = ConstantKernel(10.0, (1e-4, 1e8)) * RBF(1.2 * low, (low, high))
+    fading, repeating = RBF(FADING * pitch, "fixed"), ExpSineSquared(1.0, pitch, "fixed", "fixed")
+    kernel = smooth + ConstantKernel(1e-5, (1e-12, 1.0)) * fading * repeating + WhiteKernel(1e-7, (1e-10, 1.0))
     process = GaussianProcessRegressor(kernel, alpha=1e-14, n_restarts_optimizer=1, random_state=0)
     with warnings.catch_warnings():
         # a length scale at its bound is the rule at work, reported by `at_bound`; the likelihood is flat beside it
         warnings.simplefilter("ignore", ConvergenceWarning)
         process.fit(s[:, None], targets / unit)
-    constant, rbf = process.kernel_.k1.k1.constant_value, process.kernel_.k1.k2.length_scale
-    noise = process.kernel_.k2.noise_level
-    return Smoothing(unit * float(np.sqrt(constant)), float(rbf), unit * float(np.sqrt(noise)), bool(rbf < 1.001 * low))
+    found = process.kernel_
+    rbf, wiggle = found.k1.k1.k2.length_scale, found.k1.k2.k1.k1.constant_value
+    amplitude, noise = found.k1.k1.k1.constant_value, found.k2.noise_level
+    at_bound = bool(rbf < 1.001 * low or rbf > 0.999 * high)
+    return Smoothing(
+        amplitude=unit * float(np.sqrt(amplitude)),
+        length_scale=float(rbf),
+        noise=unit * float(np.sqrt(noise)),
+        wiggle=unit * float(np.sqrt(wiggle)),
+        pitch=pitch,
+        at_bound=at_bound,
+    )
 
 
-def gaussian_process(centreline: Centreline, smoothing: Smoothing, pitch: float) -> Curvature:
-    """Curvature at the nodes of the curve that are at least half a pitch (mm) from its ends, with its full covariance.
+def gaussian_process(centreline: Centreline, smoothing: Smoothing) -> Curvature:
+    """Curvature at the nodes from half a pitch behind the clamp to one before the tip, with its full covariance.
 
-    Nearer to the ends half of a cell is missing, and the wiggle does not average out.
+    Nearer to the ends half of a cell is missing and the wiggle does not average out; what holds the tip bends its last
+    half cell by itself. Stretch within the cells would pass for noise: theta and kappa belong to rest arc length.
     """
-    s = centreline.s - centreline.s[0]
+    s, centreline, pitch = centreline.s - centreline.s[0], without_stretch(centreline), smoothing.pitch
     maps, (c11, c12, c22) = _posterior(s, smoothing)
     x1, x2 = (_derivative(s, maps[k], centreline.x, k) for k in (1, 2))
     y1, y2 = (_derivative(s, maps[k], centreline.y, k) for k in (1, 2))
@@ -95,7 +114,7 @@ def gaussian_process(centreline: Centreline, smoothing: Smoothing, pitch: float)
         cross = np.outer(by_first, by_second) * c12
         covariance += np.outer(by_first, by_first) * c11 + np.outer(by_second, by_second) * c22 + cross + cross.T
         resolution += (by_first[:, None] * maps[1] + by_second[:, None] * maps[2]) @ moves
-    inner = (s >= 0.5 * pitch) & (s <= s[-1] - 0.5 * pitch)
+    inner = (s >= 0.5 * pitch) & (s <= s[-1] - pitch)
     theta = np.unwrap(np.arctan2(y1, x1))
     return Curvature(
         float(s[-1]), pitch, s[inner], kappa[inner], theta[inner], covariance[np.ix_(inner, inner)], resolution[inner]
@@ -140,7 +159,11 @@ def _posterior(s: Array, smoothing: Smoothing) -> tuple[dict[int, Array], tuple[
     d1, d2 = -u * k / length, (u**2 - 1.0) * k / length**2
     d11, d22 = (1.0 - u**2) * k / length**2, (u**4 - 6.0 * u**2 + 3.0) * k / length**4
     d12 = (3.0 * u - u**3) * k / length**3
-    factor = cho_factor(k + (smoothing.noise**2 + 1e-14 * variance) * np.eye(len(s)))
+    apart = s[:, None] - s[None, :]
+    wiggle = np.exp(
+        -0.5 * (apart / (FADING * smoothing.pitch)) ** 2 - 2.0 * np.sin(np.pi * apart / smoothing.pitch) ** 2
+    )
+    factor = cho_factor(k + smoothing.wiggle**2 * wiggle + (smoothing.noise**2 + 1e-14 * variance) * np.eye(len(s)))
     maps = {1: cho_solve(factor, d1.T).T, 2: cho_solve(factor, d2.T).T}
     return maps, (d11 - maps[1] @ d1.T, d12 - maps[1] @ d2.T, d22 - maps[2] @ d2.T)
 

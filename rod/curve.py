@@ -106,6 +106,15 @@ def chord_angles(centreline: Centreline) -> Array:
     return np.unwrap(np.arctan2(np.diff(centreline.y), np.diff(centreline.x)))
 
 
+def without_stretch(curve: Centreline) -> Centreline:
+    """The curve with the same tangent angles and its rest length: what an inextensible rod can be at best."""
+    angle, h = chord_angles(curve), np.diff(curve.s)
+    # the chord of an arc that turns by t is shorter than the arc by sin(t/2)/(t/2)
+    chord = h * np.sinc(np.gradient(angle) / (2.0 * np.pi))
+    x, y = (np.concatenate([[0.0], np.cumsum(chord * f(angle))]) for f in (np.cos, np.sin))
+    return Centreline(curve.s, curve.x[0] + x, curve.y[0] + y)
+
+
 def mean_angle_weights(s: Array, length: float) -> Array:
     """(n - 1, GRID_CELLS): mean tangent angle between neighbouring nodes s (n,), less the angle at s = 0, from
     curvature.

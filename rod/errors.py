@@ -23,7 +23,8 @@ class Interval:
 def interval(value: float, drawn: Array) -> Interval:
     """A number and its draws as value, standard deviation and 95 % interval."""
     low, below, above, high = np.quantile(drawn, [0.025, 0.1587, 0.8413, 0.975])
-    return Interval(float(value), float(0.5 * (above - below)), float(low), float(high))
+    # a number at a bound of its range may lie beyond all its draws
+    return Interval(float(value), float(0.5 * (above - below)), float(min(low, value)), float(max(high, value)))
 
 
 def shared_within(pitch: float, s: Array) -> Array:

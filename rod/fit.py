@@ -1,13 +1,15 @@
 """The numbers whose rod comes closest to the shape and the end force of a loaded arm (paper, Fig. 11).
 
 The rod takes the measured shape of Test II as its rest shape, wiggles included: kappa_0 from node to node. It is held
-as in Test III, and the five numbers (with the wiggle of `lines` and the same weak prior knowledge) are those that
+as in Test III, and the five numbers (with the wiggles of `lines` and the same weak prior knowledge) are those that
 minimise
 
     sum |r_rod(s_i) - r(s_i)|^2 n_eff/(n sigma^2)  +  |F_rod - F|^2/(FORCE_ERROR |F|)^2
 
-No curvature is differentiated, so noise of the nodes matters little. The errors follow from the linearised fit: white
-noise of both shapes, and a misfit that neighbouring nodes within a cell share.
+The shapes are taken without their stretch, which an inextensible rod cannot follow and would bend for; how far the rod
+is from the shape with its stretch is reported beside. No curvature is differentiated, so noise of the nodes matters
+little. The errors follow from the linearised fit: white noise of both shapes, and a misfit that neighbouring nodes
+within a cell share.
 """
 
 from __future__ import annotations
@@ -23,11 +25,11 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from geometry import Centreline
 
-from .curve import Moment, chord_angles, moment_from_force
+from .curve import Moment, chord_angles, moment_from_force, without_stretch
 from .equilibrium import Rod, RodSolution
 from .errors import Interval, drawn_errors, effective_observations, interval, shared_within, total_error
 from .law import FiveParameters, RodError
-from .lines import OFFSET, WIGGLE
+from .lines import HARMONICS, OFFSET, WIGGLE, waves
 
 Array = NDArray[np.float64]
 
@@ -35,6 +37,8 @@ Array = NDArray[np.float64]
 FORCE_ERROR = 1e-3
 #: over the length, error of a position that is always assumed
 SHAPE_ERROR = 1e-9
+#: range of d over the length in which the break is looked for
+BREAKS = (0.05, 0.35)
 #: the range of compliances over the start's
 COMPLIANCES = (0.02, 50.0)
 
@@ -82,6 +86,7 @@ class RodFit:
     d: Interval  #: mm
     distance: Array  #: (n,) mm, between rod and shape at the nodes
     shape_error: float  #: largest distance over the length
+    shape_error_without_stretch: float  #: the same to the shape with its stretch taken out, as the rod is fitted
     force_error: float  #: |F_rod - F| / |F|
     objective: float  #: half the weighted squares, prior included
 
@@ -97,18 +102,11 @@ def rest_curvature(free: Centreline) -> tuple[float, Array]:
     return float(integral(0.0, 1)), np.column_stack([s, integral(s, 2)])
 
 
-def without_stretch(curve: Centreline) -> Centreline:
-    """The curve with the same tangent angles and its rest length: what an inextensible rod can be at best."""
-    angle, h = chord_angles(curve), np.diff(curve.s)
-    x, y = (np.concatenate([[0.0], np.cumsum(h * f(angle))]) for f in (np.cos, np.sin))
-    return Centreline(curve.s, curve.x[0] + x, curve.y[0] + y)
-
-
 def fit_rod(
     shape: LoadedShape,
     starts: Sequence[FiveParameters],
     *,
-    breaks: tuple[float, float] = (0.03, 0.35),
+    breaks: tuple[float, float] = BREAKS,
     draws: int = 400,
     seed: int = 0,
 ) -> RodFit:
@@ -118,7 +116,8 @@ def fit_rod(
     """
     if not starts:
         raise RodError("Fitting a rod needs a law to start from.")
-    task = _Task.of(shape, breaks, starts)
+    still = replace(shape, free=without_stretch(shape.free), loaded=without_stretch(shape.loaded))
+    task = _Task.of(still, breaks, starts)
     rough = min((task.minimised(task.numbers(start)) for start in starts), key=lambda found: float(found.cost))
     if rough.cost >= 0.5 * _NO_ROD**2:
         raise RodError("No rod near the laws to start from is in equilibrium under these loads.")
@@ -129,6 +128,9 @@ def fit_rod(
     best = (law.alpha1, law.alpha2, law.m01, law.m02, law.d)
     intervals = dict(zip(_NAMES, (interval(v, c) for v, c in zip(best, sampled.T, strict=True)), strict=True))
     rod = task.solved(found.x)
+    inextensible = np.hypot(*(rod.positions(shape.s) - still.points).T)
+    # the same numbers with the end held where it was seen, against the shape as it was seen
+    rod = replace(task, shape=shape).solved(found.x)
     distance = np.hypot(*(rod.positions(shape.s) - shape.points).T)
     off = math.hypot(rod.force[0] - shape.force[0], rod.force[1] - shape.force[1]) / math.hypot(*shape.force)
     return RodFit(
@@ -136,17 +138,18 @@ def fit_rod(
         **intervals,
         distance=distance,
         shape_error=float(distance.max()) / shape.length,
+        shape_error_without_stretch=float(inextensible.max()) / shape.length,
         force_error=off,
         objective=float(found.cost),
     )
 
 
 def profile_over_break(shape: LoadedShape, start: FiveParameters, breaks: Sequence[float]) -> Array:
-    """(n, 3) columns d (mm), largest distance over length and relative force error of the closest rod with that d."""
+    """(n, 3) d (mm), largest distance over length (without stretch), relative force error of the closest rods."""
     rows = []
     for d in breaks:
         fit = fit_rod(shape, [replace(start, d=d)], breaks=(d / shape.length, d / shape.length), draws=2)
-        rows.append((d, fit.shape_error, fit.force_error))
+        rows.append((d, fit.shape_error_without_stretch, fit.force_error))
     return np.array(rows)
 
 
@@ -157,7 +160,7 @@ _NO_ROD = 1e6
 
 @dataclass(frozen=True)
 class _Task:
-    """Unknowns z: compliances over `compliance`, offsets over `offset`, d over length, two wiggles."""
+    """Unknowns z: compliances over `compliance`, offsets over `offset`, d over length, wiggles."""
 
     shape: LoadedShape
     moment: Moment
@@ -206,7 +209,7 @@ class _Task:
     def numbers(self, law: FiveParameters) -> Array:
         a1, a2 = 1.0 / law.alpha1, 1.0 / law.alpha2
         z = [a1 / self.compliance, law.m01 * a1 / self.offset, a2 / self.compliance, law.m02 * a2 / self.offset]
-        return np.array([*z, law.d / self.shape.length, 0.0, 0.0])
+        return np.array([*z, law.d / self.shape.length, *[0.0] * (2 * HARMONICS)])
 
     def solved(self, z: Array) -> RodSolution:
         """The rod of these numbers, held as the loaded shape is. The wiggle multiplies Delta of the measured moment."""
@@ -214,15 +217,14 @@ class _Task:
         # both sides of the break are sampled, so that the wiggle jumps there and not at a node, whatever d is
         nodes = self.shape.s
         s = np.sort(np.append(nodes[np.abs(nodes - law.d) > 2.0 * near], [law.d - near, law.d + near]))
-        angle = 2.0 * np.pi * s / self.shape.pitch
         deviation = law.deviation(s, np.interp(s, self.moment.s, self.moment.value))
-        wiggle = deviation * (z[5] * np.cos(angle) + z[6] * np.sin(angle))
+        wiggle = deviation * (z[5:] @ np.array(waves(s, self.shape.pitch)))
         kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + wiggle])
         rod = Rod(self.shape.length, kappa_0, law, theta0=self.theta0, start=(float(loaded.x[0]), float(loaded.y[0])))
         return rod.solve(end_y=float(loaded.y[-1]))
 
     def residual(self, z: Array) -> Array:
-        prior = np.array([z[1], z[3], z[5] / WIGGLE, z[6] / WIGGLE])
+        prior = np.concatenate([z[[1, 3]], z[5:] / WIGGLE])
         try:
             rod = self.solved(z)
         except RodError:
@@ -232,9 +234,9 @@ class _Task:
         return np.concatenate([off.T.ravel(), force, prior])
 
     def minimised(self, z: Array) -> OptimizeResult:
-        low = np.array([COMPLIANCES[0], -np.inf, COMPLIANCES[0], -np.inf, self.breaks[0], -np.inf, -np.inf])
-        high = np.array([COMPLIANCES[1], np.inf, COMPLIANCES[1], np.inf, self.breaks[1], np.inf, np.inf])
-        free = np.array([True] * 4 + [self.breaks[0] < self.breaks[1]] + [True] * 2)
+        low = np.array([COMPLIANCES[0], -np.inf, COMPLIANCES[0], -np.inf, self.breaks[0], *[-np.inf] * (2 * HARMONICS)])
+        high = np.array([COMPLIANCES[1], np.inf, COMPLIANCES[1], np.inf, self.breaks[1], *[np.inf] * (2 * HARMONICS)])
+        free = np.array([True] * 4 + [self.breaks[0] < self.breaks[1]] + [True] * (2 * HARMONICS))
         fixed = np.where(free, z, low)
 
         def whole(part: Array) -> Array:
@@ -279,9 +281,7 @@ class _Task:
             moved[:, k] = self._with_noise(random).residual(found.x) - found.fun
         for rows in (slice(0, n), slice(n, 2 * n)):
             moved[rows] += self.weight * drawn_errors(self.misfit, draws, random)
-        # force and wiggle are drawn; an offset is one number that is not known, and its prior stays where it is
-        for rows in (slice(2 * n, 2 * n + 2), slice(2 * n + 4, 2 * n + 6)):
-            moved[rows] += random.standard_normal((2, draws))
+        moved[2 * n :] += random.standard_normal((len(moved) - 2 * n, draws))
         z = found.x[:, None] - np.linalg.pinv(found.jac, rcond=1e-12) @ moved
         a1, a2 = (np.clip(z[i], *COMPLIANCES) * self.compliance for i in (0, 2))
         d = np.clip(z[4], *self.breaks) * self.shape.length

@@ -26,16 +26,18 @@ from scipy.optimize import minimize_scalar
 from .curve import Curvature, Moment
 from .errors import Interval, drawn_errors, effective_observations, interval, shared_within, total_error
 from .law import FiveParameters, RodError
-from .lines import OFFSET, STIFFEST, WIGGLE, Fit, Seen, Weights, solve, stiffened
+from .lines import HARMONICS, OFFSET, STIFFEST, WIGGLE, Fit, Seen, Weights, solve, stiffened
 
 Array = NDArray[np.float64]
 
 #: range of d over the length in which the break is looked for; never nearer to the clamp than half a pitch
-BREAKS = (0.03, 0.35)
+BREAKS = (0.05, 0.35)
 PROFILE_POINTS = 65
 DRAWS = 400
 #: relative error of Delta below which nothing is believed
 RESOLUTION_OF_DELTA = 1e-5
+#: relative error of Delta with which a simpler law is as good as a richer one
+GOOD_ENOUGH = 0.02
 
 
 @dataclass(frozen=True)
@@ -60,7 +62,7 @@ class Identification:
     r2: float  #: of the two lines
     one_line: LineFit
     observations: float  #: effective number of independent observations
-    criterion_two: float  #: corrected Akaike criterion of two lines
+    criterion_two: float  #: Bayesian information criterion of two lines
     criterion_one: float  #: and of one; the smaller wins
     profile: Array  #: (n, 2) columns d (mm) and root-mean-square residual of Delta (1/mm)
     points: Array  #: (m, 4) columns s (mm), Delta (1/mm), fitted Delta (1/mm), M (N mm) as the estimate sees it
@@ -164,13 +166,9 @@ def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> flo
     return float(found.x) if found.fun < objective[best] else float(grid[best])
 
 
-def _rows(weights: Weights, drawn: Array, lines: int, random: np.random.Generator) -> Array:
-    """Right-hand sides: weighted data above, the prior knowledge below.
-
-    The wiggle differs from arm to arm and is drawn; an offset is one number that is not known, and stays where it is.
-    """
-    draws = drawn.shape[1]
-    return np.vstack([weights.data * drawn, np.zeros((lines, draws)), random.standard_normal((2, draws))])
+def _rows(weights: Weights, drawn: Array, priors: int, random: np.random.Generator) -> Array:
+    """Right-hand sides: weighted data above, draws of the prior knowledge below."""
+    return np.vstack([weights.data * drawn, random.standard_normal((priors, drawn.shape[1]))])
 
 
 def _draws_two(
@@ -185,9 +183,9 @@ def _draws_two(
 ) -> Array:
     """(draws, 5): alpha1, alpha2, m01, m02, d of fits to the fitted Delta plus drawn errors."""
     drawn = fitted[:, None] + error
-    right = _rows(weights, drawn, 2, random)
+    right = _rows(weights, drawn, 2 + 2 * HARMONICS, random)
     count = drawn.shape[1]
-    best, numbers, places = np.full(count, np.inf), np.zeros((6, count)), np.zeros(count)
+    best, numbers, places = np.full(count, np.inf), np.zeros((4 + 2 * HARMONICS, count)), np.zeros(count)
     step = grid[1] - grid[0]
     near = np.clip(place + step * np.linspace(-2.0, 2.0, 41), grid[0], grid[-1])
     for d in np.union1d(near, grid):
@@ -202,7 +200,7 @@ def _draws_two(
 
 
 def _one_line(seen: Seen, fit: Fit, weights: Weights, error: Array, random: np.random.Generator) -> LineFit:
-    a, b = (fit.solution @ _rows(weights, fit.fitted[:, None] + error, 1, random))[:2]
+    a, b = (fit.solution @ _rows(weights, fit.fitted[:, None] + error, 1 + 2 * HARMONICS, random))[:2]
     a = np.maximum(a, fit.numbers[0] / STIFFEST)
     return LineFit(
         interval(1.0 / fit.numbers[0], 1.0 / a), interval(fit.numbers[1] / fit.numbers[0], b / a), _r2(seen, fit)
@@ -214,11 +212,11 @@ def _r2(seen: Seen, fit: Fit) -> float:
 
 
 def _criterion(seen: Seen, fit: Fit, numbers: int, observations: float) -> float:
-    """Corrected Akaike criterion; the variance of the error is one more number.
+    """Bayesian information criterion; the variance of the error is one more number.
 
-    The residual cannot be known better than the covariance of the curvatures, nor than RESOLUTION_OF_DELTA.
+    The residual cannot be known better than the covariance of the curvatures, and a law need not be better than
+    GOOD_ENOUGH: rigidities that spread by some per cent along the arm are one rigidity.
     """
-    k = numbers + 1
-    floor = float(np.trace(seen.covariance)) / len(seen.s) + RESOLUTION_OF_DELTA**2 * float(np.mean(seen.delta**2))
+    floor = float(np.trace(seen.covariance)) / len(seen.s) + GOOD_ENOUGH**2 * float(np.mean(seen.delta**2))
     variance = max(_rms(seen, fit) ** 2, floor)
-    return observations * math.log(variance) + 2.0 * k + 2.0 * k * (k + 1) / max(observations - k - 1.0, 0.5)
+    return observations * math.log(variance) + (numbers + 1) * math.log(observations)

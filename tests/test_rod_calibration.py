@@ -17,9 +17,6 @@ from rod import (
     shared_smoothing,
 )
 
-#: Delta continuous at d, as the two lines of the paper meet; a step in rigidity with lines through the origin
-MEETING = FiveParameters(55.0, 400.0, -5.2, 0.1, 14.0)
-STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
 NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 PITCH = 10.0
 
@@ -31,7 +28,7 @@ def by_cells(free, loaded, force, seed):
 
 def by_process(free, loaded, force, seed):
     smoothing = shared_smoothing([free, loaded], PITCH)
-    curvatures = (gaussian_process(c, smoothing, PITCH) for c in (free, loaded))
+    curvatures = (gaussian_process(c, smoothing) for c in (free, loaded))
     return identify(*curvatures, moment_from_force(loaded, force), draws=300, seed=seed)
 
 
@@ -40,36 +37,45 @@ def by_rod(free, loaded, force, seed):
     return fit_rod(LoadedShape(free, loaded, force, PITCH), [start], draws=300, seed=seed)
 
 
-def coverage(estimate, law, draws):
+def drawn_law(random):
+    """Numbers like those of design (a) with contact; the first offset as the prior knowledge has it, 0.15 of M(0)."""
+    return FiveParameters(
+        alpha1=random.uniform(150.0, 250.0),
+        alpha2=random.uniform(300.0, 480.0),
+        m01=1.8 * random.standard_normal(),
+        m02=random.uniform(-0.5, 0.8),
+        d=random.uniform(6.5, 15.0),
+    )
+
+
+def coverage(estimate, draws):
     """Shares of the draws whose 95 % intervals contain the true numbers, (5,), and whose d/l is right."""
     random = np.random.default_rng(1)
     inside, near = np.zeros(5), 0
     for seed in range(draws):
         arm = SyntheticArm(
-            law,
+            drawn_law(random),
             wiggle=0.2 * random.standard_normal(),
-            compliance_wiggle=0.15 * random.standard_normal(),
+            compliance_wiggle=0.5 * random.standard_normal(),
             phase=random.uniform(0.0, 2.0 * np.pi),
             noise=0.005,
         )
         found = estimate(*arm.curves(seed), seed)
-        inside += [getattr(found, n).low <= getattr(law, n) <= getattr(found, n).high for n in NAMES]
+        inside += [getattr(found, n).low <= getattr(arm.law, n) <= getattr(found, n).high for n in NAMES]
         near += 0.05 <= found.law.d / arm.length <= 0.15
     return inside / draws, near / draws
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("law", [MEETING, STEP], ids=["meeting", "step"])
 @pytest.mark.parametrize("estimate", [by_cells, by_process, by_rod])
-def test_95_percent_intervals_contain_the_truth(estimate, law):
-    inside, near = coverage(estimate, law, 200)
-    assert near == 1.0
-    assert np.all(inside >= 0.90), dict(zip(NAMES, inside, strict=True))
+def test_95_percent_intervals_contain_the_truth(estimate):
+    inside, near = coverage(estimate, 200)
+    assert near > 0.95
+    assert np.all((inside >= 0.90) & (inside <= 0.995)), dict(zip(NAMES, inside, strict=True))
 
 
-@pytest.mark.parametrize("law", [MEETING, STEP], ids=["meeting", "step"])
-def test_intervals_of_the_cell_averages_on_few_draws(law):
-    """The quick form of the calibration: 12 draws, of which the binomial law lets a true 95 % lose at most three."""
-    inside, near = coverage(by_cells, law, 12)
-    assert near == 1.0
-    assert np.all(inside >= 0.75), dict(zip(NAMES, inside, strict=True))
+def test_intervals_of_the_cell_averages_on_few_draws():
+    """The quick form of the calibration: 20 draws, of which the binomial law lets a true 95 % lose at most four."""
+    inside, near = coverage(by_cells, 20)
+    assert near > 0.9
+    assert np.all(inside >= 0.8), dict(zip(NAMES, inside, strict=True))

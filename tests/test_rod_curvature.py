@@ -35,14 +35,14 @@ def clothoid(a=0.01, b=3e-4):
 
 
 def by_process(curve):
-    return gaussian_process(curve, shared_smoothing([curve], PITCH), PITCH)
+    return gaussian_process(curve, shared_smoothing([curve], PITCH))
 
 
 def test_cells_of_a_circle():
     curvature = cell_averaged(arc(0.03), PITCH)
     assert curvature.kappa == pytest.approx(0.03, abs=1e-12)
     assert curvature.theta == pytest.approx(0.03 * curvature.s, abs=1e-12)
-    assert (curvature.s[0], curvature.s[-1]) == pytest.approx((5.5, 106.5))
+    assert (curvature.s[0], curvature.s[-1]) == pytest.approx((5.5, 101.5))
 
 
 def test_process_on_a_circle():
@@ -81,8 +81,8 @@ def test_resolution_says_what_the_estimate_sees_of_a_step(estimate):
         x, y = (np.concatenate([[0.0], np.cumsum(f(middle)) * h]) for f in (np.cos, np.sin))
         curves.append(Centreline(NODES, np.interp(NODES, edges, x), np.interp(NODES, edges, y)))
     if estimate is by_process:
-        smoothing = Smoothing(30.0, 20.0, 0.005, at_bound=False)
-        free, loaded = (gaussian_process(c, smoothing, PITCH) for c in curves)
+        smoothing = Smoothing(30.0, 20.0, 0.005, 0.0, PITCH, at_bound=False)
+        free, loaded = (gaussian_process(c, smoothing) for c in curves)
     else:
         free, loaded = (estimate(c) for c in curves)
     predicted = 0.5 * (free.resolution + loaded.resolution) @ step
@@ -101,7 +101,7 @@ def test_mean_angle_weights_integrate_a_linear_curvature():
 
 def test_derivatives_of_the_posterior_against_finite_differences():
     """The mean's derivatives, by differencing means that include an added point without data."""
-    smoothing = Smoothing(5.0, 20.0, 0.01, at_bound=False)
+    smoothing = Smoothing(5.0, 20.0, 0.01, 0.0, PITCH, at_bound=False)
     s = np.linspace(0.0, 100.0, 51)
     values = np.sin(s / 15.0) + 0.1 * np.cos(s / 9.0)
     maps, _ = _posterior(s, smoothing)
@@ -119,7 +119,7 @@ def test_derivatives_of_the_posterior_against_finite_differences():
 
 def test_covariance_of_the_derivatives_against_draws_of_the_process():
     """Draws of the prior with noise; the posterior's errors have the covariance that is claimed."""
-    smoothing = Smoothing(1.0, 20.0, 0.02, at_bound=False)
+    smoothing = Smoothing(1.0, 20.0, 0.02, 0.0, PITCH, at_bound=False)
     s, h = np.linspace(0.0, 60.0, 25), 0.25
     at = np.concatenate([s, s + h, s - h])
     kernel = np.exp(-0.5 * ((at[:, None] - at[None, :]) / 20.0) ** 2)
@@ -142,10 +142,10 @@ def test_standard_deviation_of_the_process_is_calibrated():
     curves = [arc(0.02, noise=0.02, seed=seed) for seed in range(12)]
     smoothing = shared_smoothing(curves, PITCH)
     for curve in curves:
-        curvature = gaussian_process(curve, smoothing, PITCH)
+        curvature = gaussian_process(curve, smoothing)
         error = (curvature.kappa - 0.02) / curvature.kappa_std
         inside.append(np.mean(np.abs(error) < 1.0))
-        assert np.abs(error).max() < 5.0
+        assert np.abs(error).max() < 7.0
     assert 0.5 < np.mean(inside) < 0.98
 
 
