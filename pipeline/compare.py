@@ -65,14 +65,14 @@ def compare(found: Sequence[Parameters]) -> tuple[Comparison, ...]:
     """The rod of every pressure, unloaded as in II and with its end held as in III."""
     rows = []
     for parameters in found:
-        rows.append(_solved(parameters, parameters.free))
-        rows.append(_solved(parameters, parameters.loaded, end_y=float(parameters.loaded.centreline.y[-1])))
+        rows.append(_solved(parameters, parameters.free, None))
+        rows.append(_solved(parameters, parameters.loaded, float(parameters.loaded.centreline.y[-1])))
     return tuple(rows)
 
 
-def _solved(parameters: Parameters, record: Record, **load: float) -> Comparison:
+def _solved(parameters: Parameters, record: Record, end_y: float | None) -> Comparison:
     try:
-        return Comparison(record, parameters.rod.solve(**load), "")
+        return Comparison(record, parameters.rod.solve(end_y=end_y), "")
     except RodError as failure:
         return Comparison(record, None, str(failure))
 
@@ -93,12 +93,20 @@ def curve_rows(
 def _rows_of(record: Record, shape: RodSolution | None, pitch: float) -> list[tuple[Any, ...]]:
     curve = record.centreline
     moment = moment_from_force(curve, record.end_force, record.end_couple)
-    curvature = cell_averaged(curve, pitch)
     s = curve.s - curve.s[0]
+    kappa, std = _curvature(curve, s, pitch)
     middles = 0.5 * (s[1:] + s[:-1])
     theta = np.interp(s, middles, np.unwrap(curve.angle))
-    kappa = np.interp(s, curvature.s, curvature.kappa, left=np.nan, right=np.nan)
-    std = np.interp(s, curvature.s, curvature.kappa_std, left=np.nan, right=np.nan)
     rod = shape.positions(s) if shape is not None else np.full((len(s), 2), np.nan)
     table = np.column_stack([s, curve.x, curve.y, theta, kappa, std, moment.value, rod])
     return [(record.experiment, record.pressure_kPa, *values) for values in table.tolist()]
+
+
+def _curvature(curve: Centreline, s: Array, pitch: float) -> tuple[Array, Array]:
+    """Cell-averaged curvature and its standard deviation at s (n,); NaN where there is no whole cell around s."""
+    try:
+        curvature = cell_averaged(curve, pitch)
+    except RodError:  # an arm of one or two cells has none
+        return np.full_like(s, np.nan), np.full_like(s, np.nan)
+    kappa = np.interp(s, curvature.s, curvature.kappa, left=np.nan, right=np.nan)
+    return kappa, np.interp(s, curvature.s, curvature.kappa_std, left=np.nan, right=np.nan)

@@ -19,10 +19,10 @@ from rod import (
     gaussian_process,
     identify,
     moment_from_force,
-    rest_curvature,
     shared_smoothing,
     straightness,
 )
+from rod.fit import rest_curvature
 
 __all__ = ["Parameters", "identify_all", "parameters_record"]
 
@@ -71,7 +71,7 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
     moment = moment_from_force(loaded.centreline, loaded.end_force, loaded.end_couple)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
     smoothing = shared_smoothing(curves, pitch)
-    smooth_0, smooth = (gaussian_process(curve, smoothing, pitch) for curve in curves)
+    smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
     return Parameters(
         pressure_kPa=pressure,
         free=free,

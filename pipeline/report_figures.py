@@ -143,7 +143,8 @@ def _line(
 
 def _band(figure: Any, curve: Curve, colour: str, column: int) -> None:
     """One standard deviation to either side."""
-    s, kappa, spread = curve["s_mm"], curve["kappa_per_mm"], curve["kappa_std_per_mm"]
+    known = np.isfinite(curve["kappa_std_per_mm"])
+    s, kappa, spread = (curve[name][known] for name in ("s_mm", "kappa_per_mm", "kappa_std_per_mm"))
     outline_x, outline_y = np.concatenate([s, s[::-1]]), np.concatenate([kappa + spread, (kappa - spread)[::-1]])
     figure.add_scatter(
         x=outline_x, y=outline_y, fill="toself", fillcolor=colour, opacity=0.15, line={"width": 0},
@@ -153,19 +154,23 @@ def _band(figure: Any, curve: Curve, colour: str, column: int) -> None:
 
 def _fitted_lines(figure: Any, results: Results, pressure: float, s: Array, change: Array, colour: str) -> None:
     label = f"{pressure:g} kPa"
+    known = np.isfinite(change)
+    s, change = s[known], change[known]
+    if not len(s):
+        return
     cut = results.at("d_mm", pressure)
     bounds = () if cut is None else ((s <= cut, 1), (s >= cut, 2))
     for side, number in bounds:
         alpha, start = results.at(f"alpha{number}_N_mm2", pressure), results.at(f"m0{number}_N_mm", pressure)
         if alpha is not None and start is not None and side.any():
-            ends = np.array([np.nanmin(change[side]), np.nanmax(change[side])])
+            ends = np.array([change[side].min(), change[side].max()])
             figure.add_scatter(
                 x=ends, y=alpha * ends + start, mode="lines", line={"color": colour, "width": 2},
                 legendgroup=label, showlegend=False, hoverinfo="skip",
             )  # fmt: skip
     alpha, start = results.at("one_line_alpha_N_mm2", pressure), results.at("one_line_m0_N_mm", pressure)
     if alpha is not None and start is not None:
-        ends = np.array([np.nanmin(change), np.nanmax(change)])
+        ends = np.array([change.min(), change.max()])
         figure.add_scatter(
             x=ends, y=alpha * ends + start, mode="lines", line={"color": _GREY, "width": 1.2, "dash": "dot"},
             legendgroup=label, showlegend=False, hoverinfo="skip",

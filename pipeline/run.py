@@ -73,7 +73,7 @@ def _failure(outcome: Outcome) -> str:
 
 
 def _experiment_rows(outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
-    rows = []
+    rows: list[dict[str, Any]] = []
     for outcome in outcomes.values():
         rows.extend(record.row for record in outcome.records)
         if outcome.failure:

@@ -1,0 +1,142 @@
+"""The story end to end on a short arm: the files of the contract, resuming, a pressure that the body cannot bear."""
+
+import csv
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.config import load_config
+from pipeline.failure import RunFailed
+from pipeline.progress import Silent
+from pipeline.run import run
+
+SHORT = """
+name: short
+geometry: {family: pneunet, chambers: 9}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [8 kPa, 16 kPa]
+end: {y: 0 mm}
+mesh: {size: 6 mm, formulation: p2p0}
+effects: {self_contact: auto, symmetry: auto}
+"""
+
+
+@pytest.fixture(scope="module")
+def config_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("config") / "short.yaml"
+    path.write_text(SHORT)
+    return path
+
+
+@pytest.fixture(scope="module")
+def results(config_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("results")
+    run(load_config(config_file), out, 1, False, Silent())
+    return out
+
+
+def read(results: Path, name: str):
+    return json.loads((results / name).read_text())
+
+
+def test_every_file_of_the_contract_is_there(results: Path) -> None:
+    named = [*(f"{name}.json" for name in ("parameters", "experiments", "validation", "effects", "run"))]
+    named += ["curves.csv", "mesh.vtu", "I.pvd", "II.pvd", "III.pvd", "report.html", "fields/III_8kPa.vtu"]
+    named += [f"pictures/{name}.png" for name in ("body", "body_open", "II_16kPa")]
+    missing = [name for name in named if not (results / name).is_file()]
+    assert not missing
+
+
+def test_parameters_are_those_of_a_rod(results: Path) -> None:
+    parameters = read(results, "parameters.json")
+    assert parameters["pressures_kPa"] == [8.0, 16.0]
+    assert parameters["length_mm"] == 92.0
+    for name in ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm"):
+        assert min(parameters[name]) > 0
+        assert min(parameters[f"{name}_std"]) >= 0
+    assert {"m01_N_mm", "m02_N_mm", "beta1_N_mm2_per_kPa", "beta2_N_mm2_per_kPa", "linear_range_kPa"} <= set(parameters)
+    profile = parameters["kappa_0"]
+    assert np.shape(profile["kappa_0_per_mm"]) == (2, len(profile["s_mm"]))
+    assert (
+        np.mean(profile["cell_averaged_per_mm"][1]) < np.mean(profile["cell_averaged_per_mm"][0]) < 0
+    )  # it curls down
+
+
+def test_experiments_hold_what_the_contract_names(results: Path) -> None:
+    rows = read(results, "experiments.json")
+    assert [(row["experiment"], row["pressure_kPa"]) for row in rows] == [
+        (name, pressure) for name in ("I", "II", "III") for pressure in (8.0, 16.0)
+    ]
+    for row in rows:
+        assert row["status"] == "converged"
+        assert row["negative_pivots"] == 0
+        assert 0 < row["min_J"] < 1 < row["max_stretch"]
+        area_times_pressure = 1e-3 * row["pressure_kPa"] * 9 * (11 * 13 * 2)
+        if row["experiment"] != "III":
+            assert np.hypot(*row["clamp_reaction_N"]) < 1e-6 * area_times_pressure
+        else:
+            assert row["end_y_mm"] == pytest.approx(1.0, abs=1e-9)
+            assert np.add(row["clamp_reaction_N"], row["reaction_N"]) == pytest.approx(
+                0, abs=1e-6 * area_times_pressure
+            )
+
+
+def test_moment_by_equation_seven_balances_the_clamp(results: Path) -> None:
+    with (results / "curves.csv").open() as file:
+        curves = [row for row in csv.DictReader(file) if row["experiment"] == "III"]
+    for row in read(results, "experiments.json"):
+        if row["experiment"] == "III":
+            start = next(c for c in curves if float(c["pressure_kPa"]) == row["pressure_kPa"])
+            assert float(start["moment_N_mm"]) == pytest.approx(-row["clamp_moment_N_mm"], rel=1e-4)
+
+
+def test_the_rod_follows_the_finite_elements(results: Path) -> None:
+    rows = read(results, "validation.json")
+    assert len(rows) == 4
+    for row in rows:
+        assert row["distance_over_length"] < 0.02
+        assert row["experiment"] == "II" or abs(row["force_error"]) < 0.1  # measured on this coarse mesh: 0.06
+
+
+def test_the_same_command_goes_on_from_what_is_finished(config_file: Path, results: Path, tmp_path: Path) -> None:
+    run(load_config(config_file), tmp_path, 1, False, Silent())
+    for name in ("III_16kPa", "I_8kPa", "I_16kPa"):
+        (tmp_path / "states" / f"{name}.npz").unlink()
+    (tmp_path / "parameters.json").unlink()
+    run(load_config(config_file), tmp_path, 2, False, Silent())
+    for name in ("end_x_mm", "end_y_mm", "cavity_volume_mm3"):
+        first = [row[name] for row in read(results, "experiments.json")]
+        again = [row[name] for row in read(tmp_path, "experiments.json")]
+        assert again == pytest.approx(first, rel=1e-9)
+
+
+def test_a_pressure_that_cannot_be_borne_ends_in_a_sentence_and_keeps_the_rest(
+    config_file: Path, tmp_path: Path
+) -> None:
+    config = load_config(config_file, ["pressures=[8 kPa, 1 MPa]", "geometry.chambers=2"])
+    with pytest.raises(RunFailed, match=r"experiment I+ stopped before 1000 kPa") as failure:
+        run(config, tmp_path, 2, False, Silent())
+    assert "\n" not in str(failure.value)
+    rows = read(tmp_path, "experiments.json")
+    assert {row["status"] for row in rows if row["pressure_kPa"] == 8.0} == {"converged"}
+    assert all(row["reason"] for row in rows if row["pressure_kPa"] == 1000.0)
+    assert "1000 kPa" in (tmp_path / "report.html").read_text()
+
+
+def test_exit_status_of_a_failed_run_is_one_and_of_wrong_input_two(config_file: Path, tmp_path: Path) -> None:
+    def status(*settings: str) -> tuple[int, str]:
+        command = [sys.executable, "-m", "pipeline", "run", str(config_file), "--out", str(tmp_path / "out"), *settings]
+        ended = subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).parent.parent)
+        assert "Traceback" not in ended.stderr
+        return ended.returncode, ended.stderr
+
+    code, said = status("--set", "material.nu=0.6")
+    assert code == 2
+    assert "nu" in said
+    code, said = status("--set", "geometry.chambers=1", "--set", "pressures=[1 MPa]", "--jobs", "1")
+    assert code == 1
+    assert said.startswith("pneurod: experiment")
