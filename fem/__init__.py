@@ -7,6 +7,7 @@ from fem.effects import Effect, Gravity, Pressure
 from fem.experiments import Experiment
 from fem.loadpath import PathOptions, follow
 from fem.fields import element_fields
+from fem.layer import LayerError, StrainLimitingLayer
 from fem.linear import available_solver
 from fem.material import Material, MaterialError, StVenantKirchhoff
 from fem.model import Model
@@ -21,6 +22,7 @@ __all__ = [
     "Experiment",
     "Fixed",
     "Gravity",
+    "LayerError",
     "Material",
     "MaterialError",
     "Model",
@@ -34,6 +36,7 @@ __all__ = [
     "Solution",
     "StVenantKirchhoff",
     "Step",
+    "StrainLimitingLayer",
     "SupportError",
     "available_solver",
     "element_fields",

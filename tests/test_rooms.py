@@ -34,7 +34,8 @@ DOORS: dict[str, set[str]] = {
     "gmsh": {"geometry/solid.py"},
     "meshio": {"geometry/mesh.py"},
     "skfem": {"fem/discretisation.py"},
-    "numba": {"fem/kernels.py", "rod/shooting.py", "pipeline/doctor.py"},  # the doctor tries its threads
+    # the doctor tries the threads of numba
+    "numba": {"fem/kernels.py", "fem/layer_kernels.py", "rod/shooting.py", "pipeline/doctor.py"},
     "ipctk": {"fem/contact.py"},
     "pypardiso": {"fem/linear.py"},
     "sklearn": {"rod/curvature.py"},
