@@ -1,12 +1,13 @@
 """The actuator as one line: curvature, the five-parameter law, the rod in equilibrium."""
 
+from .alternatives import Candidate, Observation, compare_laws, simplest
 from .cells import cell_averaged
 from .curvature import Smoothing, gaussian_process, shared_smoothing
 from .curve import Curvature, Moment, moment_from_force, without_stretch
 from .equilibrium import Rod, RodSolution
 from .errors import Interval
 from .export import EXPORTS, Arm, export
-from .fit import LoadedShape, RodFit, fit_rod, profile_over_break
+from .fit import LoadedShape, RodFit, fit_rod, profile_over_break, rest_curvature
 from .identify import Identification, LineFit, identify
 from .law import FiveParameters, RodError
 from .pressures import PressurisedRod, Straightness, straightness
@@ -16,6 +17,7 @@ from .synthetic import SyntheticArm
 __all__ = [
     "EXPORTS",
     "Arm",
+    "Candidate",
     "Curvature",
     "FiveParameters",
     "Identification",
@@ -23,6 +25,7 @@ __all__ = [
     "LineFit",
     "LoadedShape",
     "Moment",
+    "Observation",
     "PressurisedRod",
     "Reference",
     "Rod",
@@ -34,14 +37,17 @@ __all__ = [
     "Straightness",
     "SyntheticArm",
     "cell_averaged",
+    "compare_laws",
     "export",
     "fit_rod",
     "gaussian_process",
     "identify",
     "moment_from_force",
     "profile_over_break",
+    "rest_curvature",
     "scaled",
     "shared_smoothing",
+    "simplest",
     "straightness",
     "without_stretch",
 ]

@@ -181,11 +181,8 @@ class _Task:
         if low < high:
             low = min(max(low, 0.5 * shape.pitch / shape.length), high)
         moment = moment_from_force(shape.loaded, shape.force)
-        inner = (shape.s > 0.5 * shape.pitch) & (shape.s < shape.length - 0.5 * shape.pitch)
-        angles = [chord_angles(c) for c in (shape.free, shape.loaded)]
-        bend = float(np.ptp((angles[1] - angles[0])[inner[1:]])) / shape.length
-        compliance = 1.0 / starts[0].alpha2
-        offset = OFFSET * max(3.0 * bend, compliance * float(np.abs(moment.value).max()))
+        bent = max(float(np.abs(law.deviation(moment.s, moment.value)).max()) for law in starts)
+        compliance, offset = 1.0 / starts[0].alpha2, OFFSET * bent
         n = len(shape.s)
         first = (1e-4 * shape.length) ** 2 * shared_within(shape.pitch, shape.s)
         return _Task(
