@@ -20,10 +20,11 @@ from fem.material import Material, check_moduli
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: Barycentric coordinates (q, 3) of the stress points of a triangle, all of equal weight. One point, for the reason that
-#: gives the volumetric part of the solid one: three strains at three points are more conditions than a triangle has
-#: displacements, and a layer that can hardly stretch would not bend either. Measured on the semicircular arm, mesh 4 mm,
-#: end_y of Test II at 37 kPa: three points -16.9 mm in 46 factorizations, one point -20.7 mm in 11.
+#: Barycentric coordinates (q, 3) of the stress points of a triangle, all of equal weight. One point, for the reason
+#: that gives the volumetric part of the solid one: three strains at three points are more conditions than a triangle
+#: has displacements, and a layer that can hardly stretch would not bend either. Measured on the semicircular arm, end_y
+#: of Test II at 37 kPa: mesh 4 mm, three points -16.9 mm in 46 factorizations, one point -20.7 mm in 11; mesh 2.5 mm,
+#: one point -20.1 mm.
 POINTS = np.full((1, 3), 1 / 3)
 
 
@@ -86,10 +87,10 @@ class LayerTerm(Acting):
         layer_kernels.membrane_tangent(self.nodes, self.slope, self.weight, x, stress, self.law, values)
         a, b = np.triu_indices(6)
         first, second = self.nodes[:, a].ravel(), self.nodes[:, b].ravel()
-        values = values.reshape(-1, 3, 3)
+        pairs = values.reshape(-1, 3, 3)
         swapped = first > second
-        values[swapped] = values[swapped].transpose(0, 2, 1)
-        return Blocks(np.minimum(first, second), np.maximum(first, second), values)
+        pairs[swapped] = pairs[swapped].transpose(0, 2, 1)
+        return Blocks(np.minimum(first, second), np.maximum(first, second), pairs)
 
     def at(self, share: float) -> Term:
         return self

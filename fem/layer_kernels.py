@@ -6,12 +6,16 @@ Array axes: ``f`` triangle, ``q`` stress point, ``a``/``b`` node of the triangle
 
 import numpy as np
 from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 PLANE = np.array([[0, 0], [1, 1], [0, 1]])
 
 
 @njit(cache=True, inline="always")
-def _tangents(slope, nodes, x, t):
+def _tangents(slope: Array, nodes: Index, x: Array, t: Array) -> None:
     """t[i, j] = d x_i / d X_j for the in-plane gradients slope[a, j]."""
     for i in range(3):
         for j in range(2):
@@ -21,7 +25,7 @@ def _tangents(slope, nodes, x, t):
 
 
 @njit(cache=True)
-def membrane_strain(nodes, slope, x, strain):
+def membrane_strain(nodes: Index, slope: Array, x: Array, strain: Array) -> None:
     """Green-Lagrange strain (f, q, v) at positions x (n, 3), written into strain; slope (f, q, a, 2), 1/mm."""
     t = np.empty((3, 2))
     for f in range(nodes.shape[0]):
@@ -34,7 +38,7 @@ def membrane_strain(nodes, slope, x, strain):
 
 
 @njit(cache=True)
-def membrane_linearised_strain(nodes, slope, x, dx, strain):
+def membrane_linearised_strain(nodes: Index, slope: Array, x: Array, dx: Array, strain: Array) -> None:
     """Change of the strain (f, q, v) at x to first order in dx (n, 3), written into strain."""
     t, d = np.empty((3, 2)), np.empty((3, 2))
     for f in range(nodes.shape[0]):
@@ -50,7 +54,7 @@ def membrane_linearised_strain(nodes, slope, x, dx, strain):
 
 
 @njit(cache=True)
-def membrane_force(nodes, slope, weight, x, stress, force):
+def membrane_force(nodes: Index, slope: Array, weight: Array, x: Array, stress: Array, force: Array) -> None:
     """Add the nodal forces of the second Piola-Kirchhoff stress (f, q, v) to force (n, 3); weight (f, q), mm3."""
     t = np.empty((3, 2))
     for f in range(nodes.shape[0]):
@@ -65,7 +69,9 @@ def membrane_force(nodes, slope, weight, x, stress, force):
 
 
 @njit(cache=True)
-def membrane_tangent(nodes, slope, weight, x, stress, law, values):
+def membrane_tangent(
+    nodes: Index, slope: Array, weight: Array, x: Array, stress: Array, law: Array, values: Array
+) -> None:
     """sum_q w (B^T C B + G(S)) as blocks values (f, pair, 3, 3), pair running over a <= b.
 
     stress (f, q, v) is the one of the geometric term, law (v, v) the plane-stress tangent, MPa.
