@@ -1,6 +1,7 @@
 """What the body does: hyperelastic finite elements under follower pressure and contact."""
 
 from fem.archive import step_from_arrays, step_to_arrays
+from fem.compiling import compile_kernels
 from fem.contact import ContactError, SelfContact
 from fem.discretisation import Discretisation
 from fem.effects import Effect, Gravity, Pressure
@@ -39,6 +40,7 @@ __all__ = [
     "StrainLimitingLayer",
     "SupportError",
     "available_solver",
+    "compile_kernels",
     "element_fields",
     "follow",
     "step_from_arrays",

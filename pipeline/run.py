@@ -6,6 +6,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from fem import compile_kernels
 from geometry import Body, DesignError, MeshError
 from pipeline.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.config import Config
@@ -32,6 +33,8 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
         seconds: dict[str, float] = {}
         with _stage("mesh", progress, seconds):
             body = _meshed(config)
+        with _stage("kernels (compiled once)", progress, seconds):
+            compile_kernels()
         with _stage("experiments", progress, seconds):
             outcomes = simulate(config, body, store, jobs, progress)
             store.save_json("experiments.json", _experiment_rows(outcomes))
