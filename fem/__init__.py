@@ -6,10 +6,10 @@ from fem.contact import ContactError, SelfContact
 from fem.discretisation import Discretisation
 from fem.effects import Effect, Gravity, Pressure
 from fem.experiments import Experiment
-from fem.loadpath import PathOptions, follow
 from fem.fields import element_fields
 from fem.layer import LayerError, StrainLimitingLayer
 from fem.linear import available_solver
+from fem.loadpath import PathOptions, follow
 from fem.material import Material, MaterialError, StVenantKirchhoff
 from fem.model import Model
 from fem.newton import NewtonOptions
@@ -32,8 +32,8 @@ __all__ = [
     "PathOptions",
     "Prescribed",
     "Pressure",
-    "SelfContact",
     "Seconds",
+    "SelfContact",
     "Solution",
     "StVenantKirchhoff",
     "Step",

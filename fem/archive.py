@@ -34,7 +34,9 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
 
 def step_from_arrays(space: Discretisation, arrays: ArrayMap) -> Step:
     """The step that `step_to_arrays` took apart, on an equal discretisation."""
-    extremes = arrays["extremes"].tolist()
+    min_J, longest, shortest = arrays["extremes"][:3].tolist()
+    J_at, longest_at, shortest_at = ((float(x), float(y), float(z)) for x, y, z in arrays["extremes"][3:].reshape(3, 3))
+    assembly, analysis, factorization, solve = arrays["stages"].tolist()
     factor, min_gap, seconds = arrays["numbers"].tolist()
     timed = dict(zip(arrays["timed_effects"].tolist(), arrays["effect_seconds"].tolist(), strict=True))
     return Step(
@@ -43,10 +45,10 @@ def step_from_arrays(space: Discretisation, arrays: ArrayMap) -> Step:
         displacement=arrays["displacement"],
         stress=arrays["stress"],
         gradient=arrays["gradient"],
-        extremes=Extremes(*extremes[:3], tuple(extremes[3:6]), tuple(extremes[6:9]), tuple(extremes[9:12])),
+        extremes=Extremes(min_J, longest, shortest, J_at, longest_at, shortest_at),
         min_gap=min_gap,
         **dict(zip(COUNTS, arrays["counts"].tolist(), strict=True)),
         effects=tuple(arrays["effects"].tolist()),
         seconds=seconds,
-        spent=Seconds(0.0, *arrays["stages"].tolist(), timed),
+        spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
     )

@@ -1,8 +1,8 @@
 """Self-contact (the only door to ipctk).
 
-The potential between facing walls is `fem.facing.FacingTerm`. ipctk answers for its results: a converged state is accepted
-only if no triangle crosses another, and where the facing walls alone cannot keep the body from crossing itself, the step is
-solved again with the barrier of incremental potential contact, whose distances know no pairs.
+The potential between facing walls is `fem.facing.FacingTerm`. ipctk answers for its results: a converged state is
+accepted only if no triangle crosses another, and where the facing walls alone cannot keep the body from crossing
+itself, the step is solved again with the barrier of incremental potential contact, whose distances know no pairs.
 Source of the latter: M. Li et al., "Incremental potential contact: intersection- and inversion-free, large-deformation
 dynamics", ACM Trans. Graph. 39 (2020).
 """
@@ -38,8 +38,8 @@ class ContactError(ValueError):
 class SelfContact(Effect):
     """Faces that may touch but not cross.
 
-    dhat: activation distance of the barrier in mm, by default a tenth of the smallest gap at rest. waits: the effect stays
-    out until a state without it comes within dhat; a scene that never touches is then the scene without contact.
+    dhat: activation distance of the barrier in mm, by default a tenth of the smallest gap at rest. waits: the effect
+    stays out until a state without it comes within dhat; a scene that never touches is then the scene without contact.
     """
 
     faces: str
@@ -62,7 +62,7 @@ class SelfContact(Effect):
 
 @final
 class BarrierTerm(Term):
-    """The barrier of incremental potential contact between the linear triangles through all nodes of quadratic faces."""
+    """The barrier of incremental potential contact between the triangles through all nodes of quadratic faces."""
 
     effect = "self_contact"
 
@@ -89,7 +89,7 @@ class BarrierTerm(Term):
     def _collisions(self, x: Array, dhat: float) -> Any:
         collisions = self._ipctk.NormalCollisions()
         collisions.use_area_weighting = True
-        # the plain set counts walls that mirror each other 6.4 times, shifted ones 2.5 times; this one 1.6 and 1.5 times
+        # the plain set counts walls that mirror each other 6.4 times, shifted ones 2.5 times; this one 1.6 and 1.5
         collisions.collision_set_type = self._ipctk.NormalCollisions.IMPROVED_MAX_APPROX
         collisions.build(self._mesh, self._places(x), dhat)
         return collisions

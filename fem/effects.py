@@ -11,7 +11,7 @@ from typing import ClassVar, final
 import numpy as np
 from numpy.typing import NDArray
 
-from fem import kernels
+from fem import surface_kernels
 from fem.discretisation import Discretisation, Faces
 from fem.material import Material
 
@@ -156,13 +156,13 @@ class PressureTerm(Acting):
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
         normals = np.zeros_like(x)
-        kernels.surface_pressure(*self._arguments(x), normals, np.empty(self.faces.nodes.shape[0]))
+        surface_kernels.surface_pressure(*self._arguments(x), normals, np.empty(self.faces.nodes.shape[0]))
         # the faces' normals leave the solid, so the cavity's volume falls along them
         out += self._pressure(factor) * normals
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         values = np.empty((self.faces.nodes.shape[0], 21, 3, 3))
-        kernels.surface_pressure_tangent(*self._arguments(x), values)
+        surface_kernels.surface_pressure_tangent(*self._arguments(x), values)
         values = self._pressure(factor) * values.reshape(-1, 3, 3)
         values[self.swapped] = values[self.swapped].transpose(0, 2, 1)
         return Blocks(self.rows, self.columns, values)
@@ -183,7 +183,9 @@ class PressureTerm(Acting):
 def enclosed_volume(faces: Faces, x: Array) -> float:
     """Volume enclosed by faces whose normals point into it (mm3), closed by planes through the origin."""
     volume = np.empty(faces.nodes.shape[0])
-    kernels.surface_pressure(faces.nodes, faces.shape, faces.derivative, faces.weight, x, np.zeros_like(x), volume)
+    surface_kernels.surface_pressure(
+        faces.nodes, faces.shape, faces.derivative, faces.weight, x, np.zeros_like(x), volume
+    )
     return -float(volume.sum())
 
 

@@ -25,8 +25,8 @@ NAMES = ("I", "II", "III")
 class Experiment:
     """How the body is held in one of the three tests, and where its end is read.
 
-    I: free, rigid motion removed by three nodal constraints that carry no force; II: clamped at x = 0; III: clamped, and
-    u_y of the edge x = l on the material curve prescribed.
+    I: free, rigid motion removed by three nodal constraints that carry no force; II: clamped at x = 0; III: clamped,
+    and u_y of the edge x = l on the material curve prescribed.
     """
 
     name: str
@@ -37,7 +37,10 @@ class Experiment:
 
     @classmethod
     def of(cls, name: str, body: Body, end_y: float) -> "Experiment":
-        """Experiment "I", "II" or "III" on `body`; end_y is u_y of the end in III, mm. Raises ValueError for other names."""
+        """Experiment "I", "II" or "III" on `body`; end_y is u_y of the end in III, mm.
+
+        Raises ValueError for other names.
+        """
         if name not in NAMES:
             raise ValueError(f"experiment {name!r}: allowed are {', '.join(NAMES)}")
         curve = _with_middles(body.mesh.points[body.curve_vertices])
@@ -115,7 +118,10 @@ def _end_edge(body: Body) -> Array:
 
 
 def _free_body(curve: Array, body: Body) -> tuple[Support, ...]:
-    """Three constraints in the middle of the curve, where they turn the least of the body; the whole body needs three more."""
+    """Three constraints in the middle of the curve, where they turn the least of the body.
+
+    The whole body needs three more.
+    """
     middle = int(np.argmin(np.abs(curve[:, 0] - body.length / 2)))
     aside = int(np.argmin(np.abs(curve[:, 0] - body.length / 2 - body.pitch)))
     held: tuple[Support, ...] = (Fixed(curve[middle], "xy"), Fixed(curve[aside], "y"))

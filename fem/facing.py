@@ -1,9 +1,9 @@
 """The contact barrier between walls that look at each other, as a function of their signed gap.
 
-A barrier that is infinite at contact keeps every Newton iterate on its side, so steps are cut and distances that came out
-too small only double from one iteration to the next. This one is continued quadratically below a part of its activation
-distance: no step has to be cut, and an iterate may pass through. A converged state may not: its gaps are checked, and
-crossing walls (by exact intersection tests) are refused, see `fem.contact`.
+A barrier that is infinite at contact keeps every Newton iterate on its side, so steps are cut and distances that came
+out too small only double from one iteration to the next. This one is continued quadratically below a part of its
+activation distance: no step has to be cut, and an iterate may pass through. A converged state may not: its gaps are
+checked, and crossing walls (by exact intersection tests) are refused, see `fem.contact`.
 """
 
 from collections.abc import Callable
@@ -89,8 +89,8 @@ class FacingTerm(Term):
     def _derivatives(self, x: Array) -> tuple[LocalPairs, Array, Array]:
         """All pairs, with first and second derivative of their energy by the gap (k,), zero beyond dhat.
 
-        All of them, so that the matrix keeps one pattern: on the coarse arm (a) that costs 8 % in each factorization and
-        saves nine symbolic analyses of ten.
+        All of them, so that the matrix keeps one pattern: on the coarse arm (a) that costs 8 % in each factorization
+        and saves nine symbolic analyses of ten.
         """
         local = self.pairs.local(x)
         _, slope, bend = continued_barrier(local.gap, self.dhat)

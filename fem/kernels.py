@@ -1,4 +1,4 @@
-"""The hot loops over elements and faces, compiled by numba; everything here is tested against scikit-fem forms.
+"""The hot loops over elements, compiled by numba; everything here is tested against scikit-fem forms.
 
 Array axes, said once: ``e`` element, ``q`` stress point, ``a``/``b`` node of the element, ``i``/``j`` component,
 ``v`` Voigt component (11, 22, 33, 12, 23, 13; strains carry the engineering factor 2 on the last three).
@@ -11,16 +11,21 @@ Elements of one colour share no node, so a colour is processed in parallel, alwa
 import numba
 import numpy as np
 from numba import njit, prange
+from numpy.typing import NDArray
 
-# numba's OpenMP layer brings libgomp beside the Intel OpenMP of PARDISO: with both in one process the first factorization
-# of a matrix came out wrong (measured: thousands of negative pivots, not a number in the solution); its own queue does not.
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+# numba's OpenMP layer brings libgomp beside the Intel OpenMP of PARDISO: with both in one process the first
+# factorization of a matrix came out wrong (measured: thousands of negative pivots, not a number in the solution); its
+# own queue does not.
 numba.config.THREADING_LAYER = "workqueue"
 
 VOIGT = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]])
 
 
 @njit(cache=True, inline="always")
-def _gradients(inverse, reference, g):
+def _gradients(inverse: Array, reference: Array, g: Array) -> None:
     """g[a, i] = d N_a / d X_i from the reference gradients (a, k) and the inverse Jacobian (k, i)."""
     for a in range(reference.shape[0]):
         for i in range(3):
@@ -30,7 +35,7 @@ def _gradients(inverse, reference, g):
 
 
 @njit(cache=True, inline="always")
-def _displacement_gradient(g, nodes, u, h):
+def _displacement_gradient(g: Array, nodes: Index, u: Array, h: Array) -> None:
     """h[i, j] = d u_i / d X_j."""
     for i in range(3):
         for j in range(3):
@@ -42,8 +47,8 @@ def _displacement_gradient(g, nodes, u, h):
 
 
 @njit(cache=True, parallel=True)
-def green_lagrange(nodes, inverse, reference, u, strain, jacobian):
-    """Green-Lagrange strain (e, q, v) and J = det F (e, q) at all stress points, written into the last two arguments."""
+def green_lagrange(nodes: Index, inverse: Array, reference: Array, u: Array, strain: Array, jacobian: Array) -> None:
+    """Green-Lagrange strain (e, q, v) and J = det F (e, q) at all stress points, into the last two arguments."""
     for e in prange(nodes.shape[0]):
         g = np.empty((nodes.shape[1], 3))
         h = np.empty((3, 3))
@@ -64,7 +69,7 @@ def green_lagrange(nodes, inverse, reference, u, strain, jacobian):
 
 
 @njit(cache=True, parallel=True)
-def linearised_strain(nodes, inverse, reference, u, du, strain):
+def linearised_strain(nodes: Index, inverse: Array, reference: Array, u: Array, du: Array, strain: Array) -> None:
     """B(u) du (e, q, v): the change of the Green-Lagrange strain at u to first order in du."""
     for e in prange(nodes.shape[0]):
         g = np.empty((nodes.shape[1], 3))
@@ -85,7 +90,9 @@ def linearised_strain(nodes, inverse, reference, u, du, strain):
 
 
 @njit(cache=True, parallel=True)
-def internal_force(colours, nodes, inverse, reference, weight, u, stress, force):
+def internal_force(
+    colours: Index, nodes: Index, inverse: Array, reference: Array, weight: Array, u: Array, stress: Array, force: Array
+) -> None:
     """Add int P : grad N_a to force (n, 3); stress is the second Piola-Kirchhoff stress (e, q, v), weight (e, q)."""
     for c in range(colours.shape[0] - 1):
         for e in prange(colours[c], colours[c + 1]):
@@ -114,7 +121,9 @@ def internal_force(colours, nodes, inverse, reference, weight, u, stress, force)
 
 
 @njit(cache=True)
-def _element_tangent(nodes, inverse, reference, weight, u, stress, tangent, k):
+def _element_tangent(
+    nodes: Index, inverse: Array, reference: Array, weight: Array, u: Array, stress: Array, tangent: Array, k: Array
+) -> None:
     """sum_q w (B^T C B + G(S)) into k (3 a + i, 3 b + j).
 
     The strain matrices of all points stand below each other, so that each of the two parts is one matrix product.
@@ -163,7 +172,16 @@ def _element_tangent(nodes, inverse, reference, weight, u, stress, tangent, k):
 
 
 @njit(cache=True, inline="always")
-def _place(data, block, row_node, column_node, offset, node_dof, row_start, free):
+def _place(
+    data: Array,
+    block: Array,
+    row_node: int,
+    column_node: int,
+    offset: int,
+    node_dof: Index,
+    row_start: Index,
+    free: Index,
+) -> None:
     """Add the 3 x 3 block of the node pair row_node < column_node (or the upper half of a diagonal one)."""
     if row_node == column_node:
         for i in range(3):
@@ -192,8 +210,22 @@ def _place(data, block, row_node, column_node, offset, node_dof, row_start, free
 
 @njit(cache=True, parallel=True)
 def tangent_matrix(
-    colours, nodes, inverse, reference, weight, u, stress, tangent, offset, node_dof, row_start, free, data, du, force
-):
+    colours: Index,
+    nodes: Index,
+    inverse: Array,
+    reference: Array,
+    weight: Array,
+    u: Array,
+    stress: Array,
+    tangent: Array,
+    offset: Index,
+    node_dof: Index,
+    row_start: Index,
+    free: Index,
+    data: Array,
+    du: Array,
+    force: Array,
+) -> None:
     """Add the tangent to the reduced upper triangle `data`, and K du to force (n, 3) where du (n, 3) is not empty.
 
     stress (e, q, v) is the one of the geometric term, tangent dS/dE (e, q, v, v) or (1, q or 1, v, v) where constant.
@@ -225,14 +257,23 @@ def tangent_matrix(
 
 
 @njit(cache=True)
-def place_blocks(rows, columns, values, offset, node_dof, row_start, free, data):
+def place_blocks(
+    rows: Index,
+    columns: Index,
+    values: Array,
+    offset: Index,
+    node_dof: Index,
+    row_start: Index,
+    free: Index,
+    data: Array,
+) -> None:
     """Add node-pair blocks values (m, 3, 3), rows <= columns, to the reduced upper triangle."""
     for m in range(rows.shape[0]):
         _place(data, values[m], rows[m], columns[m], offset[m], node_dof, row_start, free)
 
 
 @njit(cache=True)
-def blocks_times(rows, columns, values, du, force):
+def blocks_times(rows: Index, columns: Index, values: Array, du: Array, force: Array) -> None:
     """Add H du to force (n, 3) for the symmetric H given by its node-pair blocks, rows <= columns."""
     for m in range(rows.shape[0]):
         r, c = rows[m], columns[m]
@@ -244,67 +285,7 @@ def blocks_times(rows, columns, values, du, force):
 
 
 @njit(cache=True)
-def surface_pressure(faces, shape, derivative, weight, x, force, volume):
-    """Area-weighted normals: force_a = int N_a (x_,xi x x_,eta) added to force (n, 3), and per face
-    int x . (x_,xi x x_,eta) / 3 into volume (f,). shape (q, a), derivative (q, a, 2), weight (q,), x (n, 3)."""
-    for f in range(faces.shape[0]):
-        volume[f] = 0.0
-        for q in range(weight.shape[0]):
-            p = np.zeros(3)
-            t = np.zeros((2, 3))
-            for a in range(faces.shape[1]):
-                for i in range(3):
-                    p[i] += shape[q, a] * x[faces[f, a], i]
-                    t[0, i] += derivative[q, a, 0] * x[faces[f, a], i]
-                    t[1, i] += derivative[q, a, 1] * x[faces[f, a], i]
-            n = np.cross(t[0], t[1])
-            volume[f] += weight[q] * (p[0] * n[0] + p[1] * n[1] + p[2] * n[2]) / 3.0
-            for a in range(faces.shape[1]):
-                for i in range(3):
-                    force[faces[f, a], i] += weight[q] * shape[q, a] * n[i]
-
-
-@njit(cache=True, parallel=True)
-def surface_pressure_tangent(faces, shape, derivative, weight, x, values):
-    """Symmetric part of d force / d x as blocks values (f, pair, 3, 3), pair running over a <= b.
-
-    The antisymmetric part is an integral over the rim of the surface; it vanishes where the surface is closed or its
-    rim stays in a symmetry plane, which is where pressure has a potential at all.
-    """
-    n = faces.shape[1]
-    for f in prange(faces.shape[0]):
-        t = np.empty((2, 3))
-        full = np.zeros((n, n, 3, 3))
-        for q in range(weight.shape[0]):
-            t[:] = 0.0
-            for a in range(n):
-                for i in range(3):
-                    t[0, i] += derivative[q, a, 0] * x[faces[f, a], i]
-                    t[1, i] += derivative[q, a, 1] * x[faces[f, a], i]
-            for a in range(n):
-                w = weight[q] * shape[q, a]
-                for b in range(n):
-                    # d(t0 x t1)/dx_b = N_b,xi (e_j x t1) - N_b,eta (e_j x t0)
-                    d0 = w * (derivative[q, b, 0] * t[1, 0] - derivative[q, b, 1] * t[0, 0])
-                    d1 = w * (derivative[q, b, 0] * t[1, 1] - derivative[q, b, 1] * t[0, 1])
-                    d2 = w * (derivative[q, b, 0] * t[1, 2] - derivative[q, b, 1] * t[0, 2])
-                    full[a, b, 0, 1] += d2
-                    full[a, b, 0, 2] -= d1
-                    full[a, b, 1, 0] -= d2
-                    full[a, b, 1, 2] += d0
-                    full[a, b, 2, 0] += d1
-                    full[a, b, 2, 1] -= d0
-        pair = 0
-        for a in range(n):
-            for b in range(a, n):
-                for i in range(3):
-                    for j in range(3):
-                        values[f, pair, i, j] = 0.5 * (full[a, b, i, j] + full[b, a, j, i])
-                pair += 1
-
-
-@njit(cache=True)
-def greedy_colours(tets, vertices):
+def greedy_colours(tets: Index, vertices: int) -> Index:
     """Colour (e,) per element such that elements sharing a vertex differ; at most 256 colours are tried."""
     used = np.zeros((vertices, 4), dtype=np.uint64)
     colour = np.empty(tets.shape[0], dtype=np.int64)

@@ -76,7 +76,7 @@ class Pardiso(LinearSolver):
     def _call(self, phase: int, right: Array) -> Array:
         self._solver.set_phase(phase)
         try:
-            return self._solver._call_pardiso(self._matrix, right)  # type: ignore[no-any-return]
+            return self._solver._call_pardiso(self._matrix, right)
         except self._error as error:
             if error.value == -2:
                 raise MemoryError("PARDISO: the factor does not fit into memory; choose a coarser mesh") from None

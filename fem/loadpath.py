@@ -51,7 +51,9 @@ def follow(
     keep: Keep = lambda step: None,
     resume: Sequence[Step] = (),
 ) -> Solution:
-    """Equilibrium at the asked load factors, in their order; `resume` are steps finished earlier, whose end the path takes up.
+    """Equilibrium at the asked load factors, in their order.
+
+    `resume` are steps finished earlier, whose end the path takes up.
 
     Raises `NotConverged`, which carries the reason and the steps reached so far.
     """

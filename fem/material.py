@@ -1,8 +1,8 @@
 """Hyperelastic laws: energy per reference volume, second Piola-Kirchhoff stress and its tangent.
 
 Every law is a sum of a *shear* and a *volumetric* part, because near incompressibility the two are integrated by
-different rules (`fem.discretisation`). Both parts take the Green-Lagrange strain in Voigt notation (11, 22, 33, 12, 23, 13
-with engineering shear, the factor 2) and return stress in the same order (no factor).
+different rules (`fem.discretisation`). Both parts take the Green-Lagrange strain in Voigt notation (11, 22, 33, 12,
+23, 13 with engineering shear, the factor 2) and return stress in the same order (no factor).
 """
 
 from abc import ABC, abstractmethod

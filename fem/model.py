@@ -17,8 +17,8 @@ from geometry import Mesh
 class Model:
     """Body, law, supports and effects.
 
-    formulation: "p2p0" (quadratic tetrahedra, volumetric part of the law at one point, the default) or "p2" (four points
-    throughout). Raises ValueError for another one.
+    formulation: "p2p0" (quadratic tetrahedra, volumetric part of the law at one point, the default) or "p2" (four
+    points throughout). Raises ValueError for another one.
     """
 
     mesh: Mesh = field(repr=False)

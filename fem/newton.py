@@ -1,8 +1,9 @@
 """Newton's method with the stress as an independent unknown (mixed integration points): algebra only.
 
-Source: D. Magisano, L. Leonetti, G. Garcea, "How to improve efficiency and robustness of the Newton method in geometrically
-non-linear structural problem discretized via displacement-based finite elements", Comput. Methods Appl. Mech. Engrg. 313
-(2017). The residual is the usual one; only the geometric stiffness uses the carried stress, so the solution is the same.
+Source: D. Magisano, L. Leonetti, G. Garcea, "How to improve efficiency and robustness of the Newton method in
+geometrically non-linear structural problem discretized via displacement-based finite elements", Comput. Methods Appl.
+Mech. Engrg. 313 (2017). The residual is the usual one; only the geometric stiffness uses the carried stress, so the
+solution is the same.
 """
 
 from collections.abc import Callable

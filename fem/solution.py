@@ -54,8 +54,8 @@ class Seconds:
     def _combined(self, other: "Seconds", sign: float) -> "Seconds":
         names = {**self.effects, **other.effects}
         return Seconds(
-            *(getattr(self, name) + sign * getattr(other, name) for name in STAGES),
-            {name: self.effects.get(name, 0.0) + sign * other.effects.get(name, 0.0) for name in names},
+            **{name: getattr(self, name) + sign * getattr(other, name) for name in STAGES},
+            effects={name: self.effects.get(name, 0.0) + sign * other.effects.get(name, 0.0) for name in names},
         )
 
 

@@ -84,7 +84,8 @@ def nodes_at(where: Where, space: Discretisation) -> NDArray[np.int64]:
     if isinstance(where, str):
         return space.surface(where).unique_nodes
     if isinstance(where, tuple):
-        nodes = np.intersect1d(*(space.surface(name).unique_nodes for name in where))
+        first, second = (space.surface(name).unique_nodes for name in where)
+        nodes = np.intersect1d(first, second)
         if nodes.size == 0:
             raise SupportError(f"faces {where[0]!r} and {where[1]!r} have no common edge")
         return nodes

@@ -25,7 +25,7 @@ class FacingPairs:
 
     @classmethod
     def of(cls, surface: Faces, points: Array) -> "FacingPairs":
-        """Pairs of a node and the nearest triangle of opposite normal that lies before it; points (n, 3) at rest, mm."""
+        """Pairs of a node and the nearest triangle of opposite normal before it; points (n, 3) at rest, mm."""
         triangles = surface.triangles
         centre, normal = points[triangles].mean(axis=1), _normals(points, triangles)
         of_node = np.zeros_like(points)
@@ -90,7 +90,8 @@ class LocalPairs:
     def second(self, a: Index, b: Index) -> Array:
         """d2 g / d x_a d x_b for index lists a, b (p,): (m, p, 3, 3).
 
-        From dn = -sum_k slope_k (n . dx_k) and d2g = 2 dn . w - g |dn|^2, w = sum_k share_k dx_k the motion at the foot.
+        From dn = -sum_k slope_k (n . dx_k) and d2g = 2 dn . w - g |dn|^2, with w = sum_k share_k dx_k the motion at the
+        foot.
         """
         n = self.normal[:, None, :]
         across = np.einsum("mpi,mpj->mpij", self.share[:, b, None] * n, self.slope[:, a])

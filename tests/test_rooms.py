@@ -35,7 +35,13 @@ DOORS: dict[str, set[str]] = {
     "meshio": {"geometry/mesh.py"},
     "skfem": {"fem/discretisation.py"},
     # the doctor tries the threads of numba
-    "numba": {"fem/kernels.py", "fem/layer_kernels.py", "rod/shooting.py", "pipeline/doctor.py"},
+    "numba": {
+        "fem/kernels.py",
+        "fem/layer_kernels.py",
+        "fem/surface_kernels.py",
+        "rod/shooting.py",
+        "pipeline/doctor.py",
+    },
     "ipctk": {"fem/contact.py"},
     "pypardiso": {"fem/linear.py"},
     "sklearn": {"rod/curvature.py"},
