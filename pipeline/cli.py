@@ -66,15 +66,14 @@ def run(
 def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -> None:
     """Only the body: DIR/mesh.vtu, volumes and the quality of the elements. [default DIR: results/NAME_mesh]"""
     with _plain_endings():
-        from geometry import MeshError
         from pipeline.config import load_config
 
         design = load_config(config, settings or ())
         folder = out or Path("results") / f"{design.name}_mesh"
-        try:
-            body = design.design.body(design.mesh.size_mm)
-        except MeshError as failure:
-            raise RunFailed(str(failure)) from None
+
+        from pipeline.scene import meshed_body
+
+        body = meshed_body(design)
         try:
             folder.mkdir(parents=True, exist_ok=True)
             body.mesh.write(folder / "mesh.vtu")

@@ -1,115 +1,34 @@
 """One design as a user writes it (YAML with units) and as the program reads it (mm, N, MPa, tonne/mm3).
 
-The only door to pydantic. Every refusal is one sentence: `FILE: key: what is wrong; what is allowed`.
+Every refusal is one sentence: `FILE: key: what is wrong; what is allowed`.
 """
 
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import MISSING, asdict, dataclass, fields
-from itertools import pairwise
+from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_type_hints
+from typing import Any
 
-import pydantic
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
-
-from geometry import FAMILIES, Design, DesignError
+from geometry import FAMILIES, Design, DesignError, OwnMesh, OwnSolid
 from geometry.design import check_size
 from pipeline.document import Document, read_document
-from pipeline.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
+from pipeline.schema import EFFECTS, FORMULATIONS, LAWS, OWN, checked
 
-__all__ = ["EFFECTS", "FORMULATIONS", "LAWS", "Config", "Material", "MeshChoice", "load_config"]
+__all__ = [
+    "EFFECTS",
+    "FORMULATIONS",
+    "LAWS",
+    "CavityPressure",
+    "Config",
+    "Layer",
+    "Material",
+    "MeshChoice",
+    "load_config",
+]
 
-
-def _in(dimension: Dimension) -> BeforeValidator:
-    return BeforeValidator(lambda value: convert(value, dimension))
-
-
-def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{value!r} is not a plain number; write it without a unit, for example 0.495")
-    return float(value)
-
-
-def _count(value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"{value!r} is not a whole number; write it without a unit, for example 11")
-    return value
-
-
-def _above_zero(value: float) -> float:
-    if not value > 0.0:
-        raise ValueError(f"{value:g} is not allowed; allowed: above zero")
-    return value
-
-
-def _poisson_ratio(value: float) -> float:
-    if not -1.0 < value < 0.5:
-        raise ValueError(f"{value:g} is not a Poisson ratio a body can have here; allowed: above -1 and below 0.5")
-    return value
-
-
-def _on_or_off(value: Any) -> Any:
-    return {True: "on", False: "off"}[value] if isinstance(value, bool) else value  # YAML 1.1 reads on as true
-
-
-def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
-    if not values:
-        raise ValueError("is empty; give at least one pressure, for example [17 kPa, 37 kPa]")
-    if min(values) <= 0.0:
-        raise ValueError(f"{min(values):g} kPa is not above zero; give pressures above 0 kPa in ascending order")
-    if any(later <= earlier for earlier, later in pairwise(values)):
-        listed = ", ".join(f"{value:g} kPa" for value in values)
-        raise ValueError(f"[{listed}] is not in ascending order; list every pressure once, the lowest first")
-    return values
-
-
-Length = Annotated[float, _in(LENGTH), Field(examples=[LENGTH.example])]
-PositiveLength = Annotated[Length, AfterValidator(_above_zero)]
-PositiveStress = Annotated[float, _in(STRESS), AfterValidator(_above_zero), Field(examples=[STRESS.example])]
-PositiveDensity = Annotated[float, _in(DENSITY), AfterValidator(_above_zero), Field(examples=[DENSITY.example])]
-Pressure = Annotated[float, _in(PRESSURE)]
-Pressures = Annotated[tuple[Pressure, ...], AfterValidator(_ascending), Field(strict=False)]
-PoissonRatio = Annotated[float, BeforeValidator(_number), AfterValidator(_poisson_ratio), Field(examples=["0.495"])]
-Count = Annotated[int, BeforeValidator(_count), Field(examples=["11"])]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", examples=["pneunet"])]
-Text = Annotated[str, Field(min_length=1)]
-Switch = Annotated[Literal["auto", "on", "off"], BeforeValidator(_on_or_off), Field(examples=["auto"])]
-
-#: the elements that `fem` offers
-FORMULATIONS = ("p2p0", "p2")
-#: law in the YAML -> the class that `fem` offers under that law, and its constants
-LAWS: dict[str, tuple[str, dict[str, Any]]] = {
-    "svk": ("StVenantKirchhoff", {"E": PositiveStress, "nu": PoissonRatio}),
-}
-EFFECTS = ("self_contact", "symmetry")
-
-
-class _Section(pydantic.BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-
-class _Mesh(_Section):
-    size: PositiveLength
-    formulation: Annotated[Literal[FORMULATIONS], Field(examples=["p2p0"])] = "p2p0"  # type: ignore[valid-type]
-
-
-class _End(_Section):
-    y: Length = 0.0
-
-
-class _Effects(_Section):
-    self_contact: Switch = "auto"
-    symmetry: Switch = "auto"
-
-
-class _Document(_Section):
-    name: Name
-    pressures: Pressures = (5.0, 17.0, 31.0, 45.0)
-    end: _End = _End()
-    mesh: _Mesh
-    effects: _Effects = _Effects()
+#: Poisson's ratio from which the volumetric part of the law is integrated by a rule of its own
+NEARLY_INCOMPRESSIBLE = 0.4
 
 
 @dataclass(frozen=True)
@@ -131,6 +50,23 @@ class MeshChoice:
 
 
 @dataclass(frozen=True)
+class Layer:
+    """A sheet of paper or fabric in the plane of the material curve."""
+
+    thickness_mm: float
+    E_MPa: float
+    nu: float
+
+
+@dataclass(frozen=True)
+class CavityPressure:
+    """The pressure of one cavity: its share of the pressure of the run plus what it holds at all pressures."""
+
+    share: float
+    held_kPa: float
+
+
+@dataclass(frozen=True)
 class Config:
     """A design and what is asked of it, checked. Lengths in mm, stresses in MPa."""
 
@@ -142,6 +78,11 @@ class Config:
     end_y_mm: float  #: the displacement u_y of the end in experiment III
     mesh: MeshChoice
     effects: Mapping[str, str]  #: effect -> auto, on or off
+    cavities: Mapping[str, CavityPressure]  #: cavity -> its pressure, in the order of the design
+    gravity_mm_s2: tuple[float, float, float]
+    layer: Layer
+    contact_dhat_mm: float | None  #: activation distance of contact; None for a tenth of the smallest gap
+    contact_faces: str | None  #: name of the faces that can meet; None for those named gap
     source: str  #: the file it was read from, for messages
 
     @property
@@ -161,7 +102,14 @@ class Config:
             "pressures_kPa": list(self.pressures_kPa),
             "end_y_mm": self.end_y_mm,
             "mesh": asdict(self.mesh),
-            "effects": dict(self.effects),
+            "effects": {
+                **self.effects,
+                "cavity_pressures": {name: asdict(pressure) for name, pressure in self.cavities.items()},
+                "gravity_mm_s2": list(self.gravity_mm_s2),
+                "layer": asdict(self.layer),
+                "contact_dhat_mm": self.contact_dhat_mm,
+                "contact_faces": self.contact_faces,
+            },
         }
 
     @property
@@ -170,6 +118,14 @@ class Config:
         canonical = json.dumps(self.record(), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
 
+    def with_effect(self, effect: str, state: str) -> "Config":
+        """The same with one effect on or off."""
+        effects = {**self.effects, effect: state}
+        if effect != "incompressibility":
+            return replace(self, effects=effects)
+        formulation = _formulation(None, state, self.material.constants)
+        return replace(self, effects=effects, mesh=replace(self.mesh, formulation=formulation))
+
 
 def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
     """The configuration in the YAML file `path` with `overrides` ("mesh.size=4 mm") applied.
@@ -177,59 +133,96 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
     Raises InputError with one sentence that names the file (or the override), the key and what is allowed.
     """
     document = read_document(Path(path), overrides)
-    family = document.choice(("geometry", "family"), tuple(FAMILIES))
-    law = document.choice(("material", "law"), tuple(LAWS))
-    try:
-        checked: Any = _model(family, law).model_validate(document.content)
-    except pydantic.ValidationError as refused:
-        raise document.refusal(refused.errors(), _model(family, law)) from None
-    return _config(document, checked, family, law)
-
-
-def _config(document: Document, checked: Any, family: str, law: str) -> Config:
-    values = checked.geometry.model_dump(exclude={"family"})
-    try:
-        design = FAMILIES[family](**values)
-        check_size(checked.mesh.size, design.extent, design.solid_volume / 2)
-    except DesignError as refused:
-        keys = tuple(("geometry", key) if key in values else tuple(key.split(".")) for key in refused.keys)
-        raise document.wrong_together(keys, refused.sentence) from None
-    constants = {name: getattr(checked.material, name) for name in LAWS[law][1]}
+    content, family, law = checked(document)
+    design, size = _design(document, content, family)
+    constants = {name: getattr(content.material, name) for name in LAWS[law][1]}
+    effects = content.effects
+    states = {name: getattr(effects, name).state for name in EFFECTS}
+    layer = effects.strain_limiting_layer
+    _check_together(document, content)
     return Config(
-        name=checked.name,
+        name=content.name,
         family=family,
         design=design,
-        material=Material(law, LAWS[law][0], constants, checked.material.density),
-        pressures_kPa=checked.pressures,
-        end_y_mm=checked.end.y,
-        mesh=MeshChoice(checked.mesh.size, checked.mesh.formulation),
-        effects=checked.effects.model_dump(),
+        material=Material(law, LAWS[law][0], constants, content.material.density),
+        pressures_kPa=content.pressures,
+        end_y_mm=content.end.y,
+        mesh=MeshChoice(size, _formulation(content.mesh.formulation, states["incompressibility"], constants)),
+        effects=states,
+        cavities=_cavities(document, design, effects.pressure),
+        gravity_mm_s2=effects.gravity.acceleration,
+        layer=Layer(layer.thickness, layer.E, layer.nu),
+        contact_dhat_mm=effects.self_contact.dhat,
+        contact_faces=effects.self_contact.faces,
         source=str(document.path),
     )
 
 
-def _model(family: str, law: str) -> type[pydantic.BaseModel]:
-    """The shape of a document about a body of `family` made of a solid that obeys `law`."""
-    geometry: Any = pydantic.create_model(
-        "Geometry", __base__=_Section, family=(str, ...), **_geometry_fields(FAMILIES[family])
-    )
-    constants: dict[str, Any] = {name: (kind, ...) for name, kind in LAWS[law][1].items()}
-    material: Any = pydantic.create_model(
-        "Material",
-        __base__=_Section,
-        law=(str, ...),
-        density=(PositiveDensity, ...),
-        **constants,
-    )
-    return pydantic.create_model("Document", __base__=_Document, geometry=(geometry, ...), material=(material, ...))
+def _design(document: Document, content: Any, family: str) -> tuple[Design, float]:
+    """The design and the size of its elements, mm."""
+    values = content.geometry.model_dump(exclude={"family"})
+    try:
+        if family == OWN:
+            values["file"] = str(document.path.parent / values["file"])
+            own = OwnSolid if "air" in values else OwnMesh
+            design: Design = own(**values)
+        else:
+            design = FAMILIES[family](**values)
+        if isinstance(design, OwnMesh):
+            return design, design.ready.mesh.quality.longest_edge
+        check_size(content.mesh.size, design.extent, design.solid_volume / 2)
+        return design, content.mesh.size
+    except DesignError as refused:
+        parts = [tuple(key.split(".")) for key in refused.keys]
+        keys = tuple(("geometry", *key) if key[0] in values else key for key in parts)
+        raise document.wrong_together(keys, refused.sentence) from None
 
 
-def _geometry_fields(design: Any) -> dict[str, Any]:
-    """The fields of a design as pydantic takes them: counts are plain numbers, floats are lengths."""
-    kinds = get_type_hints(design)
-    optional = {field.name: ... if field.default is MISSING else field.default for field in fields(design)}
-    return {name: ({int: Count, float: Length, str: Text}[kinds[name]], default) for name, default in optional.items()}
+def _cavities(document: Document, design: Design, pressure: Any) -> dict[str, CavityPressure]:
+    """The pressure of every cavity; where none is named, the first one follows the pressure of the run."""
+    for name in pressure.cavities:
+        if name not in design.cavities:
+            raise document.wrong(
+                ("effects", "pressure", "cavities", name), f"is no cavity; this body has {', '.join(design.cavities)}"
+            )
+    found = pressure.cavities or {design.cavities[0]: ("share", 1.0)}
+    cavities = {}
+    for name in design.cavities:
+        kind, value = found.get(name, ("share", 0.0))
+        cavities[name] = CavityPressure(value if kind == "share" else 0.0, value if kind == "held" else 0.0)
+    return cavities
+
+
+def _check_together(document: Document, content: Any) -> None:
+    """Refuse effects that contradict each other or the mesh."""
+    effects, formulation = content.effects, content.mesh.formulation
+    state = effects.incompressibility.state
+    if formulation is not None and state != "auto" and (state == "off") != (formulation == "p2"):
+        raise document.wrong_together(
+            (("effects", "incompressibility"), ("mesh", "formulation")),
+            f"incompressibility {state} and formulation {formulation} contradict each other; leave one of them out",
+        )
+    if effects.symmetry.state == "on" and effects.gravity.state == "on" and effects.gravity.acceleration[2] != 0.0:
+        raise document.wrong_together(
+            (("effects", "symmetry"), ("effects", "gravity")),
+            "gravity acts across the plane of symmetry; write symmetry: auto or give its z component 0 m/s^2",
+        )
+
+
+def _formulation(given: str | None, state: str, constants: Mapping[str, float]) -> str:
+    """The elements: as given, else by the state of the effect, else by Poisson's ratio (laws without it are rubber)."""
+    if given is not None:
+        return given
+    if state == "auto":
+        state = "on" if constants.get("nu", 0.5) >= NEARLY_INCOMPRESSIBLE else "off"
+    return "p2p0" if state == "on" else "p2"
 
 
 def _dimensions(design: Any) -> dict[str, Any]:
-    return {field.name: getattr(design, field.name) for field in fields(design)}
+    """The keys of a design as in the YAML; a file stands there with the digest of what is in it."""
+    values = {field.name: getattr(design, field.name) for field in fields(design)}
+    if isinstance(design, OwnSolid | OwnMesh):
+        values |= {"file": Path(design.file).name, "sha256": design.digest}
+    if "air" in values:
+        values["air"] = {name: list(point) for name, point in values["air"].items()}
+    return values

@@ -7,16 +7,16 @@ from time import perf_counter
 from typing import Any
 
 from fem import compile_kernels
-from geometry import Body, DesignError, MeshError
 from pipeline.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.config import Config
 from pipeline.drawings import draw_all
 from pipeline.effects import effect_rows
-from pipeline.failure import InputError, RunFailed
+from pipeline.failure import RunFailed
 from pipeline.parameters import identify_all, parameters_record
 from pipeline.progress import Progress
 from pipeline.provenance import provenance
 from pipeline.report import render_report
+from pipeline.scene import meshed_body
 from pipeline.simulate import Outcome, simulate
 from pipeline.store import Store, open_store
 
@@ -32,7 +32,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     with open_store(out, config, fresh=fresh) as store:
         seconds: dict[str, float] = {}
         with _stage("mesh", progress, seconds):
-            body = _meshed(config)
+            body = meshed_body(config)
         with _stage("kernels (compiled once)", progress, seconds):
             compile_kernels()
         with _stage("experiments", progress, seconds):
@@ -61,14 +61,6 @@ def _stage(name: str, progress: Progress, seconds: dict[str, float]) -> Iterator
     start = perf_counter()
     yield
     seconds[name] = perf_counter() - start
-
-
-def _meshed(config: Config) -> Body:
-    try:
-        body = config.design.body(config.mesh.size_mm)
-    except (DesignError, MeshError) as failure:
-        raise InputError(f"{config.source}: {failure}") from None
-    return body.full() if config.effects["symmetry"] == "off" else body
 
 
 def _failure(outcome: Outcome) -> str:
@@ -100,7 +92,7 @@ def _write_report(
         for stage in ("set_up", "assembly", "analysis", "factorization", "solve")
     }
     solver_seconds["contact"] = sum(one.effects.get("self_contact", 0.0) for one in spent)
-    solver_seconds["assembly"] += sum(one.effects.get("pressure", 0.0) for one in spent)
+    solver_seconds["assembly"] += sum(sum(one.effects.values()) for one in spent) - solver_seconds["contact"]
     record = {
         "config": config.record(),
         "config_hash": config.hash,

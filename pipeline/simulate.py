@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 import fem
 from geometry import Body, Centreline
 from pipeline.config import Config
+from pipeline.failure import RunFailed
 from pipeline.progress import Progress, ToQueue, relayed
+from pipeline.scene import effects_of
 from pipeline.store import Store
 
 __all__ = ["EXPERIMENTS", "Outcome", "Record", "simulate"]
@@ -55,18 +57,33 @@ class Outcome:
     nodes: NDArray[np.int64] = field(repr=False)  #: (e, 10)
 
 
-def simulate(config: Config, body: Body, store: Store, jobs: int, progress: Progress) -> dict[str, Outcome]:
-    """Run I, II and III, `jobs` at a time; an experiment that fails does not stop the others."""
-    for name in sorted(EXPERIMENTS):
+def simulate(
+    config: Config,
+    body: Body,
+    store: Store,
+    jobs: int,
+    progress: Progress,
+    experiments: Sequence[str] = EXPERIMENTS,
+) -> dict[str, Outcome]:
+    """Run the experiments, `jobs` at a time; one that fails does not stop the others.
+
+    Raises RunFailed where the faces that are to touch cannot.
+    """
+    for name in sorted(experiments):
         progress.experiment(name, config.pressures_kPa)
-    if jobs == 1:
-        outcomes = [_experiment(name, config, body, store, progress) for name in EXPERIMENTS]
-    else:
-        outcomes = _side_by_side(config, body, store, min(jobs, len(EXPERIMENTS)), progress)
+    try:
+        if jobs == 1:
+            outcomes = [_experiment(name, config, body, store, progress) for name in experiments]
+        else:
+            outcomes = _side_by_side(config, body, store, min(jobs, len(experiments)), progress, experiments)
+    except fem.ContactError as failure:
+        raise RunFailed(str(failure)) from None
     return {outcome.experiment: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.experiment)}
 
 
-def _side_by_side(config: Config, body: Body, store: Store, jobs: int, progress: Progress) -> list[Outcome]:
+def _side_by_side(
+    config: Config, body: Body, store: Store, jobs: int, progress: Progress, experiments: Sequence[str]
+) -> list[Outcome]:
     context = multiprocessing.get_context("spawn")
     queue = context.Queue()
     threads = str(max(1, len(os.sched_getaffinity(0)) // jobs))
@@ -75,7 +92,7 @@ def _side_by_side(config: Config, body: Body, store: Store, jobs: int, progress:
     try:
         with relayed(queue, progress), ProcessPoolExecutor(jobs, context, _take_queue, (queue,)) as pool:
             try:
-                asked = [pool.submit(_in_worker, name, config, body, store) for name in EXPERIMENTS]
+                asked = [pool.submit(_in_worker, name, config, body, store) for name in experiments]
                 return [future.result() for future in asked]
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
@@ -141,14 +158,6 @@ def _experiment(name: str, config: Config, body: Body, store: Store, progress: P
         points=space.points,
         nodes=space.nodes,
     )
-
-
-def effects_of(config: Config, body: Body, largest_MPa: float) -> list[fem.Effect]:
-    """The effects a scene asks for, the pressure being the largest at load factor 1."""
-    effects: list[fem.Effect] = [fem.Pressure(body.cavities[0], largest_MPa)]
-    if config.effects["self_contact"] != "off" and "gap" in body.mesh.faces:
-        effects.append(fem.SelfContact("gap", waits=config.effects["self_contact"] == "auto"))
-    return effects
 
 
 def _remembered(name: str, pressures: Sequence[float], space: fem.Discretisation, store: Store) -> list[fem.Step]:

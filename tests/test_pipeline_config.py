@@ -50,7 +50,7 @@ def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
     assert config.pressures_MPa == (0.005, 0.017, 0.031, 0.045)
     assert config.end_y_mm == 0.0
     assert config.mesh.formulation == "p2p0"
-    assert config.effects == {"self_contact": "auto", "symmetry": "auto"}
+    assert config.effects == dict.fromkeys(EFFECTS, "auto")
 
 
 def test_a_configuration_travels_to_other_processes(configs: Path) -> None:
@@ -130,7 +130,7 @@ SPOILT = [
     ("y: 0 mm", "z: 0 mm", "end.z", "unknown key; allowed here: y"),
     ("formulation: p2p0", "formulation: p7", "mesh.formulation", "'p7' is not allowed; allowed: p2p0 or p2"),
     ("self_contact: auto", "self_contact: never", "effects.self_contact", "allowed: auto, on or off"),
-    ("self_contact: auto", "friction: on", "effects.friction", "unknown key; allowed here: self_contact, symmetry"),
+    ("self_contact: auto", "friction: on", "effects.friction", "unknown key; allowed here: pressure, self_contact"),
 ]
 
 

@@ -45,7 +45,7 @@ DOORS: dict[str, set[str]] = {
     "ipctk": {"fem/contact.py"},
     "pypardiso": {"fem/linear.py"},
     "sklearn": {"rod/curvature.py"},
-    "pydantic": {"pipeline/config.py"},
+    "pydantic": {"pipeline/schema.py"},
     "pint": {"pipeline/units.py"},
     "yaml": {"pipeline/document.py"},
     "pyvista": {"pipeline/pictures.py"},
