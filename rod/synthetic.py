@@ -33,6 +33,7 @@ class SyntheticArm:
     compliance_wiggle: float = 0.0  #: of Delta
     phase: float = 0.0  #: rad
     noise: float = 0.0  #: mm, standard deviation of each measured coordinate
+    force_noise: float = 0.0  #: relative standard deviation of the measured force
 
     def curves(self, seed: int = 0) -> tuple[Centreline, Centreline, tuple[float, float]]:
         """Test II, Test III (end height zero), both with noise, and the end force of Test III in N."""
@@ -44,7 +45,7 @@ class SyntheticArm:
             shape.positions(nodes) + self.noise * random.standard_normal((len(nodes), 2))
             for shape in (rest.solve(), held)
         )
-        force = (float(held.force[0]), float(held.force[1]))
+        force = (float(held.force[0]), float(held.force[1]) * (1.0 + self.force_noise * random.standard_normal()))
         return Centreline(nodes, *free.T), Centreline(nodes, *bent.T), force
 
     def _rods(self) -> tuple[Rod, Rod]:

@@ -59,6 +59,7 @@ def coverage(estimate, draws):
             compliance_wiggle=0.5 * random.standard_normal(),
             phase=random.uniform(0.0, 2.0 * np.pi),
             noise=0.005,
+            force_noise=1e-3,
         )
         found = estimate(*arm.curves(seed), seed)
         inside += [getattr(found, n).low <= getattr(arm.law, n) <= getattr(found, n).high for n in NAMES]
