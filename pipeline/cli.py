@@ -1,4 +1,4 @@
-"""The command line: `pneurod run`, `mesh` and `doctor`. Exit status 0 done, 1 failed, 2 wrong input, 130 interrupted.
+"""The command line. Exit status 0 done, 1 failed, 2 wrong input, 130 interrupted.
 
 Everything heavy is imported inside the commands, so that `pneurod --help` answers at once.
 """
@@ -80,6 +80,48 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         except OSError as failure:
             raise InputError(f"--out {folder}: cannot be written ({failure.strerror}); give another folder") from None
         Console().print(_body_table(folder / "mesh.vtu", design.design, body), highlight=False, soft_wrap=True)
+
+
+@app.command()
+def rod(
+    parameters: Annotated[Path, typer.Argument(metavar="PARAMETERS.json", help="Of a finished run.")],
+    pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa'.")],
+    force: Annotated[
+        str | None, typer.Option(metavar="[FX, FY]", help="Dead force on the end: '[0 N, 0.05 N]'.")
+    ] = None,
+    moment: Annotated[str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm'.")] = "0 N*mm",
+    end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
+    end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Place of the end from the clamp.")] = None,
+    extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
+) -> None:
+    """The rod alone, in milliseconds: its shape under loads."""
+    with _plain_endings():
+        from pipeline.rod_alone import equilibrium, rod_at, shape_table
+
+        chosen, _ = rod_at(parameters, pressure, extrapolate)
+        shape = equilibrium(chosen, force=force, moment=moment, end_y=end_y, end=end)
+        table = Table.grid(padding=(0, 2))
+        table.add_row("end", f"x = {shape.x[-1]:.3f} mm, y = {shape.y[-1]:.3f} mm from the clamp")
+        table.add_row("end angle", f"{shape.theta[-1]:.4f} rad")
+        table.add_row("end force", f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N")
+        table.add_row("moment at the clamp", f"{shape.moment[0]:.5g} N mm")
+        Console().print(table, highlight=False, soft_wrap=True)
+        if out is not None:
+            out.write_text(shape_table(shape), encoding="utf-8")
+
+
+@app.command()
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results of a finished run.")],
+    to: Annotated[str, typer.Option("--to", metavar="NAME", help="csv, json, pyelastica, mujoco, somo or sorosim.")],
+    pressure: Annotated[str | None, typer.Option(metavar="P", help="With its unit. [default: the highest]")] = None,
+) -> None:
+    """The identified rod as a file for another rod code."""
+    with _plain_endings():
+        from pipeline.rod_alone import exported
+
+        Console().print(f"written: {exported(folder, to, pressure)}", highlight=False, soft_wrap=True)
 
 
 @app.command()

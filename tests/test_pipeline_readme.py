@@ -29,7 +29,9 @@ def test_the_configuration_is_the_arm_of_the_paper(readme: str, tmp_path: Path) 
 
 def test_commands_and_options_are_there(readme: str) -> None:
     lines = re.findall(r"^    \.venv/bin/pneurod (\w+)(.*?)#", readme, flags=re.MULTILINE)
-    assert {command for command, _ in lines} == {"run", "mesh", "doctor"}
+    registered = {command.name or command.callback.__name__ for command in app.registered_commands}
+    assert {command for command, _ in lines} == registered
+    assert "run" in registered
     for command, arguments in lines:
         shown = CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "200"}).stdout
         for option in re.findall(r"--\w+", arguments):

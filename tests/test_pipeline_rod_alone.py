@@ -1,0 +1,100 @@
+"""The rod of a parameters.json from the command line: shapes under loads, exports, one sentence for what is wrong."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from pipeline.cli import app
+from pipeline.rod_alone import rod_at
+from rod import FiveParameters, Rod
+
+LENGTH = 112.0
+
+
+@pytest.fixture
+def results(tmp_path: Path) -> Path:
+    s = np.linspace(0.0, LENGTH, 57)
+    content = {
+        "length_mm": LENGTH,
+        "mass_g": 16.5,
+        "material": {"E": 1.2, "density_tonne_mm3": 1.13e-9},
+        "pressures_kPa": [17.0, 37.0],
+        "alpha1_N_mm2": [60.0, 55.0],
+        "alpha2_N_mm2": [300.0, 440.0],
+        "m01_N_mm": [0.1, 0.2],
+        "m02_N_mm": [-0.2, -0.4],
+        "d_mm": [10.0, 10.0],
+        "kappa_0": {
+            "s_mm": s.tolist(),
+            "theta0_rad": [0.0, 0.02],
+            "kappa_0_per_mm": [np.full(57, -0.012).tolist(), np.full(57, -0.023).tolist()],
+        },
+    }
+    (tmp_path / "parameters.json").write_text(json.dumps(content))
+    return tmp_path
+
+
+def said(*arguments: str) -> tuple[int, str, str]:
+    ended = CliRunner().invoke(app, list(arguments))
+    return ended.exit_code, ended.stdout, ended.stderr
+
+
+def test_rod_between_two_pressures_is_the_rod_of_the_means(results: Path) -> None:
+    rod, _ = rod_at(results / "parameters.json", "27 kPa", False)
+    law = FiveParameters(alpha1=57.5, alpha2=370.0, m01=0.15, m02=-0.3, d=10.0)
+    ours = rod.solve(force=(0.0, 0.05))
+    reference = Rod(LENGTH, -0.0175, law, theta0=0.01).solve(force=(0.0, 0.05))
+    assert ours.x[-1] == pytest.approx(reference.x[-1], abs=1e-6)
+    assert ours.y[-1] == pytest.approx(reference.y[-1], abs=1e-6)
+
+
+def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
+    file = results / "shape.csv"
+    loads = ("--pressure", "17 kPa", "--force", "[0 N, 0.02 N]", "--out", str(file))
+    code, out, _ = said("rod", str(results / "parameters.json"), *loads)
+    assert code == 0
+    table = np.loadtxt(file, delimiter=",", skiprows=1)
+    assert f"x = {table[-1, 1]:.3f} mm, y = {table[-1, 2]:.3f} mm" in out
+    assert table[0, 5] == pytest.approx(table[-1, 1] * 0.02, rel=1e-6)  # M(0) = x(l) F_y for F_x = 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "sentence"),
+    [
+        (("--pressure", "91 kPa"), 2, "outside the identified range of 17 to 37 kPa"),
+        (("--pressure", "27"), 2, "has no unit"),
+        (("--pressure", "27 kPa", "--force", "[0, 1]"), 2, "has no unit"),
+        (("--pressure", "27 kPa", "--force", "0.1 N"), 2, "is not a pair"),
+        (("--pressure", "27 kPa", "--end", "[130 mm, 0 mm]"), 1, "inextensible"),
+        (("--pressure", "27 kPa", "--end-y", "0 mm", "--force", "[0 N, 1 N]"), 1, "not both"),
+    ],
+)
+def test_bad_loads_give_one_sentence(results: Path, arguments: tuple[str, ...], code: int, sentence: str) -> None:
+    status, _, said_on_stderr = said("rod", str(results / "parameters.json"), *arguments)
+    assert status == code
+    assert sentence in said_on_stderr
+    assert said_on_stderr.count("\n") == 1
+
+
+def test_parameters_of_something_else_are_refused(tmp_path: Path) -> None:
+    file = tmp_path / "parameters.json"
+    file.write_text("{}")
+    status, _, sentence = said("rod", str(file), "--pressure", "17 kPa")
+    assert status == 2
+    assert "is not the parameters.json of a finished run" in sentence
+
+
+@pytest.mark.parametrize("target", ["csv", "json", "pyelastica", "mujoco", "somo", "sorosim"])
+def test_every_export_is_written(results: Path, target: str) -> None:
+    status, out, _ = said("export", str(results), "--to", target)
+    assert status == 0
+    assert Path(out.replace("\n", "").removeprefix("written: ")).stat().st_size > 100
+
+
+def test_an_unknown_export_is_refused(results: Path) -> None:
+    status, _, sentence = said("export", str(results), "--to", "abaqus")
+    assert status == 2
+    assert "allowed are csv, json, pyelastica" in sentence
