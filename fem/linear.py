@@ -19,6 +19,11 @@ class SingularMatrix(ArithmeticError):
     """The factorization met a zero pivot or produced numbers that are not finite."""
 
 
+#: a pivot below ten to this power times the largest entry counts as zero
+ZERO_PIVOT = -12
+LOOSE = "a pivot is zero: a part of the body is not held, or the equilibrium is at a limit point"
+
+
 @dataclass
 class LinearTimes:
     """Seconds and calls, summed over the life of a solver."""
@@ -68,7 +73,7 @@ class Pardiso(LinearSolver):
         self._solver = PyPardisoSolver(mtype=-2)
         self._error = PyPardisoError
         self._finalizer = weakref.finalize(self, _release, self._solver)
-        for place, value in {1: 1, 2: 3, 8: 1, 10: 8, 11: 0, 13: 0, 21: 1, 24: 0}.items():
+        for place, value in {1: 1, 2: 3, 8: 1, 10: -ZERO_PIVOT, 11: 0, 13: 0, 21: 1, 24: 0}.items():
             self._solver.set_iparm(place, value)
         self._matrix = sp.csr_matrix((0, 0))
         self.times = LinearTimes()
@@ -92,11 +97,14 @@ class Pardiso(LinearSolver):
         self.times.analyses += 1
 
     def factorize(self, data: Array) -> None:
+        _check_finite(data)
         start = perf_counter()
         self._matrix.data = data
         self._call(22, np.zeros(self._matrix.shape[0]))
         self.times.factorization += perf_counter() - start
         self.times.factorizations += 1
+        if self._solver.get_iparm(14) > 0:  # PARDISO replaces pivots that are too small and goes on
+            raise SingularMatrix(LOOSE)
 
     def solve(self, right: Array) -> Array:
         start = perf_counter()
@@ -115,6 +123,11 @@ class Pardiso(LinearSolver):
         self._matrix = sp.csr_matrix((0, 0))
 
 
+def _check_finite(data: Array) -> None:
+    if not np.isfinite(data).all():
+        raise SingularMatrix("an entry of the matrix is not a finite number")
+
+
 def _release(solver: Any) -> None:
     """Give PARDISO's own memory back; pypardiso leaves that to its caller."""
     if solver.pt.any():
@@ -130,6 +143,7 @@ class SuperLU(LinearSolver):
     times: LinearTimes = field(default_factory=LinearTimes)
     _pattern: sp.csr_matrix = field(default_factory=lambda: sp.csr_matrix((0, 0)))
     _factor: Any = None
+    _pivots: Array = field(default_factory=lambda: np.empty(0))
 
     def analyse(self, indptr: NDArray[Any], indices: NDArray[Any]) -> None:
         size = indptr.shape[0] - 1
@@ -137,6 +151,7 @@ class SuperLU(LinearSolver):
         self.times.analyses += 1
 
     def factorize(self, data: Array) -> None:
+        _check_finite(data)  # SuperLU ends the process on them
         start = perf_counter()
         self._pattern.data = data
         whole = self._pattern + sp.triu(self._pattern, 1).T
@@ -148,10 +163,13 @@ class SuperLU(LinearSolver):
                 diag_pivot_thresh=0.0,
                 options={"SymmetricMode": True},
             )
-        except RuntimeError as error:
-            raise SingularMatrix(str(error)) from None
+        except RuntimeError:
+            raise SingularMatrix(LOOSE) from None
+        self._pivots = self._factor.U.diagonal()
         self.times.factorization += perf_counter() - start
         self.times.factorizations += 1
+        if np.abs(self._pivots).min() < 10.0**ZERO_PIVOT * np.abs(data).max():
+            raise SingularMatrix(LOOSE)
 
     def solve(self, right: Array) -> Array:
         start = perf_counter()
@@ -163,7 +181,7 @@ class SuperLU(LinearSolver):
 
     @property
     def negative_pivots(self) -> int:
-        return int(np.count_nonzero(self._factor.U.diagonal() < 0))
+        return int(np.count_nonzero(self._pivots < 0))
 
     def close(self) -> None:
         self._factor = None

@@ -79,7 +79,7 @@ class Constraints:
 def nodes_at(where: Where, space: Discretisation) -> NDArray[np.int64]:
     """Node numbers (k,) of a face, of the common edge of two faces, or at given positions (n, 3).
 
-    Raises `SupportError` where there is none.
+    Raises `SupportError` where there is none, and ValueError for a face that does not exist.
     """
     if isinstance(where, str):
         return space.surface(where).unique_nodes

@@ -1,0 +1,74 @@
+"""The sparsity pattern of the reduced upper triangle against dense matrices."""
+
+import numpy as np
+import pytest
+from bodies import box
+from numpy.typing import NDArray
+
+from fem.discretisation import Discretisation
+from fem.pattern import Pattern, element_keys
+
+Array = NDArray[np.float64]
+
+
+def random_pairs(nodes: int, count: int, seed: int) -> tuple[Array, Array]:
+    pairs = np.random.default_rng(seed).integers(0, nodes, size=(count, 2))
+    pairs = np.unique(np.sort(pairs, axis=1), axis=0)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def held_components(nodes: int, share: float, seed: int) -> NDArray[np.bool_]:
+    return np.random.default_rng(seed).random((nodes, 3)) < share
+
+
+def dense(pattern: Pattern, data: Array) -> Array:
+    matrix = np.zeros((pattern.size, pattern.size))
+    for row in range(pattern.size):
+        columns = pattern.indices[pattern.indptr[row] : pattern.indptr[row + 1]]
+        assert columns[0] == row
+        assert (np.diff(columns) > 0).all()
+        matrix[row, columns] = data[pattern.indptr[row] : pattern.indptr[row + 1]]
+    return matrix
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.8, 1.0])
+def test_blocks_go_where_a_dense_matrix_has_them(share: float) -> None:
+    nodes = 25
+    rows, columns = random_pairs(nodes, 120, seed=2)
+    fixed = held_components(nodes, share, seed=7)
+    off = rows != columns
+    pattern = Pattern.of(fixed, np.unique(rows[off] * nodes + columns[off]))
+    assert pattern.size == np.count_nonzero(~fixed)
+    assert pattern.holds(rows, columns)
+    values = np.random.default_rng(1).normal(size=(rows.size, 3, 3))
+    data = np.zeros(pattern.indices.size)
+    pattern.place(data, rows, columns, values)
+    pattern.place(data, rows, columns, values)
+    whole = np.zeros((nodes, 3, nodes, 3))
+    for row, column, value in zip(rows, columns, values, strict=True):
+        whole[row, :, column] += 2 * value
+    free = ~fixed.ravel()
+    expected = np.triu(whole.reshape(3 * nodes, 3 * nodes)[np.ix_(free, free)])
+    np.testing.assert_array_equal(dense(pattern, data), expected)
+
+
+def test_room_for_more_pairs() -> None:
+    nodes = 12
+    fixed = held_components(nodes, 0.3, seed=3)
+    small = Pattern.of(fixed, np.array([0 * nodes + 5, 2 * nodes + 3]))
+    assert small.holds(np.array([0, 4]), np.array([5, 4]))
+    assert not small.holds(np.array([0, 1]), np.array([5, 9]))
+    large = small.with_pairs(np.array([1, 4]), np.array([9, 4]))
+    assert large.holds(np.array([0, 1, 2]), np.array([5, 9, 3]))
+    np.testing.assert_array_equal(large.node_dof, small.node_dof)
+    assert large.keys.size == small.keys.size + 1
+
+
+def test_element_keys_are_all_pairs_of_nodes_that_share_an_element() -> None:
+    space = Discretisation.of(box((2, 1, 1), (1.0, 1.0, 1.0)), "p2")
+    count = space.points.shape[0]
+    together = np.zeros((count, count), dtype=bool)
+    for nodes in space.nodes:
+        together[np.ix_(nodes, nodes)] = True
+    low, high = np.nonzero(np.triu(together, 1))
+    np.testing.assert_array_equal(element_keys(space.nodes, count), low * count + high)
