@@ -1,0 +1,205 @@
+"""The terms of the potential: gradient and second derivative of each against differences of its energy and gradient."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from bodies import box, difference, fork, hollow_box
+from numpy.typing import NDArray
+
+from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StVenantKirchhoff
+from fem.contact import BarrierTerm
+from fem.discretisation import Discretisation
+from fem.effects import Blocks, Term
+from fem.facing import CONTINUED, FacingTerm, continued_barrier
+from fem.surface import FacingPairs
+from geometry import Mesh
+
+Array = NDArray[np.float64]
+
+LAW = StVenantKirchhoff(E=1.2, nu=0.4)
+GAP = 0.4
+
+
+def times(blocks: Blocks, dx: Array) -> Array:
+    """The second derivative times dx (n, 3)."""
+    out = np.zeros_like(dx)
+    assert (blocks.rows <= blocks.columns).all()
+    np.add.at(out, blocks.rows, np.einsum("mij,mj->mi", blocks.values, dx[blocks.columns]))
+    off = blocks.rows != blocks.columns
+    np.add.at(out, blocks.columns[off], np.einsum("mij,mi->mj", blocks.values[off], dx[blocks.rows[off]]))
+    return out
+
+
+def gradient(term: Term, x: Array, factor: float) -> Array:
+    out = np.zeros_like(x)
+    term.gradient(x, factor, out)
+    return out
+
+
+def shaken(space: Discretisation, size: float, seed: int) -> Array:
+    """A random motion (n, 3) that leaves the plane of symmetry where it is."""
+    move = np.random.default_rng(seed).normal(scale=size, size=space.points.shape)
+    if "sym" in space.surfaces:
+        move[space.surface("sym").unique_nodes, 2] = 0.0
+    return move
+
+
+def bound(mesh: Mesh, effect: Effect) -> tuple[Term, Discretisation]:
+    space = Discretisation.of(mesh, "p2p0")
+    return effect.bind(space, LAW), space
+
+
+def facing() -> tuple[Term, Discretisation]:
+    return bound(fork(GAP), SelfContact("prongs", dhat=0.8 * GAP))
+
+
+def barrier() -> tuple[Term, Discretisation]:
+    term, space = facing()
+    return term.stricter(), space
+
+
+CASES: dict[str, Callable[[], tuple[Term, Discretisation]]] = {
+    "pressure": lambda: bound(hollow_box(half=True), Pressure("cavity", 0.2)),
+    "pressure, not ramped": lambda: bound(hollow_box(half=False), Pressure("cavity", 0.2, ramp=False)),
+    "gravity": lambda: bound(hollow_box(half=True), Gravity(1.13e-9, (1.0, -9810.0, 20.0))),
+    "facing walls": facing,
+    "barrier": barrier,
+}
+
+
+def pinched(space: Discretisation) -> Array:
+    """The fork closed so far that some pairs are beyond the activation distance, some within, some nearly touch."""
+    x = space.points.copy()
+    upper = x[:, 1] > 1.0 + GAP / 2
+    x[upper, 1] -= 0.7 * GAP * np.clip(x[upper, 0] - 1.0, 0.0, None) / 5.0
+    return x
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_derivatives(name: str) -> None:
+    term, space = CASES[name]()
+    term = term.at(0.6)
+    dx = shaken(space, 1.0, seed=2)
+    x = (pinched(space) if name in ("facing walls", "barrier") else space.points) + shaken(space, 0.01, seed=1)
+    factor, step = 0.7, 1e-6 if name in ("facing walls", "barrier") else 1e-4
+    force = gradient(term, x, factor)
+    slope = difference(lambda y: np.float64(term.energy(y, factor)), x, dx, step)
+    assert np.abs(force).max() > 0
+    assert np.vdot(force, dx) == pytest.approx(slope, rel=1e-7)
+    change = difference(lambda y: gradient(term, y, factor), x, dx, step)
+    if "sym" in space.surfaces:  # what the plane of symmetry bears is no part of the potential
+        change[space.surface("sym").unique_nodes, 2] = 0.0
+    found = times(term.blocks(x, factor, convex=False), dx)
+    if "sym" in space.surfaces:
+        found[space.surface("sym").unique_nodes, 2] = 0.0
+    np.testing.assert_allclose(found, change, atol=1e-6 * max(np.abs(change).max(), 1e-9))
+
+
+@pytest.mark.parametrize("name", ["facing walls", "barrier"])
+def test_convex_substitute_is_positive_semi_definite(name: str) -> None:
+    term, space = CASES[name]()
+    x = pinched(space) + shaken(space, 0.01, seed=1)
+    blocks = term.blocks(x, 1.0, convex=True)
+    size = x.size
+    matrix = np.column_stack([times(blocks, column.reshape(x.shape)).ravel() for column in np.eye(size)])
+    np.testing.assert_allclose(matrix, matrix.T, atol=1e-12)
+    values = np.linalg.eigvalsh(matrix)
+    assert values.min() > -1e-9 * values.max()
+    assert values.max() > 0
+
+
+def test_what_ramps_follows_the_factor_and_what_does_not_its_share() -> None:
+    for make in (lambda ramp: Pressure("cavity", 0.2, ramp), lambda ramp: Gravity(1e-9, ramp=ramp)):
+        ramped, space = bound(hollow_box(half=False), make(True))
+        whole, _ = bound(hollow_box(half=False), make(False))
+        x = space.points + shaken(space, 0.05, seed=1)
+        np.testing.assert_allclose(gradient(whole.at(0.6), x, 0.1), gradient(ramped.at(0.6), x, 0.6), atol=1e-18)
+        assert not gradient(whole, x, 1.0).any()
+
+
+def test_gravity_weighs_the_body() -> None:
+    term, space = bound(box((2, 2, 2), (1.0, 2.0, 3.0)), Gravity(2e-9, (0.0, -9810.0, 0.0)))
+    pull = -gradient(term, space.points, 1.0)
+    np.testing.assert_allclose(pull.sum(axis=0), [0.0, -6.0 * 2e-9 * 9810.0, 0.0], rtol=1e-12)
+    turning = np.cross(space.points, pull).sum(axis=0)
+    np.testing.assert_allclose(turning, np.cross([0.5, 1.0, 1.5], pull.sum(axis=0)), rtol=1e-12, atol=1e-18)
+
+
+def test_contact_forces_have_no_resultant() -> None:
+    for name in ("facing walls", "barrier"):
+        term, space = CASES[name]()
+        x = pinched(space) + shaken(space, 0.01, seed=1)
+        force = gradient(term, x, 1.0)
+        scale = np.abs(force).sum()
+        np.testing.assert_allclose(force.sum(axis=0), 0.0, atol=1e-12 * scale)
+        np.testing.assert_allclose(np.cross(x, force).sum(axis=0), 0.0, atol=1e-11 * scale)
+
+
+def test_barrier_and_its_quadratic_continuation_meet_smoothly() -> None:
+    dhat = 0.3
+    gap = np.linspace(-0.2, 0.4, 100_001)
+    value, slope, bend = continued_barrier(gap, dhat)
+    np.testing.assert_allclose(np.gradient(value, gap)[1:-1], slope[1:-1], atol=1e-4 * np.abs(slope).max())
+    np.testing.assert_allclose(np.gradient(slope, gap)[1:-1], bend[1:-1], atol=1e-3 * np.abs(bend).max())
+    assert (slope <= 0).all()
+    assert (bend >= 0).all()
+    assert not value[gap >= dhat].any()
+    exact = gap[(gap > CONTINUED * dhat) & (gap < dhat)]
+    r = (exact / dhat) ** 2
+    np.testing.assert_allclose(continued_barrier(exact, dhat)[0], -dhat * (1 - r) ** 2 * np.log(r), rtol=1e-12)
+
+
+def test_pairs_look_across_the_gap_and_turn_negative_when_walls_cross() -> None:
+    term, space = facing()
+    assert isinstance(term, FacingTerm)
+    pairs = term.pairs
+    assert pairs.nodes.size > 20
+    np.testing.assert_allclose(pairs.gaps(space.points), GAP, rtol=1e-12)
+    heights = space.points[pairs.nodes, 1]
+    assert set(np.round(heights, 9)) == {1.0, 1.0 + GAP}
+    np.testing.assert_allclose(space.points[pairs.triangles][..., 1].mean(axis=1), 2.0 + GAP - heights)
+    x = space.points.copy()
+    x[x[:, 1] > 1.0 + GAP / 2, 1] -= 1.5 * GAP
+    np.testing.assert_allclose(pairs.gaps(x), -0.5 * GAP, rtol=1e-12)
+    assert "two walls pass through each other at (" in term.objection(x)
+
+
+def test_contact_far_away_is_nothing() -> None:
+    term, space = bound(fork(GAP), SelfContact("prongs"))
+    x = space.points
+    assert term.energy(x, 1.0) == 0.0
+    assert not gradient(term, x, 1.0).any()
+    assert not term.blocks(x, 1.0, convex=False).values.any()
+    assert term.objection(x) == ""
+    assert term.gap(x) == pytest.approx(GAP)
+    exact = term.stricter()
+    assert isinstance(exact, BarrierTerm)
+    assert exact.energy(x, 1.0) == 0.0
+    assert not gradient(exact, x, 1.0).any()
+    assert exact.blocks(x, 1.0, convex=False).rows.size == 0
+    assert exact.gap(x) == np.inf
+
+
+def test_barrier_stops_a_step_before_walls_touch() -> None:
+    term, space = barrier()
+    closing = np.zeros_like(space.points)
+    closing[space.points[:, 1] > 1.0 + GAP / 2, 1] = -2.0 * GAP
+    share = term.step_limit(space.points, closing)
+    assert 0.2 < share < 0.5
+    assert term.objection(space.points + share * closing) == ""
+    assert "pass through each other" in term.objection(pinched(space) + 0.2 * closing)
+    assert term.step_limit(space.points, -closing) == 1.0
+
+
+@pytest.mark.parametrize(
+    "contact", [SelfContact("above"), SelfContact("prongs", dhat=0.0), SelfContact("prongs", -1.0)]
+)
+def test_contact_that_cannot_be_is_refused(contact: SelfContact) -> None:
+    with pytest.raises(ContactError, match=r"self-contact on '(above|prongs)': "):
+        bound(fork(GAP), contact)
+
+
+def test_pairs_of_a_face_that_sees_nothing_are_empty() -> None:
+    space = Discretisation.of(fork(GAP), "p2p0")
+    assert FacingPairs.of(space.surface("above"), space.points).nodes.size == 0
