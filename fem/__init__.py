@@ -4,7 +4,7 @@ from fem.archive import step_from_arrays, step_to_arrays
 from fem.compiling import compile_kernels
 from fem.contact import ContactError, SelfContact
 from fem.discretisation import Discretisation
-from fem.effects import Effect, Gravity, Pressure
+from fem.effects import Effect, Gravity, LineForce, Pressure
 from fem.experiments import Experiment
 from fem.fields import element_fields
 from fem.layer import LayerError, StrainLimitingLayer
@@ -24,6 +24,7 @@ __all__ = [
     "Fixed",
     "Gravity",
     "LayerError",
+    "LineForce",
     "Material",
     "MaterialError",
     "Model",

@@ -6,7 +6,7 @@ energy, gradient and second derivative.
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fem import surface_kernels
 from fem.discretisation import Discretisation, Faces
 from fem.material import Material
+from fem.supports import nodes_at
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -31,7 +32,7 @@ class Blocks:
 class Term(ABC):
     """A term of the total potential; x (n, 3) are current positions in mm, factor is the load factor."""
 
-    effect: ClassVar[str]  #: name of the effect as in a config
+    effect: str  #: name of the effect as in a config
 
     @abstractmethod
     def energy(self, x: Array, factor: float) -> float:
@@ -207,7 +208,36 @@ class Gravity(Effect):
         # exact integrals of the quadratic shape functions over a tetrahedron: -V/20 at vertices, V/5 at mid-edges
         share = np.array([-0.05] * 4 + [0.2] * 6)
         np.add.at(mass, space.nodes, self.density * volume[:, None] * share)
-        return DeadForceTerm(mass[:, None] * np.asarray(self.acceleration), None if self.ramp else 0.0)
+        return DeadForceTerm("gravity", mass[:, None] * np.asarray(self.acceleration), None if self.ramp else 0.0)
+
+
+@final
+@dataclass(frozen=True)
+class LineForce(Effect):
+    """A force that keeps its direction, spread evenly over a line of nodes.
+
+    where: (2 k + 1, 3) positions in mm along the line, vertices and middles of edges in turn; force: (3,) N on the
+    meshed part at load factor 1. With ramp=False it is whole from the first asked factor on.
+    """
+
+    where: Array
+    force: tuple[float, float, float]
+    ramp: bool = True
+
+    def bind(self, space: Discretisation, material: Material) -> Term:
+        forces = np.zeros_like(space.points)
+        np.add.at(forces, nodes_at(self.where, space), self.shares[:, None] * np.asarray(self.force))
+        return DeadForceTerm("line_force", forces, None if self.ramp else 0.0)
+
+    @property
+    def shares(self) -> Array:
+        """(2 k + 1,) of the force on each node: what the quadratic shape functions give of a constant line load."""
+        edges = np.linalg.norm(self.where[2::2] - self.where[:-2:2], axis=1)
+        shares = np.zeros(len(self.where))
+        shares[:-2:2] += edges / 6.0
+        shares[1::2] += edges * (4.0 / 6.0)
+        shares[2::2] += edges / 6.0
+        return np.asarray(shares / edges.sum())
 
 
 @final
@@ -215,8 +245,7 @@ class Gravity(Effect):
 class DeadForceTerm(Acting):
     """-f . x with nodal forces that keep their direction."""
 
-    effect = "gravity"
-
+    effect: str
     force: Array  #: (n, 3) whole, N
     held: float | None  #: share of the force reached so far; None where it grows with the load factor
 

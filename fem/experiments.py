@@ -1,4 +1,5 @@
-"""The three tests of the paper as data (called experiments in code: pytest collects anything named test)."""
+"""The three tests of the paper as data (called experiments in code: pytest collects anything named test), and a fourth:
+the arm under a dead force on its end."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from fem.effects import Effect
+from fem.effects import Effect, LineForce
 from fem.material import Material
 from fem.model import Model
 from fem.solution import Step
@@ -17,16 +18,17 @@ from geometry import Body, Centreline
 
 Array = NDArray[np.float64]
 
-NAMES = ("I", "II", "III")
+NAMES = ("I", "II", "III", "dead")
 
 
 @final
 @dataclass(frozen=True)
 class Experiment:
-    """How the body is held in one of the three tests, and where its end is read.
+    """How the body is held and loaded besides its pressure, and where its end is read.
 
     I: free, rigid motion removed by three nodal constraints that carry no force; II: clamped at x = 0; III: clamped,
-    and u_y of the edge x = l on the material curve prescribed.
+    and u_y of the edge x = l on the material curve prescribed; dead: clamped, and a force of constant direction spread
+    over that edge.
     """
 
     name: str
@@ -34,10 +36,12 @@ class Experiment:
     supports: tuple[Support, ...]
     edge: Array  #: (k, 3) nodes of the edge x = l, y = curve_y at rest, mm
     curve: Array  #: (m, 3) nodes of the material curve at rest, by increasing x, mm
+    force: tuple[float, float]  #: N, the dead force on the end of the whole body; zero in the three tests
 
     @classmethod
-    def of(cls, name: str, body: Body, end_y: float) -> "Experiment":
-        """Experiment "I", "II" or "III" on `body`; end_y is u_y of the end in III, mm.
+    def of(cls, name: str, body: Body, end_y: float, force: tuple[float, float] = (0.0, 0.0)) -> "Experiment":
+        """Experiment "I", "II", "III" or "dead" on `body`; end_y is u_y of the end in III, mm, force (N) is that of
+        dead, whole from the first asked factor on.
 
         Raises ValueError for other names.
         """
@@ -50,12 +54,19 @@ class Experiment:
             "I": _free_body(curve, body),
             "II": (Fixed("clamp"),),
             "III": (Fixed("clamp"), Prescribed(edge, "y", end_y, ramp=False)),
+            "dead": (Fixed("clamp"),),
         }
-        return cls(name, body, (*plane, *held[name]), edge, curve)
+        return cls(name, body, (*plane, *held[name]), edge, curve, force if name == "dead" else (0.0, 0.0))
 
     def model(self, material: Material, effects: Sequence[Effect], formulation: str) -> Model:
         """The model of this experiment."""
-        return Model(self.body.mesh, material, list(self.supports), list(effects), formulation)
+        return Model(self.body.mesh, material, list(self.supports), [*effects, *self._dead_force()], formulation)
+
+    def _dead_force(self) -> list[LineForce]:
+        if not any(self.force):
+            return []
+        fx, fy = self.force
+        return [LineForce(self.edge, (fx / self.whole, fy / self.whole, 0.0), ramp=False)]
 
     @property
     def whole(self) -> float:
@@ -73,25 +84,27 @@ class Experiment:
         return np.asarray(step.positions[_nodes_of(self.curve[-1:], step)[0]])
 
     def end_force(self, step: Step) -> Array:
-        """(2,) force on the end of the whole body, N; zero where nothing holds it."""
-        if self.name != "III":
-            return np.zeros(2)
-        return self.whole * step.reaction(self.edge)[:2]
+        """(2,) force on the end of the whole body, N; zero where nothing holds it and nothing acts on it."""
+        if self.name == "III":
+            return self.whole * step.reaction(self.edge)[:2]
+        return np.array(self.force)
 
     def end_couple(self, step: Step) -> float:
         """Moment of the end force about the curve's end, N mm: the edge bends across the width, so the force does not
         pass through the curve exactly (0.2 % of M(0) on arm (a))."""
         nodes = _nodes_of(self.edge, step)
         arm = step.positions[nodes] - self.end(step)
-        force = step.gradient[nodes]
-        if self.name != "III":
-            return 0.0
+        force = np.zeros((len(nodes), 3))
+        if self.name == "III":
+            force = step.gradient[nodes]
+        for dead in self._dead_force():
+            force = dead.shares[:, None] * np.asarray(dead.force)
         return self.whole * float(np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]))
 
     def clamp_force(self, step: Step) -> Array:
         """(2,) force of the clamp on the whole body, N; in I that of the nodal constraints, which must vanish."""
         force = step.gradient[:, :2].sum(axis=0) * self.whole
-        return np.asarray(force - self.end_force(step))
+        return np.asarray(force - self.end_force(step) if self.name == "III" else force)
 
     def clamp_moment(self, step: Step) -> float:
         """Moment of the clamp's forces on the whole body about the curve's start, about z, N mm."""

@@ -1,0 +1,48 @@
+"""A force of constant direction on the end of the arm: its sum, its distribution, and the balance with the clamp."""
+
+import numpy as np
+import pytest
+
+from fem import Experiment, LineForce, StVenantKirchhoff, follow
+from fem.discretisation import Discretisation
+from geometry import PneuNet
+
+FORCE = (0.01, 0.05)
+
+
+@pytest.fixture(scope="module")
+def short():
+    return PneuNet(chambers=2).body(5.0)
+
+
+def test_a_line_force_is_spread_as_a_constant_line_load(short) -> None:
+    experiment = Experiment.of("dead", short, 0.0, FORCE)
+    line = LineForce(experiment.edge, (0.0, 1.0, 0.0))
+    assert line.shares.sum() == pytest.approx(1.0)
+    assert line.shares @ experiment.edge[:, 2] == pytest.approx(np.mean(experiment.edge[[0, -1], 2]))  # centre
+    space = Discretisation.of(short.mesh, "p2p0")
+    term = line.bind(space, StVenantKirchhoff(1.2, 0.4))
+    assert term.effect == "line_force"
+    lifted = space.points + np.array([0.0, 3.0, 0.0])
+    assert term.energy(lifted, 0.5) - term.energy(space.points, 0.5) == pytest.approx(-1.5)
+    out = np.zeros_like(space.points)
+    term.gradient(space.points, 1.0, out)
+    assert out.sum(axis=0) == pytest.approx([0.0, -1.0, 0.0])
+
+
+def test_the_clamp_carries_the_dead_force(short) -> None:
+    experiment = Experiment.of("dead", short, 0.0, FORCE)
+    step = follow(experiment.model(StVenantKirchhoff(1.2, 0.4), [], "p2p0"), [0.5, 1.0]).steps[-1]
+    assert experiment.end_force(step) == pytest.approx(FORCE)
+    assert experiment.clamp_force(step) == pytest.approx([-FORCE[0], -FORCE[1]], rel=1e-6)
+    start, end = experiment.curve[0], experiment.end(step)
+    moment = (end[0] - start[0]) * FORCE[1] - (end[1] - start[1]) * FORCE[0]
+    assert experiment.clamp_moment(step) == pytest.approx(-moment - experiment.end_couple(step), rel=1e-6)
+    assert end[1] > experiment.curve[-1, 1] + 0.1
+
+
+def test_without_a_force_the_fourth_experiment_is_the_second(short) -> None:
+    assert Experiment.of("dead", short, 0.0).force == (0.0, 0.0)
+    assert Experiment.of("II", short, 0.0, FORCE).force == (0.0, 0.0)
+    with pytest.raises(ValueError, match="allowed are"):
+        Experiment.of("IV", short, 0.0)
