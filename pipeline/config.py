@@ -24,6 +24,7 @@ __all__ = [
     "Layer",
     "Material",
     "MeshChoice",
+    "Validation",
     "load_config",
 ]
 
@@ -67,6 +68,15 @@ class CavityPressure:
 
 
 @dataclass(frozen=True)
+class Validation:
+    """Loads for which the rod is held against the finite elements without being fitted to them."""
+
+    pressures_kPa: tuple[float, ...]  #: ascending; those of the run and others between them
+    end_y_mm: tuple[float, ...]  #: displacements u_y of the end in III
+    forces_N: tuple[tuple[float, float], ...]  #: dead forces on the end
+
+
+@dataclass(frozen=True)
 class Config:
     """A design and what is asked of it, checked. Lengths in mm, stresses in MPa."""
 
@@ -76,6 +86,8 @@ class Config:
     material: Material
     pressures_kPa: tuple[float, ...]  #: ascending
     end_y_mm: float  #: the displacement u_y of the end in experiment III
+    added_pressures: int  #: how many may be added where alpha(p) or kappa_0(p) is not straight
+    validation: Validation
     mesh: MeshChoice
     effects: Mapping[str, str]  #: effect -> auto, on or off
     cavities: Mapping[str, CavityPressure]  #: cavity -> its pressure, in the order of the design
@@ -101,6 +113,12 @@ class Config:
             },
             "pressures_kPa": list(self.pressures_kPa),
             "end_y_mm": self.end_y_mm,
+            "added_pressures": self.added_pressures,
+            "validation": {
+                "pressures_kPa": list(self.validation.pressures_kPa),
+                "end_y_mm": list(self.validation.end_y_mm),
+                "forces_N": [list(force) for force in self.validation.forces_N],
+            },
             "mesh": asdict(self.mesh),
             "effects": {
                 **self.effects,
@@ -147,6 +165,8 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
         material=Material(law, LAWS[law][0], constants, content.material.density),
         pressures_kPa=content.pressures,
         end_y_mm=content.end.y,
+        added_pressures=content.added_pressures,
+        validation=_validation(document, content),
         mesh=MeshChoice(size, _formulation(content.mesh.formulation, states["incompressibility"], constants)),
         effects=states,
         cavities=_cavities(document, design, effects.pressure),
@@ -176,6 +196,27 @@ def _design(document: Document, content: Any, family: str) -> tuple[Design, floa
         parts = [tuple(key.split(".")) for key in refused.keys]
         keys = tuple(("geometry", *key) if key[0] in values else key for key in parts)
         raise document.wrong_together(keys, refused.sentence) from None
+
+
+def _validation(document: Document, content: Any) -> Validation:
+    """The loads not used for the fit; where there are some and no pressures, all pressures of the run."""
+    asked, known = content.validation, content.pressures
+    if content.end.y in asked.end_y:
+        raise document.wrong(
+            ("validation", "end_y"), f"{content.end.y:g} mm is what the numbers are identified with; give others"
+        )
+    for pressure in asked.pressures or ():
+        if not known[0] <= pressure <= known[-1]:
+            raise document.wrong(
+                ("validation", "pressures"),
+                f"{pressure:g} kPa lies outside the pressures of the run; allowed: {known[0]:g} to {known[-1]:g} kPa",
+            )
+    loads = bool(asked.end_y or asked.forces)
+    if asked.pressures and not loads and set(asked.pressures) <= set(known):
+        raise document.wrong(
+            ("validation", "pressures"), "are all pressures of the run; give one between them, or end_y, or forces"
+        )
+    return Validation(asked.pressures or (known if loads else ()), asked.end_y, asked.forces)
 
 
 def _cavities(document: Document, design: Design, pressure: Any) -> dict[str, CavityPressure]:

@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from geometry import FAMILIES, OwnMesh, OwnSolid
 from pipeline.document import Document
-from pipeline.units import ACCELERATION, DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
+from pipeline.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 
 __all__ = ["EFFECTS", "FORMULATIONS", "LAWS", "OWN", "STATES", "checked"]
 
@@ -69,6 +69,18 @@ def _three(example: str) -> Callable[[tuple[float, ...]], tuple[float, ...]]:
     return check
 
 
+def _pair(values: tuple[float, ...]) -> tuple[float, ...]:
+    if len(values) != 2:
+        raise ValueError(f"has {len(values)} numbers instead of the force along x and y; for example [0 N, 0.05 N]")
+    return values
+
+
+def _not_below_zero(value: int) -> int:
+    if value < 0:
+        raise ValueError(f"{value} is not allowed; allowed: 0 or more")
+    return value
+
+
 STATES = ("auto", "on", "off")
 
 
@@ -111,6 +123,7 @@ Acceleration = Annotated[
 Point = Annotated[
     tuple[Length, ...], AfterValidator(_three("[56 mm, 8 mm, 0 mm]")), Field(strict=False, examples=["[56 mm, ...]"])
 ]
+Force = Annotated[tuple[Annotated[float, _in(FORCE)], ...], AfterValidator(_pair), Field(strict=False)]
 Points = Annotated[dict[str, Point], Field(examples=["{cavity: [56 mm, 8 mm, 0 mm]}"])]
 PoissonRatio = Annotated[float, BeforeValidator(_number), AfterValidator(_poisson_ratio), Field(examples=["0.495"])]
 Count = Annotated[int, BeforeValidator(_count), Field(examples=["11"])]
@@ -145,6 +158,12 @@ class _ReadyMesh(_Section):
 
 class _End(_Section):
     y: Length = 0.0
+
+
+class _Validation(_Section):
+    pressures: Annotated[Pressures | None, Field(examples=["[24 kPa]"])] = None
+    end_y: Annotated[tuple[Length, ...], Field(strict=False, examples=["[10 mm, -10 mm]"])] = ()
+    forces: Annotated[tuple[Force, ...], Field(strict=False, examples=["[[0 N, 0.05 N]]"])] = ()
 
 
 class _Switch(_Section):
@@ -186,6 +205,8 @@ class _Document(_Section):
     name: Name
     pressures: Pressures = (5.0, 17.0, 31.0, 45.0)
     end: _End = _End()
+    added_pressures: Annotated[Count, AfterValidator(_not_below_zero)] = 0
+    validation: _Validation = _Validation()
     effects: _Effects = _Effects()
 
 

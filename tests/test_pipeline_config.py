@@ -10,7 +10,7 @@ import pytest
 import fem.discretisation
 import fem.material
 from geometry import FAMILIES, PneuNet
-from pipeline.config import EFFECTS, FORMULATIONS, LAWS, Config, load_config
+from pipeline.config import EFFECTS, FORMULATIONS, LAWS, Config, Validation, load_config
 from pipeline.failure import InputError
 from pipeline.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 
@@ -244,3 +244,30 @@ def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> No
             value = line.partition("#")[0]
             if any(character.isdigit() for character in value):
                 assert "paper" in line or "choice" in line, f"{path.name}: {line}"
+
+
+def test_validation_loads_are_read_and_none_by_default(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    plain = load_config(coarse)
+    assert plain.validation == Validation((), (), ())
+    assert plain.added_pressures == 0
+    asked = load_config(coarse, ["validation={end_y: [1 cm, -10 mm], forces: [[0 N, 0.05 N]]}", "added_pressures=2"])
+    assert asked.validation == Validation((17.0, 37.0), (10.0, -10.0), ((0.0, 0.05),))
+    assert asked.added_pressures == 2
+    assert load_config(coarse, ["validation.pressures=[24 kPa]"]).validation == Validation((24.0,), (), ())
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        ("validation.pressures=[50 kPa]", "50 kPa lies outside the pressures of the run; allowed: 17 to 37 kPa"),
+        ("validation.pressures=[17 kPa]", "are all pressures of the run; give one between them"),
+        ("validation.end_y=[0 mm]", "0 mm is what the numbers are identified with"),
+        ("validation.end_y=[10]", "write a length with its unit"),
+        ("validation.forces=[[0.05 N]]", "has 1 numbers instead of the force along x and y"),
+        ("validation.loads=[1 N]", "unknown key"),
+        ("added_pressures=-1", "allowed: 0 or more"),
+    ],
+)
+def test_validation_loads_that_make_no_sense_are_refused(configs: Path, override: str, said: str) -> None:
+    assert said in refusal(configs / "pneunet_coarse.yaml", override)
