@@ -1,0 +1,157 @@
+"""What effects do in a run: half against whole, contact that waits, and effects that are off cost nothing."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fem
+from pipeline.config import load_config
+from pipeline.effects import effect_rows
+from pipeline.effects_table import BASE, compare_effects, variants
+from pipeline.progress import Silent
+from pipeline.scene import effects_of, meshed_body
+from pipeline.simulate import Outcome, simulate
+from pipeline.store import open_store
+
+HERE = Path(__file__).resolve().parent.parent
+SHORT = ("geometry.chambers=3", "mesh.size=4 mm")
+
+
+def simulated(
+    out: Path, name: str, *overrides: str, experiments: tuple[str, ...] = ("II",)
+) -> tuple[dict[str, Outcome], dict[str, dict[str, Any]]]:
+    """Outcomes, and the rows of effects.json by effect."""
+    config = load_config(HERE / "configs" / f"{name}.yaml", overrides)
+    body = meshed_body(config)
+    with open_store(out, config) as store:
+        outcomes = simulate(config, body, store, 1, Silent(), experiments)
+    assert [outcome.failure for outcome in outcomes.values()] == [""] * len(experiments)
+    return outcomes, {row["effect"]: row for row in effect_rows(config, body, outcomes)}
+
+
+def ends(outcomes: Mapping[str, Outcome]) -> np.ndarray:
+    return np.array([[r.row["end_x_mm"], r.row["end_y_mm"]] for o in outcomes.values() for r in o.records])
+
+
+def test_half_and_whole_body_give_the_same_end(tmp_path: Path) -> None:
+    pressures = "pressures=[10 kPa, 20 kPa]"
+    both = ("II", "III")
+    half, on = simulated(tmp_path / "half", "semicircular_coarse", *SHORT, pressures, experiments=both)
+    whole, off = simulated(
+        tmp_path / "whole", "semicircular_coarse", *SHORT, pressures, "effects.symmetry=off", experiments=both
+    )
+    assert (on["symmetry"]["state"], off["symmetry"]["state"]) == ("on", "off")
+    assert whole["II"].degrees_of_freedom > 1.7 * half["II"].degrees_of_freedom
+    assert np.abs(ends(half) - ends(whole)).max() < 1e-6 * 32
+    for one, other in zip(half["III"].records, whole["III"].records, strict=True):
+        assert one.end_force == pytest.approx(other.end_force, rel=1e-4, abs=1e-8)
+        assert one.row["cavity_volume_mm3"] == pytest.approx(other.row["cavity_volume_mm3"], rel=1e-8)
+
+
+def test_contact_joins_when_walls_come_near(tmp_path: Path) -> None:
+    pressures = "pressures=[5 kPa, 37 kPa]"
+    waits, row = simulated(tmp_path / "auto", "pneunet_coarse", *SHORT, pressures)
+    always, _ = simulated(tmp_path / "on", "pneunet_coarse", *SHORT, pressures, "effects.self_contact=on")
+    never, off = simulated(tmp_path / "off", "pneunet_coarse", *SHORT, pressures, "effects.self_contact=off")
+    assert [record.effects for record in waits["II"].records] == [("pressure",), ("pressure", "self_contact")]
+    assert row["self_contact"]["reason"] == "walls came within reach of each other: II from 37 kPa"
+    assert row["self_contact"]["share_of_time"] > 0.0
+    assert np.abs(ends(waits) - ends(always)).max() < 1e-6 * 32
+    assert (ends(waits)[0] == ends(never)[0]).all()
+    assert np.abs(ends(waits)[1] - ends(never)[1]).max() > 1e-3
+    assert (off["self_contact"]["state"], off["self_contact"]["share_of_time"]) == ("off", 0.0)
+
+
+FRESH = """
+import json, sys
+from pathlib import Path
+from tests.test_pipeline_effects import SHORT, simulated
+
+single = ("geometry.length=32 mm",)
+arms = {"semicircular": SHORT, "semicircular_single": single, "bisected_circle": single, "pneunet": SHORT}
+rows = []
+for name, overrides in arms.items():
+    place = Path(sys.argv[1]) / name
+    _, row = simulated(place, f"{name}_coarse", *overrides, "pressures=[5 kPa]")
+    rows.append(row["self_contact"])
+print(json.dumps([rows, "ipctk" in sys.modules]))
+"""
+
+
+def test_scenes_without_contact_load_no_contact_code(tmp_path: Path) -> None:
+    arguments = [sys.executable, "-c", FRESH, str(tmp_path)]
+    done = subprocess.run(arguments, capture_output=True, text=True, check=True, cwd=HERE)
+    rows, loaded = json.loads(done.stdout)
+    assert [(row["state"], row["share_of_time"]) for row in rows] == [("off", 0.0)] * 4
+    assert not loaded
+
+
+def test_effects_that_are_off_add_nothing(tmp_path: Path) -> None:
+    def system(*overrides: str) -> Any:
+        config = load_config(HERE / "configs/bisected_circle_coarse.yaml", ["geometry.length=32 mm", *overrides])
+        body = meshed_body(config)
+        experiment = fem.Experiment.of("II", body, 0.0)
+        return experiment.model(fem.StVenantKirchhoff(1.2, 0.495), effects_of(config, body, 0.02), "p2p0").system()
+
+    plain, every = system(), system("effects.gravity=on", "effects.strain_limiting_layer=on")
+    assert [term.effect for term in plain.terms] == ["pressure"]
+    assert [term.effect for term in every.terms] == ["pressure", "gravity", "strain_limiting_layer"]
+    assert plain.pattern.size == every.pattern.size
+    assert plain.pattern.indices.shape == every.pattern.indices.shape
+
+
+def test_weight_is_whole_at_every_pressure(tmp_path: Path) -> None:
+    outcomes, rows = simulated(
+        tmp_path, "semicircular_coarse", *SHORT, "pressures=[5 kPa, 10 kPa]", "effects.gravity=on"
+    )
+    config = load_config(HERE / "configs/semicircular_coarse.yaml", SHORT)
+    mass = config.material.density_tonne_mm3 * meshed_body(config).mesh.volume * 2
+    for record in outcomes["II"].records:
+        assert record.row["clamp_reaction_N"] == pytest.approx([0.0, mass * 9810.0], abs=1e-6)
+    assert rows["gravity"]["state"] == "on"
+    assert rows["gravity"]["reason"].startswith("(0, -9.81, 0) m/s2 at every pressure")
+
+
+def test_layer_keeps_the_length_of_the_curve(tmp_path: Path) -> None:
+    names = ("I", "II", "III")
+    arguments = ("bisected_circle_coarse", "geometry.length=48 mm", "pressures=[20 kPa]")
+    plain, _ = simulated(tmp_path / "plain", *arguments, experiments=names)
+    paper, rows = simulated(tmp_path / "paper", *arguments, "effects.strain_limiting_layer=on", experiments=names)
+    for name in names:
+        assert max(abs(record.row["stretch_of_curve"] - 1.0) for record in plain[name].records) > 1e-2
+        assert max(abs(record.row["stretch_of_curve"] - 1.0) for record in paper[name].records) < 2e-3
+    assert rows["strain_limiting_layer"]["state"] == "on"
+    assert 0.0 < rows["strain_limiting_layer"]["share_of_time"] < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["semicircular", "semicircular_single", "bisected_circle"])
+def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
+    for layer in ("off", "on"):
+        overrides = [f"effects.strain_limiting_layer={layer}"]
+        found, _ = simulated(tmp_path / layer, f"{name}_coarse", *overrides, experiments=("II", "III"))
+        assert sum(outcome.factorizations for outcome in found.values()) <= 60
+        stretch = [record.row["stretch_of_curve"] for outcome in found.values() for record in outcome.records]
+        assert layer == "off" or np.abs(np.array(stretch) - 1.0).max() < 2e-3
+
+
+def test_table_of_effects(tmp_path: Path) -> None:
+    config = load_config(
+        HERE / "configs/semicircular_coarse.yaml", ["geometry.chambers=8", "mesh.size=6 mm", "pressures=[20 kPa]"]
+    )
+    assert [variant.name for variant in variants(config, meshed_body(config))] == [
+        *(BASE, "symmetry off", "incompressibility off", "gravity on", "strain_limiting_layer on")
+    ]
+    rows = compare_effects(config, tmp_path / "table", 1, False, Silent())
+    assert json.loads((tmp_path / "table" / "effects_table.json").read_text()) == json.loads(json.dumps(rows))
+    by_name = {f"{row['effect']} {row['state']}".strip(): row for row in rows}
+    assert by_name[BASE]["relative_change"]["alpha1_N_mm2"] == 0.0
+    assert abs(by_name["symmetry off"]["relative_change"]["end_force_N"]) < 1e-4
+    assert by_name["strain_limiting_layer on"]["relative_change"]["kappa_0_middle_per_mm"] > 0.3
+    assert all(row["seconds"] > 0.0 and row["factorizations"] > 0 for row in rows)

@@ -1,0 +1,140 @@
+"""Which effects a configuration asks for, and the part of the body that is meshed for them."""
+
+from pathlib import Path
+
+import pytest
+
+import fem
+from geometry import Body
+from pipeline.config import CavityPressure, Config, Layer, load_config
+from pipeline.failure import InputError
+from pipeline.scene import contact_faces, effects_of, meshed_body
+
+BISECTED = ("geometry.length=30 mm", "mesh.size=5 mm")
+
+
+@pytest.fixture
+def arm(configs: Path) -> Path:
+    return configs / "bisected_circle_coarse.yaml"
+
+
+@pytest.fixture(scope="module")
+def half() -> Body:
+    return meshed_body(load_config("configs/bisected_circle_coarse.yaml", BISECTED))
+
+
+def refusal(path: Path, *overrides: str) -> str:
+    with pytest.raises(InputError) as refused:
+        meshed_body(load_config(path, [*BISECTED, *overrides]))
+    return str(refused.value)
+
+
+def test_by_default_only_the_first_cavity_is_pressurised(arm: Path, half: Body) -> None:
+    config = load_config(arm, BISECTED)
+    assert config.cavities == {"cavity": CavityPressure(1.0, 0.0), "cavity_lower": CavityPressure(0.0, 0.0)}
+    assert effects_of(config, half, 0.037) == [fem.Pressure("cavity", 0.037)]
+
+
+def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
+    config = load_config(arm, [*BISECTED, "effects.pressure={cavities: {cavity: 0.5, cavity_lower: 10 kPa}}"])
+    assert config.effects["pressure"] == "on"
+    assert effects_of(config, half, 0.04) == [
+        fem.Pressure("cavity", 0.02),
+        fem.Pressure("cavity_lower", 0.01, ramp=False),
+    ]
+    assert effects_of(load_config(arm, [*BISECTED, "effects.pressure=off"]), half, 0.04) == []
+
+
+@pytest.mark.parametrize(
+    ("override", "key", "complaint"),
+    [
+        (
+            "effects.pressure={cavities: {upper: 1}}",
+            "effects.pressure.cavities.upper",
+            "this body has cavity, cavity_lower",
+        ),
+        ("effects.pressure={cavities: {cavity: 1 mm}}", "effects.pressure.cavities.cavity", "neither a share of"),
+        (
+            "effects.gravity={acceleration: [0 m/s^2, 1 m/s^2]}",
+            "effects.gravity.acceleration",
+            "has 2 numbers instead of x, y",
+        ),
+        ("effects.gravity={acceleration: [0, 1, 2]}", "effects.gravity.acceleration[1]", "0 has no unit"),
+        ("effects.gravity=down", "effects.gravity", "'down' is not allowed; allowed: auto, on or off"),
+        ("effects.strain_limiting_layer={E: 6.5}", "effects.strain_limiting_layer.E", "6.5 has no unit"),
+        (
+            "effects.strain_limiting_layer={thick: 1 mm}",
+            "effects.strain_limiting_layer.thick",
+            "did you mean 'thickness'",
+        ),
+        ("effects.incompressibility=off", "effects.incompressibility", "contradict each other; leave one of them out"),
+        ("effects.self_contact={faces: gap}", "effects.self_contact.faces", "'gap' does not exist; this body"),
+    ],
+)
+def test_wrong_effects_are_refused_by_key(arm: Path, override: str, key: str, complaint: str) -> None:
+    sentence = refusal(arm, override)
+    assert f"{key}: " in sentence
+    assert complaint in sentence
+
+
+def test_gravity_across_the_plane_needs_the_whole_body(arm: Path) -> None:
+    aside = "effects.gravity={acceleration: [0 m/s^2, 0 m/s^2, 9.81 m/s^2]}"
+    assert meshed_body(load_config(arm, BISECTED)).half
+    assert meshed_body(load_config(arm, [*BISECTED, "effects.gravity=on"])).half
+    assert not meshed_body(load_config(arm, [*BISECTED, aside])).half
+    assert not meshed_body(load_config(arm, [*BISECTED, "effects.symmetry=off"])).half
+    assert "acts across the plane of symmetry" in refusal(arm, aside, "effects.symmetry=on")
+
+
+def test_parameters_switch_an_effect_on(arm: Path, half: Body) -> None:
+    config = load_config(arm, [*BISECTED, "effects.strain_limiting_layer={thickness: 0.2 mm}", "effects.gravity=yes"])
+    assert config.layer == Layer(0.2, 6500.0, 0.2)
+    _, gravity, layer = effects_of(config, half, 0.04)
+    assert gravity == fem.Gravity(1.13e-9, (0.0, -9810.0, 0.0), ramp=False)
+    assert isinstance(layer, fem.StrainLimitingLayer)
+    assert (layer.thickness, layer.E, layer.nu) == (0.2, 6500.0, 0.2)
+    assert len(layer.triangles) == len(half.mesh.plane(1, 0.0)) > 0
+    kept = load_config(arm, [*BISECTED, "effects.gravity={state: auto, acceleration: [0 m/s^2, 0 m/s^2, 1 m/s^2]}"])
+    assert effects_of(kept, half, 0.04) == [fem.Pressure("cavity", 0.04)]
+
+
+def test_elements_follow_poissons_ratio(tmp_path: Path, arm: Path) -> None:
+    text = "".join(line for line in arm.read_text().splitlines(keepends=True) if "formulation" not in line)
+    path = tmp_path / "arm.yaml"
+    path.write_text(text, encoding="utf-8")
+
+    def formulation(*overrides: str) -> str:
+        return load_config(path, overrides).mesh.formulation
+
+    assert formulation() == "p2p0"
+    assert formulation("material.nu=0.3") == "p2"
+    assert formulation("material.nu=0.3", "effects.incompressibility=on") == "p2p0"
+    assert formulation("effects.incompressibility=off") == "p2"
+    assert formulation("mesh.formulation=p2") == "p2"
+
+
+def test_one_effect_can_be_changed(arm: Path) -> None:
+    config = load_config(arm, BISECTED)
+    changed = config.with_effect("incompressibility", "off")
+    assert (changed.mesh.formulation, changed.effects["incompressibility"]) == ("p2", "off")
+    assert changed.hash != config.hash != config.with_effect("gravity", "on").hash
+
+
+def contact(config: Config) -> fem.SelfContact:
+    (found,) = [
+        effect for effect in effects_of(config, meshed_body(config), 0.04) if isinstance(effect, fem.SelfContact)
+    ]
+    return found
+
+
+def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None:
+    def arm(*overrides: str) -> Config:
+        return load_config(configs / "pneunet_coarse.yaml", ["geometry.chambers=2", "mesh.size=6 mm", *overrides])
+
+    assert contact(arm()) == fem.SelfContact("gap", None, waits=True)
+    assert contact(arm("effects.self_contact=on")) == fem.SelfContact("gap", None, waits=False)
+    assert contact(arm("effects.self_contact={dhat: 0.1 mm}")).dhat == 0.1
+    assert contact(arm("effects.self_contact={faces: outer}")).faces == "outer"
+    off = arm("effects.self_contact=off")
+    assert contact_faces(off, meshed_body(off)) is None
+    assert contact_faces(arm(), half) is None
