@@ -120,7 +120,7 @@ def test_weight_is_whole_at_every_pressure(tmp_path: Path) -> None:
 
 def test_layer_keeps_the_length_of_the_curve(tmp_path: Path) -> None:
     names = ("I", "II", "III")
-    arguments = ("bisected_circle_coarse", "geometry.length=48 mm", "pressures=[20 kPa]")
+    arguments = ("bisected_circle_coarse", "geometry.length=60 mm", "pressures=[20 kPa]")
     plain, _ = simulated(tmp_path / "plain", *arguments, experiments=names)
     paper, rows = simulated(tmp_path / "paper", *arguments, "effects.strain_limiting_layer=on", experiments=names)
     for name in names:
