@@ -12,9 +12,11 @@ from pipeline.config import Config
 from pipeline.drawings import draw_all
 from pipeline.effects import effect_rows
 from pipeline.failure import RunFailed
-from pipeline.parameters import identify_all, parameters_record
+from pipeline.parameters import identify_all
+from pipeline.parameters_file import parameters_record
 from pipeline.progress import Progress
 from pipeline.provenance import provenance
+from pipeline.regimes import with_added_pressures
 from pipeline.report import render_report
 from pipeline.scene import meshed_body
 from pipeline.simulate import Outcome, simulate
@@ -41,6 +43,8 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
             store.save_json("effects.json", effect_rows(config, body, outcomes))
         with _stage("identification", progress, seconds):
             found, refused = identify_all(outcomes, body.pitch)
+            outcomes, found = with_added_pressures(config, body, store, jobs, progress, outcomes, found)
+            store.save_json("experiments.json", _experiment_rows(outcomes))
             store.save_json("parameters.json", parameters_record(config, found))
         with _stage("rod", progress, seconds):
             comparisons = compare(found)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 import fem
 from geometry import Body, Centreline
+from pipeline.cases import Case
 from pipeline.config import Config
 from pipeline.failure import RunFailed
 from pipeline.progress import Progress, ToQueue, relayed
@@ -39,13 +40,14 @@ class Record:
     displacement: Array = field(repr=False)  #: (n, 3), mm
     fields: dict[str, Array] = field(repr=False)  #: per element
     effects: tuple[str, ...]  #: names of the effects that took part
+    spent: fem.Seconds
 
 
 @dataclass(frozen=True)
 class Outcome:
     """One experiment as far as it went."""
 
-    experiment: str
+    experiment: str  #: the name of its case
     records: tuple[Record, ...]
     failure: str  #: empty, or a sentence
     failed_kPa: float  #: the pressure that was not reached, NaN where all were
@@ -63,26 +65,28 @@ def simulate(
     store: Store,
     jobs: int,
     progress: Progress,
-    experiments: Sequence[str] = EXPERIMENTS,
+    experiments: Sequence[str | Case] = EXPERIMENTS,
 ) -> dict[str, Outcome]:
     """Run the experiments, `jobs` at a time; one that fails does not stop the others.
 
-    Raises RunFailed where the faces that are to touch cannot.
+    A name stands for that experiment at the pressures of the run. Raises RunFailed where the faces that are to touch
+    cannot.
     """
-    for name in sorted(experiments):
-        progress.experiment(name, config.pressures_kPa)
+    cases = [one if isinstance(one, Case) else Case.of(config, one) for one in experiments]
+    for case in sorted(cases, key=lambda case: case.name):
+        progress.experiment(case.name, case.pressures_kPa)
     try:
-        if jobs == 1:
-            outcomes = [_experiment(name, config, body, store, progress) for name in experiments]
+        if jobs == 1 or len(cases) == 1:
+            outcomes = [_experiment(case, config, body, store, progress) for case in cases]
         else:
-            outcomes = _side_by_side(config, body, store, min(jobs, len(experiments)), progress, experiments)
+            outcomes = _side_by_side(config, body, store, min(jobs, len(cases)), progress, cases)
     except fem.ContactError as failure:
         raise RunFailed(str(failure)) from None
     return {outcome.experiment: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.experiment)}
 
 
 def _side_by_side(
-    config: Config, body: Body, store: Store, jobs: int, progress: Progress, experiments: Sequence[str]
+    config: Config, body: Body, store: Store, jobs: int, progress: Progress, cases: Sequence[Case]
 ) -> list[Outcome]:
     context = multiprocessing.get_context("spawn")
     queue = context.Queue()
@@ -92,7 +96,7 @@ def _side_by_side(
     try:
         with relayed(queue, progress), ProcessPoolExecutor(jobs, context, _take_queue, (queue,)) as pool:
             try:
-                asked = [pool.submit(_in_worker, name, config, body, store) for name in experiments]
+                asked = [pool.submit(_in_worker, case, config, body, store) for case in cases]
                 return [future.result() for future in asked]
             except BaseException:
                 pool.shutdown(wait=False, cancel_futures=True)
@@ -115,18 +119,19 @@ def _take_queue(queue: Any) -> None:
     _listener.append(ToQueue(queue))
 
 
-def _in_worker(name: str, config: Config, body: Body, store: Store) -> Outcome:
-    return _experiment(name, config, body, store, _listener[0])
+def _in_worker(case: Case, config: Config, body: Body, store: Store) -> Outcome:
+    return _experiment(case, config, body, store, _listener[0])
 
 
-def _experiment(name: str, config: Config, body: Body, store: Store, progress: Progress) -> Outcome:
-    experiment = fem.Experiment.of(name, body, config.end_y_mm)
+def _experiment(case: Case, config: Config, body: Body, store: Store, progress: Progress) -> Outcome:
+    name, asked = case.name, case.pressures_kPa
+    experiment = fem.Experiment.of(case.experiment, body, case.end_y_mm, case.force_N)
     material = getattr(fem, config.material.model)(**config.material.constants)
     largest = config.pressures_MPa[-1]
     model = experiment.model(material, effects_of(config, body, largest), config.mesh.formulation)
     space = fem.Discretisation.of(body.mesh, config.mesh.formulation)
-    pressures = dict(zip((p / largest for p in config.pressures_MPa), config.pressures_kPa, strict=True))
-    remembered = _remembered(name, config.pressures_kPa, space, store)
+    pressures = {float(f"{p / 1000.0:.12g}") / largest: p for p in asked}
+    remembered = _remembered(name, asked, space, store)
     for step in remembered:
         progress.step_done(name, pressures[step.factor], 0.0)
 
@@ -211,4 +216,5 @@ def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, mat
         displacement=step.displacement,
         fields=fem.element_fields(step, material),
         effects=step.effects,
+        spent=step.spent,
     )

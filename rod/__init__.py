@@ -8,9 +8,9 @@ from .equilibrium import Rod, RodSolution
 from .errors import Interval
 from .export import EXPORTS, Arm, export
 from .fit import LoadedShape, RodFit, fit_rod, profile_over_break, rest_curvature
-from .identify import Identification, LineFit, identify
+from .identify import Identification, LineFit, identify, shortest_break
 from .law import FiveParameters, RodError
-from .pressures import PressurisedRod, Straightness, straightness
+from .pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
 from .scaling import Reference, Scaled, scaled
 from .synthetic import SyntheticArm
 
@@ -23,6 +23,7 @@ __all__ = [
     "Identification",
     "Interval",
     "LineFit",
+    "LinearRange",
     "LoadedShape",
     "Moment",
     "Observation",
@@ -42,11 +43,14 @@ __all__ = [
     "fit_rod",
     "gaussian_process",
     "identify",
+    "linear_range",
     "moment_from_force",
+    "next_pressure",
     "profile_over_break",
     "rest_curvature",
     "scaled",
     "shared_smoothing",
+    "shortest_break",
     "simplest",
     "straightness",
     "without_stretch",

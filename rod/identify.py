@@ -123,13 +123,18 @@ def identify(
     )
 
 
+def shortest_break(length: float, pitch: float, breaks: tuple[float, float] = BREAKS) -> float:
+    """Where the range of d begins, mm: a d found there means "at most that"."""
+    return max(breaks[0] * length, 0.5 * pitch)
+
+
 def _grid(seen: Seen, breaks: tuple[float, float]) -> Array:
     low, high = breaks
     if not 0.0 < low < high < 1.0:
         raise RodError(
             f"The range of d over the length must rise and lie between 0 and 1; {low:g} ... {high:g} does not."
         )
-    low = max(low, 0.5 * seen.pitch / seen.length)
+    low = shortest_break(seen.length, seen.pitch, breaks) / seen.length
     if low >= high:
         raise RodError(
             f"No d below {high:g} of the length can be told apart from the clamp with cells of {seen.pitch:g} mm."

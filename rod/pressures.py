@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,8 @@ from .equilibrium import Rod
 from .law import FiveParameters, RodError
 
 Array = NDArray[np.float64]
+#: by name: values and standard deviations, one of each per pressure
+Quantities = Mapping[str, tuple[Sequence[float], Sequence[float]]]
 
 #: a departure from a straight line that does not matter, over the largest value
 TOLERANCE = 0.02
@@ -52,6 +55,57 @@ def straightness(pressures: Sequence[float], values: Sequence[float], stds: Sequ
         bool(np.all(off <= np.maximum(2.0 * e, TOLERANCE * scale))),
         len(p) > 2,
     )
+
+
+@dataclass(frozen=True)
+class LinearRange:
+    """The pressures between which several quantities are straight, with their lines over that range."""
+
+    low: float  #: kPa
+    high: float  #: kPa
+    lines: Mapping[str, Straightness]
+
+    @property
+    def tested(self) -> bool:
+        """There are more than two pressures in it."""
+        return all(line.tested for line in self.lines.values())
+
+    @staticmethod
+    def over(pressures: Sequence[float], quantities: Quantities) -> LinearRange:
+        """The lines over all pressures (kPa), straight or not. Raises `RodError` below two pressures."""
+        lines = {name: straightness(pressures, values, stds) for name, (values, stds) in quantities.items()}
+        return LinearRange(pressures[0], pressures[-1], lines)
+
+
+def linear_range(pressures: Sequence[float], quantities: Quantities) -> LinearRange | None:
+    """The widest range of neighbouring pressures (kPa, ascending) in which every quantity (values, stds) is straight.
+
+    Two pressures are a range only where there are no more: through two points a line always goes. None where no three
+    neighbours lie on lines, and below two pressures.
+    """
+    count = len(pressures)
+    spans = [(i, j) for i in range(count) for j in range(i + min(3, count), count + 1) if j - i > 1]
+    for i, j in sorted(spans, key=lambda span: pressures[span[0]] - pressures[span[1] - 1]):
+        part = {name: (values[i:j], stds[i:j]) for name, (values, stds) in quantities.items()}
+        found = LinearRange.over(pressures[i:j], part)
+        if all(line.straight for line in found.lines.values()):
+            return found
+    return None
+
+
+def next_pressure(pressures: Sequence[float], covered: LinearRange | None, smallest: float = 1.0) -> float | None:
+    """The pressure (kPa) that tells most about where the lines end: the middle of the wider interval beside the range.
+
+    Without a range the middle of the widest interval. None where everything is covered and tested, and where no
+    interval is wider than twice `smallest`; two pressures are left alone, as in the paper's recipe.
+    """
+    intervals = list(pairwise(pressures))
+    if len(pressures) < 3:
+        return None
+    if covered is not None:
+        intervals = [(a, b) for a, b in intervals if b == covered.low or a == covered.high]
+    widest = max(intervals, key=lambda interval: interval[1] - interval[0], default=(0.0, 0.0))
+    return 0.5 * (widest[0] + widest[1]) if widest[1] - widest[0] > 2.0 * smallest else None
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rod import FiveParameters, RodError
-from rod.pressures import PressurisedRod, straightness
+from rod.pressures import PressurisedRod, linear_range, next_pressure, straightness
 from rod.scaling import Reference, scaled
 
 S = np.linspace(0.0, 112.0, 57)
@@ -99,3 +99,48 @@ def test_equation_10_limits():
 def test_impossible_requests_are_refused(call, sentence):
     with pytest.raises(RodError, match=sentence):
         call()
+
+
+def bent(p: list[float]) -> dict[str, tuple[list[float], list[float]]]:
+    """A straight quantity, and one that is straight from 17 kPa on."""
+    return {
+        "straight": ([100.0 + q for q in p], [0.1] * len(p)),
+        "bent": ([200.0 + 10.0 * max(q, 17.0) for q in p], [0.1] * len(p)),
+    }
+
+
+def test_the_range_ends_where_one_quantity_bends() -> None:
+    p = [5.0, 10.0, 17.0, 24.0, 31.0, 37.0]
+    found = linear_range(p, bent(p))
+    assert found is not None
+    assert (found.low, found.high) == (17.0, 37.0)
+    assert found.tested
+    assert found.lines["bent"].slope == pytest.approx(10.0)
+    whole = linear_range(p, {"straight": bent(p)["straight"]})
+    assert whole is not None
+    assert (whole.low, whole.high) == (5.0, 37.0)
+
+
+def test_two_pressures_are_a_range_that_was_not_tested() -> None:
+    found = linear_range([17.0, 37.0], bent([17.0, 37.0]))
+    assert found is not None
+    assert not found.tested
+    assert linear_range([17.0], bent([17.0])) is None
+    zigzag = [10.0, 20.0, 30.0, 40.0]
+    assert linear_range(zigzag, {"zigzag": ([1.0, 2.0, 1.0, 2.0], [0.01] * 4)}) is None
+
+
+def test_bisection_looks_beside_the_range_and_ends() -> None:
+    p = [5.0, 17.0, 31.0, 45.0]
+    found = linear_range(p, bent(p))
+    assert next_pressure(p, found) == 11.0
+    straight = linear_range(p, {"straight": bent(p)["straight"]})
+    assert next_pressure(p, straight) is None
+    assert next_pressure([17.0, 37.0], None) is None
+    assert next_pressure([5.0, 17.0, 45.0], None) == 31.0
+    while (more := next_pressure(p, linear_range(p, bent(p)))) is not None:
+        p = sorted({*p, more})
+        assert len(p) < 12
+    covered = linear_range(p, bent(p))
+    assert covered is not None
+    assert 15.0 <= covered.low <= 17.0

@@ -1,0 +1,83 @@
+"""Where the numbers are linear in the pressure, and pressures added by bisection where they are not."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import fem
+from geometry import Body
+from pipeline.cases import up_to
+from pipeline.config import Config
+from pipeline.parameters import Parameters, identify_all
+from pipeline.progress import Progress
+from pipeline.simulate import Outcome, simulate
+from pipeline.store import Store
+from rod import LinearRange, linear_range, next_pressure
+
+__all__ = ["covered_range", "merged", "quantities_of", "with_added_pressures"]
+
+Quantities = dict[str, tuple[list[float], list[float]]]
+
+
+def quantities_of(found: Sequence[Parameters]) -> tuple[list[float], Quantities]:
+    """Pressures (kPa) and what is tested for linearity: alpha1, alpha2 (N mm2) and kappa_0(l/2) (1/mm) with their
+    standard deviations. Where one line suffices, its slope stands for both."""
+    quantities: Quantities = {"alpha1": ([], []), "alpha2": ([], []), "kappa_0": ([], [])}
+    for p in found:
+        one = p.by_cells.one_line.alpha
+        for name in ("alpha1", "alpha2"):
+            interval = getattr(p.by_cells, name) if p.by_cells.two_lines else one
+            quantities[name][0].append(interval.value)
+            quantities[name][1].append(interval.std)
+        middle = abs(p.kappa_0.s - p.kappa_0.length / 2).argmin()
+        quantities["kappa_0"][0].append(float(p.kappa_0.kappa[middle]))
+        quantities["kappa_0"][1].append(float(p.kappa_0.kappa_std[middle]))
+    return [p.pressure_kPa for p in found], quantities
+
+
+def covered_range(found: Sequence[Parameters]) -> LinearRange | None:
+    """The pressures that straight lines cover, or None."""
+    pressures, quantities = quantities_of(found)
+    return linear_range(pressures, quantities)
+
+
+def with_added_pressures(
+    config: Config,
+    body: Body,
+    store: Store,
+    jobs: int,
+    progress: Progress,
+    outcomes: Mapping[str, Outcome],
+    found: tuple[Parameters, ...],
+) -> tuple[dict[str, Outcome], tuple[Parameters, ...]]:
+    """Outcomes and numbers with up to `config.added_pressures` more pressures, each where it says most about the range.
+
+    Nothing is added to a run that stopped early, and no pressure after one that fails. Raises RunFailed as `simulate`.
+    """
+    outcomes = dict(outcomes)
+    for _ in range(config.added_pressures):
+        pressure = next_pressure([p.pressure_kPa for p in found], covered_range(found))
+        if pressure is None or any(outcome.failure for outcome in outcomes.values()):
+            break
+        cases = [up_to(config, name, pressure) for name in ("III", "II", "I")]
+        more = simulate(config, body, store, jobs, progress, cases)
+        if any(outcome.failure for outcome in more.values()):
+            break
+        outcomes = {name: merged(outcomes[name], more[name]) for name in outcomes}
+        only = {name: replace(one, records=one.records[-1:]) for name, one in more.items()}
+        found = tuple(sorted((*found, *identify_all(only, body.pitch)[0]), key=lambda p: p.pressure_kPa))
+        if pressure not in {p.pressure_kPa for p in found}:
+            break
+    return outcomes, found
+
+
+def merged(first: Outcome, more: Outcome) -> Outcome:
+    """One outcome with the records of both; what `more` took up from `first` counts once."""
+    known = {record.pressure_kPa for record in first.records}
+    new = [record for record in more.records if record.pressure_kPa not in known]
+    spent = sum((record.spent for record in new), fem.Seconds(set_up=more.seconds.set_up))
+    return replace(
+        first,
+        records=tuple(sorted((*first.records, *new), key=lambda record: record.pressure_kPa)),
+        seconds=first.seconds + spent,
+        factorizations=first.factorizations + sum(record.row["factorizations"] for record in new),
+    )
