@@ -25,6 +25,9 @@ SUFFIXES = (".step", ".stp", ".brep", ".brp")
 SMALLEST, LARGEST = 1.0, 3000.0
 """A soft actuator shorter or longer than this (mm) is taken for a file in another unit."""
 
+FLAT = 0.05
+"""A tetrahedron whose radius ratio is less than this is mended."""
+
 
 @dataclass(frozen=True)
 class CadBody:
@@ -75,8 +78,16 @@ def mesh_cad(body: CadBody, size: float) -> Mesh:
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8, as in the round families
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
         gmsh.model.mesh.generate(3)
+        _mend(gmsh)
         mesh = collected(gmsh, material, walls, ["body"], list(body.air))
     return _finished(body, mesh)
+
+
+def _mend(gmsh: Any) -> None:
+    """Let Netgen's optimiser work on a mesh with flat tetrahedra, such as HXT leaves in thin plates now and then."""
+    tags, _ = gmsh.model.mesh.getElementsByType(4)
+    if min(gmsh.model.mesh.getElementQualities(tags, "gamma")) < FLAT:
+        gmsh.model.mesh.optimize("Netgen")
 
 
 def _finished(body: CadBody, mesh: SolidMesh) -> Mesh:

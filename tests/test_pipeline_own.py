@@ -1,0 +1,148 @@
+"""The user's own body in a configuration: the STEP file that is shipped, a ready mesh, and what is refused.
+
+`python -m tests.test_pipeline_own` draws configs/finger.step again.
+"""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from geometry import OwnMesh, OwnSolid
+from geometry.solid import session
+from pipeline.config import load_config
+from pipeline.effects import effect_rows
+from pipeline.failure import InputError
+from pipeline.progress import Silent
+from pipeline.scene import meshed_body
+from pipeline.simulate import simulate
+from pipeline.store import open_store
+
+CONFIGS = Path(__file__).resolve().parent.parent / "configs"
+
+
+def finger(occ: Any) -> list[tuple[int, int]]:
+    """A bar of 80 x 13 x 16 mm with round upper edges (3 mm) and a cavity of 76 x 9.5 x 13 mm, 2 mm over the base."""
+    bar = occ.addBox(0, 0, -8, 80, 13, 16)
+    occ.synchronize()
+    upper = [tag for _, tag in occ.getEntities(1) if _along_the_top(occ, tag)]
+    round_bar = occ.fillet([bar], upper, [3.0])
+    return occ.cut(round_bar, [(3, occ.addBox(2, 2, -6.5, 76, 9.5, 13))])[0]
+
+
+def _along_the_top(occ: Any, edge: int) -> bool:
+    x0, y0, _, x1, y1, _ = occ.getBoundingBox(1, edge)
+    return x1 - x0 > 79 and min(y0, y1) > 12.9
+
+
+def draw(path: Path) -> None:
+    """Write the finger as STEP, without the date and the program's paths in its head."""
+    with session() as gmsh:
+        finger(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    head = (
+        "HEADER;\nFILE_DESCRIPTION(('a finger'),'2;1');\n"
+        "FILE_NAME('finger.step','2000-01-01T00:00:00',('pneurod'),(''),'Gmsh','Open CASCADE','');\n"
+        "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));\nENDSEC;"
+    )
+    text = re.sub(r"HEADER;.*?ENDSEC;", head, path.read_text(encoding="ascii"), count=1, flags=re.DOTALL)
+    path.write_text(text, encoding="ascii")
+
+
+def test_shipped_file_is_what_the_drawing_says(tmp_path: Path) -> None:
+    draw(tmp_path / "finger.step")
+    shipped = load_config(CONFIGS / "finger.yaml")
+    assert isinstance(shipped.design, OwnSolid)
+    again = OwnSolid(str(tmp_path / "finger.step"), 0, 80, 1, shipped.design.air)
+    assert again.solid_volume == pytest.approx(shipped.design.solid_volume, rel=1e-9)
+    assert shipped.design.solid_volume == pytest.approx(
+        80 * (13 * 16 - (4 - 3.14159265) * 9 / 2) - 76 * 9.5 * 13, rel=1e-6
+    )
+    assert (CONFIGS / "finger.step").stat().st_size < 40_000
+
+
+def test_own_body_is_read_and_recorded(tmp_path: Path) -> None:
+    config = load_config(CONFIGS / "finger.yaml")
+    geometry = config.record()["geometry"]
+    assert geometry["file"] == "finger.step"
+    assert len(geometry["sha256"]) == 64
+    assert geometry["air"] == {"cavity": [40.0, 7.0, 0.0]}
+    assert (config.design.length, config.family) == (80.0, "own")
+
+
+def test_own_body_is_inflated(tmp_path: Path) -> None:
+    config = load_config(CONFIGS / "finger.yaml", ["mesh.size=5 mm", "pressures=[20 kPa]"])
+    body = meshed_body(config)
+    with open_store(tmp_path, config) as store:
+        outcomes = simulate(config, body, store, 1, Silent(), ("II",))
+        rows = {row["effect"]: row for row in effect_rows(config, body, outcomes)}
+    (record,) = outcomes["II"].records
+    assert record.row["end_y_mm"] < 1.0 - 2.0
+    assert abs(record.row["stretch_of_curve"] - 1.0) < 2e-3
+    assert rows["self_contact"]["state"] == "off"
+    assert rows["symmetry"]["state"] == rows["strain_limiting_layer"]["state"] == "on"
+
+
+@pytest.fixture(scope="module")
+def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A configuration of the finger as a ready mesh."""
+    folder = tmp_path_factory.mktemp("ready")
+    body = meshed_body(load_config(CONFIGS / "finger.yaml", ["mesh.size=5 mm"]))
+    body.mesh.write(folder / "finger.msh")
+    text = (CONFIGS / "finger.yaml").read_text(encoding="utf-8")
+    geometry = "geometry: {family: own, file: finger.msh, curve: 1 mm, cell: 8 mm}\n"
+    text = re.sub(r"geometry:\n(  .*\n)+", geometry, text)
+    text = re.sub(r"mesh:\n(  .*\n)+", "", text)
+    path = folder / "finger.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def test_ready_mesh_stays_as_it_is(ready: Path) -> None:
+    config = load_config(ready)
+    assert isinstance(config.design, OwnMesh)
+    body = meshed_body(config)
+    assert (body.half, body.length, config.mesh.formulation) == (True, pytest.approx(80.0), "p2p0")
+    assert config.mesh.size_mm == pytest.approx(body.mesh.quality.longest_edge)
+    assert config.design.solid_volume == pytest.approx(
+        load_config(CONFIGS / "finger.yaml").design.solid_volume, rel=2e-2
+    )
+
+
+def refusal(path: Path, *overrides: str) -> str:
+    with pytest.raises(InputError) as refused:
+        load_config(path, overrides)
+    assert "\n" not in str(refused.value)
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("override", "sentence"),
+    [
+        ("geometry.file=none.step", "--set geometry.file: .*none.step does not exist"),
+        ("geometry.file=finger.yaml", "--set geometry.file: finger.yaml is not a CAD file that can be read"),
+        ("geometry.tip=90 mm", "--set geometry.tip: x = 90 mm lies outside the body, which reaches from 0 to 80 mm"),
+        ("geometry.air.cavity=[40 mm, 1 mm, 0 mm]", "--set geometry.air.cavity: the point .* lies in the material"),
+        ("geometry.air.cavity=[40 mm, 1 mm]", "--set geometry.air.cavity: has 2 numbers instead of x, y and z"),
+        ("geometry.air.other=[41 mm, 7 mm, 0 mm]", "--set geometry.air.other: .* same cavity as that of cavity"),
+        ("geometry.unit=1 m", "--set geometry.unit: the body measures 8e\\+04 .* in another unit"),
+        ("geometry.symmetric=3", "--set geometry.symmetric: 3 is neither true nor false"),
+        ("geometry.clamp=0", "--set geometry.clamp: 0 has no unit"),
+        ("geometry.wall=1 mm", "--set geometry.wall: unknown key; .*allowed here: family, file, clamp, tip"),
+        ("mesh.size=50 mm", "--set mesh.size: 50 mm is larger than the body"),
+    ],
+)
+def test_own_body_is_refused_by_key(override: str, sentence: str) -> None:
+    assert re.search(sentence, refusal(CONFIGS / "finger.yaml", override))
+
+
+def test_ready_mesh_is_refused_by_key(ready: Path) -> None:
+    assert "mesh.size: unknown key; allowed here: formulation" in refusal(ready, "mesh.size=3 mm")
+    assert "geometry.file: the mesh file" in refusal(ready, "geometry.file=none.msh")
+    assert "the material curve y = 1.2 mm" in refusal(ready, "geometry.curve=1.2 mm")
+
+
+if __name__ == "__main__":
+    draw(CONFIGS / "finger.step")
