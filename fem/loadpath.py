@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem import newton
-from fem.extremes import extremes_of
+from fem.extremes import extremes_of, strain_at_stress_points
 from fem.linear import LinearSolver
 from fem.model import Model
 from fem.newton import Converged, NewtonOptions, StepFailed
@@ -159,7 +159,27 @@ class Path:
 
     def _explain(self, origin: Place, factor: float, done: float, failure: str) -> str:
         reached = origin.factor + done * (factor - origin.factor)
-        return f"no equilibrium found beyond load factor {reached:.4g} on the way to {factor:.4g}: {failure}"
+        sentence = f"no equilibrium found beyond load factor {reached:.4g} on the way to {factor:.4g}: {failure}"
+        return f"{sentence}{self._beyond_the_law()}"
+
+    def _beyond_the_law(self) -> str:
+        """A clause for a law that was driven out of its limits in the last equilibrium; empty otherwise."""
+        displacement = self.places[-1].state.displacement
+        _, jacobian = strain_at_stress_points(self.system.space, displacement)
+        worst = extremes_of(self.system.space, displacement, jacobian)
+        lowest, highest = self.system.material.stretch_limits
+        law = type(self.system.material).__name__
+        if worst.min_stretch < lowest:
+            return (
+                f"; there a stretch of {worst.min_stretch:.3g} at {_at(worst.min_stretch_at)} is below {lowest:.3g}, "
+                f"where {law} in compression is no longer stable"
+            )
+        if worst.max_stretch > highest:
+            return (
+                f"; there a stretch of {worst.max_stretch:.3g} at {_at(worst.max_stretch_at)} is above {highest:.3g}, "
+                f"the largest that {law} can be trusted at"
+            )
+        return ""
 
     def _step(
         self, factor: float, found: Converged, factorizations: int, cutbacks: int, seconds: float, spent: Seconds

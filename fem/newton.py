@@ -28,8 +28,8 @@ class NewtonOptions:
 
     tolerance: float = 1e-6  #: norm of the residual over the norm of the internal forces
     iterations: int = 30  #: factorizations per step at the most
-    strain: float = 0.15  #: largest change of a strain component in one iteration, to first order
-    blow_up: float = 1e6  #: relative residual that ends the attempt
+    strain: float = 0.1  #: largest change of a strain component, to first order, where the tangent is indefinite
+    limited: int = 10  #: iterations limited by that before the attempt is given up
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def solve(
     """
     state = start
     fixed = system.constraints.fixed
-    relative = np.inf
+    relative, limited = np.inf, 0
     for iteration in range(options.iterations + 1):
         assembly = system.assemble(state.displacement, factor, terms)
         jump = np.where(fixed, prescribed - state.displacement, 0.0)
@@ -72,11 +72,14 @@ def solve(
             pivots = system.solver.negative_pivots if iteration else 0
             carried = State(state.displacement, assembly.response.stress)
             return Converged(carried, assembly, iteration, relative, pivots)
-        if not np.isfinite(relative) or relative > options.blow_up:
+        if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
+        if limited > options.limited:
+            raise StepFailed(f"the tangent stays indefinite ({system.solver.negative_pivots} negative pivots)")
         if iteration < options.iterations:
             begin, x = state.displacement, system.space.points + state.displacement
-            state = _advance(system, terms, state, assembly, factor, jump, options, convex=relative > 0.1)
+            state, whole = _advance(system, terms, state, assembly, factor, jump, options, convex=relative > 0.1)
+            limited += not whole
             terms = tuple(term.advanced(x, state.displacement - begin) for term in terms)
     raise StepFailed(f"no equilibrium after {options.iterations} iterations (relative residual {relative:.1e})")
 
@@ -90,17 +93,20 @@ def _advance(
     jump: Array,
     options: NewtonOptions,
     convex: bool,
-) -> State:
+) -> tuple[State, bool]:
+    """The next state, and whether the strain was allowed to change as much as the increment asked for."""
     try:
         increment = system.increment(state, assembly, factor, terms, jump, convex)
     except SingularMatrix as error:
         raise StepFailed(f"the tangent is singular ({error})") from None
     strain = system.linearised_strain(state, increment)
     largest = float(np.abs(strain).max())
-    share = min(1.0, options.strain / largest) if largest > 0 else 1.0
+    # an indefinite tangent (thin walls at rest under the whole pressure) points past a saddle: its direction counts
+    whole = system.solver.negative_pivots == 0 or largest <= options.strain
+    share = 1.0 if whole else options.strain / largest
     share *= system.step_limit(terms, state.displacement, share * increment)
     stress = system.carried_stress(assembly, share * strain)
-    return State(state.displacement + share * increment, stress)
+    return State(state.displacement + share * increment, stress), whole
 
 
 def _relative_residual(system: System, assembly: Assembly) -> float:
