@@ -3,6 +3,7 @@
 Everything heavy is imported inside the commands, so that `pneurod --help` answers at once.
 """
 
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -59,6 +60,7 @@ def run(
             run_story(design, folder, jobs or min(3, len(os.sched_getaffinity(0))), fresh, progress)
         finally:
             progress.done()
+        _say_effects(console, folder)
         console.print(f"report: {folder / 'report.html'}", highlight=False, soft_wrap=True)
 
 
@@ -80,6 +82,35 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         except OSError as failure:
             raise InputError(f"--out {folder}: cannot be written ({failure.strerror}); give another folder") from None
         Console().print(_body_table(folder / "mesh.vtu", design.design, body), highlight=False, soft_wrap=True)
+
+
+@app.command()
+def effects(
+    config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
+) -> None:
+    """Each effect on and off: what it changes, what it costs. [default DIR: results/NAME_effects]"""
+    with _plain_endings():
+        from pipeline.config import load_config
+        from pipeline.progress import progress_for
+
+        design = load_config(config, settings or ())
+        folder = out or Path("results") / f"{design.name}_effects"
+
+        from pipeline.effects_table import compare_effects
+        from pipeline.tables import comparison
+
+        console = Console()
+        progress = progress_for(console)
+        try:
+            rows, failures = compare_effects(
+                design, folder, jobs or min(2, len(os.sched_getaffinity(0))), fresh, progress
+            )
+        finally:
+            progress.done()
+        console.print(comparison(rows), highlight=False)
+        console.print(f"table: {folder / 'effects_table.json'}", highlight=False, soft_wrap=True)
+        if failures:
+            raise RunFailed("; ".join(failures))
 
 
 @app.command()
@@ -172,6 +203,15 @@ def _plain_endings() -> Iterator[None]:
 def _end(sentence: str, status: int) -> NoReturn:
     typer.echo(f"pneurod: {sentence}", err=True)
     raise typer.Exit(status) from None
+
+
+def _say_effects(console: Console, folder: Path) -> None:
+    """Which effects were simulated, and why."""
+    file = folder / "effects.json"
+    if file.is_file():
+        from pipeline.tables import sentences
+
+        console.print(sentences(json.loads(file.read_text(encoding="utf-8"))), highlight=False)
 
 
 def _body_table(path: Path, design: "Design", body: "Body") -> Table:

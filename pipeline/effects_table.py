@@ -7,8 +7,8 @@ from typing import Any
 
 from geometry import Body
 from pipeline.config import Config
-from pipeline.failure import RunFailed
-from pipeline.parameters import identify_all, parameters_record
+from pipeline.parameters import identify_all
+from pipeline.parameters_file import parameters_record
 from pipeline.progress import Progress
 from pipeline.scene import contact_faces, is_on, meshed_body
 from pipeline.simulate import Outcome, simulate
@@ -46,11 +46,13 @@ class Variant:
         return f"{self.effect}_{self.state}" if self.state else "."
 
 
-def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> list[dict[str, Any]]:
+def compare_effects(
+    config: Config, out: Path, jobs: int, fresh: bool, progress: Progress
+) -> tuple[list[dict[str, Any]], list[str]]:
     """Run II and III with each effect on and off; one row per variant and pressure, also in `out`/effects_table.json.
 
-    Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed when a pressure
-    was not reached; the rows that were are in the file then.
+    The second list says in sentences which pressures were not reached. Raises InputError for a body that cannot be
+    meshed or a folder that cannot be used.
     """
     rows: list[dict[str, Any]] = []
     failures: list[str] = []
@@ -65,9 +67,7 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
             rows += found
             failures += refused
             store.save_json("effects_table.json", _compared(rows))
-    if failures:
-        raise RunFailed(f"{'; '.join(failures)}; what was reached is in {out / 'effects_table.json'}")
-    return _compared(rows)
+    return _compared(rows), failures
 
 
 def variants(config: Config, body: Body) -> list[Variant]:

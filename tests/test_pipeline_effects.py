@@ -1,5 +1,6 @@
 """What effects do in a run: half against whole, contact that waits, and effects that are off cost nothing."""
 
+import io
 import json
 import subprocess
 import sys
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 import fem
 from pipeline.config import load_config
@@ -18,6 +20,7 @@ from pipeline.progress import Silent
 from pipeline.scene import effects_of, meshed_body
 from pipeline.simulate import Outcome, simulate
 from pipeline.store import open_store
+from pipeline.tables import comparison
 
 HERE = Path(__file__).resolve().parent.parent
 SHORT = ("geometry.chambers=3", "mesh.size=4 mm")
@@ -148,10 +151,15 @@ def test_table_of_effects(tmp_path: Path) -> None:
     assert [variant.name for variant in variants(config, meshed_body(config))] == [
         *(BASE, "symmetry off", "incompressibility off", "gravity on", "strain_limiting_layer on")
     ]
-    rows = compare_effects(config, tmp_path / "table", 1, False, Silent())
+    rows, failures = compare_effects(config, tmp_path / "table", 1, False, Silent())
+    assert failures == []
     assert json.loads((tmp_path / "table" / "effects_table.json").read_text()) == json.loads(json.dumps(rows))
     by_name = {f"{row['effect']} {row['state']}".strip(): row for row in rows}
     assert by_name[BASE]["relative_change"]["alpha1_N_mm2"] == 0.0
     assert abs(by_name["symmetry off"]["relative_change"]["end_force_N"]) < 1e-4
     assert by_name["strain_limiting_layer on"]["relative_change"]["kappa_0_middle_per_mm"] > 0.3
     assert all(row["seconds"] > 0.0 and row["factorizations"] > 0 for row in rows)
+    console = Console(record=True, width=200, file=io.StringIO())
+    console.print(comparison(rows))
+    shown = console.export_text()
+    assert all(text in shown for text in (*by_name, "one line suffices", "(+"))

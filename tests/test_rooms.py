@@ -50,7 +50,7 @@ DOORS: dict[str, set[str]] = {
     "yaml": {"pipeline/document.py"},
     "pyvista": {"pipeline/pictures.py"},
     "typer": {"pipeline/cli.py"},
-    "rich": {"pipeline/cli.py", "pipeline/progress.py"},
+    "rich": {"pipeline/cli.py", "pipeline/progress.py", "pipeline/tables.py"},
     "jinja2": {"pipeline/report.py"},
     "plotly": {"pipeline/report.py", "pipeline/report_figures.py"},
 }
