@@ -7,10 +7,11 @@ SHELL := /bin/bash
 BIN := .venv/bin
 READY := .venv/.ready
 
-.PHONY: help setup pneunet pneunet-coarse test slow lint types doctor clean
+all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects
+.PHONY: help setup $(all_targets) test slow lint types doctor clean
 
 help:  ## list the targets
-	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 22
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
 
 setup: $(READY)  ## virtual environment, pinned packages and system libraries (implied by all others)
 
@@ -19,6 +20,20 @@ pneunet: $(READY)  ## the gapped pneu-net arm: five parameters and a report in r
 
 pneunet-coarse: $(READY)  ## the same arm on a coarse mesh, in less time
 	@$(BIN)/pneurod run configs/pneunet_coarse.yaml --out results/pneunet_coarse
+
+semicircular: $(READY)  ## the semicircular arm with 11 cavities
+	@$(BIN)/pneurod run configs/semicircular.yaml --out results/semicircular
+
+semicircular-single: $(READY)  ## the semicircular arm with one cavity
+	@$(BIN)/pneurod run configs/semicircular_single.yaml --out results/semicircular_single
+
+bisected-circle: $(READY)  ## the bisected circle
+	@$(BIN)/pneurod run configs/bisected_circle.yaml --out results/bisected_circle
+
+all: pneunet semicircular semicircular-single bisected-circle  ## the four designs of the paper
+
+effects: $(READY)  ## what each effect changes and costs on the coarse arm
+	@$(BIN)/pneurod effects configs/pneunet_coarse.yaml --out results/effects
 
 test: $(READY)  ## all tests but the slow ones
 	@$(BIN)/python -m pytest
