@@ -139,7 +139,7 @@ class Pressure(Effect):
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
 class PressureTerm(Acting):
     """-p V(x), V enclosed by the faces and symmetry planes through the origin."""
 
@@ -241,7 +241,7 @@ class LineForce(Effect):
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
 class DeadForceTerm(Acting):
     """-f . x with nodal forces that keep their direction."""
 

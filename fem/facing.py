@@ -26,7 +26,7 @@ WEIGHT = 1.55 / 2
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
 class FacingTerm(Term):
     """Sum over facing pairs of area times stiffness times phi(gap)."""
 

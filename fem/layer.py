@@ -62,7 +62,7 @@ class StrainLimitingLayer(Effect):
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
 class LayerTerm(Acting):
     """The stretching energy of a membrane."""
 

@@ -203,3 +203,12 @@ def test_contact_that_cannot_be_is_refused(contact: SelfContact) -> None:
 def test_pairs_of_a_face_that_sees_nothing_are_empty() -> None:
     space = Discretisation.of(fork(GAP), "p2p0")
     assert FacingPairs.of(space.surface("above"), space.points).nodes.size == 0
+
+
+def test_two_pressures_stand_side_by_side() -> None:
+    """Terms hold arrays and are told apart by identity."""
+    mesh = hollow_box(half=False)
+    space = Discretisation.of(mesh, "p2p0")
+    terms = tuple(Pressure("cavity", value).bind(space, LAW) for value in (0.1, 0.2))
+    assert terms[1] in terms
+    assert terms[0] != terms[1]

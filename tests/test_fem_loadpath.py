@@ -1,0 +1,171 @@
+"""The walk along the load path: cut back, restore, give up with a reason, take up again."""
+
+import numpy as np
+import pytest
+from bodies import box
+from numpy.typing import NDArray
+
+import fem.newton
+from fem import (
+    Experiment,
+    Fixed,
+    Gravity,
+    Model,
+    NewtonOptions,
+    NotConverged,
+    PathOptions,
+    Prescribed,
+    Pressure,
+    SelfContact,
+    Step,
+    StVenantKirchhoff,
+    follow,
+    step_from_arrays,
+    step_to_arrays,
+)
+from fem.newton import StepFailed
+from geometry import Body, PneuNet
+
+Array = NDArray[np.float64]
+
+LAW = StVenantKirchhoff(E=1.2, nu=0.495)
+
+
+@pytest.fixture(scope="module")
+def short() -> Body:
+    """Three chambers, 32 mm long."""
+    return PneuNet(chambers=3).body(4.0)
+
+
+#: bends the beam by a third of its length
+WEIGHT = Gravity(5e-8)
+
+
+def beam(effects: list) -> Model:
+    return Model(box((4, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.3), [Fixed("left")], effects)
+
+
+def test_steps_stand_exactly_at_the_asked_factors_in_their_order() -> None:
+    kept: list[Step] = []
+    solution = follow(beam([WEIGHT]), [0.3, 1.0, 0.3], keep=kept.append)
+    assert [step.factor for step in solution.steps] == [0.3, 1.0, 0.3]
+    assert tuple(kept) == solution.steps
+    np.testing.assert_allclose(solution.steps[0].displacement, solution.steps[2].displacement, atol=1e-5)
+    assert solution.factorizations == sum(step.factorizations for step in solution.steps)
+    assert solution.seconds.total > 0
+
+
+def test_what_newton_does_can_be_watched() -> None:
+    seen: list[tuple[float, int, float]] = []
+    solution = follow(beam([WEIGHT]), [0.5, 1.0], watch=lambda *now: seen.append(now))
+    assert {factor for factor, _, _ in seen} == {0.5, 1.0}
+    assert sum(iteration > 0 for _, iteration, _ in seen) == solution.factorizations
+    assert seen[-1][2] < NewtonOptions().tolerance
+
+
+def test_failed_attempts_are_cut_and_start_from_the_last_equilibrium(monkeypatch) -> None:
+    """Attempts over more than a third of the way fail here; the end state must not know of it."""
+    plain = follow(beam([WEIGHT]), [1.0])
+    real, starts = fem.newton.solve, []
+
+    def fails_far_out(system, terms, start, factor, *rest):
+        starts.append((factor, start.displacement.copy()))
+        done = 0.0 if not start.displacement.any() else reached[-1]
+        if factor - done > 0.34:
+            raise StepFailed("too far")
+        found = real(system, terms, start, factor, *rest)
+        reached.append(factor)
+        return found
+
+    reached: list[float] = []
+    monkeypatch.setattr(fem.newton, "solve", fails_far_out)
+    step = follow(beam([WEIGHT]), [1.0]).steps[0]
+    assert step.cutbacks >= 2
+    assert reached == sorted(reached)
+    assert reached[-1] == 1.0
+    assert [factor for factor, _ in starts[:3]] == [1.0, 0.5, 0.25]
+    for _, displacement in starts[:3]:
+        assert not displacement.any()
+    np.testing.assert_allclose(step.displacement, plain.steps[0].displacement, atol=1e-4)
+
+
+def test_what_does_not_ramp_is_whole_from_the_first_factor_on() -> None:
+    first, last = follow(beam([Gravity(5e-8, ramp=False)]), [0.1, 1.0]).steps
+    np.testing.assert_allclose(first.displacement, last.displacement, atol=1e-9)
+    alone = follow(beam([WEIGHT]), [1.0]).steps[0]
+    np.testing.assert_allclose(last.displacement, alone.displacement, atol=1e-4)
+
+
+def test_a_pressure_no_body_can_bear_ends_with_a_sentence(short: Body) -> None:
+    """1 MPa on 17 kPa's way: what was reached stays, the limit of the law is named. Measured: 150 factorizations."""
+    model = Experiment.of("II", short, 0.0).model(
+        LAW, [Pressure("cavity", 1.0), SelfContact("gap", waits=True)], "p2p0"
+    )
+    kept: list[Step] = []
+    with pytest.raises(NotConverged) as caught:
+        follow(model, [0.017, 1.0], keep=kept.append)
+    reason, partial = caught.value.reason, caught.value.partial
+    assert str(caught.value) == reason
+    assert reason.startswith("no equilibrium found beyond load factor 0.0")
+    assert "on the way to 1: " in reason
+    assert "is below 0.577, where StVenantKirchhoff in compression is no longer stable" in reason
+    assert [step.factor for step in partial.steps] == [0.017]
+    assert partial.steps == tuple(kept)
+    assert partial.factorizations < 300
+    assert partial.seconds.factorization > 0
+
+
+def test_a_body_that_is_not_held_is_told_so() -> None:
+    model = Model(box((2, 1, 1), (2.0, 1.0, 1.0)), LAW, [Fixed("left", "x")], [Gravity(1e-9)])
+    with pytest.raises(NotConverged, match=r"singular.*a part of the body is not held") as caught:
+        follow(model, [1.0])
+    assert caught.value.partial.steps == ()
+    assert caught.value.partial.factorizations < 20
+
+
+def test_an_element_turned_inside_out_is_named() -> None:
+    """The right end is pushed past the left one."""
+    supports = [Fixed("left"), Prescribed("right", "x", -2.2), Fixed("right", "yz")]
+    model = Model(box((2, 1, 1), (2.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.3), supports, [])
+    with pytest.raises(NotConverged, match=r"inside out at \(.*\) mm \(J = -") as caught:
+        follow(model, [0.05, 1.0])
+    assert len(caught.value.partial.steps) == 1
+
+
+def test_iterations_that_do_not_suffice_are_said() -> None:
+    options = PathOptions(NewtonOptions(iterations=1), smallest=0.3)
+    with pytest.raises(NotConverged, match=r"no equilibrium after 1 iterations \(relative residual \d"):
+        follow(beam([WEIGHT]), [1.0], options)
+
+
+@pytest.mark.parametrize("through_arrays", [False, True])
+def test_a_path_taken_up_again_goes_on_as_if_never_left(short: Body, through_arrays: bool) -> None:
+    effects = [Pressure("cavity", 0.037), SelfContact("gap", waits=True)]
+    model = Experiment.of("II", short, 0.0).model(LAW, effects, "p2p0")
+    factors = [5 / 37, 25 / 37, 1.0]
+    whole = follow(model, factors).steps
+    assert "self_contact" in whole[1].effects
+    for count in (1, 2):
+        done = whole[:count]
+        if through_arrays:
+            done = tuple(step_from_arrays(step.space, step_to_arrays(step)) for step in done)
+        again = follow(model, factors, resume=done).steps
+        assert [step.factor for step in again] == factors
+        for step, first in zip(again, whole, strict=True):
+            np.testing.assert_allclose(step.displacement, first.displacement, rtol=0, atol=1e-10)
+            assert step.factorizations == first.factorizations
+            assert step.effects == first.effects
+
+
+def test_a_finished_path_taken_up_again_does_nothing() -> None:
+    model = beam([WEIGHT])
+    steps = follow(model, [0.5, 1.0]).steps
+    again = follow(model, [0.5, 1.0], resume=steps)
+    assert again.steps == steps
+    assert again.factorizations == 0
+
+
+def test_two_loads_of_one_kind_add_up() -> None:
+    both = follow(beam([Gravity(2e-8), Gravity(3e-8)]), [1.0]).steps[0]
+    one = follow(beam([WEIGHT]), [1.0]).steps[0]
+    np.testing.assert_allclose(both.displacement, one.displacement, atol=1e-12)
