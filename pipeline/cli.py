@@ -96,7 +96,7 @@ def effects(
         design = load_config(config, settings or ())
         folder = out or Path("results") / f"{design.name}_effects"
 
-        from pipeline.effects_table import compare_effects
+        from pipeline.effects_table import about_contact, compare_effects
         from pipeline.tables import comparison
 
         console = Console()
@@ -108,6 +108,8 @@ def effects(
         finally:
             progress.done()
         console.print(comparison(rows), highlight=False)
+        for sentence in about_contact(rows):
+            console.print(sentence, highlight=False, soft_wrap=True)
         console.print(f"table: {folder / 'effects_table.json'}", highlight=False, soft_wrap=True)
         if failures:
             raise RunFailed("; ".join(failures))

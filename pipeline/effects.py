@@ -100,7 +100,8 @@ def _gravity(config: Config) -> tuple[str, str]:
         return "off", "not asked for: the arm lies on its side in the paper's experiments"
     x, y, z = (component / 1000 for component in config.gravity_mm_s2)
     return "on", (
-        f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod takes the arm that hangs in II as its shape at rest"
+        f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod has no weight, so the five numbers carry the moment of "
+        "the weight as an error"
     )
 
 

@@ -1,6 +1,6 @@
 """Each effect on and off: what it changes in the numbers of the rod, and what it costs."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from pipeline.scene import contact_faces, is_on, meshed_body
 from pipeline.simulate import Outcome, simulate
 from pipeline.store import Store, open_store
 
-__all__ = ["BASE", "COLUMNS", "compare_effects", "variants"]
+__all__ = ["BASE", "COLUMNS", "about_contact", "compare_effects", "variants"]
 
 BASE = "as configured"
 #: key of a row -> how its column is called
@@ -113,7 +113,8 @@ def _rows(variant: Variant, store: Store, jobs: int, progress: Progress) -> tupl
             "kappa_0_middle_per_mm": record["kappa_0"]["middle_per_mm"][k],
             "end_force_N": one.loaded.end_force[1],
             "end_y_II_mm": one.free.row["end_y_mm"],
-            **{name: record[name][k] for name in ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm", "d_mm_std")},
+            **{name: record[name][k] for name in ("alpha1_N_mm2", "alpha2_N_mm2")},
+            "d_mm": None if record["one_line_suffices"][k] else record["d_mm"][k],  # one line has no break
             **{name: record[name][k] for name in ("one_line_suffices", "r2_one_line", "r2_two_lines")},
             "stretch_of_curve": [one.free.centreline.stretch, one.loaded.centreline.stretch],
             **cost,
@@ -134,8 +135,32 @@ def _compared(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     compared = []
     for row in rows:
         reference = base.get(row["pressure_kPa"])
-        change = {
-            name: row[name] / reference[name] - 1.0 if reference and reference[name] else None for name in COLUMNS
-        }
+        change = {name: _change(row[name], reference[name] if reference else None) for name in COLUMNS}
         compared.append({**row, "relative_change": change})
     return compared
+
+
+def _change(value: float | None, reference: float | None) -> float | None:
+    return value / reference - 1.0 if value is not None and reference else None
+
+
+def about_contact(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Whether the two slopes come from chambers that touch, in one sentence per pressure; none without such a pair."""
+    by_state: dict[float, dict[str, Mapping[str, Any]]] = {}
+    for row in rows:
+        if row["effect"] in (BASE, "self_contact"):
+            by_state.setdefault(row["pressure_kPa"], {})[row["state"]] = row
+    sentences = []
+    for pressure, found in by_state.items():
+        if len(found) == 2:
+            without = found.get("off", found[""])
+            touching = found.get("on", found[""])
+            sentences.append(f"{pressure:g} kPa: with contact {_slopes(touching)}; without it {_slopes(without)}")
+    return sentences
+
+
+def _slopes(row: Mapping[str, Any]) -> str:
+    alpha1, alpha2 = row["alpha1_N_mm2"], row["alpha2_N_mm2"]
+    if row["one_line_suffices"]:
+        return f"one line suffices, alpha = {alpha1:.4g} N mm2"
+    return f"alpha1 = {alpha1:.4g}, alpha2 = {alpha2:.4g} N mm2, d = {row['d_mm']:.3g} mm"

@@ -162,3 +162,8 @@ def test_doctor_knows_a_missing_system_library_from_a_missing_package(monkeypatc
     assert not library.sound
     assert all(package in library.mends for package in doctor.system_packages())
     assert failing("ModuleNotFoundError: No module named 'gmsh'").mends == "make setup"
+
+
+def test_effects_refuses_what_run_refuses(coarse: str, tmp_path: Path) -> None:
+    said = sentence(call("effects", coarse, "--out", str(tmp_path), "--set", "effects.gravity=down"), 2)
+    assert said == "--set effects.gravity: 'down' is not allowed; allowed: auto, on or off"

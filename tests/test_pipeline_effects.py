@@ -15,7 +15,7 @@ from rich.console import Console
 import fem
 from pipeline.config import load_config
 from pipeline.effects import effect_rows
-from pipeline.effects_table import BASE, compare_effects, variants
+from pipeline.effects_table import BASE, about_contact, compare_effects, variants
 from pipeline.progress import Silent
 from pipeline.scene import effects_of, meshed_body
 from pipeline.simulate import Outcome, simulate
@@ -142,6 +142,19 @@ def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
         assert sum(outcome.factorizations for outcome in found.values()) <= 60
         stretch = [record.row["stretch_of_curve"] for outcome in found.values() for record in outcome.records]
         assert layer == "off" or np.abs(np.array(stretch) - 1.0).max() < 2e-3
+
+
+def test_two_slopes_are_held_against_contact() -> None:
+    two = {"pressure_kPa": 17.0, "alpha1_N_mm2": 185.0, "alpha2_N_mm2": 300.6, "d_mm": 6.19, "one_line_suffices": False}
+    one = {**two, "alpha2_N_mm2": 185.0, "d_mm": None, "one_line_suffices": True}
+    with_and_without = [{"effect": BASE, "state": "", **two}, {"effect": "self_contact", "state": "off", **one}]
+    assert about_contact(with_and_without) == [
+        "17 kPa: with contact alpha1 = 185, alpha2 = 300.6 N mm2, d = 6.19 mm; "
+        "without it one line suffices, alpha = 185 N mm2"
+    ]
+    switched_on = [{"effect": BASE, "state": "", **one}, {"effect": "self_contact", "state": "on", **two}]
+    assert about_contact(switched_on) == about_contact(with_and_without)
+    assert about_contact(with_and_without[:1]) == []
 
 
 def test_table_of_effects(tmp_path: Path) -> None:
