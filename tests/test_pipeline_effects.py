@@ -133,6 +133,20 @@ def test_layer_keeps_the_length_of_the_curve(tmp_path: Path) -> None:
     assert 0.0 < rows["strain_limiting_layer"]["share_of_time"] < 0.1
 
 
+def test_equal_pressures_on_both_sides_do_not_bend_the_bar(tmp_path: Path) -> None:
+    bar = ("bisected_circle_coarse", "geometry.length=48 mm", "mesh.size=5 mm", "pressures=[15 kPa]")
+    ends_y = []
+    for k, lower in enumerate(("0", "1", "15 kPa", "5 kPa")):
+        cavities = f"effects.pressure={{cavities: {{cavity: 1, cavity_lower: {lower}}}}}"
+        outcomes, _ = simulated(tmp_path / str(k), *bar, cavities)
+        ends_y.append(ends(outcomes)[0, 1])
+    alone, equal, held, less = ends_y
+    assert alone < -0.2
+    assert abs(equal) < 0.05 * abs(alone)
+    assert held == pytest.approx(equal, abs=1e-6)
+    assert alone < less < equal
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["semicircular", "semicircular_single", "bisected_circle"])
 def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
