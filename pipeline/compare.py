@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from geometry import Centreline
 from pipeline.parameters import Parameters
 from pipeline.simulate import Outcome, Record
-from rod import RodError, RodSolution, cell_averaged, moment_from_force, without_stretch
+from rod import Rod, RodError, RodSolution, cell_averaged, moment_from_force, without_stretch
 
-__all__ = ["CURVE_COLUMNS", "Comparison", "compare", "curve_rows"]
+__all__ = ["CURVE_COLUMNS", "Comparison", "compare", "curve_rows", "held_against", "rows_of"]
 
 Array = NDArray[np.float64]
 
@@ -29,52 +29,83 @@ class Comparison:
     record: Record
     shape: RodSolution | None
     reason: str  #: empty, or a sentence
+    pitch: float  #: mm
+    load: str = ""  #: besides the pressure, in words; empty for II and III as identified
+    in_sample: bool = True  #: the numbers were fitted to this very load and pressure
 
     def row(self) -> dict[str, Any]:
-        """As in validation.json; distances over the length, angle in rad, force relative."""
+        """As in validation.json; distances over the length, angle in rad, force and curvature relative."""
         row: dict[str, Any] = {
             "experiment": self.record.experiment,
             "pressure_kPa": self.record.pressure_kPa,
+            "load": self.load,
+            "sample": "in" if self.in_sample else "out",
             "distance_over_length": None,
+            "distance_at_s_mm": None,
             "distance_over_length_without_stretch": None,
             "end_angle_error_rad": None,
             "force_error": None,
+            "force_N": None,
             "rod_force_N": None,
+            "curvature_error": None,
+            "curvature_error_at_s_mm": None,
             "reason": self.reason,
         }
         if self.shape is None:
             return row
         curve = self.record.centreline
-        row["distance_over_length"] = self._distance(curve)
-        row["distance_over_length_without_stretch"] = self._distance(without_stretch(curve))
+        off = self._distances(self.shape, curve)
+        row["distance_over_length"] = float(off.max()) / curve.length
+        row["distance_at_s_mm"] = float(curve.s[off.argmax()] - curve.s[0])
+        row["distance_over_length_without_stretch"] = (
+            float(self._distances(self.shape, without_stretch(curve)).max()) / curve.length
+        )
         ends = np.unwrap([float(curve.angle[-1]), float(self.shape.theta[-1])])
         row["end_angle_error_rad"] = float(ends[1] - ends[0])
         force = self.record.end_force[1]
-        if force:
-            row["rod_force_N"] = float(self.shape.force[1])
+        if force and self.record.experiment == "III":
+            row["force_N"], row["rod_force_N"] = force, float(self.shape.force[1])
             row["force_error"] = float(self.shape.force[1]) / force - 1.0
+        row["curvature_error"], row["curvature_error_at_s_mm"] = self._curvature_error(self.shape, curve)
         return row
 
-    def _distance(self, curve: Centreline) -> float:
-        assert self.shape is not None
-        off = self.shape.positions(curve.s - curve.s[0]) - np.column_stack([curve.x, curve.y])
-        return float(np.hypot(off[:, 0], off[:, 1]).max()) / curve.length
+    @staticmethod
+    def _distances(shape: RodSolution, curve: Centreline) -> Array:
+        """(n,) mm, at equal s."""
+        off = shape.positions(curve.s - curve.s[0]) - np.column_stack([curve.x, curve.y])
+        return np.hypot(off[:, 0], off[:, 1])
+
+    def _curvature_error(self, shape: RodSolution, curve: Centreline) -> tuple[float | None, float | None]:
+        """Largest difference of the cell-averaged curvatures over the largest of them, and where (mm)."""
+        places = shape.positions(curve.s - curve.s[0])
+        try:
+            found = [cell_averaged(c, self.pitch) for c in (curve, Centreline(curve.s, places[:, 0], places[:, 1]))]
+        except RodError:  # an arm of one or two cells has none
+            return None, None
+        off = np.abs(found[1].kappa - found[0].kappa)
+        return float(off.max() / np.abs(found[0].kappa).max()), float(found[0].s[off.argmax()])
 
 
 def compare(found: Sequence[Parameters]) -> tuple[Comparison, ...]:
     """The rod of every pressure, unloaded as in II and with its end held as in III."""
     rows = []
     for parameters in found:
-        rows.append(_solved(parameters, parameters.free, None))
-        rows.append(_solved(parameters, parameters.loaded, float(parameters.loaded.centreline.y[-1])))
+        for record in (parameters.free, parameters.loaded):
+            rows.append(held_against(parameters.rod, record, parameters.kappa.pitch))
     return tuple(rows)
 
 
-def _solved(parameters: Parameters, record: Record, end_y: float | None) -> Comparison:
+def held_against(rod: Rod, record: Record, pitch: float, load: str = "", in_sample: bool = True) -> Comparison:
+    """The rod under the load of a record: its end at the height of III, the force of dead, nothing in II."""
+    loads: dict[str, Any] = {}
+    if record.experiment == "III":
+        loads["end_y"] = float(record.centreline.y[-1])
+    if record.experiment == "dead":
+        loads["force"], loads["moment"] = record.end_force, record.end_couple
     try:
-        return Comparison(record, parameters.rod.solve(end_y=end_y), "")
+        return Comparison(record, rod.solve(**loads), "", pitch, load, in_sample)
     except RodError as failure:
-        return Comparison(record, None, str(failure))
+        return Comparison(record, None, str(failure), pitch, load, in_sample)
 
 
 def curve_rows(
@@ -86,11 +117,12 @@ def curve_rows(
     for outcome in outcomes.values():
         for record in outcome.records:
             shape = shapes.get((record.experiment, record.pressure_kPa))
-            rows.extend(_rows_of(record, shape, pitch))
+            rows.extend(rows_of(record, shape, pitch))
     return rows
 
 
-def _rows_of(record: Record, shape: RodSolution | None, pitch: float) -> list[tuple[Any, ...]]:
+def rows_of(record: Record, shape: RodSolution | None, pitch: float) -> list[tuple[Any, ...]]:
+    """The curve of one record and its rod, in the order of `CURVE_COLUMNS`."""
     curve = record.centreline
     moment = moment_from_force(curve, record.end_force, record.end_couple)
     s = curve.s - curve.s[0]

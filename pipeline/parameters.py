@@ -1,7 +1,7 @@
 """From centrelines to the five numbers per pressure, by three estimators side by side.
 
 Cell averages, a Gaussian process, and the rod that comes closest to shape and force. The rod is given the numbers of
-the cell averages: docs/identification.md says why.
+the cell averages, or their one line where that suffices: docs/identification.md says why.
 """
 
 from collections.abc import Mapping
@@ -13,7 +13,9 @@ from numpy.typing import NDArray
 from pipeline.simulate import Outcome, Record
 from rod import (
     Curvature,
+    FiveParameters,
     Identification,
+    Interval,
     LoadedShape,
     Moment,
     Observation,
@@ -30,7 +32,7 @@ from rod import (
 )
 from rod.fit import rest_curvature
 
-__all__ = ["DEFAULT", "Parameters", "curve_rod", "identify_all", "observed"]
+__all__ = ["DEFAULT", "Parameters", "identify_all", "observed"]
 
 Array = NDArray[np.float64]
 
@@ -48,7 +50,7 @@ class Parameters:
     kappa_0: Curvature  #: cell-averaged, of II
     kappa: Curvature  #: cell-averaged, of III
     moment: Moment
-    by_cells: Identification  #: the numbers the rod is given
+    by_cells: Identification
     by_process: Identification  #: the same from a Gaussian process, for comparison
     by_rod: RodFit | None  #: the same from the closest rod; None where none is in equilibrium near the others
 
@@ -64,16 +66,24 @@ class Parameters:
         return shortest_break(self.kappa.length, self.kappa.pitch)
 
     @property
+    def numbers(self) -> dict[str, Interval]:
+        """alpha1, alpha2, m01, m02, d of the rod: of two lines, or twice those of one line where that suffices.
+
+        The place of a change that is none is put where the range of d begins.
+        """
+        two, one = self.by_cells, self.by_cells.one_line
+        if two.two_lines:
+            return {name: getattr(two, name) for name in ("alpha1", "alpha2", "m01", "m02", "d")}
+        d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
+        return {"alpha1": one.alpha, "alpha2": one.alpha, "m01": one.m0, "m02": one.m0, "d": d}
+
+    @property
     def rod(self) -> Rod:
         """The rod with these numbers, clamped as the material curve begins in II."""
-        return curve_rod(self.free, self.by_cells)
-
-
-def curve_rod(free: Record, numbers: Identification | RodFit) -> Rod:
-    """The rod with the rest shape of a record of II and the numbers of an estimator."""
-    theta0, profile = rest_curvature(free.centreline)
-    curve = free.centreline
-    return Rod(curve.length, profile, numbers.law, theta0, (float(curve.x[0]), float(curve.y[0])))
+        theta0, profile = rest_curvature(self.free.centreline)
+        curve = self.free.centreline
+        law = FiveParameters(**{name: one.value for name, one in self.numbers.items()})
+        return Rod(curve.length, profile, law, theta0, (float(curve.x[0]), float(curve.y[0])))
 
 
 def observed(parameters: Parameters, record: Record) -> Observation:

@@ -8,7 +8,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.parameters import DEFAULT, Parameters
 from pipeline.regimes import covered_range, quantities_of
-from rod import Interval, LinearRange
+from rod import Identification, Interval, LinearRange
 from rod.fit import rest_curvature
 
 __all__ = ["ESTIMATORS", "parameters_record"]
@@ -19,10 +19,9 @@ _NUMBERS = {"alpha1": "N_mm2", "alpha2": "N_mm2", "m01": "N_mm", "m02": "N_mm", 
 
 
 def parameters_record(config: Config, found: Sequence[Parameters]) -> dict[str, Any]:
-    """The numbers of the default estimator at the top, those of all three under `estimators`."""
+    """The numbers of the rod at the top, those of all three estimators under `estimators`."""
     mass = config.material.density_tonne_mm3 * config.design.solid_volume
     cells = [p.by_cells for p in found]
-    estimators = {name: _numbers(name, found) for name in ESTIMATORS}
     return {
         "design": config.record()["geometry"],
         "material": config.record()["material"],
@@ -30,7 +29,8 @@ def parameters_record(config: Config, found: Sequence[Parameters]) -> dict[str, 
         "mass_g": mass * 1e6,
         "pressures_kPa": [p.pressure_kPa for p in found],
         "estimator": DEFAULT,
-        **estimators[DEFAULT],
+        **_columns([p.numbers for p in found]),
+        "d_is_at_most": [_at_most(p.numbers["d"], p) for p in found],
         **_linear(found),
         "one_line_alpha_N_mm2": [one.one_line.alpha.value for one in cells],
         "one_line_alpha_N_mm2_std": [one.one_line.alpha.std for one in cells],
@@ -39,7 +39,7 @@ def parameters_record(config: Config, found: Sequence[Parameters]) -> dict[str, 
         "r2_two_lines": [one.r2 for one in cells],
         "r2_one_line": [one.one_line.r2 for one in cells],
         "observations": [one.observations for one in cells],
-        "estimators": estimators,
+        "estimators": {name: _estimator(name, found) for name in ESTIMATORS},
         "kappa_0": _profiles(found),
         "dimensionless": _dimensionless(found, config.design.length, mass * 9810.0),
         "profile_over_d": [
@@ -49,23 +49,33 @@ def parameters_record(config: Config, found: Sequence[Parameters]) -> dict[str, 
     }
 
 
-def _numbers(estimator: str, found: Sequence[Parameters]) -> dict[str, list[Any]]:
-    """Lists over the pressures; null where the estimator found nothing."""
-    estimates = [p.estimates.get(estimator) for p in found]
+def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, list[Any]]:
+    """Lists over the pressures; null where nothing was found."""
     columns: dict[str, list[Any]] = {}
     for name, unit in _NUMBERS.items():
-        intervals: list[Interval | None] = [None if one is None else getattr(one, name) for one in estimates]
+        intervals = [None if one is None else one[name] for one in numbers]
         columns[f"{name}_{unit}"] = [one and one.value for one in intervals]
         columns[f"{name}_{unit}_std"] = [one and one.std for one in intervals]
         columns[f"{name}_{unit}_95"] = [one and [one.low, one.high] for one in intervals]
+    return columns
+
+
+def _at_most(d: Interval, parameters: Parameters) -> bool:
+    return bool(d.value <= 1.001 * parameters.shortest_break)
+
+
+def _estimator(name: str, found: Sequence[Parameters]) -> dict[str, list[Any]]:
+    """Two lines at every pressure, whether one suffices, and how many independent observations there were."""
+    estimates = [p.estimates.get(name) for p in found]
+    columns = _columns([None if one is None else {n: getattr(one, n) for n in _NUMBERS} for one in estimates])
     columns["d_is_at_most"] = [
-        None if one is None else bool(one.law.d <= 1.001 * p.shortest_break)
-        for one, p in zip(estimates, found, strict=True)
+        None if one is None else _at_most(one.d, p) for one, p in zip(estimates, found, strict=True)
     ]
-    if estimator != "rod_fit":
-        columns["one_line_suffices"] = [not one.two_lines for one in estimates]  # type: ignore[union-attr]
-        columns["one_line_alpha_N_mm2"] = [one.one_line.alpha.value for one in estimates]  # type: ignore[union-attr]
-        columns["observations"] = [one.observations for one in estimates]  # type: ignore[union-attr]
+    lines = [one for one in estimates if isinstance(one, Identification)]
+    if len(lines) == len(found):
+        columns["one_line_suffices"] = [not one.two_lines for one in lines]
+        columns["one_line_alpha_N_mm2"] = [one.one_line.alpha.value for one in lines]
+        columns["observations"] = [one.observations for one in lines]
     return columns
 
 

@@ -9,7 +9,7 @@ from pipeline.cases import up_to
 from pipeline.config import Config
 from pipeline.parameters import Parameters, identify_all
 from pipeline.progress import Progress
-from pipeline.simulate import Outcome, simulate
+from pipeline.simulate import EXPERIMENTS, Outcome, simulate
 from pipeline.store import Store
 from rod import LinearRange, linear_range, next_pressure
 
@@ -20,14 +20,12 @@ Quantities = dict[str, tuple[list[float], list[float]]]
 
 def quantities_of(found: Sequence[Parameters]) -> tuple[list[float], Quantities]:
     """Pressures (kPa) and what is tested for linearity: alpha1, alpha2 (N mm2) and kappa_0(l/2) (1/mm) with their
-    standard deviations. Where one line suffices, its slope stands for both."""
+    standard deviations."""
     quantities: Quantities = {"alpha1": ([], []), "alpha2": ([], []), "kappa_0": ([], [])}
     for p in found:
-        one = p.by_cells.one_line.alpha
         for name in ("alpha1", "alpha2"):
-            interval = getattr(p.by_cells, name) if p.by_cells.two_lines else one
-            quantities[name][0].append(interval.value)
-            quantities[name][1].append(interval.std)
+            quantities[name][0].append(p.numbers[name].value)
+            quantities[name][1].append(p.numbers[name].std)
         middle = abs(p.kappa_0.s - p.kappa_0.length / 2).argmin()
         quantities["kappa_0"][0].append(float(p.kappa_0.kappa[middle]))
         quantities["kappa_0"][1].append(float(p.kappa_0.kappa_std[middle]))
@@ -48,8 +46,9 @@ def with_added_pressures(
     progress: Progress,
     outcomes: Mapping[str, Outcome],
     found: tuple[Parameters, ...],
-) -> tuple[dict[str, Outcome], tuple[Parameters, ...]]:
-    """Outcomes and numbers with up to `config.added_pressures` more pressures, each where it says most about the range.
+) -> tuple[dict[str, Outcome], tuple[Parameters, ...], tuple[str, ...]]:
+    """Outcomes and numbers with up to `config.added_pressures` more pressures, each where it says most about the range,
+    and a sentence where one could not be had.
 
     Nothing is added to a run that stopped early, and no pressure after one that fails. Raises RunFailed as `simulate`.
     """
@@ -58,16 +57,18 @@ def with_added_pressures(
         pressure = next_pressure([p.pressure_kPa for p in found], covered_range(found))
         if pressure is None or any(outcome.failure for outcome in outcomes.values()):
             break
-        cases = [up_to(config, name, pressure) for name in ("III", "II", "I")]
+        cases = [up_to(config, name, pressure) for name in EXPERIMENTS]
         more = simulate(config, body, store, jobs, progress, cases)
-        if any(outcome.failure for outcome in more.values()):
-            break
+        stopped = [f"no pressure was added at {pressure:g} kPa: {one.failure}" for one in more.values() if one.failure]
+        if stopped:
+            return outcomes, found, tuple(stopped)
         outcomes = {name: merged(outcomes[name], more[name]) for name in outcomes}
         only = {name: replace(one, records=one.records[-1:]) for name, one in more.items()}
-        found = tuple(sorted((*found, *identify_all(only, body.pitch)[0]), key=lambda p: p.pressure_kPa))
-        if pressure not in {p.pressure_kPa for p in found}:
-            break
-    return outcomes, found
+        new, refused = identify_all(only, body.pitch)
+        if refused:
+            return outcomes, found, refused
+        found = tuple(sorted((*found, *new), key=lambda p: p.pressure_kPa))
+    return outcomes, found, ()
 
 
 def merged(first: Outcome, more: Outcome) -> Outcome:

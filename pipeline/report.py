@@ -7,11 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-import numpy as np
 from plotly.offline import get_plotlyjs
 
 from pipeline import report_figures as figures
+from pipeline.report_compared import end_forces, validation_shapes
 from pipeline.report_data import Results, read_results
+from pipeline.report_numbers import NUMBERS, estimators, observations, regimes, with_spread
+from pipeline.report_validation import laws_by_pressure, out_of_sample, validation_rows
 from pipeline.report_words import (
     agreement_of_rod,
     difference_of_rest_curvatures,
@@ -24,14 +26,6 @@ from pipeline.report_words import (
 
 __all__ = ["render_report"]
 
-#: key in parameters.json, symbol, unit
-_FIVE = (
-    ("alpha1_N_mm2", "α₁", "N mm²"),
-    ("alpha2_N_mm2", "α₂", "N mm²"),
-    ("m01_N_mm", "m₀₁", "N mm"),
-    ("m02_N_mm", "m₀₂", "N mm"),
-    ("d_mm", "d", "mm"),
-)
 _EXPERIMENT_COLUMNS = (
     ("experiment", ""),
     ("pressure_kPa", "p (kPa)"),
@@ -81,9 +75,12 @@ def render_report(directory: Path) -> str:
         five=_five_numbers(results),
         betas=_betas(results),
         lines=lines_needed(results),
-        range_kPa=results.parameters.get("linear_range_kPa"),
-        agreement=agreement_of_rod(results),
-        validation=results.validation,
+        regimes=regimes(results),
+        estimators=estimators(results),
+        observations=observations(results),
+        agreement=[*agreement_of_rod(results), *out_of_sample(results)],
+        validation=validation_rows(results),
+        laws=laws_by_pressure(results),
         body=[_picture(results, name, title) for name, title in _BODY if name in results.pictures],
         deformed=_deformed(results),
         figures=_figures(results),
@@ -107,8 +104,10 @@ def _five_numbers(results: Results) -> list[list[str]]:
     rows = []
     for pressure in results.parameters.get("pressures_kPa", ()):
         cells = [f"{pressure:g}"]
-        for key, _, _ in _FIVE:
+        for key, _, _ in NUMBERS:
             cells.append(_with_spread(results.at(key, pressure), results.at(f"{key}_std", pressure)))
+        if results.at("d_is_at_most", pressure):
+            cells[-1] = f"at most {number(results.at('d_mm', pressure))}"
         cut, length = results.at("d_mm", pressure), results.length
         cells.append("" if cut is None else f"{cut / length:.3f}")
         rows.append(cells)
@@ -134,6 +133,10 @@ def _figures(results: Results) -> dict[str, str]:
         drawn["curvatures"] = figures.curvatures(results)
     if any(curve.experiment == "III" for curve in results.curves):
         drawn["moments"] = figures.moments(results)
+    if results.validation_curves:
+        drawn["validation"] = validation_shapes(results)
+    if any(row.get("force_N") is not None for row in results.validation):
+        drawn["forces"] = end_forces(results)
     if results.parameters.get("alpha1_N_mm2"):
         drawn["alphas"] = figures.alphas_over_pressure(results)
     parts = results.run.get("solver_seconds") or {}
@@ -162,13 +165,7 @@ def _picture(results: Results, name: str, title: str) -> _Picture:
 
 
 def _with_spread(value: float | None, spread: float | None) -> str:
-    """A number with its standard deviation, as many digits as the deviation carries."""
-    if value is None or not np.isfinite(value):
-        return "-"
-    if spread is None or not np.isfinite(spread) or spread <= 0.0:
-        return number(value)
-    digits = max(0, 1 - int(np.floor(np.log10(spread))))
-    return f"{value:.{digits}f} ± {spread:.{digits}f}"
+    return with_spread(value, spread, number(value))
 
 
 def _cell(value: Any) -> str:

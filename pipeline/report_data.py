@@ -26,6 +26,7 @@ class Curve:
     experiment: str
     pressure_kPa: float
     columns: Mapping[str, Array]  #: by the column names of curves.csv
+    load: str = ""  #: besides the pressure, in words; empty for I, II and III as identified
 
     def __getitem__(self, column: str) -> Array:
         return self.columns[column]
@@ -44,6 +45,8 @@ class Results:
     curves: tuple[Curve, ...]
     experiments: Rows
     validation: Rows
+    validation_curves: tuple[Curve, ...]
+    laws: Rows
     effects: Rows
     run: Mapping[str, Any]
     pictures: Mapping[str, Path]  #: by file name without suffix: body, body_open, II_17kPa
@@ -65,6 +68,16 @@ class Results:
     def failures(self) -> Rows:
         """The rows of experiments.json whose pressure was not reached."""
         return [row for row in self.experiments if row.get("status", SOLVED) != SOLVED]
+
+    @property
+    def in_sample(self) -> Rows:
+        """The rows of validation.json about the loads that the numbers were fitted to."""
+        return [row for row in self.validation if row.get("sample", "in") == "in"]
+
+    @property
+    def out_of_sample(self) -> Rows:
+        """The rows about other loads and pressures."""
+        return [row for row in self.validation if row.get("sample") == "out"]
 
     def curve(self, experiment: str, pressure_kPa: float) -> Curve | None:
         """The curve of one experiment at one pressure."""
@@ -93,6 +106,8 @@ def read_results(directory: Path) -> Results:
         curves=curves,
         experiments=_read_json(directory / "experiments.json", []),
         validation=_read_json(directory / "validation.json", []),
+        validation_curves=_read_curves(directory / "validation_curves.csv"),
+        laws=_read_json(directory / "laws.json", []),
         effects=_read_json(directory / "effects.json", []),
         run=_read_json(directory / "run.json", {}),
         pictures=pictures,
@@ -108,12 +123,14 @@ def _read_curves(path: Path) -> tuple[Curve, ...]:
         return ()
     with path.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    groups: dict[tuple[str, float], list[dict[str, str]]] = {}
+    groups: dict[tuple[str, float, str], list[dict[str, str]]] = {}
     for row in rows:
-        groups.setdefault((row["experiment"], float(row["pressure_kPa"])), []).append(row)
-    return tuple(Curve(*key, _columns(group)) for key, group in groups.items())
+        groups.setdefault((row["experiment"], float(row["pressure_kPa"]), row.get("load", "")), []).append(row)
+    return tuple(
+        Curve(experiment, pressure, _columns(group), load) for (experiment, pressure, load), group in groups.items()
+    )
 
 
 def _columns(rows: list[dict[str, str]]) -> dict[str, Array]:
-    names = [name for name in rows[0] if name not in ("experiment", "pressure_kPa")]
+    names = [name for name in rows[0] if name not in ("experiment", "pressure_kPa", "load")]
     return {name: np.array([float(row[name] or "nan") for row in rows]) for name in names}

@@ -10,7 +10,18 @@ from plotly.subplots import make_subplots
 
 from pipeline.report_data import Array, Curve, Results
 
-__all__ = ["alphas_over_pressure", "curvatures", "moments", "shapes", "times"]
+__all__ = [
+    "alphas_over_pressure",
+    "curvatures",
+    "legend_only",
+    "line",
+    "moments",
+    "shade",
+    "shapes",
+    "side_by_side",
+    "styled",
+    "times",
+]
 
 _DASHES = {"I": "dot", "II": "solid", "III": "solid"}
 _INK, _GREY = "#1f2933", "#7b8794"
@@ -18,16 +29,16 @@ _INK, _GREY = "#1f2933", "#7b8794"
 
 def shapes(results: Results) -> Any:
     """The material curve of II and III: finite elements against the rod."""
-    figure = _side_by_side(("II: inflated, clamped", "III: end held as well"), "x (mm)", "y (mm)")
+    figure = side_by_side(("II: inflated, clamped", "III: end held as well"), "x (mm)", "y (mm)")
     for column, experiment in enumerate(("II", "III"), start=1):
         for curve in _of(results, experiment):
-            colour = _colour(results, curve.pressure_kPa)
+            colour = shade(results, curve.pressure_kPa)
             label = f"{curve.pressure_kPa:g} kPa"
-            _line(figure, curve["x_mm"], curve["y_mm"], colour, label, column, legend=column == 1)
+            line(figure, curve["x_mm"], curve["y_mm"], colour, label, column, legend=column == 1)
             if curve.has("rod_x_mm"):
-                _line(figure, curve["rod_x_mm"], curve["rod_y_mm"], _INK, f"rod, {label}", column, dash="dash")
-    _legend_only(figure, "finite elements", _GREY, "solid")
-    _legend_only(figure, "rod", _INK, "dash")
+                line(figure, curve["rod_x_mm"], curve["rod_y_mm"], _INK, f"rod, {label}", column, dash="dash")
+    legend_only(figure, "finite elements", _GREY, "solid")
+    legend_only(figure, "rod", _INK, "dash")
     for column in (1, 2):
         figure.update_yaxes(scaleanchor="x" if column == 1 else "x2", scaleratio=1, row=1, col=column)
     return figure
@@ -36,14 +47,14 @@ def shapes(results: Results) -> Any:
 def curvatures(results: Results) -> Any:
     """Curvature along the material curve in I, II and III."""
     titles = ("I dotted, II solid: nothing but pressure", "III: end held as well")
-    figure = _side_by_side(titles, "s (mm)", "curvature (1/mm)")
+    figure = side_by_side(titles, "s (mm)", "curvature (1/mm)")
     for experiment, column in (("I", 1), ("II", 1), ("III", 2)):
         for curve in _of(results, experiment):
-            colour = _colour(results, curve.pressure_kPa)
+            colour = shade(results, curve.pressure_kPa)
             label = f"{curve.pressure_kPa:g} kPa"
             if curve.has("kappa_std_per_mm"):
                 _band(figure, curve, colour, column)
-            _line(
+            line(
                 figure,
                 curve["s_mm"],
                 curve["kappa_per_mm"],
@@ -64,7 +75,7 @@ def moments(results: Results) -> Any:
         if free is None or held is None or not held.has("moment_N_mm") or len(free["s_mm"]) != len(held["s_mm"]):
             continue
         change = held["kappa_per_mm"] - free["kappa_per_mm"]
-        colour, label = _colour(results, pressure), f"{pressure:g} kPa"
+        colour, label = shade(results, pressure), f"{pressure:g} kPa"
         marker = {"color": colour, "size": 5, "opacity": 0.7}
         hover = "s = %{customdata:.1f} mm<br>%{x:.5f} 1/mm, %{y:.4g} N mm"
         figure.add_scatter(
@@ -72,11 +83,11 @@ def moments(results: Results) -> Any:
             customdata=held["s_mm"], hovertemplate=hover,
         )  # fmt: skip
         _fitted_lines(figure, results, pressure, held["s_mm"], change, colour)
-    _legend_only(figure, "two lines", _INK, "solid")
-    _legend_only(figure, "one line", _GREY, "dot")
+    legend_only(figure, "two lines", _INK, "solid")
+    legend_only(figure, "one line", _GREY, "dot")
     figure.update_xaxes(title="κ - κ₀ (1/mm)")
     figure.update_yaxes(title="M (N mm)")
-    return _styled(figure, 480)
+    return styled(figure, 480)
 
 
 def alphas_over_pressure(results: Results) -> Any:
@@ -96,13 +107,18 @@ def alphas_over_pressure(results: Results) -> Any:
         slope = results.parameters.get(f"beta{number}_N_mm2_per_kPa")
         if slope is not None:
             ends = pressures[[0, -1]]
-            line = np.nanmean(values) + slope * (ends - pressures.mean())
+            on_line = np.nanmean(values) + slope * (ends - pressures.mean())
             figure.add_scatter(
-                x=ends, y=line, mode="lines", line={"color": colour, "dash": "dot"}, showlegend=False, hoverinfo="skip"
+                x=ends,
+                y=on_line,
+                mode="lines",
+                line={"color": colour, "dash": "dot"},
+                showlegend=False,
+                hoverinfo="skip",
             )
     figure.update_xaxes(title="p (kPa)")
     figure.update_yaxes(title="α (N mm²)", rangemode="tozero")
-    return _styled(figure, 400)
+    return styled(figure, 400)
 
 
 def times(parts: Sequence[tuple[str, float]]) -> Any:
@@ -111,33 +127,35 @@ def times(parts: Sequence[tuple[str, float]]) -> Any:
     figure = go.Figure(go.Bar(x=seconds, y=names, orientation="h", marker_color="#4a6fa5"))
     figure.update_xaxes(title="seconds, summed over the experiments")
     figure.update_yaxes(autorange="reversed")
-    return _styled(figure, 90 + 32 * len(parts))
+    return styled(figure, 90 + 32 * len(parts))
 
 
 def _of(results: Results, experiment: str) -> list[Curve]:
     return sorted((c for c in results.curves if c.experiment == experiment), key=lambda curve: curve.pressure_kPa)
 
 
-def _colour(results: Results, pressure: float) -> str:
+def shade(results: Results, pressure: float) -> str:
     """Light for low pressures, dark for high ones."""
     pressures = results.pressures
-    place = pressures.index(pressure) / max(len(pressures) - 1, 1)
+    place = float(np.interp(pressure, pressures, np.linspace(0.0, 1.0, len(pressures)))) if len(pressures) > 1 else 0.0
     return str(sample_colorscale("Viridis", 0.85 - 0.75 * place)[0])
 
 
-def _side_by_side(titles: tuple[str, str], x: str, y: str) -> Any:
+def side_by_side(titles: tuple[str, str], x: str, y: str) -> Any:
+    """An empty figure of two axes beside each other."""
     figure = make_subplots(cols=2, subplot_titles=titles, horizontal_spacing=0.09)
     figure.update_xaxes(title=x)
     figure.update_yaxes(title=y, col=1)
-    return _styled(figure, 430)
+    return styled(figure, 430)
 
 
-def _line(
+def line(
     figure: Any, x: Array, y: Array, colour: str, name: str, column: int, *, dash: str = "solid", legend: bool = False
 ) -> None:
-    line = {"color": colour, "dash": dash, "width": 2}
+    """Add a line to the axes of `column`."""
+    stroke = {"color": colour, "dash": dash, "width": 2}
     figure.add_scatter(
-        x=x, y=y, mode="lines", line=line, name=name, legendgroup=name, showlegend=legend, row=1, col=column
+        x=x, y=y, mode="lines", line=stroke, name=name, legendgroup=name, showlegend=legend, row=1, col=column
     )
 
 
@@ -177,7 +195,8 @@ def _fitted_lines(figure: Any, results: Results, pressure: float, s: Array, chan
         )  # fmt: skip
 
 
-def _legend_only(figure: Any, name: str, colour: str, dash: str) -> None:
+def legend_only(figure: Any, name: str, colour: str, dash: str) -> None:
+    """Add an entry to the legend that stands for no single line."""
     figure.add_scatter(x=[None], y=[None], mode="lines", line={"color": colour, "dash": dash}, name=name)
 
 
@@ -185,7 +204,8 @@ def _numbers(values: Any) -> Array:
     return np.array([np.nan if value is None else value for value in values or ()], dtype=float)
 
 
-def _styled(figure: Any, height: int) -> Any:
+def styled(figure: Any, height: int) -> Any:
+    """The figure in the report's style."""
     figure.update_layout(
         template="simple_white",
         height=height,

@@ -43,10 +43,10 @@ def opening(results: Results) -> str:
 
 
 def agreement_of_rod(results: Results) -> list[str]:
-    """The rod against the finite elements, one sentence per experiment."""
+    """The rod against the finite elements under the loads its numbers come from, one sentence per experiment."""
     sentences = []
     for experiment in ("II", "III"):
-        rows = [row for row in results.validation if row["experiment"] == experiment]
+        rows = [row for row in results.in_sample if row["experiment"] == experiment]
         parts = [
             _largest(rows, "distance_over_length", 100.0, "the curves are at most {value} % of the length apart"),
             _largest(rows, "end_angle_error_rad", 180.0 / np.pi, "the end angle is off by at most {value}°"),

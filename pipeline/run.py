@@ -21,6 +21,7 @@ from pipeline.report import render_report
 from pipeline.scene import meshed_body
 from pipeline.simulate import Outcome, simulate
 from pipeline.store import Store, open_store
+from pipeline.validation import validate
 
 __all__ = ["run"]
 
@@ -43,16 +44,20 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
             store.save_json("effects.json", effect_rows(config, body, outcomes))
         with _stage("identification", progress, seconds):
             found, refused = identify_all(outcomes, body.pitch)
-            outcomes, found = with_added_pressures(config, body, store, jobs, progress, outcomes, found)
+            outcomes, found, more = with_added_pressures(config, body, store, jobs, progress, outcomes, found)
             store.save_json("experiments.json", _experiment_rows(outcomes))
             store.save_json("parameters.json", parameters_record(config, found))
         with _stage("rod", progress, seconds):
             comparisons = compare(found)
             store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, body.pitch))
             store.save_json("validation.json", [comparison.row() for comparison in comparisons])
+        with _stage("validation", progress, seconds):
+            validated = validate(config, body, store, jobs, progress, found)
+            validated.save(store, comparisons)
         with _stage("pictures", progress, seconds):
             draw_all(body, outcomes, store)
-        failure = "; ".join([*(_failure(outcome) for outcome in outcomes.values() if outcome.failure), *refused])
+        stopped = [_failure(outcome) for outcome in outcomes.values() if outcome.failure]
+        failure = "; ".join([*stopped, *refused, *more, *validated.failures])
         with _stage("report", progress, seconds):
             _write_report(store, config, outcomes, seconds, failure)
     if failure:

@@ -32,8 +32,8 @@ __all__ = ["Store", "open_store"]
 _IDENTITY = "states/configuration.json"
 _FOLDERS = ("states", "pictures", "fields")
 _FILES = (
-    *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json"),
-    *("curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
+    *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),
+    *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
 )
 
 

@@ -28,6 +28,7 @@ from geometry import Centreline
 from .curve import Moment, chord_angles, moment_from_force, without_stretch
 from .equilibrium import Rod, RodSolution
 from .errors import Interval, drawn_errors, effective_observations, interval, shared_within, total_error
+from .identify import NEAREST, default_breaks
 from .law import FiveParameters, RodError
 from .lines import HARMONICS, OFFSET, WIGGLE, waves
 
@@ -37,8 +38,6 @@ Array = NDArray[np.float64]
 FORCE_ERROR = 1e-3
 #: over the length, error of a position that is always assumed
 SHAPE_ERROR = 1e-9
-#: range of d over the length in which the break is looked for
-BREAKS = (0.05, 0.35)
 #: the range of compliances over the start's
 COMPLIANCES = (0.02, 50.0)
 
@@ -106,13 +105,15 @@ def fit_rod(
     shape: LoadedShape,
     starts: Sequence[FiveParameters],
     *,
-    breaks: tuple[float, float] = BREAKS,
+    breaks: tuple[float, float] | None = None,
     draws: int = 400,
     seed: int = 0,
 ) -> RodFit:
     """The closest rod, from the best of several starts (the laws that `identify` found).
 
-    breaks: range of d over the length; equal numbers fix d. Raises `RodError` when there is no start or no rod near it.
+    breaks: range of d over the length, by default that of `identify`; equal numbers fix d.
+
+    Raises `RodError` when there is no start or no rod near it.
     """
     if not starts:
         raise RodError("Fitting a rod needs a law to start from.")
@@ -174,12 +175,12 @@ class _Task:
     misfit: Array  #: (n, n) mm2, covariance of what the law leaves, in each coordinate
 
     @staticmethod
-    def of(shape: LoadedShape, breaks: tuple[float, float], starts: Sequence[FiveParameters]) -> _Task:
-        low, high = breaks
+    def of(shape: LoadedShape, breaks: tuple[float, float] | None, starts: Sequence[FiveParameters]) -> _Task:
+        low, high = breaks or default_breaks(shape.length, shape.pitch)
         if not 0.0 < low <= high < 1.0:
             raise RodError(f"The range of d over the length must lie between 0 and 1; {low:g} ... {high:g} does not.")
         if low < high:
-            low = min(max(low, 0.5 * shape.pitch / shape.length), high)
+            low = min(max(low, NEAREST * shape.pitch / shape.length), high)
         moment = moment_from_force(shape.loaded, shape.force)
         bent = max(float(np.abs(law.deviation(moment.s, moment.value)).max()) for law in starts)
         compliance, offset = 1.0 / starts[0].alpha2, OFFSET * bent

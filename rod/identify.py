@@ -30,8 +30,11 @@ from .lines import HARMONICS, OFFSET, STIFFEST, WIGGLE, Fit, Seen, Weights, solv
 
 Array = NDArray[np.float64]
 
-#: range of d over the length in which the break is looked for; never nearer to the clamp than half a pitch
+#: range of d over the length in which the break is looked for
 BREAKS = (0.05, 0.35)
+#: the same over the pitch: never nearer to the clamp than half a pitch, and on long arms, where a share of the length
+#: is more than the first cell, from 0.6 of it
+NEAREST, FIRST_CELL = 0.5, 0.6
 PROFILE_POINTS = 65
 DRAWS = 400
 #: relative error of Delta below which nothing is believed
@@ -78,15 +81,15 @@ def identify(
     kappa: Curvature,
     moment: Moment,
     *,
-    breaks: tuple[float, float] = BREAKS,
+    breaks: tuple[float, float] | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> Identification:
     """The five numbers from the intrinsic and the loaded curvature and the moment of the loaded curve.
 
-    Both curvatures come from the same estimator at the same points. breaks: range of d over the length. Raises
-    `RodError` when the curvatures do not belong together, when the rod carries no moment, when there are fewer cells
-    than numbers, when breaks leaves the rod, and when curvature falls where the moment grows.
+    Both curvatures come from the same estimator at the same points. breaks: range of d over the length, by default
+    `default_breaks`. Raises `RodError` when the curvatures do not belong together, when the rod carries no moment, when
+    there are fewer cells than numbers, when breaks leaves the rod, and when curvature falls where the moment grows.
     """
     seen = Seen.of(kappa_0, kappa, moment)
     grid = _grid(seen, breaks)
@@ -123,18 +126,23 @@ def identify(
     )
 
 
-def shortest_break(length: float, pitch: float, breaks: tuple[float, float] = BREAKS) -> float:
-    """Where the range of d begins, mm: a d found there means "at most that"."""
-    return max(breaks[0] * length, 0.5 * pitch)
+def shortest_break(length: float, pitch: float) -> float:
+    """Where the range of d begins where none is given, mm: a d found there means "at most that"."""
+    return max(min(BREAKS[0] * length, FIRST_CELL * pitch), NEAREST * pitch)
 
 
-def _grid(seen: Seen, breaks: tuple[float, float]) -> Array:
-    low, high = breaks
+def default_breaks(length: float, pitch: float) -> tuple[float, float]:
+    """The range of d over the length for an arm with cells of `pitch`; the soft zone is a matter of the first cells."""
+    return shortest_break(length, pitch) / length, BREAKS[1]
+
+
+def _grid(seen: Seen, breaks: tuple[float, float] | None) -> Array:
+    low, high = breaks or default_breaks(seen.length, seen.pitch)
     if not 0.0 < low < high < 1.0:
         raise RodError(
             f"The range of d over the length must rise and lie between 0 and 1; {low:g} ... {high:g} does not."
         )
-    low = shortest_break(seen.length, seen.pitch, breaks) / seen.length
+    low = max(low, NEAREST * seen.pitch / seen.length)
     if low >= high:
         raise RodError(
             f"No d below {high:g} of the length can be told apart from the clamp with cells of {seen.pitch:g} mm."

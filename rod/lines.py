@@ -64,9 +64,9 @@ class Seen:
             )
         if np.ptp(moment.value) == 0.0:
             raise RodError("The rod carries no moment, or the same everywhere; a rigidity cannot be read from it.")
-        if np.ptp(kappa.s) < 6.0 * kappa.pitch:
+        if np.ptp(kappa.s) < 5.0 * kappa.pitch:
             raise RodError(
-                f"Five numbers need seven cells; this curvature covers {np.ptp(kappa.s) / kappa.pitch + 1:.1f}."
+                f"Five numbers need six cells; this curvature covers {np.ptp(kappa.s) / kappa.pitch + 1:.1f}."
             )
         grid = fine_grid(length)
         resolution = 0.5 * (kappa.resolution + kappa_0.resolution)

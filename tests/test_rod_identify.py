@@ -20,6 +20,7 @@ from rod import (
     identify,
     moment_from_force,
     shared_smoothing,
+    shortest_break,
 )
 
 #: Delta continuous at d, as the lines of the paper's Fig. 9 meet
@@ -141,10 +142,23 @@ DATA = by_cells(SyntheticArm(STEP))
         (lambda f, b, m: identify(f, b, m, breaks=(0.01, 0.02)), r"No d below 0\.02 of the length"),
         (
             lambda f, b, m: identify(dataclasses.replace(f, pitch=20.0), dataclasses.replace(b, pitch=20.0), m),
-            r"Five numbers need seven cells",
+            r"Five numbers need six cells",
         ),
     ],
 )
 def test_data_that_cannot_give_five_numbers_are_refused(call, sentence):
     with pytest.raises(RodError, match=sentence):
         call(*DATA)
+
+
+def test_the_range_of_the_break_begins_in_the_first_cell() -> None:
+    assert shortest_break(112.0, 10.0) == pytest.approx(5.6)
+    assert shortest_break(72.0, 10.0) == pytest.approx(5.0)  # half a pitch
+    assert shortest_break(202.0, 10.0) == pytest.approx(6.0)  # not 0.05 of a long arm
+
+
+def test_an_arm_of_seven_cells_gives_its_numbers() -> None:
+    arm = SyntheticArm(FiveParameters(190.0, 380.0, 0.0, 0.0, 8.0), length=72.0, wiggle=0.2, node_spacing=0.5)
+    found = identify(*by_cells(arm), draws=50)
+    assert found.law.alpha2 == pytest.approx(380.0, rel=0.02)
+    assert found.two_lines

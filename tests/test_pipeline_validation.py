@@ -1,0 +1,102 @@
+"""Loads that the numbers were not fitted to, end to end on a short arm of seven cells: files, figures, report."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from pipeline.cases import Case, up_to, validation_cases
+from pipeline.config import Config, load_config
+from pipeline.progress import Silent
+from pipeline.run import run
+
+SHORT = """
+name: seven
+geometry: {family: pneunet, chambers: 7}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [6 kPa, 12 kPa, 24 kPa]
+added_pressures: 1
+validation: {pressures: [12 kPa, 15 kPa], end_y: [3 mm], forces: [[0 N, 0.01 N]]}
+mesh: {size: 6 mm}
+"""
+
+
+@pytest.fixture(scope="module")
+def config(tmp_path_factory: pytest.TempPathFactory) -> Config:
+    path = tmp_path_factory.mktemp("config") / "seven.yaml"
+    path.write_text(SHORT, encoding="utf-8")
+    return load_config(path)
+
+
+@pytest.fixture(scope="module")
+def results(config: Config, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("results")
+    run(config, out, 1, False, Silent())
+    return out
+
+
+def read(results: Path, name: str):
+    return json.loads((results / name).read_text(encoding="utf-8"))
+
+
+def test_cases_are_named_by_their_load_and_go_on_from_the_run(config: Config) -> None:
+    cases = {case.name: case for case in validation_cases(config)}
+    assert list(cases) == ["III_end_3mm", "dead_0_0.01N", "III", "II"]
+    assert cases["III_end_3mm"].load == "end at +3 mm"
+    assert cases["dead_0_0.01N"].load == "dead force 0, 0.01 N"
+    assert cases["II"].load == ""
+    assert cases["II"].pressures_kPa == (6.0, 12.0, 15.0)
+    assert up_to(config, "III", 18.0) == Case("III", "III", (6.0, 12.0, 18.0))
+
+
+def test_rows_out_of_sample_stand_behind_those_in_sample(results: Path) -> None:
+    rows = read(results, "validation.json")
+    assert sum(row["sample"] == "in" for row in rows) == 2 * len(read(results, "parameters.json")["pressures_kPa"])
+    out = [(row["experiment"], row["load"], row["pressure_kPa"]) for row in rows if row["sample"] == "out"]
+    assert set(out) >= {
+        ("dead", "dead force 0, 0.01 N", 12.0),
+        ("dead", "dead force 0, 0.01 N", 15.0),
+        ("III", "end at +3 mm", 12.0),
+        ("III", "end at +3 mm", 15.0),
+    }
+    for row in rows:
+        assert row["reason"] == ""
+        assert row["distance_over_length"] < 0.05
+        assert 0.0 <= row["distance_at_s_mm"] <= 72.0
+        assert 0.0 <= row["curvature_error_at_s_mm"] <= 72.0
+        assert (row["force_error"] is not None) == (row["experiment"] == "III")
+
+
+def test_curves_and_laws_of_the_loads_are_kept(results: Path) -> None:
+    with (results / "validation_curves.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["experiment"] for row in rows} == {"II", "III", "dead"}
+    assert all(row["rod_x_mm"] for row in rows)
+    laws = read(results, "laws.json")
+    assert {law["law"] for law in laws} >= {"one line", "two slopes", "five parameters"}
+    assert sum(law["simplest"] for law in laws) == len({law["pressure_kPa"] for law in laws})
+
+
+def test_parameters_show_three_estimators_with_intervals(results: Path) -> None:
+    parameters = read(results, "parameters.json")
+    assert set(parameters["estimators"]) == {"cell_averaged", "gaussian_process", "rod_fit"}
+    count = len(parameters["pressures_kPa"])
+    for columns in parameters["estimators"].values():
+        for value, (low, high) in zip(columns["alpha2_N_mm2"], columns["alpha2_N_mm2_95"], strict=True):
+            assert low <= value <= high
+        assert len(columns["d_is_at_most"]) == count
+    assert len(parameters["observations"]) == count
+    assert [row["quantity"] for row in parameters["straightness"]] == ["alpha1", "alpha2", "kappa_0"]
+    for place, suffices in enumerate(parameters["one_line_suffices"]):
+        if suffices:
+            assert parameters["alpha1_N_mm2"][place] == parameters["alpha2_N_mm2"][place]
+
+
+def test_the_report_shows_loads_laws_and_estimators(results: Path) -> None:
+    html = (results / "report.html").read_text(encoding="utf-8")
+    for text in ("Three estimators", "closest rod", "Simpler and richer laws", "end at +3 mm"):
+        assert text in html
+    assert "are linear in the pressure" in html or "There are no three neighbouring pressures" in html
+    assert 'id="figure-validation"' in html
+    assert 'id="figure-forces"' in html
