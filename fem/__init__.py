@@ -11,6 +11,8 @@ from fem.layer import LayerError, StrainLimitingLayer
 from fem.linear import available_solver
 from fem.loadpath import PathOptions, follow
 from fem.material import Material, MaterialError, StVenantKirchhoff
+from fem.material_hencky import Hencky
+from fem.material_rubber import MooneyRivlin, NeoHooke, Yeoh
 from fem.model import Model
 from fem.newton import NewtonOptions
 from fem.solution import NotConverged, Seconds, Solution, Step
@@ -23,11 +25,14 @@ __all__ = [
     "Experiment",
     "Fixed",
     "Gravity",
+    "Hencky",
     "LayerError",
     "LineForce",
     "Material",
     "MaterialError",
     "Model",
+    "MooneyRivlin",
+    "NeoHooke",
     "NewtonOptions",
     "NotConverged",
     "PathOptions",
@@ -40,6 +45,7 @@ __all__ = [
     "Step",
     "StrainLimitingLayer",
     "SupportError",
+    "Yeoh",
     "available_solver",
     "compile_kernels",
     "element_fields",

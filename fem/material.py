@@ -58,6 +58,11 @@ def check_moduli(E: float, nu: float) -> None:
         raise MaterialError(f"nu = {nu:g}: Poisson's ratio must lie between -1 and 0.5 (0.5 itself excluded)")
 
 
+def lame_constants(E: float, nu: float) -> tuple[float, float]:
+    """(lambda, mu) in MPa."""
+    return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+
+
 @final
 @dataclass(frozen=True)
 class StVenantKirchhoff(Material):
@@ -76,7 +81,7 @@ class StVenantKirchhoff(Material):
     @property
     def lame(self) -> tuple[float, float]:
         """(lambda, mu), MPa."""
-        return self.E * self.nu / ((1 + self.nu) * (1 - 2 * self.nu)), self.E / (2 * (1 + self.nu))
+        return lame_constants(self.E, self.nu)
 
     @property
     def shear_modulus(self) -> float:

@@ -28,7 +28,7 @@ class NewtonOptions:
 
     tolerance: float = 1e-6  #: norm of the residual over the norm of the internal forces
     iterations: int = 30  #: factorizations per step at the most
-    strain: float = 0.1  #: largest change of a strain component, to first order, where the tangent is indefinite
+    strain: float = 0.14  #: largest change of a strain component, to first order, where the tangent is indefinite
     limited: int = 10  #: iterations limited by that before the attempt is given up
 
 

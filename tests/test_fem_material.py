@@ -1,0 +1,172 @@
+"""Every law: stress and tangent against differences, its linear limit, its indifference to axes, and its refusals."""
+
+import numpy as np
+import pytest
+from bodies import difference
+from numpy.typing import NDArray
+
+from fem import Hencky, Material, MaterialError, MooneyRivlin, NeoHooke, StVenantKirchhoff, Yeoh
+from fem.material_hencky import divided_difference
+from fem.material_rubber import stable_range
+from fem.material_tensors import COLUMN, ROW, CauchyGreen, voigt
+
+Array = NDArray[np.float64]
+
+LAWS: dict[str, Material] = {
+    "svk": StVenantKirchhoff(E=1.2, nu=0.45),
+    "hencky": Hencky(E=1.2, nu=0.45),
+    "neo_hooke": NeoHooke(mu=0.4, kappa=3.0),
+    "mooney_rivlin": MooneyRivlin(c10=0.15, c01=0.05, kappa=3.0),
+    "yeoh": Yeoh(c10=0.11, c20=0.02, c30=-0.001, kappa=3.0),
+}
+PARTS = [(name, part) for name in LAWS for part in ("shear", "volumetric")]
+
+
+def strains(size: float, count: int = 7) -> Array:
+    """Green-Lagrange strains (count, 2, 6) of random deformations."""
+    f = np.eye(3) + np.random.default_rng(8).normal(scale=size, size=(count, 2, 3, 3))
+    assert (np.linalg.det(f) > 0).all()
+    e = 0.5 * (np.swapaxes(f, -1, -2) @ f - np.eye(3))
+    return voigt(e) * np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+
+
+#: states with equal and nearly equal principal stretches, where spectral formulas divide by nothing
+SPECIAL = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [0.2, 0.2, 0.2, 0.0, 0.0, 0.0],
+        [0.3, 0.3, -0.1, 0.0, 0.0, 0.0],
+        [0.3, 0.3 + 1e-9, -0.1, 1e-9, 0.0, 0.0],
+        [0.1, 0.1, 0.1, 1e-4, 2e-4, 0.0],
+        [0.1, 0.102, 0.1, 1e-3, 2e-3, 0.0],
+    ]
+)[:, None, :]
+
+
+@pytest.mark.parametrize("strain", [strains(0.01), strains(0.2), SPECIAL], ids=["small", "large", "special"])
+@pytest.mark.parametrize(("name", "part"), PARTS)
+def test_stress_and_tangent_are_derivatives(name: str, part: str, strain: Array) -> None:
+    answer = getattr(LAWS[name], part)
+    response = answer(strain)
+    assert response.energy.shape == strain.shape[:-1]
+    assert response.stress.shape == strain.shape
+    tangent = np.broadcast_to(response.tangent, (*strain.shape, 6))
+    np.testing.assert_allclose(tangent, np.swapaxes(tangent, -1, -2), atol=1e-12)
+    for v in range(6):
+        direction = np.broadcast_to(np.eye(6)[v], strain.shape)
+        slope = difference(lambda e: answer(e).energy, strain, direction, 1e-3)
+        np.testing.assert_allclose(response.stress[..., v], slope, atol=2e-8)
+        change = difference(lambda e: answer(e).stress, strain, direction, 1e-3)
+        np.testing.assert_allclose(tangent[..., v], change, atol=2e-7)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_at_rest_every_law_is_the_linear_one(name: str) -> None:
+    law = LAWS[name]
+    rest = np.zeros((1, 1, 6))
+    shear, volumetric = law.shear(rest), law.volumetric(rest)
+    for part in (shear, volumetric):
+        np.testing.assert_allclose(part.energy, 0.0, atol=1e-15)
+        np.testing.assert_allclose(part.stress, 0.0, atol=1e-15)
+    whole = np.reshape(shear.tangent + volumetric.tangent, (6, 6))
+    mu, lam = law.shear_modulus, whole[0, 1]
+    expected = np.diag([2 * mu, 2 * mu, 2 * mu, mu, mu, mu])
+    expected[:3, :3] += lam
+    np.testing.assert_allclose(whole, expected, atol=1e-12)
+    if hasattr(law, "kappa"):
+        assert lam + 2 * mu / 3 == pytest.approx(law.kappa)
+    else:
+        assert (lam, mu) == pytest.approx((3.724137931, 0.413793103))
+
+
+@pytest.mark.parametrize(("name", "part"), PARTS)
+def test_turning_the_axes_turns_the_stress(name: str, part: str) -> None:
+    strain = strains(0.2)
+    turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+
+    def tensor(components: Array, share: float) -> Array:
+        full = np.zeros((*components.shape[:-1], 3, 3))
+        full[..., ROW, COLUMN] = full[..., COLUMN, ROW] = components * np.array([1, 1, 1, share, share, share])
+        return full
+
+    turned = voigt(turn @ tensor(strain, 0.5) @ turn.T) * np.array([1, 1, 1, 2, 2, 2])
+    answer = getattr(LAWS[name], part)
+    one, other = answer(strain), answer(turned)
+    np.testing.assert_allclose(one.energy, other.energy, atol=1e-13)
+    np.testing.assert_allclose(voigt(turn @ tensor(one.stress, 1.0) @ turn.T), other.stress, atol=1e-12)
+
+
+@pytest.mark.parametrize(("name", "part"), PARTS)
+def test_states_no_body_can_have_give_finite_numbers(name: str, part: str) -> None:
+    """Newton's iterates may pass through them."""
+    flat = np.array([[[-0.5, 0.1, 0.2, 0.0, 0.0, 0.0], [-0.5] * 3 + [0.0] * 3, [40.0, -0.4, 3.0, 9.0, 1.0, 1.0]]])
+    response = getattr(LAWS[name], part)(flat)
+    for value in (response.energy, response.stress, response.tangent):
+        assert np.isfinite(value).all()
+
+
+def test_volume_change_alone_does_not_strain_the_isochoric_part() -> None:
+    swollen = np.zeros((1, 1, 6))
+    swollen[..., :3] = 0.5 * (1.3**2 - 1)
+    for name in ("neo_hooke", "mooney_rivlin", "yeoh"):
+        response = LAWS[name].shear(swollen)
+        np.testing.assert_allclose(response.energy, 0.0, atol=1e-14)
+        np.testing.assert_allclose(response.stress, 0.0, atol=1e-14)
+    pressure = LAWS["neo_hooke"].volumetric(swollen).stress[0, 0, 0] * 1.3**2 / 1.3**3
+    assert pressure == pytest.approx(3.0 * (1.3**3 - 1))
+
+
+def test_laws_that_contain_each_other_agree() -> None:
+    strain = strains(0.2)
+    neo = NeoHooke(mu=0.4, kappa=3.0).shear(strain)
+    for other in (MooneyRivlin(0.2, 0.0, 3.0), Yeoh(0.2, 0.0, 0.0, 3.0)):
+        response = other.shear(strain)
+        np.testing.assert_allclose(response.stress, neo.stress, atol=1e-14)
+        np.testing.assert_allclose(response.tangent, neo.tangent, atol=1e-13)
+
+
+def test_divided_difference_joins_its_series() -> None:
+    x = np.full(200, 1.3)
+    y = x * (1 + np.geomspace(1e-9, 0.5, 200))
+    exact = np.array([np.trapezoid((1 - np.log(t)) / t**2, t) for t in np.linspace(x, y, 20_001).T]) / (y - x)
+    np.testing.assert_allclose(divided_difference(x, y), exact, rtol=1e-8)
+
+
+def test_inverse_and_invariants() -> None:
+    c = CauchyGreen.of(strains(0.2))
+    np.testing.assert_allclose(c.inverse_tensor, np.linalg.inv(c.tensor), rtol=1e-10)
+    np.testing.assert_allclose(c.determinant, np.linalg.det(c.tensor), rtol=1e-12)
+    values = np.linalg.eigvalsh(c.tensor)
+    np.testing.assert_allclose(c.first, values.sum(axis=-1))
+    np.testing.assert_allclose(c.second, values[..., 0] * values[..., 1] + values[..., 2] * (values[..., :2].sum(-1)))
+
+
+def test_stretch_limits() -> None:
+    assert LAWS["svk"].stretch_limits == pytest.approx((1 / np.sqrt(3), np.sqrt(1 + 1 / 0.45)))
+    assert LAWS["hencky"].stretch_limits == pytest.approx((0.0, np.e))
+    assert LAWS["neo_hooke"].stretch_limits == (0.0, np.inf)
+    assert LAWS["mooney_rivlin"].stretch_limits == (0.0, np.inf)
+    assert Yeoh(0.11, 0.02, 0.0, 5.0).stretch_limits == (0.0, np.inf)
+    low, high = Yeoh(0.11, -0.02, 0.0, 5.0).stretch_limits
+    assert 0.1 < low < 1 < high < 3
+    _, top = stable_range(lambda stretch: np.log(stretch) / stretch)
+    assert top == pytest.approx(np.e, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: StVenantKirchhoff(0.0, 0.3), "E = 0 MPa: Young's modulus must be positive"),
+        (lambda: StVenantKirchhoff(1.2, 0.5), "nu = 0.5: Poisson's ratio must lie between -1 and 0.5"),
+        (lambda: Hencky(1.2, -1.0), "nu = -1: Poisson's ratio"),
+        (lambda: Hencky(-1.0, 0.3), "E = -1 MPa"),
+        (lambda: NeoHooke(0.0, 1.0), "neo-Hooke: mu = 0 MPa must be positive"),
+        (lambda: NeoHooke(1.0, -1.0), "neo-Hooke: kappa = -1 MPa must be positive"),
+        (lambda: MooneyRivlin(0.1, -0.1, 1.0), "Mooney-Rivlin: c10 [+] c01 = 0 MPa must be positive"),
+        (lambda: Yeoh(-0.1, 0.1, 0.0, 1.0), "Yeoh: c10 = -0.1 MPa must be positive"),
+        (lambda: Yeoh(0.1, 0.1, 0.0, float("nan")), "Yeoh: kappa = nan MPa must be positive"),
+    ],
+)
+def test_constants_no_law_can_have(make, sentence: str) -> None:
+    with pytest.raises(MaterialError, match=sentence):
+        make()
