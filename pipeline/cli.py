@@ -218,14 +218,14 @@ def _say_effects(console: Console, folder: Path) -> None:
 
 def _body_table(path: Path, design: "Design", body: "Body") -> Table:
     quality, halves = body.mesh.quality, 2 if body.half else 1
-    air = sum(body.mesh.enclosed_volume(name) for name in body.cavities)
+    air = body.mesh.enclosed_volume(body.cavities[0])
     table = Table.grid(padding=(0, 2))
     table.add_row("mesh", f"{path}, {'the half z >= 0' if body.half else 'the whole body'}")
     table.add_row("length", f"{body.length:g} mm")
     table.add_row(
         "solid", f"{halves * body.mesh.volume:.7g} mm3 in the whole body; closed form {design.solid_volume:.7g}"
     )
-    table.add_row("cavities", f"{halves * air:.7g} mm3 in the whole body; closed form {design.cavity_volume:.7g}")
+    table.add_row(body.cavities[0], f"{halves * air:.7g} mm3 in the whole body; closed form {design.cavity_volume:.7g}")
     table.add_row("tetrahedra", str(quality.count))
     table.add_row(
         "radius ratio", f"smallest {quality.minimum:.3f} at {_point(quality.place)} mm, mean {quality.mean:.3f}"

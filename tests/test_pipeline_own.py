@@ -4,13 +4,16 @@
 """
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
 from geometry import OwnMesh, OwnSolid
 from geometry.solid import session
+from pipeline.cli import app
 from pipeline.config import load_config
 from pipeline.effects import effect_rows
 from pipeline.failure import InputError
@@ -142,6 +145,34 @@ def test_ready_mesh_is_refused_by_key(ready: Path) -> None:
     assert "mesh.size: unknown key; allowed here: formulation" in refusal(ready, "mesh.size=3 mm")
     assert "geometry.file: the mesh file" in refusal(ready, "geometry.file=none.msh")
     assert "the material curve y = 1.2 mm" in refusal(ready, "geometry.curve=1.2 mm")
+
+
+def hinge(occ: Any) -> None:
+    """The finger with two blocks on it that touch along a line."""
+    blocks = [(10, 13, 10, 4), (20, 17, 10, 4), (29, 13, 1, 4)]
+    occ.fuse(finger(occ), [(3, occ.addBox(x, y, -2, long, high, 4)) for x, y, long, high in blocks])
+
+
+BAD: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "open": (lambda occ: occ.cut(finger(occ), [(3, occ.addCylinder(-1, 6, 0, 10, 0, 0, 1))]), "open to the outside"),
+    "several": (lambda occ: (finger(occ), occ.addBox(0, 20, -1, 60, 2, 2)), "holds 2 solids; unite them to one"),
+    "metres": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "is its file in another unit"),
+    "pinched": (hinge, "not manifold"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_files_that_cannot_be_used_end_with_2(case: str, tmp_path: Path) -> None:
+    draw_bad, complaint = BAD[case]
+    with session() as gmsh:
+        draw_bad(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(tmp_path / "finger.step"))
+    (tmp_path / "finger.yaml").write_text((CONFIGS / "finger.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    result = CliRunner().invoke(app, ["mesh", str(tmp_path / "finger.yaml"), "--out", str(tmp_path / "out")])
+    assert result.exit_code == 2, result.output
+    assert len(result.stderr.splitlines()) == 1
+    assert complaint in result.stderr
 
 
 if __name__ == "__main__":
