@@ -98,6 +98,10 @@ def compare(found: Sequence[Parameters]) -> tuple[Comparison, ...]:
 def held_against(rod: Rod, record: Record, pitch: float, load: str = "", in_sample: bool = True) -> Comparison:
     """The rod under the load of a record: its end at the height of III, the force of dead, nothing in II."""
     loads: dict[str, Any] = {}
+    length = record.centreline.length
+    if abs(length - rod.length) > 1e-6 * rod.length:
+        reason = f"The numbers are those of an arm of {rod.length:g} mm, the shape is one of {length:g} mm."
+        return Comparison(record, None, reason, pitch, load, in_sample)
     if record.experiment == "III":
         loads["end_y"] = float(record.centreline.y[-1])
     if record.experiment == "dead":

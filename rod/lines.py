@@ -41,6 +41,10 @@ def waves(s: Array, pitch: float) -> list[Array]:
     return [f(angle) for angle in angles for f in (np.cos, np.sin)]
 
 
+#: share of the moment's range that may be run through backwards
+REVERSAL = 0.05
+
+
 @dataclass(frozen=True)
 class Seen:
     """Seen Delta, its error, and what the estimate sees of any piecewise law."""
@@ -64,6 +68,7 @@ class Seen:
             )
         if np.ptp(moment.value) == 0.0:
             raise RodError("The rod carries no moment, or the same everywhere; a rigidity cannot be read from it.")
+        _check_monotone(moment)
         if np.ptp(kappa.s) < 5.0 * kappa.pitch:
             raise RodError(
                 f"Five numbers need six cells; this curvature covers {np.ptp(kappa.s) / kappa.pitch + 1:.1f}."
@@ -89,6 +94,18 @@ class Seen:
     def whole(self) -> Array:
         """(1 + 2 HARMONICS, n, 2): the same for one line."""
         return self.running[:, :, -1]
+
+
+def _check_monotone(moment: Moment) -> None:
+    """Refuse a moment that rises and falls along the curve: then soft and stiff places cannot be told by their load."""
+    steps = np.diff(moment.value) * np.sign(moment.value[-1] - moment.value[0])
+    back = np.minimum(steps, 0.0)
+    if -back.sum() > REVERSAL * np.ptp(moment.value):
+        where = moment.s[:-1][back < 0.0]
+        raise RodError(
+            f"The moment does not fall steadily from one end to the other: it turns back between s = {where[0]:.3g} "
+            f"and {where[-1]:.3g} mm; take a load that bends the whole arm one way."
+        )
 
 
 @dataclass(frozen=True)

@@ -137,6 +137,10 @@ DATA = by_cells(SyntheticArm(STEP))
             r"that of a curve of 224 mm, the curvature of one of 112",
         ),
         (lambda f, b, m: identify(f, b, Moment(m.s, 0 * m.value)), r"The rod carries no moment"),
+        (
+            lambda f, b, m: identify(f, b, Moment(m.s, m.value * np.cos(2 * np.pi * m.s / m.s[-1]))),
+            r"The moment does not fall steadily .* between s = \S+ and \S+ mm",
+        ),
         (lambda f, b, m: identify(f, b, Moment(m.s, -m.value)), r"Curvature falls where the moment grows"),
         (lambda f, b, m: identify(f, b, m, breaks=(0.5, 0.2)), r"must rise and lie between 0 and 1; 0\.5 \.\.\. 0\.2"),
         (lambda f, b, m: identify(f, b, m, breaks=(0.01, 0.02)), r"No d below 0\.02 of the length"),
