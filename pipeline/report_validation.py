@@ -61,13 +61,15 @@ def _failures(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         if row["distance_over_length"] > SHAPE_LIMIT or abs(row.get("force_error") or 0.0) > FORCE_LIMIT
     ]
     if not failed:
-        return [f"Nowhere is it off by more than {SHAPE_LIMIT:.0%} of the length or {FORCE_LIMIT:.0%} of the force."]
+        return [
+            f"Nowhere is it off by more than {100 * SHAPE_LIMIT:g} % of the length or {100 * FORCE_LIMIT:g} % of the force."
+        ]
     places = [round(row["curvature_error_at_s_mm"]) for row in failed if row.get("curvature_error_at_s_mm") is not None]
     span = " to ".join(f"{place}" for place in sorted({min(places), max(places)})) if places else ""
     where = f"; the curvature is off most at s = {span} mm" if places else ""
     listed = "; ".join(_where(row) for row in failed)
     return [
-        f"It is off by more than {SHAPE_LIMIT:.0%} of the length or {FORCE_LIMIT:.0%} of the force at: {listed}{where}."
+        f"It is off by more than {100 * SHAPE_LIMIT:g} % of the length or {100 * FORCE_LIMIT:g} % of the force at: {listed}{where}."
     ]
 
 
@@ -98,4 +100,4 @@ def _where(row: Mapping[str, Any]) -> str:
 
 
 def _percent(value: float | None) -> str:
-    return "-" if value is None else f"{100 * value:.2g} %"
+    return "-" if value is None else f"{number(float(f'{100 * value:.2g}'))} %"

@@ -1,0 +1,129 @@
+"""The sentences and tables of the report about estimators, the linear range, other loads and other laws."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from pipeline.report_data import Results, read_results
+from pipeline.report_numbers import Cell, estimators, observations, regimes, with_spread
+from pipeline.report_validation import laws_by_pressure, out_of_sample, validation_rows
+
+
+def results(folder: Path, **files: object) -> Results:
+    for name, content in files.items():
+        (folder / f"{name}.json").write_text(json.dumps(content), encoding="utf-8")
+    return read_results(folder)
+
+
+def columns(d_at_most: bool) -> dict[str, object]:
+    numbers = {"alpha1_N_mm2": 190.0, "alpha2_N_mm2": 400.0, "m01_N_mm": 0.0, "m02_N_mm": -0.5, "d_mm": 5.6}
+    found: dict[str, object] = {"d_is_at_most": [d_at_most]}
+    for name, value in numbers.items():
+        found |= {name: [value], f"{name}_std": [0.5], f"{name}_95": [[value - 1.0, value + 1.0]]}
+    return found
+
+
+def test_estimators_stand_side_by_side(tmp_path: Path) -> None:
+    none = {name: [None] for name in columns(False)}
+    listed = {"cell_averaged": columns(True), "rod_fit": columns(False), "gaussian_process": none}
+    rows = estimators(results(tmp_path, parameters={"pressures_kPa": [17.0], "estimators": listed}))
+    assert [(row[0], row[1]) for row in rows] == [
+        ("17", "cell averages"),
+        ("17", "closest rod"),
+        ("17", "Gaussian process"),
+    ]
+    assert rows[0][2][0] == Cell("190.00 ± 0.50", "189.00 … 191.00")
+    assert rows[0][2][4] == Cell("at most 5.6", "6.6 with 95 %")
+    assert rows[1][2][4] == Cell("5.60 ± 0.50", "4.60 … 6.60")
+    assert rows[2][2][0] == Cell("-", "")
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        ({"linear_range_kPa": None}, "There are no three neighbouring pressures"),
+        ({"linear_range_kPa": [10.0, 30.0]}, "nothing was tested"),
+        ({"linear_range_kPa": [10.0, 30.0], "linear_range_tested": True}, "α₂ is off that line by -8.0 % at 45 kPa."),
+    ],
+)
+def test_the_linear_range_is_said_in_words(tmp_path: Path, parameters: dict, said: str) -> None:
+    rows = [{"quantity": "alpha2", "off_the_line": [0.0, 0.03, -0.08]}]
+    given = {"pressures_kPa": [10.0, 30.0, 45.0], "straightness": rows, **parameters}
+    sentences = regimes(results(tmp_path, parameters=given))
+    assert said in " ".join(sentences)
+    assert not any("+3.0 %" in sentence and parameters["linear_range_kPa"] for sentence in sentences)
+
+
+def test_one_pressure_has_no_range(tmp_path: Path) -> None:
+    given = results(tmp_path, parameters={"pressures_kPa": [10.0], "observations": [19.54]})
+    assert regimes(given) == []
+    assert observations(given).endswith("each pressure gives 20 independent observations.")
+    assert with_spread(None, 1.0) == "-"
+
+
+def row(sample: str, distance: float, force: float | None, load: str = "") -> dict[str, object]:
+    return {
+        "experiment": "III" if force is not None else "dead",
+        "pressure_kPa": 31.0,
+        "load": load,
+        "sample": sample,
+        "distance_over_length": distance,
+        "distance_at_s_mm": 80.0,
+        "force_error": force,
+        "curvature_error": 0.1,
+        "curvature_error_at_s_mm": 7.0,
+        "reason": "",
+    }
+
+
+def test_where_the_rod_fails_is_said(tmp_path: Path) -> None:
+    rows = [row("in", 0.5, 0.5), row("out", 0.01, 0.02, "end at +10 mm"), row("out", 0.04, None, "dead force 0, 1 N")]
+    said = out_of_sample(results(tmp_path, validation=rows))
+    assert said == [
+        "Under 2 loads that the numbers were not fitted to, the curves are at most 4 % of the length apart "
+        "(dead force 0, 1 N, 31 kPa, at s = 80 mm).",
+        "The end force is off by at most 2 % (end at +10 mm, 31 kPa).",
+        "It is off by more than 3 % of the length or 10 % of the force at: dead force 0, 1 N, 31 kPa; the curvature is "
+        "off most at s = 7 mm.",
+    ]
+    fine = out_of_sample(results(tmp_path, validation=rows[:2]))
+    assert fine[-1] == "Nowhere is it off by more than 3 % of the length or 10 % of the force."
+    assert [cells[:2] for cells in validation_rows(results(tmp_path, validation=rows))] == [
+        ["III", "in"],
+        ["end at +10 mm", "out"],
+        ["dead force 0, 1 N", "out"],
+    ]
+
+
+def test_a_load_without_a_rod_is_named(tmp_path: Path) -> None:
+    lost = {**row("out", 0.0, None, "dead force 0, 9 N"), "distance_over_length": None, "reason": "The rod buckles."}
+    assert out_of_sample(results(tmp_path, validation=[lost])) == [
+        "No rod for dead force 0, 9 N, 31 kPa: The rod buckles."
+    ]
+
+
+def test_the_simplest_law_is_named(tmp_path: Path) -> None:
+    rows = [
+        {
+            "pressure_kPa": 17.0,
+            "law": "one line",
+            "numbers": 2,
+            "in_sample": 0.1,
+            "out_of_sample": 0.1,
+            "simplest": True,
+        },
+        {
+            "pressure_kPa": 17.0,
+            "law": "contact",
+            "numbers": 4,
+            "in_sample": 0.1,
+            "out_of_sample": 9.0,
+            "simplest": False,
+        },
+    ]
+    table, said = laws_by_pressure(results(tmp_path, laws=rows))
+    assert table[0] == ["17", "one line", "2", "10 %", "10 %"]
+    assert said == [
+        "At 17 kPa the simplest law that predicts the other loads as well as any is “one line” with 2 numbers."
+    ]
