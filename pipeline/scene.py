@@ -5,7 +5,7 @@ from geometry import Body, DesignError, MeshError
 from pipeline.config import Config
 from pipeline.failure import InputError
 
-__all__ = ["GAP", "contact_faces", "effects_of", "is_on", "meshed_body", "pulls_aside"]
+__all__ = ["GAP", "contact_faces", "effects_of", "is_on", "material_of", "meshed_body", "pulls_aside"]
 
 GAP = "gap"
 """The name of faces that can meet, where the user names no others."""
@@ -14,8 +14,9 @@ GAP = "gap"
 def meshed_body(config: Config) -> Body:
     """The body, half of it where body, pressure and loads are mirror images about z = 0.
 
-    Raises InputError for a body that cannot be meshed or lacks what an effect needs.
+    Raises InputError for a body that cannot be meshed or lacks what an effect needs, and for a law that is none.
     """
+    material_of(config)
     try:
         body = config.design.body(config.mesh.size_mm)
     except (DesignError, MeshError) as failure:
@@ -34,6 +35,15 @@ def meshed_body(config: Config) -> Body:
             f"this body has {', '.join(body.mesh.faces)}"
         )
     return body.full() if config.effects["symmetry"] == "off" or pulls_aside(config) else body
+
+
+def material_of(config: Config) -> fem.Material:
+    """The law of the solid. Raises InputError for constants that the law cannot have together."""
+    try:
+        law: fem.Material = getattr(fem, config.material.model)(**config.material.constants)
+    except fem.MaterialError as failure:
+        raise InputError(f"{config.source}: material: {failure}") from None
+    return law
 
 
 def is_on(config: Config, effect: str) -> bool:

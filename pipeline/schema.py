@@ -111,6 +111,7 @@ def _share_or_pressure(value: Any) -> tuple[str, float]:
 
 Length = Annotated[float, _in(LENGTH), Field(examples=[LENGTH.example])]
 PositiveLength = Annotated[Length, AfterValidator(_above_zero)]
+Stress = Annotated[float, _in(STRESS), Field(examples=[STRESS.example])]
 PositiveStress = Annotated[float, _in(STRESS), AfterValidator(_above_zero), Field(examples=[STRESS.example])]
 PositiveDensity = Annotated[float, _in(DENSITY), AfterValidator(_above_zero), Field(examples=[DENSITY.example])]
 Pressure = Annotated[float, _in(PRESSURE)]
@@ -138,6 +139,10 @@ FORMULATIONS = ("p2p0", "p2")
 #: law in the YAML -> the class that `fem` offers under that law, and its constants
 LAWS: dict[str, tuple[str, dict[str, Any]]] = {
     "svk": ("StVenantKirchhoff", {"E": PositiveStress, "nu": PoissonRatio}),
+    "hencky": ("Hencky", {"E": PositiveStress, "nu": PoissonRatio}),
+    "neo_hooke": ("NeoHooke", {"mu": PositiveStress, "kappa": PositiveStress}),
+    "mooney_rivlin": ("MooneyRivlin", {"c10": Stress, "c01": Stress, "kappa": PositiveStress}),
+    "yeoh": ("Yeoh", {"c10": Stress, "c20": Stress, "c30": Stress, "kappa": PositiveStress}),
 }
 OWN = "own"
 """The family of a body that the user has drawn."""

@@ -16,7 +16,7 @@ from pipeline.cases import Case
 from pipeline.config import Config
 from pipeline.failure import RunFailed
 from pipeline.progress import Progress, ToQueue, relayed
-from pipeline.scene import effects_of
+from pipeline.scene import effects_of, material_of
 from pipeline.store import Store
 
 __all__ = ["EXPERIMENTS", "Outcome", "Record", "simulate"]
@@ -126,7 +126,7 @@ def _in_worker(case: Case, config: Config, body: Body, store: Store) -> Outcome:
 def _experiment(case: Case, config: Config, body: Body, store: Store, progress: Progress) -> Outcome:
     name, asked = case.name, case.pressures_kPa
     experiment = fem.Experiment.of(case.experiment, body, case.end_y_mm, case.force_N)
-    material = getattr(fem, config.material.model)(**config.material.constants)
+    material = material_of(config)
     largest = config.pressures_MPa[-1]
     model = experiment.model(material, effects_of(config, body, largest), config.mesh.formulation)
     space = fem.Discretisation.of(body.mesh, config.mesh.formulation)

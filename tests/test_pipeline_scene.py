@@ -8,7 +8,7 @@ import fem
 from geometry import Body
 from pipeline.config import CavityPressure, Config, Layer, load_config
 from pipeline.failure import InputError
-from pipeline.scene import contact_faces, effects_of, meshed_body
+from pipeline.scene import contact_faces, effects_of, material_of, meshed_body
 
 BISECTED = ("geometry.length=30 mm", "mesh.size=5 mm")
 
@@ -111,6 +111,15 @@ def test_elements_follow_poissons_ratio(tmp_path: Path, arm: Path) -> None:
     assert formulation("material.nu=0.3", "effects.incompressibility=on") == "p2p0"
     assert formulation("effects.incompressibility=off") == "p2"
     assert formulation("mesh.formulation=p2") == "p2"
+
+
+def test_laws_of_rubber(arm: Path) -> None:
+    rubber = "material={law: yeoh, c10: 0.11 MPa, c20: 0.02 MPa, c30: 0 MPa, kappa: 20 MPa, density: 1130 kg/m^3}"
+    config = load_config(arm, [*BISECTED, rubber])
+    assert material_of(config) == fem.Yeoh(c10=0.11, c20=0.02, c30=0.0, kappa=20.0)
+    assert config.mesh.formulation == "p2p0"
+    stiff = rubber.replace("0.11 MPa", "-0.11 MPa")
+    assert "bisected_circle_coarse.yaml: material: " in refusal(arm, stiff)
 
 
 def test_one_effect_can_be_changed(arm: Path) -> None:
