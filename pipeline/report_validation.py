@@ -60,17 +60,13 @@ def _failures(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         for row in rows
         if row["distance_over_length"] > SHAPE_LIMIT or abs(row.get("force_error") or 0.0) > FORCE_LIMIT
     ]
+    limits = f"{100 * SHAPE_LIMIT:g} % of the length or {100 * FORCE_LIMIT:g} % of the force"
     if not failed:
-        return [
-            f"Nowhere is it off by more than {100 * SHAPE_LIMIT:g} % of the length or {100 * FORCE_LIMIT:g} % of the force."
-        ]
+        return [f"Nowhere is it off by more than {limits}."]
     places = [round(row["curvature_error_at_s_mm"]) for row in failed if row.get("curvature_error_at_s_mm") is not None]
     span = " to ".join(f"{place}" for place in sorted({min(places), max(places)})) if places else ""
     where = f"; the curvature is off most at s = {span} mm" if places else ""
-    listed = "; ".join(_where(row) for row in failed)
-    return [
-        f"It is off by more than {100 * SHAPE_LIMIT:g} % of the length or {100 * FORCE_LIMIT:g} % of the force at: {listed}{where}."
-    ]
+    return [f"It is off by more than {limits} at: {'; '.join(_where(row) for row in failed)}{where}."]
 
 
 def laws_by_pressure(results: Results) -> tuple[list[list[str]], list[str]]:
