@@ -139,10 +139,10 @@ def rows_of(record: Record, shape: RodSolution | None, pitch: float) -> list[tup
 
 
 def _curvature(curve: Centreline, s: Array, pitch: float) -> tuple[Array, Array]:
-    """Cell-averaged curvature and its standard deviation at s (n,); NaN where there is no whole cell around s."""
+    """Cell-averaged curvature and its standard deviation at s (n,); the ends repeat the nearest cell's value."""
     try:
         curvature = cell_averaged(curve, pitch)
     except RodError:  # an arm of one or two cells has none
         return np.full_like(s, np.nan), np.full_like(s, np.nan)
-    kappa = np.interp(s, curvature.s, curvature.kappa, left=np.nan, right=np.nan)
-    return kappa, np.interp(s, curvature.s, curvature.kappa_std, left=np.nan, right=np.nan)
+    kappa = np.interp(s, curvature.s, curvature.kappa)
+    return kappa, np.interp(s, curvature.s, curvature.kappa_std)
