@@ -74,20 +74,35 @@ def moments(results: Results) -> Any:
         free, held = results.curve("II", pressure), results.curve("III", pressure)
         if free is None or held is None or not held.has("moment_N_mm") or len(free["s_mm"]) != len(held["s_mm"]):
             continue
-        change = held["kappa_per_mm"] - free["kappa_per_mm"]
+        inside = _estimated(free)
+        change, moment, s = (
+            values[inside]
+            for values in (held["kappa_per_mm"] - free["kappa_per_mm"], held["moment_N_mm"], held["s_mm"])
+        )
         colour, label = shade(results, pressure), f"{pressure:g} kPa"
         marker = {"color": colour, "size": 5, "opacity": 0.7}
         hover = "s = %{customdata:.1f} mm<br>%{x:.5f} 1/mm, %{y:.4g} N mm"
         figure.add_scatter(
-            x=change, y=held["moment_N_mm"], mode="markers", marker=marker, name=label, legendgroup=label,
-            customdata=held["s_mm"], hovertemplate=hover,
+            x=change, y=moment, mode="markers", marker=marker, name=label, legendgroup=label,
+            customdata=s, hovertemplate=hover,
         )  # fmt: skip
-        _fitted_lines(figure, results, pressure, held["s_mm"], change, colour)
+        _fitted_lines(figure, results, pressure, s, change, colour)
     legend_only(figure, "two lines", _INK, "solid")
     legend_only(figure, "one line", _GREY, "dot")
     figure.update_xaxes(title="κ - κ₀ (1/mm)")
     figure.update_yaxes(title="M (N mm)")
     return styled(figure, 480)
+
+
+def _estimated(curve: Curve) -> Array:
+    """Where the curvature is an estimate of its own (n,): the ends of a curve repeat the value of the nearest cell."""
+    kappa = curve["kappa_per_mm"]
+    moves = np.flatnonzero(np.diff(kappa))
+    inside = np.ones(len(kappa), dtype=bool)
+    if len(moves):
+        inside[: moves[0]] = False
+        inside[moves[-1] + 2 :] = False
+    return inside
 
 
 def alphas_over_pressure(results: Results) -> Any:
