@@ -89,7 +89,7 @@ class Path:
     def take_up(self, steps: Sequence[Step]) -> None:
         """Go on from the last of the given steps."""
         for step in steps:
-            self.places.append(Place(step.factor, 1.0, State(step.displacement, step.stress)))
+            self.places.append(Place(step.factor, 1.0, self.system.at(step.displacement)))
             x = self.system.space.points + step.displacement
             self.terms = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
 

@@ -2,8 +2,16 @@
 
 Source: D. Magisano, L. Leonetti, G. Garcea, "How to improve efficiency and robustness of the Newton method in
 geometrically non-linear structural problem discretized via displacement-based finite elements", Comput. Methods Appl.
-Mech. Engrg. 313 (2017). The residual is the usual one; only the geometric stiffness uses the carried stress, so the
-solution is the same.
+Mech. Engrg. 313 (2017). There the law is linear. For others the strain e is carried beside the stress, and the law is
+linearised around it,
+
+    S(E(u)) ~ S(e) + C(e) : (E(u) - e),    K = sum w (B^T C(e) B + G(S)),    K du = -R(u),
+    S <- S(e) + C(e) : (E(u) + B du - e),    e <- E(u) + B du,    u <- u + du,
+
+because u alone strains the body far more on its way than it does in the end. In equilibrium e = E(u), which is checked
+with the law itself, so the solution is that of the usual method. Measured, three chambers of arm (a), nu = 0.495, to 5,
+17 and 37 kPa with contact: 5, 14 and 11 factorizations for Hencky's law (71, 41 and 191 with the law at E(u)), 5, 13
+and 11 for St. Venant-Kirchhoff's.
 """
 
 from collections.abc import Callable
@@ -64,14 +72,17 @@ def solve(
     fixed = system.constraints.fixed
     relative, limited = np.inf, 0
     for iteration in range(options.iterations + 1):
-        assembly = system.assemble(state.displacement, factor, terms)
+        assembly = system.assemble(state, factor, terms)
         jump = np.where(fixed, prescribed - state.displacement, 0.0)
         relative = _relative_residual(system, assembly)
         watch(iteration, relative)
         if relative < options.tolerance and not np.any(jump):
-            pivots = system.solver.negative_pivots if iteration else 0
-            carried = State(state.displacement, assembly.response.stress)
-            return Converged(carried, assembly, iteration, relative, pivots)
+            settled = system.at(state.displacement)
+            exact = system.assemble(settled, factor, terms)
+            relative = _relative_residual(system, exact)
+            if relative < options.tolerance:
+                pivots = system.solver.negative_pivots if iteration else 0
+                return Converged(settled, exact, iteration, relative, pivots)
         if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
         if limited > options.limited:
@@ -105,8 +116,7 @@ def _advance(
     whole = system.solver.negative_pivots == 0 or largest <= options.strain
     share = 1.0 if whole else options.strain / largest
     share *= system.step_limit(terms, state.displacement, share * increment)
-    stress = system.carried_stress(assembly, share * strain)
-    return State(state.displacement + share * increment, stress), whole
+    return system.advanced(state, assembly, share * increment, share * strain), whole
 
 
 def _relative_residual(system: System, assembly: Assembly) -> float:

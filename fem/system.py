@@ -27,9 +27,14 @@ NO_INCREMENT = np.empty((0, 3))
 
 @dataclass(frozen=True)
 class State:
-    """A point on the load path: displacement and the stresses Newton carries as unknowns of their own."""
+    """A point on the load path: displacement, and strain and stress, which Newton carries as unknowns of their own.
+
+    In equilibrium both are those of the displacement. On the way the strain is where the law is evaluated, and the
+    stress, which the geometric stiffness takes, is what the law to first order gave there.
+    """
 
     displacement: Array  #: (n, 3), mm
+    strain: Array  #: (e, q, 6), Green-Lagrange
     stress: Array  #: (e, q, 6), second Piola-Kirchhoff, MPa
 
 
@@ -37,7 +42,9 @@ class State:
 class Assembly:
     """What one evaluation of the potential's gradient gives."""
 
-    response: Response  #: the law at all stress points
+    strain: Array  #: (e, q, 6) Green-Lagrange strain of the displacement
+    response: Response  #: the law at the carried strain
+    stress: Array  #: (e, q, 6) the law at the displacement's strain to first order from the carried one, MPa
     jacobian: Array  #: (e, q) det F
     gradient: Array  #: (n, 3) d Pi / d x, N; zero on the free components in equilibrium
     scale: float  #: norm of the nodal forces that balance, N
@@ -91,25 +98,35 @@ class System:
     def start(self) -> State:
         """The body at rest."""
         elements, points = self.space.weight.shape
-        return State(np.zeros_like(self.space.points), np.zeros((elements, points, 6)))
+        return State(np.zeros_like(self.space.points), *np.zeros((2, elements, points, 6)))
 
     def prescribed(self, factor: float, share: float) -> Array:
         """Prescribed displacements (n, 3): ramped ones at `factor`, constant ones to the given share."""
         return factor * self.constraints.ramped + share * self.constraints.constant
 
-    def assemble(self, displacement: Array, factor: float, terms: Terms) -> Assembly:
-        """Gradient of the potential with the given terms at `displacement` (n, 3) and load factor."""
+    def at(self, displacement: Array) -> State:
+        """The state in which strain and stress are those of the displacement (n, 3)."""
+        strain, _ = self._strain(displacement)
+        return State(displacement, strain, self.space.respond(self.material, strain).stress)
+
+    def assemble(self, state: State, factor: float, terms: Terms) -> Assembly:
+        """Gradient of the potential with the given terms at `state` and load factor.
+
+        Exact where the carried strain is that of the displacement, or the law is linear.
+        """
+        displacement = state.displacement
         with self.clock.timing("assembly"):
             strain, jacobian = self._strain(displacement)
-            response = self.space.respond(self.material, strain)
+            response = self.space.respond(self.material, state.strain)
+            stress = response.stress + _times(response.tangent, strain - state.strain)
             internal = np.zeros_like(displacement)
-            kernels.internal_force(*self._elements, self.space.weight, displacement, response.stress, internal)
+            kernels.internal_force(*self._elements, self.space.weight, displacement, stress, internal)
         loads = np.zeros_like(internal)
         for term in terms:
             with self.clock.timing(term.effect):
                 term.gradient(self.space.points + displacement, factor, loads)
         scale = max(float(np.linalg.norm(internal)), float(np.linalg.norm(loads)))
-        return Assembly(response, jacobian, internal + loads, scale)
+        return Assembly(strain, response, stress, jacobian, internal + loads, scale)
 
     def _strain(self, displacement: Array) -> tuple[Array, Array]:
         strain = np.empty((*self.space.weight.shape, 6))
@@ -177,15 +194,11 @@ class System:
             kernels.linearised_strain(*self._elements[1:], state.displacement, increment, strain)
         return strain
 
-    def carried_stress(self, assembly: Assembly, strain: Array) -> Array:
-        """S(E(u)) + C : B(u) du for strain B(u) du (e, q, 6): the stress Newton carries on (Magisano et al. 2017)."""
+    def advanced(self, state: State, assembly: Assembly, increment: Array, strain: Array) -> State:
+        """The state after an increment (n, 3) whose B(u) du is `strain` (e, q, 6)."""
         with self.clock.timing("assembly"):
-            tangent = assembly.response.tangent
-            if tangent.shape[0] == 1:
-                change = np.matmul(strain.transpose(1, 0, 2), tangent[0].transpose(0, 2, 1)).transpose(1, 0, 2)
-            else:
-                change = np.einsum("eqvm,eqm->eqv", tangent, strain)
-            return np.ascontiguousarray(assembly.response.stress + change)
+            stress = assembly.stress + _times(assembly.response.tangent, strain)
+            return State(state.displacement + increment, assembly.strain + strain, stress)
 
     def step_limit(self, terms: Terms, displacement: Array, increment: Array) -> float:
         """Largest admissible share of the increment."""
@@ -199,3 +212,11 @@ class System:
             rows = np.concatenate([blocks.rows for blocks in missing])
             columns = np.concatenate([blocks.columns for blocks in missing])
             self._take_pattern(self.pattern.with_pairs(rows, columns))
+
+
+def _times(tangent: Array, strain: Array) -> Array:
+    """C : strain (e, q, 6) for C (e, q, 6, 6), or (1, q or 1, 6, 6) where it is the same in all elements."""
+    if tangent.shape[0] > 1:
+        return np.asarray(np.einsum("eqvm,eqm->eqv", tangent, strain))
+    product = np.matmul(strain.transpose(1, 0, 2), tangent[0].transpose(0, 2, 1))
+    return np.ascontiguousarray(product.transpose(1, 0, 2))
