@@ -1,0 +1,96 @@
+"""Uniaxial tension and compression of every law against its closed form.
+
+St. Venant-Kirchhoff: the lateral stretch follows from S22 = 0, 2 E22 = -2 nu E11, so t^2 = 1 - nu (s^2 - 1), and
+P = E s (s^2 - 1) / 2 (design note "mechanics", section 4). Hencky: ln t = -nu ln s, P = E ln(s) / s. Rubber, nearly
+incompressible: P = 2 (s - 1/s^2) (w' + c / s) with w' at I1 = s^2 + 2/s (R. S. Rivlin, D. W. Saunders, Phil. Trans. R.
+Soc. A 243 (1951) 251).
+"""
+
+import numpy as np
+import pytest
+from bodies import box
+
+from fem import (
+    Fixed,
+    Hencky,
+    Material,
+    Model,
+    MooneyRivlin,
+    NeoHooke,
+    NewtonOptions,
+    PathOptions,
+    Prescribed,
+    Step,
+    StVenantKirchhoff,
+    Yeoh,
+    follow,
+)
+
+FORMULATIONS = ("p2", "p2p0")
+LENGTH, SIDE = 2.0, 1.0
+BULK = 1e3
+
+
+def pulled(law: Material, stretch: float, formulation: str) -> tuple[Step, float, float]:
+    """The bar, its nominal stress in MPa and its lateral stretch."""
+    mesh = box((2, 1, 1), (LENGTH, SIDE, SIDE))
+    pull = Prescribed("right", "x", (stretch - 1) * LENGTH)
+    model = Model(mesh, law, [Fixed("left", "x"), Fixed("bottom", "y"), Fixed("back", "z"), pull], [], formulation)
+    step = follow(model, [0.5, 1.0], PathOptions(NewtonOptions(tolerance=1e-9))).steps[-1]
+    top = step.displacement[step.space.surface("top").unique_nodes, 1]
+    assert np.ptp(top) < 1e-8
+    return step, float(step.reaction("right")[0]) / SIDE**2, 1 + float(top.mean()) / SIDE
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize(
+    ("stretch", "stress", "lateral"), [(1.2, 0.2640, 0.884421), (0.8, -0.1440, 1.085449), (1.0, 0.0, 1.0)]
+)
+def test_saint_venant_kirchhoff(formulation: str, stretch: float, stress: float, lateral: float) -> None:
+    step, found, across = pulled(StVenantKirchhoff(E=1.2, nu=0.495), stretch, formulation)
+    assert found / 1.2 == pytest.approx(stretch * (stretch**2 - 1) / 2, abs=1e-8)
+    assert found / 1.2 == pytest.approx(stress, abs=1e-8)
+    assert across == pytest.approx(lateral, abs=1e-6)
+    assert step.min_J == pytest.approx(stretch * (1 - 0.495 * (stretch**2 - 1)), abs=1e-8)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("stretch", [0.6, 1.5, 2.5])
+def test_hencky(formulation: str, stretch: float) -> None:
+    _, found, across = pulled(Hencky(E=1.2, nu=0.4), stretch, formulation)
+    assert found == pytest.approx(1.2 * np.log(stretch) / stretch, rel=1e-8)
+    assert across == pytest.approx(stretch**-0.4, rel=1e-8)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("stretch", [0.6, 1.5, 2.5])
+@pytest.mark.parametrize(
+    ("law", "slope", "second"),
+    [
+        (NeoHooke(0.4, BULK), lambda x: 0.2, 0.0),
+        (MooneyRivlin(0.15, 0.05, BULK), lambda x: 0.15, 0.05),
+        (Yeoh(0.11, 0.02, 0.001, BULK), lambda x: 0.11 + 0.04 * x + 0.003 * x**2, 0.0),
+    ],
+    ids=["neo-Hooke", "Mooney-Rivlin", "Yeoh"],
+)
+def test_rubber(formulation: str, stretch: float, law: Material, slope, second: float) -> None:
+    _, found, across = pulled(law, stretch, formulation)
+    invariant = stretch**2 + 2 / stretch - 3
+    expected = 2 * (stretch - stretch**-2) * (slope(invariant) + second / stretch)
+    assert found == pytest.approx(expected, rel=5e-3)  # of the order of stress over bulk modulus
+    assert across == pytest.approx(stretch**-0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_rigid_rotation_strains_nothing(formulation: str) -> None:
+    """A third of a turn about a skew axis."""
+    mesh = box((2, 1, 1), (LENGTH, SIDE, SIDE))
+    axis = np.array([1.0, 2.0, -1.0]) / np.sqrt(6)
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    turn = np.eye(3) + np.sin(2.1) * cross + (1 - np.cos(2.1)) * cross @ cross
+    for law in (StVenantKirchhoff(1.2, 0.495), Hencky(1.2, 0.495), NeoHooke(0.4, 40.0), Yeoh(0.11, 0.02, 0.0, 40.0)):
+        system = Model(mesh, law, [], [], formulation).system()
+        points = system.space.points
+        state = system.at(points @ turn.T + [3.0, -1.0, 2.0] - points)
+        assert np.abs(state.stress).max() < 1e-11
+        assert system.energy(state.displacement, 1.0, ()) == pytest.approx(0.0, abs=1e-12)
