@@ -126,15 +126,10 @@ def _try_linear_solver() -> str:
 
 def _try_threads() -> str:
     import numba
-    from numba import prange
 
-    def add_up(count: int) -> float:
-        total = 0.0
-        for index in prange(count):
-            total += index
-        return total
+    from fem import compile_kernels
 
-    numba.njit(parallel=True)(add_up)(4)
+    compile_kernels()
     return f"numba runs {numba.get_num_threads()} threads on {numba.threading_layer()}"
 
 
