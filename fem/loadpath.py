@@ -62,16 +62,16 @@ def follow(
     steps = list(resume)
     path.take_up(steps)
     set_up = perf_counter() - begin - path.system.solver.times.analysis
-    for factor in factors[len(steps) :]:
-        try:
+    try:
+        for factor in factors[len(steps) :]:
             step = path.advance(factor)
-        except StepFailed as failure:
-            raise NotConverged(str(failure), path.solution(steps, set_up)) from None
-        steps.append(step)
-        keep(step)
-    solution = path.solution(steps, set_up)
-    path.system.solver.close()
-    return solution
+            steps.append(step)
+            keep(step)
+        return path.solution(steps, set_up)
+    except StepFailed as failure:
+        raise NotConverged(str(failure), path.solution(steps, set_up)) from None
+    finally:
+        path.system.solver.close()
 
 
 @final

@@ -58,19 +58,9 @@ def check_moduli(E: float, nu: float) -> None:
         raise MaterialError(f"nu = {nu:g}: Poisson's ratio must lie between -1 and 0.5 (0.5 itself excluded)")
 
 
-def lame_constants(E: float, nu: float) -> tuple[float, float]:
-    """(lambda, mu) in MPa."""
-    return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
-
-
-@final
 @dataclass(frozen=True)
-class StVenantKirchhoff(Material):
-    """W = lambda/2 tr(E)^2 + mu E:E, S = lambda tr(E) I + 2 mu E (E the Green-Lagrange strain).
-
-    E in MPa, 0 < E; -1 < nu < 0.5. Raises `MaterialError` outside. The law is not stable at all strains: in uniaxial
-    compression the force has a limit point at stretch 1/sqrt(3), in tension J vanishes at sqrt(1 + 1/nu).
-    """
+class TwoModuli(Material):
+    """A law that is given by Young's modulus E in MPa and Poisson's ratio nu. Raises `MaterialError`."""
 
     E: float
     nu: float
@@ -81,11 +71,22 @@ class StVenantKirchhoff(Material):
     @property
     def lame(self) -> tuple[float, float]:
         """(lambda, mu), MPa."""
-        return lame_constants(self.E, self.nu)
+        E, nu = self.E, self.nu
+        return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
 
     @property
     def shear_modulus(self) -> float:
         return self.lame[1]
+
+
+@final
+@dataclass(frozen=True)
+class StVenantKirchhoff(TwoModuli):
+    """W = lambda/2 tr(E)^2 + mu E:E, S = lambda tr(E) I + 2 mu E (E the Green-Lagrange strain).
+
+    E in MPa, 0 < E; -1 < nu < 0.5. Raises `MaterialError` outside. The law is not stable at all strains: in uniaxial
+    compression the force has a limit point at stretch 1/sqrt(3), in tension J vanishes at sqrt(1 + 1/nu).
+    """
 
     @property
     def stretch_limits(self) -> tuple[float, float]:

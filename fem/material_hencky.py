@@ -6,7 +6,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.material import Material, Response, check_moduli, lame_constants
+from fem.material import Response, TwoModuli
 from fem.material_tensors import FLAT, CauchyGreen, outer, scaled, voigt
 
 Array = NDArray[np.float64]
@@ -18,27 +18,12 @@ PAIRS = ((0, 1), (1, 2), (0, 2))
 
 @final
 @dataclass(frozen=True)
-class Hencky(Material):
+class Hencky(TwoModuli):
     """W = lambda/2 (ln J)^2 + mu h:h with the logarithmic strain h = ln(C)/2; Kirchhoff stress linear in h.
 
     E in MPa, 0 < E; -1 < nu < 0.5. Raises `MaterialError` outside. In uniaxial tension P = E ln(stretch) / stretch,
     which has a maximum at stretch e. What commercial codes do with a linear elastic material in large displacements.
     """
-
-    E: float
-    nu: float
-
-    def __post_init__(self) -> None:
-        check_moduli(self.E, self.nu)
-
-    @property
-    def lame(self) -> tuple[float, float]:
-        """(lambda, mu), MPa."""
-        return lame_constants(self.E, self.nu)
-
-    @property
-    def shear_modulus(self) -> float:
-        return self.lame[1]
 
     @property
     def stretch_limits(self) -> tuple[float, float]:

@@ -1,6 +1,7 @@
 """A model: body, law, supports and effects, before anything is solved."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import final
 
 from fem.discretisation import FORMULATIONS, Discretisation
@@ -31,9 +32,13 @@ class Model:
         if self.formulation not in FORMULATIONS:
             raise ValueError(f"formulation {self.formulation!r}: allowed are {', '.join(FORMULATIONS)}")
 
+    @cached_property
+    def space(self) -> Discretisation:
+        """The mesh as quadratic elements, made once."""
+        return Discretisation.of(self.mesh, self.formulation)
+
     def system(self, solver: type[LinearSolver] | None = None) -> System:
         """The assembled equations, with the given linear solver or the best one installed."""
-        space = Discretisation.of(self.mesh, self.formulation)
-        terms = tuple(effect.bind(space, self.material) for effect in self.effects)
-        constraints = Constraints.of(self.supports, space)
-        return System(space, self.material, terms, constraints, (solver or available_solver())())
+        terms = tuple(effect.bind(self.space, self.material) for effect in self.effects)
+        constraints = Constraints.of(self.supports, self.space)
+        return System(self.space, self.material, terms, constraints, (solver or available_solver())())

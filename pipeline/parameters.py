@@ -27,10 +27,10 @@ from rod import (
     gaussian_process,
     identify,
     moment_from_force,
+    rest_curvature,
     shared_smoothing,
     shortest_break,
 )
-from rod.fit import rest_curvature
 
 __all__ = ["DEFAULT", "Parameters", "identify_all", "observed"]
 

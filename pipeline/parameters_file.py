@@ -8,8 +8,7 @@ import numpy as np
 from pipeline.config import Config
 from pipeline.parameters import DEFAULT, Parameters
 from pipeline.regimes import covered_range, quantities_of
-from rod import Identification, Interval, LinearRange
-from rod.fit import rest_curvature
+from rod import Identification, Interval, LinearRange, rest_curvature
 
 __all__ = ["ESTIMATORS", "parameters_record"]
 

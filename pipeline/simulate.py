@@ -129,7 +129,7 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
     material = material_of(config)
     largest = config.pressures_MPa[-1]
     model = experiment.model(material, effects_of(config, body, largest), config.mesh.formulation)
-    space = fem.Discretisation.of(body.mesh, config.mesh.formulation)
+    space = model.space
     pressures = {float(f"{p / 1000.0:.12g}") / largest: p for p in asked}
     remembered = _remembered(name, asked, space, store)
     for step in remembered:
