@@ -7,6 +7,7 @@ from .curve import Curvature, Moment, moment_from_force, without_stretch
 from .equilibrium import Rod, RodSolution
 from .errors import Interval
 from .export import EXPORTS, Arm, export
+from .extrapolation import Extrapolated, extrapolated
 from .fit import LoadedShape, RodFit, fit_rod, profile_over_break, rest_curvature
 from .identify import Identification, LineFit, identify, shortest_break
 from .law import FiveParameters, RodError
@@ -19,6 +20,7 @@ __all__ = [
     "Arm",
     "Candidate",
     "Curvature",
+    "Extrapolated",
     "FiveParameters",
     "Identification",
     "Interval",
@@ -40,6 +42,7 @@ __all__ = [
     "cell_averaged",
     "compare_laws",
     "export",
+    "extrapolated",
     "fit_rod",
     "gaussian_process",
     "identify",
