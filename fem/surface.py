@@ -11,6 +11,9 @@ from fem.discretisation import Faces
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+#: difference of two distances, over the size of a triangle, that is rounding
+EQUALLY_NEAR = 1e-6
+
 
 @dataclass(frozen=True)
 class FacingPairs:
@@ -19,13 +22,17 @@ class FacingPairs:
     The gap is signed: it turns negative when a wall has passed through the other, which a distance would not show.
     """
 
-    nodes: Index  #: (k,) nodes that have something before them
+    nodes: Index  #: (k,) nodes that have something before them; one that looks at several triangles stands for each
     triangles: Index  #: (k, 3) the triangle each node looks at
-    area: Array  #: (k,) the node's share of the surface at rest, mm2
+    area: Array  #: (k,) the node's share of the surface at rest, divided among its triangles, mm2
 
     @classmethod
     def of(cls, surface: Faces, points: Array) -> "FacingPairs":
-        """Pairs of a node and the nearest triangle of opposite normal before it; points (n, 3) at rest, mm."""
+        """Pairs of a node and the nearest triangle of opposite normal before it; points (n, 3) at rest, mm.
+
+        Where triangles are equally near (walls that mirror each other, planes of symmetry) the node looks at all of
+        them: to choose one would make the contact of a symmetric body unsymmetric.
+        """
         triangles = surface.triangles
         centre, normal = points[triangles].mean(axis=1), _normals(points, triangles)
         of_node = np.zeros_like(points)
@@ -43,10 +50,11 @@ class FacingPairs:
         beside = np.linalg.norm(reach - ahead[..., None] * facing[:, None, :], axis=2)
         opposite = np.einsum("ki,kmi->km", facing, normal[near]) < -0.7
         misfit = np.where(opposite & (ahead > 0), beside, np.inf)
-        best = np.argmin(misfit, axis=1)
         size = np.sqrt(doubled.mean())
-        seen = misfit[np.arange(nodes.shape[0]), best] < 2 * size
-        return cls(nodes[seen], triangles[near[seen, best[seen]]], share[nodes[seen]])
+        nearest = misfit.min(axis=1, keepdims=True)
+        who, which = np.nonzero((misfit <= nearest + EQUALLY_NEAR * size) & (misfit < 2 * size))
+        often = np.bincount(who, minlength=nodes.shape[0])
+        return cls(nodes[who], triangles[near[who, which]], share[nodes[who]] / often[who])
 
     def gaps(self, x: Array) -> Array:
         """Signed gap (k,) in mm of each pair at the positions x (n, 3), along the triangle's normal."""
