@@ -25,10 +25,12 @@ from rod import (
     Reference,
     Rod,
     cell_averaged,
+    closing,
     identify,
     moment_from_force,
     scaled,
     straightness,
+    without_stretch,
 )
 
 MATERIAL = fem.StVenantKirchhoff(E=1.2, nu=0.495)
@@ -85,7 +87,8 @@ def solved(chambers: int, pressures: Sequence[float], size: float) -> list[Arm]:
         experiment, step = steps["III", pressure]
         force = (float(experiment.end_force(step)[0]), float(experiment.end_force(step)[1]))
         kappa_0, kappa = (cell_averaged(curves[name], body.pitch) for name in ("II", "III"))
-        found = identify(kappa_0, kappa, moment_from_force(curves["III"], force, experiment.end_couple(step)))
+        moment = moment_from_force(without_stretch(curves["III"]), force, experiment.end_couple(step))
+        found = identify(kappa_0, kappa, moment, closing(curves["II"], curves["III"], force))
         arms.append(Arm(chambers, pressure, curves["II"], curves["III"], force[1], kappa_0, found))
     return arms
 

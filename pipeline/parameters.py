@@ -23,6 +23,7 @@ from rod import (
     RodError,
     RodFit,
     cell_averaged,
+    closing,
     fit_rod,
     gaussian_process,
     identify,
@@ -30,6 +31,7 @@ from rod import (
     rest_curvature,
     shared_smoothing,
     shortest_break,
+    without_stretch,
 )
 
 __all__ = ["DEFAULT", "Parameters", "identify_all", "observed"]
@@ -49,7 +51,7 @@ class Parameters:
     loaded: Record  #: experiment III
     kappa_0: Curvature  #: cell-averaged, of II
     kappa: Curvature  #: cell-averaged, of III
-    moment: Moment
+    moment: Moment  #: of III without its stretch
     by_cells: Identification
     by_process: Identification  #: the same from a Gaussian process, for comparison
     by_rod: RodFit | None  #: the same from the closest rod; None where none is in equilibrium near the others
@@ -107,11 +109,14 @@ def identify_all(outcomes: Mapping[str, Outcome], pitch: float) -> tuple[tuple[P
 
 def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> Parameters:
     curves = (free.centreline, loaded.centreline)
-    moment = moment_from_force(loaded.centreline, loaded.end_force, loaded.end_couple)
+    # levers of the curve without its stretch, for the rod that takes the numbers has none
+    moment = moment_from_force(without_stretch(loaded.centreline), loaded.end_force, loaded.end_couple)
+    moved = closing(*curves, loaded.end_force)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
     smoothing = shared_smoothing(curves, pitch)
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
-    by_cells, by_process = identify(kappa_0, kappa, moment), identify(smooth_0, smooth, moment)
+    by_cells = identify(kappa_0, kappa, moment, moved)
+    by_process = identify(smooth_0, smooth, moment, moved)
     return Parameters(
         pressure_kPa=pressure,
         free=free,

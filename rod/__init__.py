@@ -2,6 +2,7 @@
 
 from .alternatives import Candidate, Observation, compare_laws, simplest
 from .cells import cell_averaged
+from .closing import Closing, closing
 from .curvature import Smoothing, gaussian_process, shared_smoothing
 from .curve import Curvature, Moment, moment_from_force, without_stretch
 from .equilibrium import Rod, RodSolution
@@ -19,6 +20,7 @@ __all__ = [
     "EXPORTS",
     "Arm",
     "Candidate",
+    "Closing",
     "Curvature",
     "Extrapolated",
     "FiveParameters",
@@ -40,6 +42,7 @@ __all__ = [
     "Straightness",
     "SyntheticArm",
     "cell_averaged",
+    "closing",
     "compare_laws",
     "export",
     "extrapolated",

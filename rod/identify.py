@@ -23,10 +23,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from .closing import Closing
 from .curve import Curvature, Moment
 from .errors import Interval, drawn_errors, effective_observations, interval, shared_within, total_error
 from .law import FiveParameters, RodError
-from .lines import HARMONICS, OFFSET, STIFFEST, WIGGLE, Fit, Seen, Weights, solve, stiffened
+from .lines import HARMONICS, OFFSET, STIFFEST, Fit, Seen, Weights, solve, stiffened
 
 Array = NDArray[np.float64]
 
@@ -80,6 +81,7 @@ def identify(
     kappa_0: Curvature,
     kappa: Curvature,
     moment: Moment,
+    closing: Closing | None = None,
     *,
     breaks: tuple[float, float] | None = None,
     draws: int = DRAWS,
@@ -87,11 +89,13 @@ def identify(
 ) -> Identification:
     """The five numbers from the intrinsic and the loaded curvature and the moment of the loaded curve.
 
-    Both curvatures come from the same estimator at the same points. breaks: range of d over the length, by default
-    `default_breaks`. Raises `RodError` when the curvatures do not belong together, when the rod carries no moment, when
-    there are fewer cells than numbers, when breaks leaves the rod, and when curvature falls where the moment grows.
+    Both curvatures come from the same estimator at the same points. closing: how far the end has moved, which the
+    numbers have to add up to. breaks: range of d over the length, by default `default_breaks`.
+
+    Raises `RodError` when the curvatures do not belong together, when the rod carries no moment, when there are fewer
+    cells than numbers, when breaks leaves the rod, and when curvature falls where the moment grows.
     """
-    seen = Seen.of(kappa_0, kappa, moment)
+    seen = Seen.of(kappa_0, kappa, moment, closing)
     grid = _grid(seen, breaks)
     weights, error = _weights(seen, grid)
     one = solve(seen.whole, seen.delta, weights)
@@ -105,7 +109,7 @@ def identify(
         1 / two.numbers[0], 1 / two.numbers[2], two.numbers[1] / two.numbers[0], two.numbers[3] / two.numbers[2], d
     )
     random = np.random.default_rng(seed)
-    sampled = _draws_two(seen, weights, grid, d, two.fitted, drawn_errors(error, draws, random), random, stiffest)
+    sampled = _draws_two(seen, weights, grid, d, two, drawn_errors(error, draws, random), random, stiffest)
     best = (law.alpha1, law.alpha2, law.m01, law.m02, law.d)
     alpha1, alpha2, m01, m02, place = (interval(v, c) for v, c in zip(best, sampled.T, strict=True))
     observations = max(effective_observations(error), float(np.ptp(seen.s)) / seen.pitch + 1.0)
@@ -122,7 +126,7 @@ def identify(
         criterion_two=_criterion(seen, two, 5, observations),
         criterion_one=_criterion(seen, one, 2, observations),
         profile=np.column_stack([grid, [_rms(seen, fit) for fit in profile]]),
-        points=np.column_stack([seen.s, seen.delta, two.fitted, seen.whole[0, :, 0]]),
+        points=np.column_stack([seen.s, seen.delta, two.fitted, seen.whole.seen[0, :, 0]]),
     )
 
 
@@ -158,12 +162,12 @@ def _weights(seen: Seen, grid: Array) -> tuple[Weights, Array]:
     """Weights of the data and covariance of their errors, from the best fit with next to no prior knowledge."""
     offset = OFFSET * float(np.abs(seen.delta).max())
     least = RESOLUTION_OF_DELTA * math.sqrt(float(np.mean(seen.delta**2)))
-    eager = Weights(1.0 / least, offset)
+    eager = Weights(1.0 / least, offset, seen.closing)
     objective = np.array([solve(seen.columns(d), seen.delta, eager).objective for d in grid])
     fit = solve(seen.columns(_refined(seen, eager, grid, objective)), seen.delta, eager)
     error = total_error(seen.delta - fit.fitted, fit.matrix, seen.covariance, shared_within(seen.pitch, seen.s), least)
     deviation = math.sqrt(float(np.trace(error)) / len(seen.s))
-    return Weights(math.sqrt(effective_observations(error) / len(seen.s)) / deviation, offset), error
+    return Weights(math.sqrt(effective_observations(error) / len(seen.s)) / deviation, offset, seen.closing), error
 
 
 def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> float:
@@ -179,9 +183,11 @@ def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> flo
     return float(found.x) if found.fun < objective[best] else float(grid[best])
 
 
-def _rows(weights: Weights, drawn: Array, priors: int, random: np.random.Generator) -> Array:
-    """Right-hand sides: weighted data above, draws of the prior knowledge below."""
-    return np.vstack([weights.data * drawn, random.standard_normal((priors, drawn.shape[1]))])
+def _rows(weights: Weights, drawn: Array, fit: Fit, random: np.random.Generator) -> Array:
+    """Right-hand sides: weighted data above, draws of what is known around what the fit has of it below."""
+    closed = np.zeros((len(fit.known), 1))
+    closed[-1] = fit.known[-1] @ fit.numbers
+    return np.vstack([weights.data * drawn, closed + random.standard_normal((len(closed), drawn.shape[1]))])
 
 
 def _draws_two(
@@ -189,14 +195,15 @@ def _draws_two(
     weights: Weights,
     grid: Array,
     place: float,
-    fitted: Array,
+    best_fit: Fit,
     error: Array,
     random: np.random.Generator,
     stiffest: float,
 ) -> Array:
     """(draws, 5): alpha1, alpha2, m01, m02, d of fits to the fitted Delta plus drawn errors."""
+    fitted = best_fit.fitted
     drawn = fitted[:, None] + error
-    right = _rows(weights, drawn, 2 + 2 * HARMONICS, random)
+    right = _rows(weights, drawn, best_fit, random)
     count = drawn.shape[1]
     best, numbers, places = np.full(count, np.inf), np.zeros((4 + 2 * HARMONICS, count)), np.zeros(count)
     step = grid[1] - grid[0]
@@ -204,8 +211,8 @@ def _draws_two(
     for d in np.union1d(near, grid):
         fit = solve(seen.columns(d), fitted, weights)
         solved = fit.solution @ right
-        prior = np.vstack([solved[[1, 3]] / weights.offset, solved[4:] / WIGGLE]) - right[len(drawn) :]
-        squares = np.sum((weights.data * (drawn - fit.matrix @ solved)) ** 2, axis=0) + np.sum(prior**2, axis=0)
+        known = fit.known @ solved - right[len(drawn) :]
+        squares = np.sum((weights.data * (drawn - fit.matrix @ solved)) ** 2, axis=0) + np.sum(known**2, axis=0)
         better = squares < best
         best[better], numbers[:, better], places[better] = squares[better], solved[:, better], d
     a1, a2 = (np.maximum(numbers[i], 1.0 / stiffest) for i in (0, 2))
@@ -213,7 +220,7 @@ def _draws_two(
 
 
 def _one_line(seen: Seen, fit: Fit, weights: Weights, error: Array, random: np.random.Generator) -> LineFit:
-    a, b = (fit.solution @ _rows(weights, fit.fitted[:, None] + error, 1 + 2 * HARMONICS, random))[:2]
+    a, b = (fit.solution @ _rows(weights, fit.fitted[:, None] + error, fit, random))[:2]
     a = np.maximum(a, fit.numbers[0] / STIFFEST)
     return LineFit(
         interval(1.0 / fit.numbers[0], 1.0 / a), interval(fit.numbers[1] / fit.numbers[0], b / a), _r2(seen, fit)

@@ -9,17 +9,21 @@ offset follows the errors there: measured on design (a), it brings alpha_1 to 40
 to, and errs by up to 28 % in the force of the next load. What is known beforehand is that a section without moment
 does not bend: offsets are secants of a curve through the origin. Hence the prior knowledge: offsets b_i of zero within
 0.15 of the largest Delta, wiggles of zero within 0.7. Data that can tell outweigh it.
+
+One more row closes the curve (`closing`): what the lines add up to at the end must be how far the end has moved. It is
+about the lines alone, as a rod without wiggles has them.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import lsq_linear
 
+from .closing import Closing
 from .curve import Curvature, Moment, fine_grid
 from .law import RodError
 
@@ -55,9 +59,13 @@ class Seen:
     length: float  #: mm
     pitch: float  #: mm
     running: Array  #: (1 + 2 HARMONICS, n, GRID_CELLS + 1, 2): integrals over sigma of R (M, -1), alone and times waves
+    closing: float  #: how far the end has moved, over the error of that; 0 where it is not known
+    closing_running: (
+        Array  #: (GRID_CELLS + 1, 2): integrals over sigma of the closing's weights times (M, -1), likewise
+    )
 
     @staticmethod
-    def of(kappa_0: Curvature, kappa: Curvature, moment: Moment) -> Seen:
+    def of(kappa_0: Curvature, kappa: Curvature, moment: Moment, closing: Closing | None) -> Seen:
         """What belongs together, checked. Of both resolutions the mean is right to second order in Delta."""
         if kappa_0.s.shape != kappa.s.shape or np.max(np.abs(kappa_0.s - kappa.s)) > 1e-6 * kappa.length:
             raise RodError("The intrinsic and the loaded curvature must be given at the same points of the same curve.")
@@ -78,22 +86,48 @@ class Seen:
         lines = np.column_stack([CubicSpline(moment.s, moment.value)(grid), -np.ones(len(grid))])
         inside = np.stack([np.ones(len(grid)), *waves(grid, kappa.pitch)])
         seen = resolution[None, :, :, None] * inside[:, None, :, None] * lines[None, None, :, :]
-        running = np.concatenate([np.zeros((len(inside), len(kappa.s), 1, 2)), np.cumsum(seen, axis=2)], axis=2)
+        closes = np.zeros_like(lines) if closing is None else closing.weights[:, None] * lines / closing.error
         return Seen(
-            kappa.s, kappa.kappa - kappa_0.kappa, kappa.covariance + kappa_0.covariance, length, kappa.pitch, running
+            kappa.s,
+            kappa.kappa - kappa_0.kappa,
+            kappa.covariance + kappa_0.covariance,
+            length,
+            kappa.pitch,
+            _running(seen, 2),
+            0.0 if closing is None else closing.value / closing.error,
+            _running(closes, 0),
         )
 
-    def columns(self, d: float) -> Array:
-        """(1 + 2 HARMONICS, n, 4): seen Delta by a_1, b_1, a_2, b_2 for a break at d; alone and times every wave."""
-        place = d / self.length * (self.running.shape[2] - 1)
-        left = min(int(place), self.running.shape[2] - 2)
-        first = self.running[:, :, left] + (place - left) * (self.running[:, :, left + 1] - self.running[:, :, left])
-        return np.concatenate([first, self.running[:, :, -1] - first], axis=2)
+    def columns(self, d: float) -> Columns:
+        """What a_1, b_1, a_2, b_2 bring for a break at d."""
+        return Columns(_parted(self.running, 2, d / self.length), _parted(self.closing_running, 0, d / self.length))
 
     @property
-    def whole(self) -> Array:
-        """(1 + 2 HARMONICS, n, 2): the same for one line."""
-        return self.running[:, :, -1]
+    def whole(self) -> Columns:
+        """The same for one line."""
+        return Columns(self.running[:, :, -1], self.closing_running[-1])
+
+
+@dataclass(frozen=True)
+class Columns:
+    """What the numbers of one or two lines bring."""
+
+    seen: Array  #: (1 + 2 HARMONICS, n, 2 lines): seen Delta by every number, alone and times every wave
+    closing: Array  #: (2 lines,): movement of the end by every number, over its error
+
+
+def _running(parts: Array, axis: int) -> Array:
+    """Sums from the clamp on along the grid on `axis`, from zero."""
+    return np.concatenate([np.zeros_like(parts.take([0], axis)), np.cumsum(parts, axis)], axis)
+
+
+def _parted(running: Array, axis: int, share: float) -> Array:
+    """Columns before and beyond a place (over the length) side by side."""
+    place = share * (running.shape[axis] - 1)
+    left = min(int(place), running.shape[axis] - 2)
+    before, behind = running.take(left, axis), running.take(left + 1, axis)
+    first = before + (place - left) * (behind - before)
+    return np.concatenate([first, running.take(-1, axis) - first], -1)
 
 
 def _check_monotone(moment: Moment) -> None:
@@ -114,6 +148,7 @@ class Weights:
 
     data: float  #: square root of effective observations per point, over the residual's standard deviation
     offset: float  #: 1/mm, prior standard deviation of b_i
+    closing: float  #: how far the end has moved, over the error of that; 0 where it is not known
 
 
 @dataclass(frozen=True)
@@ -123,23 +158,27 @@ class Fit:
     numbers: Array  #: (2 lines + 2 HARMONICS,)
     fitted: Array  #: (n,)
     matrix: Array  #: (n, 2 lines + 2 HARMONICS)
-    solution: Array  #: (2 lines + 2 HARMONICS, n + lines + 2 HARMONICS): numbers from weighted data and prior draws
-    objective: float  #: weighted squares, prior included
+    known: Array  #: (k, 2 lines + 2 HARMONICS): rows of offsets, wiggles and the closing, each over its deviation
+    solution: Array  #: (2 lines + 2 HARMONICS, n + k): numbers from weighted data and what is known
+    objective: float  #: weighted squares, what is known included
 
 
-def solve(columns: Array, delta: Array, weights: Weights) -> Fit:
-    """Best numbers for the columns (1 + 2 HARMONICS, n, 2 lines) of `Seen.columns` or `Seen.whole`."""
-    lines = columns.shape[2] // 2
-    plain_rows = np.vstack([weights.data * columns[0], _prior(lines, weights)[:lines, : 2 * lines]])
-    plain = np.linalg.lstsq(plain_rows, _right(weights, delta, lines), rcond=1e-13)[0]
+def solve(columns: Columns, delta: Array, weights: Weights) -> Fit:
+    """Best numbers for the columns of `Seen.columns` or `Seen.whole`."""
+    seen = columns.seen
+    count = seen.shape[2]
+    known = _known(columns, weights)
+    bare = np.delete(known, slice(count // 2, -1), axis=0)[:, :count]
+    plain_rows = np.vstack([weights.data * seen[0], bare])
+    plain = np.linalg.lstsq(plain_rows, _right(weights, delta, len(bare)), rcond=1e-13)[0]
     # the wiggle multiplies the lines as they are without it
-    matrix = np.column_stack([columns[0], *(columns[1:] @ plain)])
-    prior = _prior(lines, weights)
-    solution = np.linalg.pinv(np.vstack([weights.data * matrix, prior]), rcond=1e-13)
-    numbers = solution @ _right(weights, delta, len(prior))
+    matrix = np.column_stack([seen[0], *(seen[1:] @ plain)])
+    solution = np.linalg.pinv(np.vstack([weights.data * matrix, known]), rcond=1e-13)
+    right = _right(weights, delta, len(known))
+    numbers = solution @ right
     fitted = matrix @ numbers
-    objective = float(np.sum((weights.data * (delta - fitted)) ** 2) + np.sum((prior @ numbers) ** 2))
-    return Fit(numbers, fitted, matrix, solution, objective)
+    objective = np.sum((weights.data * (delta - fitted)) ** 2) + np.sum((known @ numbers - right[len(delta) :]) ** 2)
+    return Fit(numbers, fitted, matrix, known, solution, float(objective))
 
 
 def stiffened(fit: Fit, delta: Array, weights: Weights, stiffest: float) -> Fit:
@@ -150,19 +189,22 @@ def stiffened(fit: Fit, delta: Array, weights: Weights, stiffest: float) -> Fit:
         return fit
     low = np.full(len(fit.numbers), -np.inf)
     low[slopes] = 1.0 / stiffest
-    prior = _prior(lines, weights)
-    rows = np.vstack([weights.data * fit.matrix, prior])
-    found = lsq_linear(rows, _right(weights, delta, len(prior)), bounds=(low, np.inf), method="bvls")
-    return Fit(found.x, fit.matrix @ found.x, fit.matrix, fit.solution, 2.0 * float(found.cost))
+    rows = np.vstack([weights.data * fit.matrix, fit.known])
+    found = lsq_linear(rows, _right(weights, delta, len(fit.known)), bounds=(low, np.inf), method="bvls")
+    return replace(fit, numbers=found.x, fitted=fit.matrix @ found.x, objective=2.0 * float(found.cost))
 
 
-def _prior(lines: int, weights: Weights) -> Array:
-    """(lines + 2 HARMONICS, 2 lines + 2 HARMONICS): one row for each offset and each wiggle, over its deviation."""
-    rows = np.zeros((lines + 2 * HARMONICS, 2 * lines + 2 * HARMONICS))
+def _known(columns: Columns, weights: Weights) -> Array:
+    """(lines + 2 HARMONICS + 1, 2 lines + 2 HARMONICS): a row for each offset, each wiggle and the closing."""
+    count = len(columns.closing)
+    lines = count // 2
+    rows = np.zeros((lines + 2 * HARMONICS + 1, count + 2 * HARMONICS))
     rows[np.arange(lines), 2 * np.arange(lines) + 1] = 1.0 / weights.offset
-    rows[lines:, 2 * lines :] = np.eye(2 * HARMONICS) / WIGGLE
+    rows[lines:-1, count:] = np.eye(2 * HARMONICS) / WIGGLE
+    rows[-1, :count] = columns.closing
     return rows
 
 
-def _right(weights: Weights, delta: Array, priors: int) -> Array:
-    return np.append(weights.data * delta, np.zeros(priors))
+def _right(weights: Weights, delta: Array, known: int) -> Array:
+    """Weighted data, then what is known: offsets and wiggles of zero, and the closing."""
+    return np.concatenate([weights.data * delta, np.zeros(known - 1), [weights.closing]])

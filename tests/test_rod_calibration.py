@@ -10,26 +10,33 @@ from rod import (
     LoadedShape,
     SyntheticArm,
     cell_averaged,
+    closing,
     fit_rod,
     gaussian_process,
     identify,
     moment_from_force,
     shared_smoothing,
+    without_stretch,
 )
 
 NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 PITCH = 10.0
 
 
+def known(free, loaded, force):
+    """Moment and movement of the end, as the pipeline takes them."""
+    return moment_from_force(without_stretch(loaded), force), closing(free, loaded, force)
+
+
 def by_cells(free, loaded, force, seed):
     curvatures = (cell_averaged(c, PITCH) for c in (free, loaded))
-    return identify(*curvatures, moment_from_force(loaded, force), draws=300, seed=seed)
+    return identify(*curvatures, *known(free, loaded, force), draws=300, seed=seed)
 
 
 def by_process(free, loaded, force, seed):
     smoothing = shared_smoothing([free, loaded], PITCH)
     curvatures = (gaussian_process(c, smoothing) for c in (free, loaded))
-    return identify(*curvatures, moment_from_force(loaded, force), draws=300, seed=seed)
+    return identify(*curvatures, *known(free, loaded, force), draws=300, seed=seed)
 
 
 def by_rod(free, loaded, force, seed):

@@ -1,0 +1,68 @@
+"""How far the end moves is what the changes of curvature add up to."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from geometry import Centreline
+from rod import (
+    FiveParameters,
+    Rod,
+    RodError,
+    SyntheticArm,
+    cell_averaged,
+    closing,
+    identify,
+    moment_from_force,
+    rest_curvature,
+    without_stretch,
+)
+from rod.closing import ERROR
+from rod.curve import fine_grid
+
+STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
+
+
+def test_the_weights_add_the_law_up_to_the_movement_of_the_end():
+    """No wiggle, no noise: exact for turns of more than a right angle, but for the grid."""
+    free, loaded, force = SyntheticArm(STEP, kappa_0=0.025, node_spacing=0.5).curves()
+    found = closing(free, loaded, force)
+    assert found.value == pytest.approx(free.y[-1] - loaded.y[-1], rel=1e-4)  # the force points down
+    moment = moment_from_force(loaded, force)
+    grid = fine_grid(112.0)
+    delta = STEP.deviation(grid, CubicSpline(moment.s, moment.value)(grid))
+    assert found.weights @ delta == pytest.approx(found.value, rel=1e-3)
+    assert found.error == pytest.approx(ERROR * found.value)
+
+
+def test_stretch_does_not_count():
+    free, loaded, force = SyntheticArm(STEP, node_spacing=0.5).curves()
+    longer = Centreline(loaded.s, 1.02 * loaded.x, 1.02 * loaded.y)
+    assert closing(free, longer, force).value == pytest.approx(closing(free, loaded, force).value, rel=1e-9)
+
+
+def rods_force(free, loaded, law):
+    theta0, kappa_0 = rest_curvature(free)
+    return Rod(112.0, kappa_0, law, theta0).solve(end_y=float(loaded.y[-1])).force[1]
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.5 * np.pi, np.pi])
+def test_the_closed_numbers_predict_the_force(phase):
+    """A cell that answers with a wiggle hides at the clamp, where no average sees all of it."""
+    arm = SyntheticArm(STEP, wiggle=0.2, compliance_wiggle=0.5, phase=phase, node_spacing=0.5)
+    free, loaded, force = arm.curves()
+    data = cell_averaged(free, 10.0), cell_averaged(loaded, 10.0), moment_from_force(without_stretch(loaded), force)
+    open_end = identify(*data, draws=10).law
+    closed = identify(*data, closing(free, loaded, force), draws=10).law
+    errors = [abs(rods_force(free, loaded, law) / force[1] - 1.0) for law in (open_end, closed)]
+    assert errors[1] < max(0.5 * errors[0], 0.015)
+
+
+def test_what_cannot_close_is_refused():
+    free, loaded, force = SyntheticArm(STEP).curves()
+    with pytest.raises(RodError, match="Without an end force"):
+        closing(free, loaded, (0.0, 0.0))
+    with pytest.raises(RodError, match="has not moved"):
+        closing(free, free, force)
