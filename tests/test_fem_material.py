@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 from bodies import box, difference
+from laws import LAWS
 from numpy.typing import NDArray
 
 from fem import (
     Fixed,
     Gravity,
     Hencky,
-    Material,
     MaterialError,
     Model,
     MooneyRivlin,
@@ -26,13 +26,6 @@ from fem.material_tensors import COLUMN, ROW, CauchyGreen, voigt
 
 Array = NDArray[np.float64]
 
-LAWS: dict[str, Material] = {
-    "svk": StVenantKirchhoff(E=1.2, nu=0.45),
-    "hencky": Hencky(E=1.2, nu=0.45),
-    "neo_hooke": NeoHooke(mu=0.4, kappa=3.0),
-    "mooney_rivlin": MooneyRivlin(c10=0.15, c01=0.05, kappa=3.0),
-    "yeoh": Yeoh(c10=0.11, c20=0.02, c30=-0.001, kappa=3.0),
-}
 PARTS = [(name, part) for name in LAWS for part in ("shear", "volumetric")]
 
 

@@ -1,0 +1,11 @@
+"""One material of every law, for tests that ask the same of all."""
+
+from fem import Hencky, Material, MooneyRivlin, NeoHooke, StVenantKirchhoff, Yeoh
+
+LAWS: dict[str, Material] = {
+    "svk": StVenantKirchhoff(E=1.2, nu=0.45),
+    "hencky": Hencky(E=1.2, nu=0.45),
+    "neo_hooke": NeoHooke(mu=0.4, kappa=3.0),
+    "mooney_rivlin": MooneyRivlin(c10=0.15, c01=0.05, kappa=3.0),
+    "yeoh": Yeoh(c10=0.11, c20=0.02, c30=-0.001, kappa=3.0),
+}
