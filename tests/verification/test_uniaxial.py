@@ -25,8 +25,8 @@ from fem import (
     Yeoh,
     follow,
 )
+from fem.discretisation import FORMULATIONS
 
-FORMULATIONS = ("p2", "p2p0")
 LENGTH, SIDE = 2.0, 1.0
 BULK = 1e3
 
