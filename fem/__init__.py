@@ -9,7 +9,7 @@ from fem.experiments import Experiment
 from fem.fields import element_fields
 from fem.layer import LayerError, StrainLimitingLayer
 from fem.linear import available_solver
-from fem.loadpath import PathOptions, follow
+from fem.loadpath import PathOptions, follow, follow_volume
 from fem.material import Material, MaterialError, StVenantKirchhoff
 from fem.material_hencky import Hencky
 from fem.material_rubber import MooneyRivlin, NeoHooke, Yeoh
@@ -50,6 +50,7 @@ __all__ = [
     "compile_kernels",
     "element_fields",
     "follow",
+    "follow_volume",
     "step_from_arrays",
     "step_to_arrays",
 ]

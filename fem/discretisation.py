@@ -9,13 +9,12 @@ import skfem
 from numpy.typing import NDArray
 
 from fem.kernels import greedy_colours
-from fem.material import Material, Response
 from geometry import Mesh
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-FORMULATIONS = ("p2p0", "p2")
+FORMULATIONS = ("p2p0", "p2", "mixed")
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class Discretisation:
     """Quadratic tetrahedra with straight edges, their stress points and their surfaces.
 
     Stress points: with `p2p0` four points carry the shear part of the law and the centroid the volumetric part; with
-    `p2` four points carry the whole law.
+    `p2` and `mixed` four points carry the whole law (`fem.formulation`).
     """
 
     points: Array  #: (n, 3) reference positions of all nodes, vertices first, mm
@@ -52,6 +51,7 @@ class Discretisation:
     colours: Index  #: (c + 1,) where each colour begins in `nodes`
     inverse: Array  #: (e, 3, 3) inverse Jacobians d xi / d X, 1/mm
     reference: Array  #: (q, 10, 3) reference gradients of the shape functions at the stress points
+    vertex_shape: Array  #: (q, 4) linear shape functions of the vertices at the stress points
     weight: Array  #: (e, q) quadrature weights times volume, mm3
     formulation: str
     surfaces: Mapping[str, Faces]
@@ -71,32 +71,17 @@ class Discretisation:
         colours = np.concatenate([[0], np.cumsum(np.bincount(colour))])
         jacobian = np.stack([points[nodes[:, k]] - points[nodes[:, 0]] for k in (1, 2, 3)], axis=2)
         volume = np.abs(np.linalg.det(jacobian)) / 6.0
-        reference, share = _stress_points(basis, formulation)
+        reference, vertex_shape, share = _stress_points(basis, formulation)
         return cls(
             points=points,
             nodes=nodes,
             colours=colours.astype(np.int64),
             inverse=np.ascontiguousarray(np.linalg.inv(jacobian)),
             reference=reference,
+            vertex_shape=vertex_shape,
             weight=np.ascontiguousarray(volume[:, None] * share[None, :]),
             formulation=formulation,
             surfaces=_surfaces(mesh, grid),
-        )
-
-    def respond(self, material: Material, strain: Array) -> Response:
-        """The law at all stress points: strain (e, q, 6) with each point's share of the law."""
-        if self.formulation == "p2":
-            shear, volumetric = material.shear(strain), material.volumetric(strain)
-            return Response(
-                shear.energy + volumetric.energy,
-                shear.stress + volumetric.stress,
-                np.ascontiguousarray(shear.tangent + volumetric.tangent),
-            )
-        shear, volumetric = material.shear(strain[:, :4]), material.volumetric(strain[:, 4:])
-        return Response(
-            np.concatenate([shear.energy, volumetric.energy], axis=1),
-            np.concatenate([shear.stress, volumetric.stress], axis=1),
-            np.concatenate([_per_point(shear.tangent, 4), _per_point(volumetric.tangent, 1)], axis=1),
         )
 
     def surface(self, name: str) -> Faces:
@@ -106,12 +91,8 @@ class Discretisation:
         return self.surfaces[name]
 
 
-def _per_point(tangent: Array, points: int) -> Array:
-    return np.broadcast_to(tangent, (tangent.shape[0], points, 6, 6))
-
-
-def _stress_points(basis: skfem.Basis, formulation: str) -> tuple[Array, Array]:
-    """Reference gradients (q, 10, 3) and shares of the element volume (q,)."""
+def _stress_points(basis: skfem.Basis, formulation: str) -> tuple[Array, Array, Array]:
+    """Reference gradients (q, 10, 3), linear shape functions (q, 4) and shares of the element volume (q,)."""
     element = skfem.ElementTetP2()
     places, share = [basis.X], [6.0 * basis.W]
     if formulation == "p2p0":
@@ -119,7 +100,8 @@ def _stress_points(basis: skfem.Basis, formulation: str) -> tuple[Array, Array]:
         share.append(np.ones(1))
     where = np.concatenate(places, axis=1)
     gradients = np.stack([element.lbasis(where, a)[1].T for a in range(10)], axis=1)
-    return np.ascontiguousarray(gradients), np.concatenate(share)
+    linear = np.stack([skfem.ElementTetP1().lbasis(where, a)[0] for a in range(4)], axis=1)
+    return np.ascontiguousarray(gradients), np.ascontiguousarray(linear), np.concatenate(share)
 
 
 def _surfaces(mesh: Mesh, grid: skfem.MeshTet) -> dict[str, Faces]:

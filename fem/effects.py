@@ -156,10 +156,7 @@ class PressureTerm(Acting):
         return -self._pressure(factor) * enclosed_volume(self.faces, x)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
-        normals = np.zeros_like(x)
-        surface_kernels.surface_pressure(*self._arguments(x), normals, np.empty(self.faces.nodes.shape[0]))
-        # the faces' normals leave the solid, so the cavity's volume falls along them
-        out += self._pressure(factor) * normals
+        out -= self._pressure(factor) * volume_gradient(self.faces, x)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         values = np.empty((self.faces.nodes.shape[0], 21, 3, 3))
@@ -188,6 +185,16 @@ def enclosed_volume(faces: Faces, x: Array) -> float:
         faces.nodes, faces.shape, faces.derivative, faces.weight, x, np.zeros_like(x), volume
     )
     return -float(volume.sum())
+
+
+def volume_gradient(faces: Faces, x: Array) -> Array:
+    """Derivative (n, 3) of the enclosed volume by the positions x (n, 3), mm2."""
+    normals = np.zeros_like(x)
+    surface_kernels.surface_pressure(
+        faces.nodes, faces.shape, faces.derivative, faces.weight, x, normals, np.empty(faces.nodes.shape[0])
+    )
+    # the faces' normals leave the solid, so the cavity's volume falls along them
+    return -normals
 
 
 @final

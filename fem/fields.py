@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.extremes import principal_stretches, strain_at_stress_points
+from fem.formulation import formulation_of
 from fem.kernels import VOIGT
 from fem.material import Material
 from fem.solution import Step
@@ -15,7 +16,8 @@ def element_fields(step: Step, material: Material) -> dict[str, Array]:
     """Largest principal stretch (e,), J (e,) and Cauchy stress (e, 6; xx, yy, zz, xy, yz, xz; MPa), element means."""
     space = step.space
     strain, jacobian = strain_at_stress_points(space, step.displacement)
-    stress = space.respond(material, strain).stress
+    law = formulation_of(space, material)
+    stress = law.respond(strain, law.pressure_of(strain)).stress
     second = stress[:, :4].mean(axis=1) + stress[:, 4:].sum(axis=1)
     gradient = _mean_deformation_gradient(step)
     matrix = np.empty((second.shape[0], 3, 3))

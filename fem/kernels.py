@@ -25,7 +25,7 @@ VOIGT = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]])
 
 
 @njit(cache=True, inline="always")
-def _gradients(inverse: Array, reference: Array, g: Array) -> None:
+def gradients(inverse: Array, reference: Array, g: Array) -> None:
     """g[a, i] = d N_a / d X_i from the reference gradients (a, k) and the inverse Jacobian (k, i)."""
     for a in range(reference.shape[0]):
         for i in range(3):
@@ -35,7 +35,7 @@ def _gradients(inverse: Array, reference: Array, g: Array) -> None:
 
 
 @njit(cache=True, inline="always")
-def _displacement_gradient(g: Array, nodes: Index, u: Array, h: Array) -> None:
+def displacement_gradient(g: Array, nodes: Index, u: Array, h: Array) -> None:
     """h[i, j] = d u_i / d X_j."""
     for i in range(3):
         for j in range(3):
@@ -53,8 +53,8 @@ def green_lagrange(nodes: Index, inverse: Array, reference: Array, u: Array, str
         g = np.empty((nodes.shape[1], 3))
         h = np.empty((3, 3))
         for q in range(reference.shape[0]):
-            _gradients(inverse[e], reference[q], g)
-            _displacement_gradient(g, nodes[e], u, h)
+            gradients(inverse[e], reference[q], g)
+            displacement_gradient(g, nodes[e], u, h)
             for v in range(6):
                 i, j = VOIGT[v, 0], VOIGT[v, 1]
                 value = h[i, j] + h[j, i] + h[0, i] * h[0, j] + h[1, i] * h[1, j] + h[2, i] * h[2, j]
@@ -76,9 +76,9 @@ def linearised_strain(nodes: Index, inverse: Array, reference: Array, u: Array, 
         f = np.empty((3, 3))
         d = np.empty((3, 3))
         for q in range(reference.shape[0]):
-            _gradients(inverse[e], reference[q], g)
-            _displacement_gradient(g, nodes[e], u, f)
-            _displacement_gradient(g, nodes[e], du, d)
+            gradients(inverse[e], reference[q], g)
+            displacement_gradient(g, nodes[e], u, f)
+            displacement_gradient(g, nodes[e], du, d)
             for i in range(3):
                 f[i, i] += 1.0
             for v in range(6):
@@ -102,8 +102,8 @@ def internal_force(
             s = np.empty((3, 3))
             fe = np.zeros((nodes.shape[1], 3))
             for q in range(reference.shape[0]):
-                _gradients(inverse[e], reference[q], g)
-                _displacement_gradient(g, nodes[e], u, f)
+                gradients(inverse[e], reference[q], g)
+                displacement_gradient(g, nodes[e], u, f)
                 for i in range(3):
                     f[i, i] += 1.0
                 for v in range(6):
@@ -137,8 +137,8 @@ def _element_tangent(
     slope = np.empty((n, 3))
     for q in range(points):
         w = weight[q]
-        _gradients(inverse, reference[q], slope)
-        _displacement_gradient(slope, nodes, u, f)
+        gradients(inverse, reference[q], slope)
+        displacement_gradient(slope, nodes, u, f)
         for i in range(3):
             f[i, i] += 1.0
         s = stress[q]
@@ -172,7 +172,7 @@ def _element_tangent(
 
 
 @njit(cache=True, inline="always")
-def _place(
+def place(
     data: Array,
     block: Array,
     row_node: int,
@@ -246,7 +246,7 @@ def tangent_matrix(
                             block[i, j] = k[3 * b + i, 3 * a + j] if swap else k[3 * a + i, 3 * b + j]
                     low = nodes[e, b] if swap else nodes[e, a]
                     high = nodes[e, a] if swap else nodes[e, b]
-                    _place(data, block, low, high, offset[e, pair], node_dof, row_start, free)
+                    place(data, block, low, high, offset[e, pair], node_dof, row_start, free)
                     pair += 1
             if du.shape[0] > 0:
                 for a in range(n):
@@ -269,7 +269,7 @@ def place_blocks(
 ) -> None:
     """Add node-pair blocks values (m, 3, 3), rows <= columns, to the reduced upper triangle."""
     for m in range(rows.shape[0]):
-        _place(data, values[m], rows[m], columns[m], offset[m], node_dof, row_start, free)
+        place(data, values[m], rows[m], columns[m], offset[m], node_dof, row_start, free)
 
 
 @njit(cache=True)

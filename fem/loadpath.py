@@ -9,14 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem import newton
+from fem.course import Course, LoadCourse, VolumeCourse
 from fem.extremes import extremes_of, strain_at_stress_points
-from fem.linear import LinearSolver
+from fem.linear import LinearSolver, SingularMatrix
 from fem.model import Model
 from fem.newton import Converged, NewtonOptions, StepFailed
 from fem.solution import NotConverged, Seconds, Solution, Step
+from fem.stability import softest_direction
 from fem.system import State, System, Terms
 
 Array = NDArray[np.float64]
+
+
+#: share of the stiffness at rest in the softest direction below which a path that ends is said to end at a limit point
+NEARLY_UNSTABLE = 0.1
 
 
 @dataclass(frozen=True)
@@ -30,24 +36,28 @@ class PathOptions:
 
 @dataclass(frozen=True)
 class Place:
-    """A converged point of the path: how far the load is, and the state there."""
+    """A converged point of the path: how far the prescribed quantity is, and the state there."""
 
-    factor: float
-    share: float  #: of the constant prescribed displacements, 0 at rest and 1 from the first asked factor on
+    value: float  #: of the load factor, or of the volume
+    share: float  #: of the constant prescribed displacements, 0 at rest and 1 from the first asked value on
     state: State
 
 
-#: called after every Newton iteration with the asked factor, the iteration and the relative residual
+#: called after every Newton iteration with the asked value, the iteration and the relative residual
 Watch = Callable[[float, int, float], None]
 #: called with every finished step
 Keep = Callable[[Step], None]
+
+
+def _nobody(value: float, iteration: int, residual: float) -> None:
+    pass
 
 
 def follow(
     model: Model,
     factors: Sequence[float],
     options: PathOptions | None = None,
-    watch: Watch = lambda factor, iteration, residual: None,
+    watch: Watch = _nobody,
     keep: Keep = lambda step: None,
     resume: Sequence[Step] = (),
 ) -> Solution:
@@ -58,13 +68,42 @@ def follow(
     Raises `NotConverged`, which carries the reason and the steps reached so far.
     """
     begin = perf_counter()
-    path = Path(model.system((options or PathOptions()).solver), options or PathOptions(), watch)
+    options = options or PathOptions()
+    path = Path(model.system(options.solver), LoadCourse(), options, watch)
+    return _walk(path, factors, keep, resume, begin)
+
+
+def follow_volume(
+    model: Model,
+    where: str,
+    volumes: Sequence[float],
+    options: PathOptions | None = None,
+    watch: Watch = _nobody,
+    keep: Keep = lambda step: None,
+    resume: Sequence[Step] = (),
+) -> Solution:
+    """Equilibrium at the asked volumes (mm3) behind the named faces, in their order; the load factor is what it takes.
+
+    The volume is that of the meshed part, as `Step.cavity_volume` gives it. The path goes through limit points of the
+    pressure, where `follow` ends.
+
+    Raises `NotConverged`, which carries the reason and the steps reached so far, and ValueError for faces that do not
+    exist or prescribed displacements that grow with the load factor.
+    """
+    begin = perf_counter()
+    options = options or PathOptions()
+    system = model.system(options.solver)
+    path = Path(system, VolumeCourse.of(system, where), options, watch)
+    return _walk(path, volumes, keep, resume, begin)
+
+
+def _walk(path: "Path", values: Sequence[float], keep: Keep, resume: Sequence[Step], begin: float) -> Solution:
     steps = list(resume)
     path.take_up(steps)
     set_up = perf_counter() - begin - path.system.solver.times.analysis
     try:
-        for factor in factors[len(steps) :]:
-            step = path.advance(factor)
+        for value in values[len(steps) :]:
+            step = path.advance(value)
             steps.append(step)
             keep(step)
         return path.solution(steps, set_up)
@@ -76,57 +115,59 @@ def follow(
 
 @final
 class Path:
-    """The walk along one load path."""
+    """The walk along one path."""
 
-    def __init__(self, system: System, options: PathOptions, watch: Watch) -> None:
+    def __init__(self, system: System, course: Course, options: PathOptions, watch: Watch) -> None:
         self.system = system
+        self.course = course
         self.options = options
         self.watch = watch
-        self.places = [Place(0.0, 0.0, system.start())]
+        self.places = [Place(course.rest, 0.0, system.start())]
         rest = system.space.points
         self.terms = tuple(term for term in system.terms if term.wanted(rest))
 
     def take_up(self, steps: Sequence[Step]) -> None:
         """Go on from the last of the given steps."""
         for step in steps:
-            self.places.append(Place(step.factor, 1.0, self.system.at(step.displacement)))
+            state = self.system.at(step.displacement, step.factor)
+            self.places.append(Place(self.course.at(step), 1.0, state))
             x = self.system.space.points + step.displacement
             self.terms = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
 
-    def advance(self, factor: float) -> Step:
-        """Equilibrium at `factor`, in as few pieces as converge; raises `StepFailed`."""
+    def advance(self, value: float) -> Step:
+        """Equilibrium at `value`, in as few pieces as converge; raises `StepFailed`."""
         begin, spent, before = perf_counter(), self.system.solver.times.factorizations, self.spent()
         origin = self.places[-1]
         done, piece, cutbacks = 0.0, 1.0, 0
         while True:
             share = min(1.0, done + piece)
             try:
-                found = self._attempt(origin, factor, share)
+                found = self._attempt(origin, value, share)
             except StepFailed as failure:
                 cutbacks += 1
                 piece = (share - done) / 2
                 if piece < self.options.smallest:
-                    raise StepFailed(self._explain(origin, factor, done, str(failure))) from None
+                    raise StepFailed(self._explain(origin, value, done, str(failure))) from None
                 continue
-            self.places = [*self.places[-1:], self._place(origin, factor, share, found.state)]
+            self.places = [*self.places[-1:], self._place(origin, value, share, found.state)]
             if share == 1.0:
                 break
             done = share
             piece *= 2.0 if found.iterations <= 8 else 1.0
         spent = self.system.solver.times.factorizations - spent
-        return self._step(factor, found, spent, cutbacks, perf_counter() - begin, self.spent() - before)
+        return self._step(found, spent, cutbacks, perf_counter() - begin, self.spent() - before)
 
-    def _attempt(self, origin: Place, factor: float, share: float) -> Converged:
-        aim = self._place(origin, factor, share, self.places[-1].state)
-        found = self._solve(factor, aim, aim.state, self.terms)
+    def _attempt(self, origin: Place, value: float, share: float) -> Converged:
+        aim = self._place(origin, value, share, self.places[-1].state)
+        found = self._solve(value, aim, aim.state, self.terms)
         x = self.system.space.points + found.state.displacement
         woken = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
         if len(woken) > len(self.terms):
             self.terms = woken
-            found = self._solve(factor, aim, found.state, self.terms)
+            found = self._solve(value, aim, found.state, self.terms)
         if self._objections(found, self.terms):
             terms = tuple(term.stricter() for term in self.terms)
-            found = self._solve(factor, aim, aim.state, terms)
+            found = self._solve(value, aim, aim.state, terms)
             if objections := self._objections(found, terms):
                 raise StepFailed(objections[0])
         if found.assembly.jacobian.min() <= 0:
@@ -138,29 +179,44 @@ class Path:
         x = self.system.space.points + found.state.displacement
         return [objection for term in terms if (objection := term.objection(x))]
 
-    def _solve(self, factor: float, aim: Place, start: State, terms: Terms) -> Converged:
+    def _solve(self, value: float, aim: Place, start: State, terms: Terms) -> Converged:
         return newton.solve(
             self.system,
             tuple(term.at(aim.share) for term in terms),
             start,
-            aim.factor,
-            self.system.prescribed(aim.factor, aim.share),
+            self.course.control(self.system, aim.value, aim.share),
             self.options.newton,
-            lambda iteration, residual: self.watch(factor, iteration, residual),
+            lambda iteration, residual: self.watch(value, iteration, residual),
         )
 
     @staticmethod
-    def _place(origin: Place, factor: float, share: float, state: State) -> Place:
+    def _place(origin: Place, value: float, share: float, state: State) -> Place:
         return Place(
-            origin.factor + share * (factor - origin.factor),
+            value if share == 1.0 else origin.value + share * (value - origin.value),
             origin.share + share * (1.0 - origin.share),
             state,
         )
 
-    def _explain(self, origin: Place, factor: float, done: float, failure: str) -> str:
-        reached = origin.factor + done * (factor - origin.factor)
-        sentence = f"no equilibrium found beyond load factor {reached:.4g} on the way to {factor:.4g}: {failure}"
-        return f"{sentence}{self._beyond_the_law()}"
+    def _explain(self, origin: Place, value: float, done: float, failure: str) -> str:
+        reached, name = origin.value + done * (value - origin.value), self.course.name
+        sentence = f"no equilibrium found beyond {name} {reached:.4g} on the way to {value:.4g}: {failure}"
+        return f"{sentence}{self._beyond_the_law()}{self._near_limit_point()}"
+
+    def _near_limit_point(self) -> str:
+        """A clause where the last equilibrium is about to lose its stability, or has lost it; empty otherwise."""
+        terms = tuple(term.at(self.places[-1].share) for term in self.terms)
+        try:
+            rest = softest_direction(self.system, self.system.start(), ())
+            last = softest_direction(self.system, self.places[-1].state, terms)
+        except SingularMatrix:
+            return ""
+        share = last.stiffness / rest.stiffness
+        if share > NEARLY_UNSTABLE:
+            return ""
+        return (
+            f"; the last equilibrium found has {max(share, 0.0):.1%} of the stiffness at rest left against a motion of "
+            f"{_at(last.at)}: a limit point, beyond which only a prescribed volume or displacement leads"
+        )
 
     def _beyond_the_law(self) -> str:
         """A clause for a law that was driven out of its limits in the last equilibrium; empty otherwise."""
@@ -181,14 +237,12 @@ class Path:
             )
         return ""
 
-    def _step(
-        self, factor: float, found: Converged, factorizations: int, cutbacks: int, seconds: float, spent: Seconds
-    ) -> Step:
+    def _step(self, found: Converged, factorizations: int, cutbacks: int, seconds: float, spent: Seconds) -> Step:
         displacement = found.state.displacement
         x = self.system.space.points + displacement
         return Step(
             space=self.system.space,
-            factor=factor,
+            factor=found.state.factor,
             displacement=displacement,
             stress=found.state.stress,
             gradient=np.where(self.system.constraints.fixed, found.assembly.gradient, 0.0),

@@ -28,8 +28,17 @@ class Response:
     tangent: Array  #: (..., 6, 6) dS/dE, MPa; (1, ..., 1, 6, 6) where it is the same everywhere
 
 
+@dataclass(frozen=True)
+class Dilatation:
+    """The measure theta of the volume change in which a volumetric energy is m/2 theta^2."""
+
+    value: Array  #: (...,)
+    slope: Array  #: (..., 6) d theta / d E; (1, ..., 1, 6) where it is the same everywhere
+    bend: Array  #: (..., 6, 6) its second derivative; (1, ..., 1, 6, 6) where it is the same everywhere
+
+
 class Material(ABC):
-    """A hyperelastic law as the sum of a shear and a volumetric part."""
+    """A hyperelastic law as the sum of a shear and a volumetric part, the latter m/2 theta^2."""
 
     @abstractmethod
     def shear(self, strain: Array) -> Response:
@@ -38,6 +47,15 @@ class Material(ABC):
     @abstractmethod
     def volumetric(self, strain: Array) -> Response:
         """Response of the volumetric part to strain (..., 6)."""
+
+    @abstractmethod
+    def dilatation(self, strain: Array) -> Dilatation:
+        """theta at strain (..., 6)."""
+
+    @property
+    @abstractmethod
+    def volumetric_modulus(self) -> float:
+        """m, MPa."""
 
     @property
     @abstractmethod
@@ -78,6 +96,10 @@ class TwoModuli(Material):
     def shear_modulus(self) -> float:
         return self.lame[1]
 
+    @property
+    def volumetric_modulus(self) -> float:
+        return self.lame[0]
+
 
 @final
 @dataclass(frozen=True)
@@ -109,3 +131,19 @@ class StVenantKirchhoff(TwoModuli):
         tangent = np.zeros((6, 6))
         tangent[:3, :3] = lam
         return Response(0.5 * lam * trace**2, stress, tangent.reshape((1,) * (strain.ndim - 1) + (6, 6)))
+
+    def dilatation(self, strain: Array) -> Dilatation:
+        flat = (1,) * (strain.ndim - 1)
+        slope = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).reshape((*flat, 6))
+        return Dilatation(strain[..., :3].sum(axis=-1), slope, np.zeros((*flat, 6, 6)))
+
+
+def quadratic(modulus: float, theta: Dilatation) -> Response:
+    """W = modulus/2 theta^2."""
+    slope = theta.slope
+    square = slope[..., :, None] * slope[..., None, :]
+    return Response(
+        0.5 * modulus * theta.value**2,
+        modulus * theta.value[..., None] * slope,
+        modulus * (square + theta.value[..., None, None] * theta.bend),
+    )

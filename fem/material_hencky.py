@@ -6,8 +6,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.material import Response, TwoModuli
-from fem.material_tensors import FLAT, CauchyGreen, outer, scaled, voigt
+from fem.material import Dilatation, Response, TwoModuli, quadratic
+from fem.material_tensors import FLAT, CauchyGreen, voigt
 
 Array = NDArray[np.float64]
 
@@ -51,14 +51,11 @@ class Hencky(TwoModuli):
         )
 
     def volumetric(self, strain: Array) -> Response:
-        lam = self.lame[0]
+        return quadratic(self.lame[0], self.dilatation(strain))
+
+    def dilatation(self, strain: Array) -> Dilatation:
         c = CauchyGreen.of(strain)
-        log = 0.5 * np.log(c.determinant)
-        return Response(
-            0.5 * lam * log**2,
-            scaled(lam * log, c.inverse),
-            lam * outer(c.inverse, c.inverse) - scaled(2 * lam * log, c.inverse_slope),
-        )
+        return Dilatation(0.5 * np.log(c.determinant), c.inverse, -2 * c.inverse_slope)
 
 
 def outer3(first: Array, second: Array) -> Array:

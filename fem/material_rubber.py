@@ -12,7 +12,7 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.material import Material, MaterialError, Response
+from fem.material import Dilatation, Material, MaterialError, Response, quadratic
 from fem.material_tensors import IDENTITY, SYMMETRIC, CauchyGreen, outer, scaled, voigt
 
 Array = NDArray[np.float64]
@@ -69,24 +69,28 @@ class IsochoricLaw(Material):
             energy = energy + self.second * (more.energy - 3)
             stress = stress + 2 * self.second * more.stress
             tangent = tangent + 4 * self.second * more.tangent
-        volume = _volume_change(c, 2 / 3 * self.shear_modulus)
+        volume = quadratic(2 / 3 * self.shear_modulus, _volume_change(c))
         return Response(energy + volume.energy, stress + volume.stress, tangent + volume.tangent)
 
     @final
     def volumetric(self, strain: Array) -> Response:
-        return _volume_change(CauchyGreen.of(strain), self.kappa - 2 / 3 * self.shear_modulus)
+        return quadratic(self.volumetric_modulus, self.dilatation(strain))
+
+    @final
+    def dilatation(self, strain: Array) -> Dilatation:
+        return _volume_change(CauchyGreen.of(strain))
+
+    @final
+    @property
+    def volumetric_modulus(self) -> float:
+        return self.kappa - 2 / 3 * self.shear_modulus
 
 
-def _volume_change(c: CauchyGreen, modulus: float) -> Response:
-    """W = modulus/2 (J - 1)^2."""
+def _volume_change(c: CauchyGreen) -> Dilatation:
+    """J - 1."""
     j = np.sqrt(c.determinant)
-    push = modulus * (j**2 - j)
     square = outer(c.inverse, c.inverse)
-    return Response(
-        0.5 * modulus * (j - 1) ** 2,
-        scaled(push, c.inverse),
-        scaled(modulus * (2 * j**2 - j), square) - scaled(2 * push, c.inverse_slope),
-    )
+    return Dilatation(j - 1, scaled(j, c.inverse), scaled(j, square - 2 * c.inverse_slope))
 
 
 def _second_invariant(c: CauchyGreen, size: Array) -> Response:

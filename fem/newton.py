@@ -15,11 +15,12 @@ and 11 for St. Venant-Kirchhoff's.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.control import Control
 from fem.effects import Term
 from fem.linear import SingularMatrix
 from fem.system import Assembly, State, System
@@ -59,37 +60,37 @@ def solve(
     system: System,
     terms: tuple[Term, ...],
     start: State,
-    factor: float,
-    prescribed: Array,
+    control: Control,
     options: NewtonOptions,
     watch: Watch,
 ) -> Converged:
-    """Equilibrium of the body with `terms` at `factor` and the prescribed displacements (n, 3), from `start`.
+    """Equilibrium of the body with `terms` where `control` puts it, from `start`.
 
     Raises `StepFailed`.
     """
-    state = start
+    state = control.begin(start)
     fixed = system.constraints.fixed
     relative, limited = np.inf, 0
     for iteration in range(options.iterations + 1):
-        assembly = system.assemble(state, factor, terms)
-        jump = np.where(fixed, prescribed - state.displacement, 0.0)
+        assembly = system.assemble(state, terms)
+        jump = np.where(fixed, control.prescribed - state.displacement, 0.0)
         relative = _relative_residual(system, assembly)
         watch(iteration, relative)
-        if relative < options.tolerance and not np.any(jump):
-            settled = system.at(state.displacement)
-            exact = system.assemble(settled, factor, terms)
+        there = not np.any(jump) and abs(control.miss(system, state)) < options.tolerance
+        if relative < options.tolerance and there:
+            settled = system.at(state.displacement, state.factor)
+            exact = system.assemble(settled, terms)
             relative = _relative_residual(system, exact)
             if relative < options.tolerance:
-                pivots = system.solver.negative_pivots if iteration else 0
+                pivots = system.negative_pivots if iteration else 0
                 return Converged(settled, exact, iteration, relative, pivots)
         if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
         if limited > options.limited:
-            raise StepFailed(f"the tangent stays indefinite ({system.solver.negative_pivots} negative pivots)")
+            raise StepFailed(f"the tangent stays indefinite ({system.negative_pivots} negative pivots)")
         if iteration < options.iterations:
             begin, x = state.displacement, system.space.points + state.displacement
-            state, whole = _advance(system, terms, state, assembly, factor, jump, options, convex=relative > 0.1)
+            state, whole = _advance(system, terms, state, assembly, control, jump, options, convex=relative > 0.1)
             limited += not whole
             terms = tuple(term.advanced(x, state.displacement - begin) for term in terms)
     raise StepFailed(f"no equilibrium after {options.iterations} iterations (relative residual {relative:.1e})")
@@ -100,23 +101,25 @@ def _advance(
     terms: tuple[Term, ...],
     state: State,
     assembly: Assembly,
-    factor: float,
+    control: Control,
     jump: Array,
     options: NewtonOptions,
     convex: bool,
 ) -> tuple[State, bool]:
     """The next state, and whether the strain was allowed to change as much as the increment asked for."""
     try:
-        increment = system.increment(state, assembly, factor, terms, jump, convex)
+        coupling = system.factorize(state, assembly, terms, jump, convex)
+        change, unstable = control.change(system, state, assembly, coupling, terms)
     except SingularMatrix as error:
         raise StepFailed(f"the tangent is singular ({error})") from None
-    strain = system.linearised_strain(state, increment)
+    change = replace(change, displacement=change.displacement + jump)
+    strain = system.linearised_strain(state, change.displacement)
     largest = float(np.abs(strain).max())
     # an indefinite tangent (thin walls at rest under the whole pressure) points past a saddle: its direction counts
-    whole = system.solver.negative_pivots == 0 or largest <= options.strain
+    whole = unstable == 0 or largest <= options.strain
     share = 1.0 if whole else options.strain / largest
-    share *= system.step_limit(terms, state.displacement, share * increment)
-    return system.advanced(state, assembly, share * increment, share * strain), whole
+    share *= system.step_limit(terms, state.displacement, share * change.displacement)
+    return system.advanced(state, assembly, change.scaled(share), share * strain), whole
 
 
 def _relative_residual(system: System, assembly: Assembly) -> float:

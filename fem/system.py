@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from fem import kernels
 from fem.discretisation import Discretisation
 from fem.effects import Blocks, Term
+from fem.formulation import Answer, formulation_of
 from fem.linear import LinearSolver
-from fem.material import Material, Response
+from fem.material import Material
 from fem.pattern import Pattern, element_keys
 from fem.supports import Constraints
 
@@ -33,9 +34,29 @@ class State:
     stress, which the geometric stiffness takes, is what the law to first order gave there.
     """
 
+    factor: float  #: load factor
     displacement: Array  #: (n, 3), mm
+    pressure: Array  #: (v,) unknowns of the mixed formulation, pressure over shear modulus; (0,) in the others
     strain: Array  #: (e, q, 6), Green-Lagrange
     stress: Array  #: (e, q, 6), second Piola-Kirchhoff, MPa
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of the unknowns."""
+
+    factor: float
+    displacement: Array  #: (n, 3), mm
+    pressure: Array  #: (v,)
+
+    def scaled(self, share: float) -> "Change":
+        """The given share of it."""
+        return Change(share * self.factor, share * self.displacement, share * self.pressure)
+
+    def __add__(self, other: "Change") -> "Change":
+        return Change(
+            self.factor + other.factor, self.displacement + other.displacement, self.pressure + other.pressure
+        )
 
 
 @dataclass(frozen=True)
@@ -43,10 +64,11 @@ class Assembly:
     """What one evaluation of the potential's gradient gives."""
 
     strain: Array  #: (e, q, 6) Green-Lagrange strain of the displacement
-    response: Response  #: the law at the carried strain
+    answer: Answer  #: the law at the carried strain and pressure
     stress: Array  #: (e, q, 6) the law at the displacement's strain to first order from the carried one, MPa
     jacobian: Array  #: (e, q) det F
     gradient: Array  #: (n, 3) d Pi / d x, N; zero on the free components in equilibrium
+    imbalance: Array  #: (v,) d Pi / d p; zero where the pressures are those of the displacement
     scale: float  #: norm of the nodal forces that balance, N
     rounding: float  #: norm of the nodal forces that the rounding of the displacement makes, N; not exceeded
 
@@ -81,13 +103,17 @@ class System:
     ) -> None:
         self.space = space
         self.material = material
+        self.law = formulation_of(space, material)
         self.terms = terms
         self.constraints = constraints
         self.solver = solver
         self.clock = Clock()
-        self.pattern = Pattern.of(constraints.fixed, element_keys(space.nodes, space.points.shape[0]))
         rest = np.zeros((1, 6))
         self._stiffness = float((material.shear(rest).tangent + material.volumetric(rest).tangent).max())
+        held = np.ones((space.points.shape[0] + self.law.unknowns, 3), dtype=bool)
+        held[: space.points.shape[0]] = constraints.fixed
+        held[space.points.shape[0] :, 0] = False  # a pressure stands in the pattern as a node with one component
+        self.pattern = Pattern.of(held, element_keys(self.law.element_unknowns, held.shape[0]))
         self._elements = (space.colours, space.nodes, space.inverse, space.reference)
         self._take_pattern(self.pattern)
 
@@ -96,41 +122,50 @@ class System:
         first, second = self.space.nodes[:, a], self.space.nodes[:, b]
         self.pattern = pattern
         self._offset = pattern.start_of(np.minimum(first, second), np.maximum(first, second))
+        self._pressure_places = self.law.places(pattern)
         self.solver.analyse(pattern.indptr, pattern.indices)
 
     def start(self) -> State:
         """The body at rest."""
         elements, points = self.space.weight.shape
-        return State(np.zeros_like(self.space.points), *np.zeros((2, elements, points, 6)))
+        rest = np.zeros_like(self.space.points)
+        return State(0.0, rest, np.zeros(self.law.unknowns), *np.zeros((2, elements, points, 6)))
 
     def prescribed(self, factor: float, share: float) -> Array:
         """Prescribed displacements (n, 3): ramped ones at `factor`, constant ones to the given share."""
         return factor * self.constraints.ramped + share * self.constraints.constant
 
-    def at(self, displacement: Array) -> State:
-        """The state in which strain and stress are those of the displacement (n, 3)."""
+    def at(self, displacement: Array, factor: float) -> State:
+        """The state in which pressure, strain and stress are those of the displacement (n, 3)."""
         strain, _ = self._strain(displacement)
-        return State(displacement, strain, self.space.respond(self.material, strain).stress)
+        pressure = self.law.pressure_of(strain)
+        return State(factor, displacement, pressure, strain, self.law.respond(strain, pressure).stress)
 
-    def assemble(self, state: State, factor: float, terms: Terms) -> Assembly:
-        """Gradient of the potential with the given terms at `state` and load factor.
+    def assemble(self, state: State, terms: Terms) -> Assembly:
+        """Gradient of the potential with the given terms at `state`.
 
         Exact where the carried strain is that of the displacement, or the law is linear.
         """
         displacement = state.displacement
         with self.clock.timing("assembly"):
             strain, jacobian = self._strain(displacement)
-            response = self.space.respond(self.material, state.strain)
-            stress = response.stress + _times(response.tangent, strain - state.strain)
+            answer = self.law.respond(state.strain, state.pressure)
+            stress = answer.stress + _times(answer.tangent, strain - state.strain)
+            imbalance = self.law.imbalance(answer, strain - state.strain, state.pressure)
             internal = np.zeros_like(displacement)
             kernels.internal_force(*self._elements, self.space.weight, displacement, stress, internal)
-        loads = np.zeros_like(internal)
+        loads = self.loads(displacement, state.factor, terms)
+        scale = max(float(np.linalg.norm(internal)), float(np.linalg.norm(loads)))
+        rounding = self._rounding(displacement)
+        return Assembly(strain, answer, stress, jacobian, internal + loads, imbalance, scale, rounding)
+
+    def loads(self, displacement: Array, factor: float, terms: Terms) -> Array:
+        """Gradient (n, 3) of the terms, N."""
+        loads = np.zeros_like(displacement)
         for term in terms:
             with self.clock.timing(term.effect):
                 term.gradient(self.space.points + displacement, factor, loads)
-        scale = max(float(np.linalg.norm(internal)), float(np.linalg.norm(loads)))
-        rounding = self._rounding(displacement)
-        return Assembly(strain, response, stress, jacobian, internal + loads, scale, rounding)
+        return loads
 
     def _rounding(self, displacement: Array) -> float:
         """Stiffness of an element at rest times the last digit of the displacement, at all nodes.
@@ -151,32 +186,42 @@ class System:
     def energy(self, displacement: Array, factor: float, terms: Terms) -> float:
         """Total potential, N mm."""
         strain, _ = self._strain(displacement)
-        elastic = float(np.vdot(self.space.respond(self.material, strain).energy, self.space.weight))
+        answer = self.law.respond(strain, self.law.pressure_of(strain))
+        elastic = float(np.vdot(answer.energy, self.space.weight))
         return elastic + sum(term.energy(self.space.points + displacement, factor) for term in terms)
 
     def free(self, values: Array) -> Array:
         """The free components (d,) of nodal values (n, 3)."""
         return values[~self.constraints.fixed]
 
-    def increment(
-        self, state: State, assembly: Assembly, factor: float, terms: Terms, jump: Array, convex: bool
-    ) -> Array:
-        """Newton increment (n, 3) of the displacement; `jump` (n, 3) is what the prescribed components still miss."""
-        data, coupling = self.tangent(state, assembly, factor, terms, jump, convex)
+    def factorize(self, state: State, assembly: Assembly, terms: Terms, jump: Array, convex: bool) -> Change:
+        """Factorize the tangent at `state`; the tangent times the jump (n, 3) of the prescribed components."""
+        data, coupling = self.tangent(state, assembly, terms, jump, convex)
         self.solver.factorize(data)
-        increment = jump.copy()
-        increment[~self.constraints.fixed] = self.solver.solve(-self.free(assembly.gradient + coupling))
-        return increment
+        return coupling
+
+    def solve(self, gradient: Array, imbalance: Array) -> Change:
+        """The change that cancels a gradient (n, 3) and imbalance (v,), with the tangent last factorized."""
+        solution = self.solver.solve(-np.concatenate([self.free(gradient), imbalance]))
+        displacement = np.zeros_like(gradient)
+        cut = solution.shape[0] - self.law.unknowns
+        displacement[~self.constraints.fixed] = solution[:cut]
+        return Change(0.0, displacement, solution[cut:])
+
+    @property
+    def negative_pivots(self) -> int:
+        """Of the last factorized tangent, beyond the one that every pressure unknown has; 0 in a stable equilibrium."""
+        return self.solver.negative_pivots - self.law.unknowns
 
     def tangent(
-        self, state: State, assembly: Assembly, factor: float, terms: Terms, jump: Array, convex: bool
-    ) -> tuple[Array, Array]:
-        """Values (nnz,) of the reduced upper triangle and K jump (n, 3)."""
+        self, state: State, assembly: Assembly, terms: Terms, jump: Array, convex: bool
+    ) -> tuple[Array, Change]:
+        """Values (nnz,) of the reduced upper triangle, and K jump for a jump (n, 3) of the displacement."""
         x = self.space.points + state.displacement
         hessians = []
         for term in terms:
             with self.clock.timing(term.effect):
-                hessians.append(term.blocks(x, factor, convex))
+                hessians.append(term.blocks(x, state.factor, convex))
         self._make_room(hessians)
         with self.clock.timing("assembly"):
             pattern, moves = self.pattern, bool(np.any(jump))
@@ -186,7 +231,7 @@ class System:
                 self.space.weight,
                 state.displacement,
                 state.stress,
-                assembly.response.tangent,
+                assembly.answer.tangent,
                 self._offset,
                 pattern.node_dof,
                 pattern.indptr,
@@ -199,7 +244,11 @@ class System:
                 pattern.place(data, blocks.rows, blocks.columns, blocks.values)
                 if moves:
                     kernels.blocks_times(blocks.rows, blocks.columns, blocks.values, jump, coupling)
-        return data, coupling
+            self.law.couple(pattern, self._pressure_places, data, state.displacement, assembly.answer)
+        swept = np.zeros(self.law.unknowns)
+        if moves and self.law.unknowns:
+            swept = self.law.swept(assembly.answer, self.linearised_strain(state, jump))
+        return data, Change(0.0, coupling, swept)
 
     def linearised_strain(self, state: State, increment: Array) -> Array:
         """B(u) du (e, q, 6) for an increment (n, 3)."""
@@ -208,11 +257,18 @@ class System:
             kernels.linearised_strain(*self._elements[1:], state.displacement, increment, strain)
         return strain
 
-    def advanced(self, state: State, assembly: Assembly, increment: Array, strain: Array) -> State:
-        """The state after an increment (n, 3) whose B(u) du is `strain` (e, q, 6)."""
+    def advanced(self, state: State, assembly: Assembly, change: Change, strain: Array) -> State:
+        """The state after a change whose B(u) du is `strain` (e, q, 6)."""
         with self.clock.timing("assembly"):
-            stress = assembly.stress + _times(assembly.response.tangent, strain)
-            return State(state.displacement + increment, assembly.strain + strain, stress)
+            stress = assembly.stress + _times(assembly.answer.tangent, strain)
+            stress = stress + self.law.stress_change(assembly.answer, change.pressure)
+            return State(
+                state.factor + change.factor,
+                state.displacement + change.displacement,
+                state.pressure + change.pressure,
+                assembly.strain + strain,
+                stress,
+            )
 
     def step_limit(self, terms: Terms, displacement: Array, increment: Array) -> float:
         """Largest admissible share of the increment."""

@@ -51,12 +51,20 @@ def box(counts: tuple[int, int, int], sides: tuple[float, float, float]) -> Mesh
     return named(mesh, **ends)
 
 
-def hollow_box(half: bool) -> Mesh:
-    """A box of 3 x 3 x 3 mm with a cavity of 1 mm in its middle, faces clamp (x = 0), cavity and, for the half, sym."""
+def hollow_box(half: bool, parts: int = 1) -> Mesh:
+    """A box of 3 x 3 x 3 mm with a cavity of 1 mm in its middle, faces clamp (x = 0), cavity and, for the half, sym.
+
+    Every brick of it is cut into `parts` along each axis.
+    """
     filled = np.ones((3, 3, 3), dtype=bool)
     filled[1, 1, 1] = False
     steps = np.arange(4.0)
-    mesh = bricks(filled[..., 1:], [steps, steps, np.array([0.0, 0.5, 1.5])]) if half else bricks(filled, [steps] * 3)
+    lines = [steps, steps, np.array([0.0, 0.5, 1.5]) if half else steps]
+    lines = [np.interp(np.arange(parts * (len(line) - 1) + 1) / parts, np.arange(len(line)), line) for line in lines]
+    filled = filled[..., 1:] if half else filled
+    for axis in range(3):
+        filled = np.repeat(filled, parts, axis)
+    mesh = bricks(filled, lines)
     middle = mesh.points[mesh.boundary].mean(axis=1) - [1.5, 1.5, 0.0 if half else 1.5]
     faces = {"clamp": on_plane(mesh, 0, 0.0), "cavity": np.abs(middle).max(axis=1) < 0.6}
     if half:

@@ -68,12 +68,13 @@ def test_failed_attempts_are_cut_and_start_from_the_last_equilibrium(monkeypatch
     plain = follow(beam([WEIGHT]), [1.0])
     real, starts = fem.newton.solve, []
 
-    def fails_far_out(system, terms, start, factor, *rest):
+    def fails_far_out(system, terms, start, control, *rest):
+        factor = control.factor
         starts.append((factor, start.displacement.copy()))
         done = 0.0 if not start.displacement.any() else reached[-1]
         if factor - done > 0.34:
             raise StepFailed("too far")
-        found = real(system, terms, start, factor, *rest)
+        found = real(system, terms, start, control, *rest)
         reached.append(factor)
         return found
 

@@ -38,6 +38,7 @@ DOORS: dict[str, set[str]] = {
     "numba": {
         "fem/kernels.py",
         "fem/layer_kernels.py",
+        "fem/mixed_kernels.py",
         "fem/surface_kernels.py",
         "rod/shooting.py",
         "pipeline/doctor.py",
