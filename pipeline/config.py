@@ -26,10 +26,13 @@ __all__ = [
     "MeshChoice",
     "Validation",
     "load_config",
+    "poisson_ratio",
 ]
 
 #: Poisson's ratio from which the volumetric part of the law is integrated by a rule of its own
 NEARLY_INCOMPRESSIBLE = 0.4
+#: Poisson's ratio from which the pressure is an unknown of its own
+PRACTICALLY_INCOMPRESSIBLE = 0.499
 
 
 @dataclass(frozen=True)
@@ -251,12 +254,23 @@ def _check_together(document: Document, content: Any) -> None:
 
 
 def _formulation(given: str | None, state: str, constants: Mapping[str, float]) -> str:
-    """The elements: as given, else by the state of the effect, else by Poisson's ratio (laws without it are rubber)."""
+    """The elements: as given, else by the state of the effect and Poisson's ratio."""
     if given is not None:
         return given
+    nu = poisson_ratio(constants)
     if state == "auto":
-        state = "on" if constants.get("nu", 0.5) >= NEARLY_INCOMPRESSIBLE else "off"
-    return "p2p0" if state == "on" else "p2"
+        state = "on" if nu >= NEARLY_INCOMPRESSIBLE else "off"
+    if state == "off":
+        return "p2"
+    return "mixed" if nu >= PRACTICALLY_INCOMPRESSIBLE else "p2p0"
+
+
+def poisson_ratio(constants: Mapping[str, float]) -> float:
+    """Poisson's ratio of a law at small strain; for rubber from its shear and bulk modulus."""
+    if "nu" in constants:
+        return constants["nu"]
+    mu = constants.get("mu", 2 * (constants.get("c10", 0.0) + constants.get("c01", 0.0)))
+    return (3 * constants["kappa"] - 2 * mu) / (2 * (3 * constants["kappa"] + mu))
 
 
 def _dimensions(design: Any) -> dict[str, Any]:

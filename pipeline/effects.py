@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from geometry import Body
-from pipeline.config import CavityPressure, Config
+from pipeline.config import CavityPressure, Config, poisson_ratio
 from pipeline.scene import contact_faces, is_on, pulls_aside
 from pipeline.simulate import Outcome
 
@@ -86,13 +86,13 @@ def _symmetry(config: Config, body: Body) -> tuple[str, str]:
 
 
 def _incompressibility(config: Config) -> tuple[str, str]:
-    nu, formulation = config.material.constants.get("nu"), config.mesh.formulation
-    value = f" (nu = {nu:g})" if nu is not None else ""
-    if formulation == "p2":
-        return "off", f"the whole law is taken at four points per element{value}"
-    if formulation == "p2p0":
-        return "on", f"nearly incompressible{value}: the volumetric part of the law is taken at one point per element"
-    return "on", f"nearly incompressible{value}: formulation {formulation}"
+    formulation, nu = config.mesh.formulation, poisson_ratio(config.material.constants)
+    how = {
+        "p2": "the whole law is taken at four points per element",
+        "p2p0": "the volumetric part of the law is taken at one point per element",
+        "mixed": "the pressure is an unknown of its own, linear in each element and continuous",
+    }
+    return "off" if formulation == "p2" else "on", f"nu = {nu:.5g}: {how[formulation]}"
 
 
 def _gravity(config: Config) -> tuple[str, str]:

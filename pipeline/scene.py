@@ -43,6 +43,11 @@ def material_of(config: Config) -> fem.Material:
         law: fem.Material = getattr(fem, config.material.model)(**config.material.constants)
     except fem.MaterialError as failure:
         raise InputError(f"{config.source}: material: {failure}") from None
+    if config.mesh.formulation == "mixed" and law.volumetric_modulus <= 0:
+        raise InputError(
+            f"{config.source}: mesh.formulation: mixed needs a law that resists a change of volume by more than shear "
+            f"does; its volumetric modulus here is {law.volumetric_modulus:g} MPa; write p2 or p2p0"
+        )
     return law
 
 

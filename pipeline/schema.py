@@ -135,7 +135,7 @@ State = Annotated[Literal[STATES], BeforeValidator(_state)]  # type: ignore[vali
 CavityPressure = Annotated[tuple[str, float], BeforeValidator(_share_or_pressure)]
 
 #: the elements that `fem` offers
-FORMULATIONS = ("p2p0", "p2")
+FORMULATIONS = ("p2p0", "p2", "mixed")
 #: law in the YAML -> the class that `fem` offers under that law, and its constants
 LAWS: dict[str, tuple[str, dict[str, Any]]] = {
     "svk": ("StVenantKirchhoff", {"E": PositiveStress, "nu": PoissonRatio}),

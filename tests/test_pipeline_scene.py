@@ -111,6 +111,19 @@ def test_elements_follow_poissons_ratio(tmp_path: Path, arm: Path) -> None:
     assert formulation("material.nu=0.3", "effects.incompressibility=on") == "p2p0"
     assert formulation("effects.incompressibility=off") == "p2"
     assert formulation("mesh.formulation=p2") == "p2"
+    assert formulation("material.nu=0.4999") == "mixed"
+    assert formulation("material.nu=0.4999", "effects.incompressibility=off") == "p2"
+    assert formulation("material.nu=0.3", "mesh.formulation=mixed") == "mixed"
+    # rubber: nu from the moduli, 0.497 and 0.4998
+    rubber = "material={{law: neo_hooke, mu: 0.4 MPa, kappa: {} MPa, density: 1130 kg/m^3}}"
+    assert formulation(rubber.format(66)) == "p2p0"
+    assert formulation(rubber.format(1000)) == "mixed"
+
+
+def test_a_pressure_field_needs_something_to_hold(arm: Path) -> None:
+    sentence = refusal(arm, "material.nu=0", "mesh.formulation=mixed")
+    assert "mesh.formulation: mixed needs a law" in sentence
+    assert "its volumetric modulus here is 0 MPa; write p2 or p2p0" in sentence
 
 
 def test_laws_of_rubber(arm: Path) -> None:

@@ -2,7 +2,7 @@
 
 Incompressible neo-Hooke sphere: p(s) = int mu-weighted over the hoop stretch from the outer to the inner wall (A. E.
 Green, W. Zerna, "Theoretical elasticity", 2nd ed. 1968); a thin one has its largest pressure at stretch 7^(1/6) (J. E.
-Adkins, R. S. Rivlin, Phil. Trans. R. Soc. A 244 (1952) 505). Clamped shallow arch under a force at its middle: Ritz with
+Adkins, R. S. Rivlin, Phil. Trans. R. Soc. A 244 (1952) 505). Clamped shallow arch, force at its middle: Ritz with
 the energy of shallow-arch theory (S. P. Timoshenko, J. M. Gere, "Theory of elastic stability", 2nd ed. 1961, 7.8).
 """
 
