@@ -148,5 +148,6 @@ def test_errors_fall_with_the_order_of_the_elements(law: str, formulation: str) 
     rates = np.log2(coarse / fine)
     # measured from n = 3 to 6: p2 2.94 to 2.96 and 1.89 to 1.90; p2p0 1.73 to 1.80 and 0.95 to 1.20
     assert (rates > np.array(ORDERS.get(formulation, QUADRATIC)) - [0.3, 0.15]).all()
-    # measured: p2 0.0032 and 0.034; p2p0 0.016 and 0.083 (SVK), 0.048 and 0.23 (neo-Hooke)
-    assert (fine < ({"p2p0": (0.055, 0.26)}.get(formulation, (0.004, 0.04)))).all()
+    # measured: p2 0.0032 and 0.034; p2p0 0.016 and 0.083 (SVK), 0.048 and 0.23 (neo-Hooke);
+    # mixed 0.0042 and 0.041 (neo-Hooke)
+    assert (fine < ({"p2p0": (0.055, 0.26), "mixed": (0.0045, 0.045)}.get(formulation, (0.004, 0.04)))).all()
