@@ -17,6 +17,7 @@ from fem.model import Model
 from fem.newton import NewtonOptions
 from fem.solution import NotConverged, Seconds, Solution, Step
 from fem.supports import Fixed, Prescribed, SupportError
+from fem.uniaxial import Uniaxial, uniaxial, uniaxial_terms
 
 __all__ = [
     "ContactError",
@@ -45,6 +46,7 @@ __all__ = [
     "Step",
     "StrainLimitingLayer",
     "SupportError",
+    "Uniaxial",
     "Yeoh",
     "available_solver",
     "compile_kernels",
@@ -53,4 +55,6 @@ __all__ = [
     "follow_volume",
     "step_from_arrays",
     "step_to_arrays",
+    "uniaxial",
+    "uniaxial_terms",
 ]

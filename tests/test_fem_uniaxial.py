@@ -1,0 +1,88 @@
+"""The closed forms of the bar against the energy of each law, against each other, and where no bar can be."""
+
+import numpy as np
+import pytest
+from bodies import difference
+from numpy.typing import NDArray
+
+from fem import (
+    Hencky,
+    Material,
+    MooneyRivlin,
+    NeoHooke,
+    StVenantKirchhoff,
+    Yeoh,
+    uniaxial,
+    uniaxial_terms,
+)
+
+Array = NDArray[np.float64]
+
+LAWS: dict[str, Material] = {
+    "svk": StVenantKirchhoff(E=1.2, nu=0.495),
+    "hencky": Hencky(E=1.2, nu=0.3),
+    "neo_hooke": NeoHooke(mu=0.4, kappa=3.0),
+    "mooney_rivlin": MooneyRivlin(c10=0.15, c01=0.05, kappa=3.0),
+    "yeoh": Yeoh(c10=0.11, c20=0.02, c30=0.001, kappa=3.0),
+}
+STRETCHES = np.array([0.6, 0.8, 0.99, 1.0, 1.01, 1.2, 1.5, 1.7])
+
+
+def energy(law: Material, along: Array, across: Array) -> Array:
+    """W (n,) of the law of the finite elements at these stretches."""
+    strain = np.zeros((len(along), 1, 6))
+    strain[:, 0, 0] = (along**2 - 1) / 2
+    strain[:, 0, 1] = strain[:, 0, 2] = (across**2 - 1) / 2
+    return (law.shear(strain).energy + law.volumetric(strain).energy)[:, 0]
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_force_and_sides_follow_from_the_energy(name: str) -> None:
+    law = LAWS[name]
+    bar = uniaxial(law, STRETCHES)
+    one = np.ones_like(STRETCHES)
+    force = difference(lambda s: energy(law, s, bar.lateral), bar.stretch, one, 1e-3)
+    sides = difference(lambda t: energy(law, bar.stretch, t), bar.lateral, one, 1e-3)
+    np.testing.assert_allclose(bar.nominal, force, atol=1e-8)
+    np.testing.assert_allclose(sides, 0.0, atol=1e-7)
+    np.testing.assert_allclose(bar.J, STRETCHES * bar.lateral**2)
+
+
+def test_numbers_of_saint_venant_kirchhoff() -> None:
+    bar = uniaxial(LAWS["svk"], np.array([1.2, 0.8]))
+    np.testing.assert_allclose(bar.nominal / 1.2, [0.2640, -0.1440], atol=1e-12)
+    np.testing.assert_allclose(bar.lateral, [0.884421, 1.085449], atol=1e-6)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_terms_times_constants_are_the_force_of_the_incompressible_bar(name: str) -> None:
+    law = LAWS[name]
+    constants = {constant: getattr(law, constant) for constant in uniaxial_terms(type(law), STRETCHES)}
+    stiff = type(law)(**constants, **({"nu": law.nu} if hasattr(law, "nu") else {"kappa": 1e8}))
+    terms = uniaxial_terms(type(law), STRETCHES)
+    total = sum(constant * terms[key] for key, constant in constants.items())
+    np.testing.assert_allclose(uniaxial(stiff, STRETCHES).nominal, total, rtol=1e-6, atol=1e-15)
+
+
+def test_compressibility_softens_a_bar_of_rubber() -> None:
+    """The error of the incompressible form is of the order of Kirchhoff stress over bulk modulus."""
+    stiff, soft = (uniaxial(Yeoh(0.11, 0.02, 0.0, kappa), np.array([2.0])).nominal[0] for kappa in (220.0, 22.0))
+    exact = float(sum(c * uniaxial_terms(Yeoh, np.array([2.0]))[k][0] for k, c in (("c10", 0.11), ("c20", 0.02))))
+    assert soft < stiff < exact
+    assert (exact - soft) / (exact - stiff) == pytest.approx(10.0, rel=0.2)
+
+
+def test_where_no_bar_can_be() -> None:
+    limit = np.sqrt(1 + 1 / 0.495)
+    bar = uniaxial(LAWS["svk"], np.array([limit - 1e-6, limit + 1e-6]))
+    assert np.isfinite(bar.nominal).tolist() == np.isfinite(bar.lateral).tolist() == [True, False]
+    assert 0 < bar.J[0] < 1e-4
+    pressed = uniaxial(NeoHooke(0.4, 3.0), np.array([0.3, 0.05]))  # J (J - 1) has no value below -1/4
+    assert np.isfinite(pressed.nominal).tolist() == [True, False]
+    falling = uniaxial(Yeoh(0.11, -0.02, 0.0, 40.0), np.array([1.2, 4.0]))
+    assert np.isfinite(falling.nominal).tolist() == [True, False]
+
+
+def test_a_law_without_a_closed_form_is_named() -> None:
+    with pytest.raises(TypeError, match="Material has no closed form here"):
+        uniaxial_terms(Material, STRETCHES)
