@@ -7,7 +7,7 @@ SHELL := /bin/bash
 BIN := .venv/bin
 READY := .venv/.ready
 
-all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects
+all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material
 .PHONY: help setup $(all_targets) test slow lint types doctor clean
 
 help:  ## list the targets
@@ -34,6 +34,9 @@ all: pneunet semicircular semicircular-single bisected-circle  ## the four desig
 
 effects: $(READY)  ## what each effect changes and costs on the coarse arm
 	@$(BIN)/pneurod effects configs/pneunet_coarse.yaml --out results/effects
+
+material: $(READY)  ## the constants of every law from the tensile tests of the example
+	@$(BIN)/pneurod material configs/elastosil_m4601_yeoh.csv --out results/material
 
 test: $(READY)  ## all tests but the slow ones
 	@$(BIN)/python -m pytest

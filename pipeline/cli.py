@@ -145,6 +145,37 @@ def rod(
 
 
 @app.command()
+def material(
+    tests: Annotated[list[Path], typer.Argument(metavar="TENSILE.csv...", help="Nominal stress over nominal strain.")],
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Result folder.")] = Path("results/material"),
+    nu: Annotated[float, typer.Option(metavar="NU", help="Poisson ratio; it gives rubber its kappa.")] = 0.495,
+    up_to: Annotated[str | None, typer.Option(metavar="STRAIN", help="Leave out larger strains: '50 %'.")] = None,
+    within: Annotated[str, typer.Option(metavar="SHARE", help="Error up to which a law may be used.")] = "10 %",
+    break_strain: Annotated[str, typer.Option("--break", metavar="STRAIN", help="Between E_L and E_H.")] = "150 %",
+    density: Annotated[str, typer.Option(metavar="RHO", help="For the configuration; not measured.")] = "1130 kg/m^3",
+) -> None:
+    """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
+    with _plain_endings():
+        from pipeline.material import fit_material
+        from pipeline.material_fits import ALL, WIDEST, Asked
+        from pipeline.material_words import about_moduli, block, sentences
+        from pipeline.tables import laws
+
+        fits = fit_material(tests, Asked.of(nu, density, break_strain, up_to, within), out)
+        console = Console()
+        for line in about_moduli(fits):
+            console.print(line, highlight=False)
+        for name in (ALL, WIDEST):
+            console.print("", laws(fits, name), highlight=False)
+        console.print(f"\nfor a configuration, fitted to {WIDEST}:", highlight=False)
+        for line in (block(fit, density) for fit in fits.usable.values()):
+            console.print(line, highlight=False, soft_wrap=True)
+        for sentence in ("", *sentences(fits)):
+            console.print(sentence, highlight=False)
+        console.print(f"written: {out / 'material.html'}, material.json, material_curves.csv", soft_wrap=True)
+
+
+@app.command()
 def export(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results of a finished run.")],
     to: Annotated[str, typer.Option("--to", metavar="NAME", help="csv, json, pyelastica, mujoco, somo or sorosim.")],

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from pipeline.config import Config
 from pipeline.failure import InputError
 
-__all__ = ["Store", "open_store"]
+__all__ = ["Store", "open_folder", "open_store"]
 
 _IDENTITY = "states/configuration.json"
 _FOLDERS = ("states", "pictures", "fields")
@@ -107,6 +107,16 @@ def open_store(directory: Path | str, config: Config, *, fresh: bool = False) ->
         store = Store(place, _key(config))
         store.save_json(_IDENTITY, {"config_hash": config.hash, "config": config.record()})
         yield store
+
+
+def open_folder(directory: Path | str) -> Store:
+    """A folder, made if it is missing, for results that take no time worth remembering and replace earlier ones.
+
+    Raises InputError when it cannot be written.
+    """
+    place = Path(directory)
+    _check_writable(place)
+    return Store(place, "")
 
 
 def _check_writable(place: Path) -> None:

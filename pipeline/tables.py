@@ -1,4 +1,4 @@
-"""Tables on the terminal: the effects of a run, and what each of them changes and costs."""
+"""Tables on the terminal: the effects of a run, what each of them changes and costs, and the laws of a material."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,8 +7,11 @@ from rich.table import Table
 from rich.text import Text
 
 from pipeline.effects_table import BASE, COLUMNS
+from pipeline.law_fit import LawFit, Refused
+from pipeline.material_fits import Fits
+from pipeline.material_words import with_error
 
-__all__ = ["comparison", "sentences"]
+__all__ = ["comparison", "laws", "sentences"]
 
 Row = Mapping[str, Any]
 
@@ -36,6 +39,33 @@ def sentences(rows: Sequence[Row]) -> Table:
         state = Text(row["state"], style="green" if row["state"] == "on" else "dim")
         table.add_row(row["effect"], state, Text(row["reason"]))
     return table
+
+
+def laws(fits: Fits, name: str) -> Table:
+    """Every law as fitted to `name` of `pipeline.material_fits`; those that are refused are named below it."""
+    columns = ("law", "constants, MPa", "rms MPa", "holds for", "ended by", "stable for")
+    refused = [fit for both in fits.laws.values() if isinstance(fit := both[name], Refused)]
+    below = "\n".join(f"{fit.law} {fit.reason}" for fit in refused) or None
+    table = Table(*columns, box=None, pad_edge=False, title=f"fitted to {name}", caption=below)
+    table.title_justify = table.caption_justify = "left"
+    for column in table.columns:
+        column.no_wrap = True
+    for column in (table.columns[place] for place in (2, 3, 5)):
+        column.justify = "right"
+    for both in fits.laws.values():
+        fit = both[name]
+        if isinstance(fit, LawFit):
+            stable, holds = fit.solved.stretch_limits, "nowhere" if fit.holds is None else _stretches(*fit.holds)
+            table.add_row(fit.law, _constants(fit), f"{fit.rms:.2g}", holds, fit.ends, _stretches(*stable))
+    return table
+
+
+def _constants(fit: LawFit) -> str:
+    return "\n".join(f"{name} {with_error(value, fit.errors[name])}" for name, value in fit.constants.items())
+
+
+def _stretches(low: float, high: float) -> str:
+    return f"{low:.3g} - {high:.3g}".replace("inf", "∞")
 
 
 def _number(row: Row, key: str) -> str:

@@ -9,7 +9,18 @@ from typing import Any
 
 import pint
 
-__all__ = ["ACCELERATION", "DENSITY", "FORCE", "LENGTH", "MOMENT", "PRESSURE", "STRESS", "Dimension", "convert"]
+__all__ = [
+    "ACCELERATION",
+    "DENSITY",
+    "FORCE",
+    "LENGTH",
+    "MOMENT",
+    "PRESSURE",
+    "STRAIN",
+    "STRESS",
+    "Dimension",
+    "convert",
+]
 
 
 @dataclass(frozen=True)
@@ -27,6 +38,7 @@ PRESSURE = Dimension("a pressure", "kPa", "37 kPa")
 ACCELERATION = Dimension("an acceleration", "mm/s**2", "-9.81 m/s^2")
 FORCE = Dimension("a force", "N", "0.05 N")
 MOMENT = Dimension("a moment", "N*mm", "1 N*mm")
+STRAIN = Dimension("a strain", "dimensionless", "150 %")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")

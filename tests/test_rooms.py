@@ -53,7 +53,12 @@ DOORS: dict[str, set[str]] = {
     "typer": {"pipeline/cli.py"},
     "rich": {"pipeline/cli.py", "pipeline/progress.py", "pipeline/tables.py"},
     "jinja2": {"pipeline/report.py"},
-    "plotly": {"pipeline/report.py", "pipeline/report_compared.py", "pipeline/report_figures.py"},
+    "plotly": {
+        "pipeline/material_figure.py",
+        "pipeline/report.py",
+        "pipeline/report_compared.py",
+        "pipeline/report_figures.py",
+    },
 }
 
 #: what `pneurod --help` must not wait for
