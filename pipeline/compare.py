@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 from geometry import Centreline
 from pipeline.parameters import Parameters
 from pipeline.simulate import Outcome, Record
-from rod import Rod, RodError, RodSolution, cell_averaged, moment_from_force, without_stretch
+from rod import Rod, RodError, RodSolution, SampledMoments, cell_averaged, moment_from_force, without_stretch
 
-__all__ = ["CURVE_COLUMNS", "Comparison", "compare", "curve_rows", "held_against", "rows_of"]
+__all__ = ["CURVE_COLUMNS", "Comparison", "Rods", "compare", "curve_rows", "held_against", "rows_of"]
 
 Array = NDArray[np.float64]
 
 CURVE_COLUMNS = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
-    *("moment_N_mm", "rod_x_mm", "rod_y_mm"),
+    *("moment_N_mm", "rod_x_mm", "rod_y_mm", "rod_kappa_per_mm"),
 )
 
 
@@ -30,6 +30,8 @@ class Comparison:
     shape: RodSolution | None
     reason: str  #: empty, or a sentence
     pitch: float  #: mm
+    longer: RodSolution | None = None  #: of the rod with the sixth number
+    warning: str = ""  #: a sentence where the moment leaves what the identification has seen
     load: str = ""  #: besides the pressure, in words; empty for II and III as identified
     in_sample: bool = True  #: the numbers were fitted to this very load and pressure
 
@@ -49,7 +51,10 @@ class Comparison:
             "rod_force_N": None,
             "curvature_error": None,
             "curvature_error_at_s_mm": None,
+            "distance_over_length_with_sixth_number": None,
+            "force_error_with_sixth_number": None,
             "reason": self.reason,
+            "warning": self.warning,
         }
         if self.shape is None:
             return row
@@ -66,6 +71,12 @@ class Comparison:
         if force and self.record.experiment == "III":
             row["force_N"], row["rod_force_N"] = force, float(self.shape.force[1])
             row["force_error"] = float(self.shape.force[1]) / force - 1.0
+            if self.longer is not None:
+                row["force_error_with_sixth_number"] = float(self.longer.force[1]) / force - 1.0
+        if self.longer is not None:
+            row["distance_over_length_with_sixth_number"] = (
+                float(self._distances(self.longer, curve).max()) / curve.length
+            )
         row["curvature_error"], row["curvature_error_at_s_mm"] = self._curvature_error(self.shape, curve)
         return row
 
@@ -86,30 +97,50 @@ class Comparison:
         return float(off.max() / np.abs(found[0].kappa).max()), float(found[0].s[off.argmax()])
 
 
+@dataclass(frozen=True)
+class Rods:
+    """The rod of one pressure, with and without the sixth number, and the moments behind its numbers."""
+
+    plain: Rod
+    longer: Rod
+    sampled: SampledMoments
+
+
 def compare(found: Sequence[Parameters]) -> tuple[Comparison, ...]:
     """The rod of every pressure, unloaded as in II and with its end held as in III."""
     rows = []
     for parameters in found:
+        rods = Rods(parameters.rod, parameters.extended_rod, parameters.sampled)
         for record in (parameters.free, parameters.loaded):
-            rows.append(held_against(parameters.rod, record, parameters.kappa.pitch))
+            rows.append(held_against(rods, record, parameters.kappa.pitch))
     return tuple(rows)
 
 
-def held_against(rod: Rod, record: Record, pitch: float, load: str = "", in_sample: bool = True) -> Comparison:
-    """The rod under the load of a record: its end at the height of III, the force of dead, nothing in II."""
+def held_against(rods: Rods, record: Record, pitch: float, load: str = "", in_sample: bool = True) -> Comparison:
+    """The rod under the load of a record: its end at the height of III with the couple that the held edge exerts
+    there, the force of dead, nothing in II."""
     loads: dict[str, Any] = {}
     length = record.centreline.length
-    if abs(length - rod.length) > 1e-6 * rod.length:
-        reason = f"The numbers are those of an arm of {rod.length:g} mm, the shape is one of {length:g} mm."
-        return Comparison(record, None, reason, pitch, load, in_sample)
+    if abs(length - rods.plain.length) > 1e-6 * rods.plain.length:
+        reason = f"The numbers are those of an arm of {rods.plain.length:g} mm, the shape is one of {length:g} mm."
+        return Comparison(record, None, reason, pitch, load=load, in_sample=in_sample)
     if record.experiment == "III":
-        loads["end_y"] = float(record.centreline.y[-1])
+        loads = {"end_y": float(record.centreline.y[-1]), "moment": record.end_couple}
     if record.experiment == "dead":
-        loads["force"], loads["moment"] = record.end_force, record.end_couple
+        loads = {"force": record.end_force, "moment": record.end_couple}
     try:
-        return Comparison(record, rod.solve(**loads), "", pitch, load, in_sample)
+        shape = rods.plain.solve(**loads)
     except RodError as failure:
-        return Comparison(record, None, str(failure), pitch, load, in_sample)
+        return Comparison(record, None, str(failure), pitch, load=load, in_sample=in_sample)
+    warning = rods.sampled.left_by(shape)
+    return Comparison(record, shape, "", pitch, _solved(rods.longer, loads), warning, load, in_sample)
+
+
+def _solved(rod: Rod, loads: Mapping[str, Any]) -> RodSolution | None:
+    try:
+        return rod.solve(**loads)
+    except RodError:  # the rod without the sixth number stands for both
+        return None
 
 
 def curve_rows(
@@ -134,7 +165,8 @@ def rows_of(record: Record, shape: RodSolution | None, pitch: float) -> list[tup
     middles = 0.5 * (s[1:] + s[:-1])
     theta = np.interp(s, middles, np.unwrap(curve.angle))
     rod = shape.positions(s) if shape is not None else np.full((len(s), 2), np.nan)
-    table = np.column_stack([s, curve.x, curve.y, theta, kappa, std, moment.value, rod])
+    bent = np.full(len(s), np.nan) if shape is None else _curvature(Centreline(s, rod[:, 0], rod[:, 1]), s, pitch)[0]
+    table = np.column_stack([s, curve.x, curve.y, theta, kappa, std, moment.value, rod, bent])
     return [(record.experiment, record.pressure_kPa, *values) for values in table.tolist()]
 
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pipeline.simulate import Outcome, Record
 from rod import (
     Curvature,
+    Extension,
     FiveParameters,
     Identification,
     Interval,
@@ -22,8 +23,10 @@ from rod import (
     Rod,
     RodError,
     RodFit,
+    SampledMoments,
     cell_averaged,
     closing,
+    extension,
     fit_rod,
     gaussian_process,
     identify,
@@ -54,6 +57,8 @@ class Parameters:
     moment: Moment  #: of III without its stretch
     by_cells: Identification
     by_process: Identification  #: the same from a Gaussian process, for comparison
+    extended: Identification  #: the same from cell averages with the levers of the curve as it is, for the longer rod
+    extension: Extension  #: how the curve stretches, with the sixth number
     by_rod: RodFit | None  #: the same from the closest rod; None where none is in equilibrium near the others
 
     @property
@@ -69,23 +74,46 @@ class Parameters:
 
     @property
     def numbers(self) -> dict[str, Interval]:
-        """alpha1, alpha2, m01, m02, d of the rod: of two lines, or twice those of one line where that suffices.
+        """alpha1, alpha2, m01, m02, d of the rod."""
+        return self._of_rod(self.by_cells)
+
+    @property
+    def extended_numbers(self) -> dict[str, Interval]:
+        """The same of the rod whose curve stretches."""
+        return self._of_rod(self.extended)
+
+    def _of_rod(self, found: Identification) -> dict[str, Interval]:
+        """The numbers of two lines, or twice those of one line where that suffices.
 
         The place of a change that is none is put where the range of d begins.
         """
-        two, one = self.by_cells, self.by_cells.one_line
-        if two.two_lines:
-            return {name: getattr(two, name) for name in ("alpha1", "alpha2", "m01", "m02", "d")}
+        one = found.one_line
+        if found.two_lines:
+            return {name: getattr(found, name) for name in ("alpha1", "alpha2", "m01", "m02", "d")}
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
         return {"alpha1": one.alpha, "alpha2": one.alpha, "m01": one.m0, "m02": one.m0, "d": d}
 
     @property
     def rod(self) -> Rod:
-        """The rod with these numbers, clamped as the material curve begins in II."""
+        """The inextensible rod with the five numbers, clamped as the material curve begins in II."""
+        return self._rod(self.numbers, None)
+
+    @property
+    def extended_rod(self) -> Rod:
+        """The rod with the sixth number."""
+        return self._rod(self.extended_numbers, self.extension)
+
+    def _rod(self, numbers: Mapping[str, Interval], longer: Extension | None) -> Rod:
         theta0, profile = rest_curvature(self.free.centreline)
         curve = self.free.centreline
-        law = FiveParameters(**{name: one.value for name, one in self.numbers.items()})
-        return Rod(curve.length, profile, law, theta0, (float(curve.x[0]), float(curve.y[0])))
+        law = FiveParameters(**{name: one.value for name, one in numbers.items()})
+        start = (float(curve.x[0]), float(curve.y[0]))
+        return Rod(curve.length, profile, law, theta0, start, extension=longer)
+
+    @property
+    def sampled(self) -> SampledMoments:
+        """The moments behind the numbers."""
+        return SampledMoments.of(self.moment)
 
 
 def observed(parameters: Parameters, record: Record) -> Observation:
@@ -117,6 +145,7 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
     by_cells = identify(kappa_0, kappa, moment, moved)
     by_process = identify(smooth_0, smooth, moment, moved)
+    as_it_is = moment_from_force(loaded.centreline, loaded.end_force, loaded.end_couple)
     return Parameters(
         pressure_kPa=pressure,
         free=free,
@@ -126,7 +155,9 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
         moment=moment,
         by_cells=by_cells,
         by_process=by_process,
-        by_rod=_closest_rod(LoadedShape(*curves, loaded.end_force, pitch), by_cells, by_process),
+        extended=identify(kappa_0, kappa, as_it_is, moved),
+        extension=extension(*curves, pitch),
+        by_rod=_closest_rod(LoadedShape(*curves, loaded.end_force, pitch, loaded.end_couple), by_cells, by_process),
     )
 
 

@@ -38,6 +38,8 @@ def parameters_record(config: Config, found: Sequence[Parameters]) -> dict[str, 
         "r2_two_lines": [one.r2 for one in cells],
         "r2_one_line": [one.one_line.r2 for one in cells],
         "observations": [one.observations for one in cells],
+        "sampled_moment_N_mm": [[p.sampled.low, p.sampled.high] for p in found],
+        "sixth_number": _sixth(found),
         "estimators": {name: _estimator(name, found) for name in ESTIMATORS},
         "kappa_0": _profiles(found),
         "dimensionless": _dimensionless(found, config.design.length, mass * 9810.0),
@@ -57,6 +59,18 @@ def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, list
         columns[f"{name}_{unit}_std"] = [one and one.std for one in intervals]
         columns[f"{name}_{unit}_95"] = [one and [one.low, one.high] for one in intervals]
     return columns
+
+
+def _sixth(found: Sequence[Parameters]) -> dict[str, Any]:
+    """The eccentricity of the neutral axis, the rest stretch, and the five numbers of the rod that has them."""
+    if not found:
+        return {}
+    return {
+        "eccentricity_mm": [p.extension.eccentricity for p in found],
+        "eccentricity_mm_std": [p.extension.eccentricity_std for p in found],
+        **_columns([p.extended_numbers for p in found]),
+        "rest_stretch": [p.extension.rest_stretch for p in found],
+    }
 
 
 def _at_most(d: Interval, parameters: Parameters) -> bool:

@@ -12,8 +12,8 @@ from plotly.offline import get_plotlyjs
 from pipeline import report_figures as figures
 from pipeline.report_compared import end_forces, validation_shapes
 from pipeline.report_data import Results, read_results
-from pipeline.report_numbers import NUMBERS, estimators, observations, regimes, with_spread
-from pipeline.report_validation import laws_by_pressure, out_of_sample, validation_rows
+from pipeline.report_numbers import NUMBERS, estimators, observations, regimes, sixth_number, with_spread
+from pipeline.report_validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
 from pipeline.report_words import (
     agreement_of_rod,
     difference_of_rest_curvatures,
@@ -80,6 +80,8 @@ def render_report(directory: Path) -> str:
         observations=observations(results),
         agreement=[*agreement_of_rod(results), *out_of_sample(results)],
         validation=validation_rows(results),
+        beyond=beyond_identified(results),
+        sixth=sixth_number(results),
         laws=laws_by_pressure(results),
         body=[_picture(results, name, title) for name, title in _BODY if name in results.pictures],
         deformed=_deformed(results),

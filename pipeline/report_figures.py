@@ -45,7 +45,7 @@ def shapes(results: Results) -> Any:
 
 
 def curvatures(results: Results) -> Any:
-    """Curvature along the material curve in I, II and III."""
+    """Curvature along the material curve in I, II and III, and in III that of the rod (paper, Figs 8 and 16b)."""
     titles = ("I dotted, II solid: nothing but pressure", "III: end held as well")
     figure = side_by_side(titles, "s (mm)", "curvature (1/mm)")
     for experiment, column in (("I", 1), ("II", 1), ("III", 2)):
@@ -64,6 +64,9 @@ def curvatures(results: Results) -> Any:
                 dash=_DASHES[experiment],
                 legend=experiment == "II",
             )
+            if experiment == "III" and curve.has("rod_kappa_per_mm"):
+                line(figure, curve["s_mm"], curve["rod_kappa_per_mm"], _INK, f"rod, {label}", column, dash="dash")
+    legend_only(figure, "rod", _INK, "dash")
     return figure
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.report_data import Results
 
-__all__ = ["NUMBERS", "Cell", "estimators", "observations", "regimes", "with_spread"]
+__all__ = ["NUMBERS", "Cell", "estimators", "observations", "regimes", "sixth_number", "with_spread"]
 
 #: key in parameters.json, symbol, unit
 NUMBERS = (
@@ -40,6 +40,19 @@ def estimators(results: Results) -> list[tuple[str, str, list[Cell]]]:
         for name, columns in found.items():
             cells = [_cell(columns, key, place) for key, _, _ in NUMBERS]
             rows.append((f"{pressure:g}", _TITLES.get(name, name), cells))
+    return rows
+
+
+def sixth_number(results: Results) -> list[tuple[str, list[str]]]:
+    """Rows by pressure: p, the eccentricity, and the five numbers that go with it."""
+    found: Mapping[str, Any] = results.parameters.get("sixth_number") or {}
+    rows = []
+    for place, pressure in enumerate(results.parameters.get("pressures_kPa", ()) if found else ()):
+        cells = [
+            with_spread(found[key][place], found[f"{key}_std"][place], f"{found[key][place]:.2f}")
+            for key in ("eccentricity_mm", *(key for key, _, _ in NUMBERS))
+        ]
+        rows.append((f"{pressure:g}", cells))
     return rows
 
 

@@ -6,14 +6,15 @@ from typing import Any
 from pipeline.report_data import Results
 from pipeline.report_words import number
 
-__all__ = ["laws_by_pressure", "out_of_sample", "validation_rows"]
+__all__ = ["beyond_identified", "laws_by_pressure", "out_of_sample", "validation_rows"]
 
 #: over the length and relative: what the rod may be off by under a load it has not seen
 SHAPE_LIMIT, FORCE_LIMIT = 0.03, 0.10
 
 
 def validation_rows(results: Results) -> list[list[str]]:
-    """Rows of the table: in or out of sample, load, p, shape with and without stretch, angle, force, curvature."""
+    """Rows of the table: in or out of sample, load, p, shape with and without stretch and with the sixth number, angle,
+    force without and with the sixth number, curvature."""
     rows = []
     for row in (*results.in_sample, *results.out_of_sample):
         rows.append(
@@ -23,8 +24,10 @@ def validation_rows(results: Results) -> list[list[str]]:
                 number(row["pressure_kPa"]),
                 _percent(row.get("distance_over_length")),
                 _percent(row.get("distance_over_length_without_stretch")),
+                _percent(row.get("distance_over_length_with_sixth_number")),
                 number(row.get("end_angle_error_rad")),
                 _percent(row.get("force_error")),
+                _percent(row.get("force_error_with_sixth_number")),
                 _percent(row.get("curvature_error")),
                 number(row.get("curvature_error_at_s_mm")),
             ]
@@ -52,6 +55,11 @@ def out_of_sample(results: Results) -> list[str]:
         if row.get("reason"):
             said.append(f"No rod for {_where(row)}: {row['reason']}")
     return said
+
+
+def beyond_identified(results: Results) -> list[str]:
+    """The loads whose moments leave what the numbers were identified from, one sentence each."""
+    return [f"{_where(row)}: {row['warning']}" for row in results.validation if row.get("warning")]
 
 
 def _failures(rows: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,25 +10,43 @@ import numpy as np
 
 from pipeline.failure import InputError, RunFailed
 from pipeline.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
-from rod import EXPORTS, Arm, FiveParameters, PressurisedRod, Rod, RodError, RodSolution, export
+from rod import (
+    EXPORTS,
+    Arm,
+    Extension,
+    FiveParameters,
+    PressurisedRod,
+    Rod,
+    RodError,
+    RodSolution,
+    SampledMoments,
+    export,
+)
 
-__all__ = ["equilibrium", "exported", "read_rod", "rod_at", "shape_table"]
+__all__ = ["Chosen", "equilibrium", "exported", "read_rod", "rod_at", "shape_table"]
 
 
-def read_rod(path: Path) -> tuple[PressurisedRod, Mapping[str, Any]]:
-    """The rod of a parameters.json over its pressures, and the file's content. Raises InputError."""
+_LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+
+
+def read_rod(path: Path, sixth: bool = False) -> tuple[PressurisedRod, Mapping[str, Any]]:
+    """The rod of a parameters.json over its pressures, with or without the sixth number, and the file's content.
+
+    Raises InputError.
+    """
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
-        numbers = zip(
-            *(content[key] for key in ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")), strict=True
-        )
         profile = content["kappa_0"]
+        of_rod = content["sixth_number"] if sixth else content
+        stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if sixth else ()
         rod = PressurisedRod(
             length=float(content["length_mm"]),
             pressures=np.array(content["pressures_kPa"], dtype=float),
-            laws=tuple(FiveParameters(*row) for row in numbers),
+            laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in _LAW), strict=True)),
             s=np.array(profile["s_mm"], dtype=float),
             kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
+            extensions=tuple(Extension(np.array(profile["s_mm"]), np.array(rest), e) for rest, e in stretches),
+            sampled=tuple(SampledMoments(*ends) for ends in content.get("sampled_moment_N_mm", ())),
         )
     except OSError as failure:
         raise InputError(f"{path}: cannot be read ({failure.strerror}); give the parameters.json of a run") from None
@@ -38,16 +56,25 @@ def read_rod(path: Path) -> tuple[PressurisedRod, Mapping[str, Any]]:
     return rod, content
 
 
-def rod_at(path: Path, pressure: str, extrapolate: bool) -> tuple[Rod, Mapping[str, Any]]:
+@dataclass(frozen=True)
+class Chosen:
+    """The rod of a file at one pressure."""
+
+    rod: Rod
+    sampled: SampledMoments | None  #: the moments behind its numbers, None where the file does not say
+    content: Mapping[str, Any]  #: of the file
+
+
+def rod_at(path: Path, pressure: str, extrapolate: bool, sixth: bool = False) -> Chosen:
     """The rod at a pressure written with its unit, clamped as the material curve begins. Raises InputError."""
-    rod, content = read_rod(path)
+    rod, content = read_rod(path, sixth)
     value = _value("--pressure", pressure, PRESSURE)
     try:
         found = rod.at(value, extrapolate=extrapolate)
     except RodError as failure:
         raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
     theta0 = float(np.interp(value, rod.pressures, content["kappa_0"]["theta0_rad"]))
-    return replace(found, theta0=theta0), content
+    return Chosen(replace(found, theta0=theta0), rod.sampled_at(value, extrapolate=extrapolate), content)
 
 
 def equilibrium(rod: Rod, *, force: str | None, moment: str, end_y: str | None, end: str | None) -> RodSolution:
@@ -71,11 +98,11 @@ def exported(folder: Path, target: str, pressure: str | None) -> Path:
     if target not in EXPORTS:
         raise InputError(f"--to {target}: allowed are {', '.join(EXPORTS)}")
     rod, content = read_rod(folder / "parameters.json")
-    chosen, _ = rod_at(folder / "parameters.json", pressure or f"{rod.pressures[-1]} kPa", False)
+    chosen = rod_at(folder / "parameters.json", pressure or f"{rod.pressures[-1]} kPa", False)
     modulus = float(content["material"].get("E", 1.0))
     area = float(content["mass_g"]) / (rod.length * 1e6 * float(content["material"]["density_tonne_mm3"]))
     try:
-        return export(Arm(chosen, float(content["mass_g"]), float(np.sqrt(area / np.pi)), modulus), target, folder)
+        return export(Arm(chosen.rod, float(content["mass_g"]), float(np.sqrt(area / np.pi)), modulus), target, folder)
     except RodError as failure:
         raise RunFailed(str(failure)) from None
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry import Body
 from pipeline.cases import Case, validation_cases
-from pipeline.compare import CURVE_COLUMNS, Comparison, held_against, rows_of
+from pipeline.compare import CURVE_COLUMNS, Comparison, Rods, held_against, rows_of
 from pipeline.config import Config
 from pipeline.parameters import Parameters, observed
 from pipeline.progress import Progress
@@ -16,7 +16,7 @@ from pipeline.simulate import Outcome, simulate
 from pipeline.store import Store
 from rod import PressurisedRod, Rod, RodError, compare_laws, simplest
 
-__all__ = ["VALIDATION_COLUMNS", "Validated", "rod_between", "validate"]
+__all__ = ["VALIDATION_COLUMNS", "Validated", "rods_between", "validate"]
 
 VALIDATION_COLUMNS = ("load", *CURVE_COLUMNS)
 
@@ -57,22 +57,29 @@ def validate(
     return Validated(comparisons, failures, _laws(found, comparisons))
 
 
-def rod_between(found: Sequence[Parameters], pressure: float) -> Rod:
-    """The identified rod at a pressure (kPa), between the identified ones by straight lines. Raises RodError."""
-    for one in found:
-        if one.pressure_kPa == pressure:
-            return one.rod
-    rods = [one.rod for one in found]
-    pressures = np.array([one.pressure_kPa for one in found])
-    joined = PressurisedRod(
+def rods_between(found: Sequence[Parameters], pressure: float) -> Rods:
+    """The identified rods at a pressure (kPa), between the identified ones by straight lines. Raises RodError."""
+    plain = _between(found, [one.rod for one in found])
+    longer = _between(found, [one.extended_rod for one in found])
+    pressures, first = plain.pressures, found[0].rod
+    theta0 = float(np.interp(pressure, pressures, [one.rod.theta0 for one in found]))
+    rods = [replace(rod.at(pressure), theta0=theta0, start=first.start) for rod in (plain, longer)]
+    sampled = plain.sampled_at(pressure)
+    if sampled is None:
+        raise RodError("It is not known which moments the numbers were identified from.")
+    return Rods(rods[0], rods[1], sampled)
+
+
+def _between(found: Sequence[Parameters], rods: Sequence[Rod]) -> PressurisedRod:
+    return PressurisedRod(
         rods[0].length,
-        pressures,
+        np.array([one.pressure_kPa for one in found]),
         tuple(rod.law for rod in rods),
         np.asarray(rods[0].kappa_0)[:, 0],
         np.array([np.asarray(rod.kappa_0)[:, 1] for rod in rods]),
+        tuple(rod.extension for rod in rods if rod.extension is not None),
+        tuple(one.sampled for one in found),
     )
-    theta0 = float(np.interp(pressure, pressures, [rod.theta0 for rod in rods]))
-    return replace(joined.at(pressure), theta0=theta0, start=rods[0].start)
 
 
 def _comparisons(
@@ -90,11 +97,12 @@ def _comparisons(
             if not cases[name].load and record.pressure_kPa in {one.pressure_kPa for one in found}:
                 continue  # added by bisection: in sample
             try:
-                rod = rod_between(found, record.pressure_kPa)
+                rods = rods_between(found, record.pressure_kPa)
             except RodError as failure:
-                rows.append(Comparison(record, None, str(failure), body.pitch, cases[name].load, False))
+                load = cases[name].load
+                rows.append(Comparison(record, None, str(failure), body.pitch, load=load, in_sample=False))
                 continue
-            rows.append(held_against(rod, record, body.pitch, cases[name].load, in_sample=False))
+            rows.append(held_against(rods, record, body.pitch, cases[name].load, in_sample=False))
     return tuple(sorted(rows, key=lambda one: (one.record.pressure_kPa, one.load)))
 
 

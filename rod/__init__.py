@@ -8,11 +8,13 @@ from .curve import Curvature, Moment, moment_from_force, without_stretch
 from .equilibrium import Rod, RodSolution
 from .errors import Interval
 from .export import EXPORTS, Arm, export
+from .extension import Extension, extension
 from .extrapolation import Extrapolated, extrapolated
 from .fit import LoadedShape, RodFit, fit_rod, profile_over_break, rest_curvature
 from .identify import Identification, LineFit, identify, shortest_break
 from .law import FiveParameters, RodError
 from .pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
+from .sampled import SampledMoments
 from .scaling import Reference, Scaled, scaled
 from .synthetic import SyntheticArm
 
@@ -22,6 +24,7 @@ __all__ = [
     "Candidate",
     "Closing",
     "Curvature",
+    "Extension",
     "Extrapolated",
     "FiveParameters",
     "Identification",
@@ -37,6 +40,7 @@ __all__ = [
     "RodError",
     "RodFit",
     "RodSolution",
+    "SampledMoments",
     "Scaled",
     "Smoothing",
     "Straightness",
@@ -45,6 +49,7 @@ __all__ = [
     "closing",
     "compare_laws",
     "export",
+    "extension",
     "extrapolated",
     "fit_rod",
     "gaussian_process",

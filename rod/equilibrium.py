@@ -1,7 +1,9 @@
-"""The planar, inextensible rod in equilibrium (paper, section 2.1; design notes, "The rod").
+"""The planar rod in equilibrium (paper, section 2.1; design notes, "The rod").
 
     theta' = kappa,                          x' = cos theta,  y' = sin theta,
     kappa = kappa_0 + (M - m0_i)/alpha_i,    M' = n_x sin theta - n_y cos theta
+
+(times the stretch lambda where the rod has an `extension`; without one it is inextensible, lambda = 1)
 
 clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity). Known
 are F or components of the end position, in which case the force components that hold them are found. The unknowns, M(0)
@@ -18,9 +20,11 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from .extension import Extension
 from .law import FiveParameters, RodError
 from .path import Point, Problem, follow
 from .profile import Profile, Steps, cut_into_steps
+from .shooting import ABSCISSAE
 
 Array = NDArray[np.float64]
 Order = Literal["as tested", "together", "pressure first"]
@@ -36,6 +40,7 @@ class RodSolution:
     theta: Array  #: (n,) rad, tangent angle
     kappa: Array  #: (n,) 1/mm
     moment: Array  #: (n,) N mm
+    stretch: Array  #: (n,), 1 on an inextensible rod
     force: Array  #: (2,) N, F_x and F_y on the end s = l
     load_steps: int  #: steps of the continuation
 
@@ -52,10 +57,12 @@ class RodSolution:
         i = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
         h = self.s[i + 1] - self.s[i]
         t = (s - self.s[i]) / h
+        begin, end = h * self.stretch[i], h * self.stretch[i + 1]
         a, b = (1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2
         c, e = t * t * (3 - 2 * t), t * t * (t - 1)
-        x = a * self.x[i] + c * self.x[i + 1] + h * (b * np.cos(self.theta[i]) + e * np.cos(self.theta[i + 1]))
-        y = a * self.y[i] + c * self.y[i + 1] + h * (b * np.sin(self.theta[i]) + e * np.sin(self.theta[i + 1]))
+        b, e = b * begin, e * end
+        x = a * self.x[i] + c * self.x[i + 1] + b * np.cos(self.theta[i]) + e * np.cos(self.theta[i + 1])
+        y = a * self.y[i] + c * self.y[i + 1] + b * np.sin(self.theta[i]) + e * np.sin(self.theta[i + 1])
         return np.column_stack([x, y])
 
 
@@ -74,6 +81,7 @@ class Rod:
     theta0: float = 0.0  #: rad, tangent angle at the clamp
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     fade: float = 0.0  #: N mm, below this |M| the intercepts fade to zero (see `law`)
+    extension: Extension | None = None  #: how its curve stretches; None: it does not
     steps: Steps = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -176,13 +184,17 @@ def _problem(rod: Rod, steps: Steps, loads: _Loads) -> Problem:
     base = law.alpha2
     place = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(loads.end)]
     reach = math.hypot(*place)
-    if not reach < 1.0:
+    if not reach < 1.0 and rod.extension is None:
         raise RodError(
             f"The end cannot be {reach * length:g} mm from the clamp: the rod of {length:g} mm is inextensible."
         )
     unit = length**2 / base
+    stages = steps.s[:-1, None] + np.diff(steps.s)[:, None] * ABSCISSAE
+    extension = rod.extension
     return Problem(
         steps=steps,
+        stretch=np.ones(stages.shape) if extension is None else extension.at(stages * length),
+        eccentricity=0.0 if extension is None else extension.eccentricity / length,
         alpha=np.where(steps.first, law.alpha1 / base, 1.0),
         m0=np.where(steps.first, law.m01, law.m02) * (length / base),
         fade=rod.fade * length / base,
@@ -213,8 +225,16 @@ def _solution(rod: Rod, problem: Problem, point: Point, count: int) -> RodSoluti
         "theta": point.states[:, 0].copy(),
         "kappa": kappa_0 + deviation,
         "moment": moment,
+        "stretch": _stretch(rod, steps.s * length, deviation),
         "force": np.where(problem.free[1:], point.unknowns[1:], problem.force) * (law.alpha2 / length**2),
     }
     for array in arrays.values():
         array.setflags(write=False)
     return RodSolution(**arrays, load_steps=count)
+
+
+def _stretch(rod: Rod, s: Array, deviation: Array) -> Array:
+    """(n,) lambda at s (mm) for Delta (1/mm)."""
+    if rod.extension is None:
+        return np.ones(len(s))
+    return rod.extension.at(s) + rod.extension.eccentricity * deviation

@@ -50,6 +50,7 @@ class LoadedShape:
     loaded: Centreline  #: Test III
     force: tuple[float, float]  #: N, F_x and F_y of the full body on the end of Test III
     pitch: float  #: mm
+    couple: float = 0.0  #: N mm, moment of that force about the end of the curve
 
     def __post_init__(self) -> None:
         if self.free.s.shape != self.loaded.s.shape or np.max(np.abs(self.free.s - self.loaded.s)) > 1e-6 * self.length:
@@ -181,7 +182,7 @@ class _Task:
             raise RodError(f"The range of d over the length must lie between 0 and 1; {low:g} ... {high:g} does not.")
         if low < high:
             low = min(max(low, NEAREST * shape.pitch / shape.length), high)
-        moment = moment_from_force(shape.loaded, shape.force)
+        moment = moment_from_force(shape.loaded, shape.force, shape.couple)
         bent = max(float(np.abs(law.deviation(moment.s, moment.value)).max()) for law in starts)
         compliance, offset = 1.0 / starts[0].alpha2, OFFSET * bent
         n = len(shape.s)
@@ -219,7 +220,7 @@ class _Task:
         wiggle = deviation * (z[5:] @ np.array(waves(s, self.shape.pitch)))
         kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + wiggle])
         rod = Rod(self.shape.length, kappa_0, law, theta0=self.theta0, start=(float(loaded.x[0]), float(loaded.y[0])))
-        return rod.solve(end_y=float(loaded.y[-1]))
+        return rod.solve(end_y=float(loaded.y[-1]), moment=self.shape.couple)
 
     def residual(self, z: Array) -> Array:
         prior = np.concatenate([z[[1, 3]], z[5:] / WIGGLE])

@@ -35,24 +35,43 @@ class Problem:
     alpha: Array  #: (n,)
     m0: Array  #: (n,)
     fade: float
+    stretch: Array  #: (n, 6) of the rod without load, at the stages of every step
+    eccentricity: float
     theta0: float  #: rad
     free: NDArray[np.bool_]  #: (3,): M(0), F_x, F_y are unknown
     force: Array  #: (2,) given components, zero where unknown
     weight: Array  #: (2,)
     moment: float  #: at the tip
     place: Array  #: (2,) x and y of the tip, used where the force is unknown
-    together: bool  #: kappa_0 grows with the loads, from the straight rod
+    together: bool  #: kappa_0 and the rest stretch grow with the loads, from the straight rod
 
     @cached_property
     def start(self) -> Point:
         """The rod before any load: straight, or with the shape of kappa_0."""
         states, end = np.empty((len(self.steps.s), 4)), np.empty(16)
-        kappa_0 = self.steps.kappa_0 * (0.0 if self.together else 1.0)
         nothing = np.zeros(3)
-        sweep(self.steps.s, kappa_0, self.alpha, 0.0 * self.m0, 0.0, self.theta0, nothing, nothing[:2], states, end)
+        sweep(
+            self.steps.s,
+            *self.rest(0.0),
+            self.alpha,
+            0.0 * self.m0,
+            0.0,
+            self.eccentricity,
+            self.theta0,
+            nothing,
+            nothing[:2],
+            states,
+            end,
+        )
         # columns of derivatives by M(0), F_x, F_y; rows M, x, y; a given force component keeps a trivial row
         matrix = np.where(np.outer(self.free, self.free), end[4:].reshape(3, 4)[:, 1:].T, np.eye(3))
         return Point(0.0, nothing, states, float(np.linalg.det(matrix)))
+
+    def rest(self, factor: float) -> tuple[Array, Array]:
+        """kappa_0 and the rest stretch, (n, 6) each, at a share of the load."""
+        if not self.together:
+            return self.steps.kappa_0, self.stretch
+        return factor * self.steps.kappa_0, 1.0 + factor * (self.stretch - 1.0)
 
     @property
     def idle(self) -> bool:
@@ -106,10 +125,11 @@ def _at(problem: Problem, factor: float, guess: Array) -> Point | None:
     states = np.empty((len(steps.s), 4))
     converged, determinant = converge(
         steps.s,
-        steps.kappa_0 * factor if problem.together else steps.kappa_0,
+        *problem.rest(factor),
         problem.alpha,
         factor * problem.m0,
         problem.fade,
+        problem.eccentricity,
         problem.theta0,
         unknowns,
         factor * problem.weight,

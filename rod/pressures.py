@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .equilibrium import Rod
+from .extension import Extension
 from .law import FiveParameters, RodError
+from .sampled import SampledMoments
 
 Array = NDArray[np.float64]
 #: by name: values and standard deviations, one of each per pressure
@@ -120,30 +123,50 @@ class PressurisedRod:
     laws: tuple[FiveParameters, ...]  #: (n,)
     s: Array  #: (m,) mm, from 0 to length
     kappa_0: Array  #: (n, m) 1/mm
+    extensions: tuple[Extension, ...] = ()  #: (n,) with the same s; empty: the rod is inextensible
+    sampled: tuple[SampledMoments, ...] = ()  #: (n,); empty: not known
 
     def __post_init__(self) -> None:
         if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0):
             raise RodError("The pressures of a rod must rise.")
         if len(self.laws) != len(self.pressures) or self.kappa_0.shape != (len(self.pressures), len(self.s)):
             raise RodError("Every pressure of a rod needs its five numbers and its kappa_0 at every s.")
+        if any(given and len(given) != len(self.pressures) for given in (self.extensions, self.sampled)):
+            raise RodError("Where extensions or sampled moments are given, every pressure needs its own.")
 
     def at(self, pressure: float, *, extrapolate: bool = False) -> Rod:
         """The rod at a pressure (kPa) inside the identified range; outside it only on request, along the last lines.
 
         Raises `RodError` outside the range unless asked, and where the extrapolated numbers are no law.
         """
+        i, j, t = self._place(pressure, extrapolate)
+
+        def between(a: Any, b: Any) -> Any:
+            return (1.0 - t) * a + t * b
+
+        names = ("alpha1", "alpha2", "m01", "m02", "d")
+        law = FiveParameters(*(between(getattr(self.laws[i], n), getattr(self.laws[j], n)) for n in names))
+        longer = None
+        if self.extensions:
+            a, b = self.extensions[i], self.extensions[j]
+            stretch = between(a.rest_stretch, b.rest_stretch)
+            longer = Extension(a.s, stretch, between(a.eccentricity, b.eccentricity))
+        kappa_0 = between(self.kappa_0[i], self.kappa_0[j])
+        return Rod(self.length, np.column_stack([self.s, kappa_0]), law, extension=longer)
+
+    def sampled_at(self, pressure: float, *, extrapolate: bool = False) -> SampledMoments | None:
+        """The moments behind the numbers at a pressure (kPa), None where they are not known. Raises as `at`."""
+        i, j, t = self._place(pressure, extrapolate)
+        return self.sampled[i].between(self.sampled[j], t) if self.sampled else None
+
+    def _place(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
+        """The two pressures whose line holds at a pressure, and where it lies on that line."""
         p = self.pressures
         if not (p[0] <= pressure <= p[-1]) and not extrapolate:
             raise RodError(f"{pressure:g} kPa lies outside the identified range of {p[0]:g} to {p[-1]:g} kPa.")
         if len(p) == 1:
             if pressure != p[0]:
                 raise RodError(f"From one pressure, {p[0]:g} kPa, there is no line to extrapolate.")
-            return Rod(self.length, np.column_stack([self.s, self.kappa_0[0]]), self.laws[0])
+            return 0, 0, 0.0
         i = int(np.clip(np.searchsorted(p, pressure) - 1, 0, len(p) - 2))
-        t = (pressure - p[i]) / (p[i + 1] - p[i])
-        numbers = [
-            (1.0 - t) * getattr(self.laws[i], name) + t * getattr(self.laws[i + 1], name)
-            for name in ("alpha1", "alpha2", "m01", "m02", "d")
-        ]
-        kappa_0 = (1.0 - t) * self.kappa_0[i] + t * self.kappa_0[i + 1]
-        return Rod(self.length, np.column_stack([self.s, kappa_0]), FiveParameters(*numbers))
+        return i, i + 1, float((pressure - p[i]) / (p[i + 1] - p[i]))

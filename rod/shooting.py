@@ -3,8 +3,10 @@
 All quantities here are dimensionless: lengths over l, moments over B/l, forces over B/l^2, with B a rigidity of the
 rod. The state is (theta, M, x, y); behind it stand its derivatives by the three unknowns M(0), F_x, F_y:
 
-    theta' = kappa_0 + (M - m0)/alpha      x' = cos theta
-    M'     = n_x sin theta - n_y cos theta y' = sin theta,     n(s) = F + q (1 - s)
+    theta' = kappa_0 + Delta,  Delta = (M - m0)/alpha          x' = lambda cos theta
+    M'     = lambda (n_x sin theta - n_y cos theta)            y' = lambda sin theta
+
+with n(s) = F + q (1 - s) and the stretch lambda = lambda_0 + e Delta, which is 1 on an inextensible rod.
 
 The scheme is the explicit sixth-order Runge-Kutta method of H. A. Luther, Math. Comp. 22 (1968) 434-436. Its steps are
 chosen by the caller so that every break (d, the samples of kappa_0) lies on a step boundary; nothing jumps inside a
@@ -54,7 +56,18 @@ _WEIGHTS = np.array([9, 0, 64, 0, 49, 49, 9]) / 180
 
 
 @numba.njit(cache=True)
-def _rate(z: Array, out: Array, kappa_0: float, alpha: float, m0: float, fade: float, nx: float, ny: float) -> None:
+def _rate(
+    z: Array,
+    out: Array,
+    kappa_0: float,
+    rest: float,
+    alpha: float,
+    m0: float,
+    fade: float,
+    eccentricity: float,
+    nx: float,
+    ny: float,
+) -> None:
     """Right-hand side for the state z[0:4] and its three derivatives z[4:16] (theta, M, x, y for each unknown)."""
     moment = z[1]
     slope = 1.0 / alpha
@@ -62,18 +75,23 @@ def _rate(z: Array, out: Array, kappa_0: float, alpha: float, m0: float, fade: f
     if size < fade:  # the intercept fades to nothing with the moment
         slope = (1.0 - m0 * np.sign(moment) / fade) / alpha
         m0 = m0 * size / fade
-    c, s = math.cos(z[0]), math.sin(z[0])
-    out[0] = kappa_0 + (moment - m0) / alpha
-    out[1] = nx * s - ny * c
+    deviation = (moment - m0) / alpha
+    stretch, by_moment = rest + eccentricity * deviation, eccentricity * slope
+    cosine, sine = math.cos(z[0]), math.sin(z[0])
+    c, s = stretch * cosine, stretch * sine
+    across = nx * sine - ny * cosine
+    out[0] = kappa_0 + deviation
+    out[1] = stretch * across
     out[2] = c
     out[3] = s
     axial = nx * c + ny * s
     for unknown in range(3):
         j = 4 + 4 * unknown
+        longer = by_moment * z[j + 1]
         out[j] = slope * z[j + 1]
-        out[j + 1] = axial * z[j]
-        out[j + 2] = -s * z[j]
-        out[j + 3] = c * z[j]
+        out[j + 1] = axial * z[j] + across * longer
+        out[j + 2] = cosine * longer - s * z[j]
+        out[j + 3] = sine * longer + c * z[j]
     out[9] += s  # M' by F_x
     out[13] -= c  # M' by F_y
 
@@ -82,9 +100,11 @@ def _rate(z: Array, out: Array, kappa_0: float, alpha: float, m0: float, fade: f
 def sweep(
     s: Array,
     kappa_0: Array,
+    rest: Array,
     alpha: Array,
     m0: Array,
     fade: float,
+    eccentricity: float,
     theta0: float,
     unknowns: Array,
     load: Array,
@@ -93,8 +113,8 @@ def sweep(
 ) -> None:
     """Integrate from clamp to tip: fills states (n + 1, 4) and end (16,), the last state with its derivatives.
 
-    s (n + 1,) step boundaries; kappa_0 (n, 6) at ABSCISSAE; alpha, m0 (n,); unknowns = (M(0), F_x, F_y); load = (q_x,
-    q_y).
+    s (n + 1,) step boundaries; kappa_0 and the rest stretch (n, 6) at ABSCISSAE; alpha, m0 (n,);
+    unknowns = (M(0), F_x, F_y); load = (q_x, q_y).
     """
     z = end
     z[:] = 0.0
@@ -113,9 +133,10 @@ def sweep(
                     for n in range(16):
                         stage[n] += a * k[j, n]
             place = _STAGE_ABSCISSA[i]
-            rest = 1.0 - s[step] - h * ABSCISSAE[place]
-            nx, ny = unknowns[1] + load[0] * rest, unknowns[2] + load[1] * rest
-            _rate(stage, k[i], kappa_0[step, place], alpha[step], m0[step], fade, nx, ny)
+            beyond = 1.0 - s[step] - h * ABSCISSAE[place]
+            nx, ny = unknowns[1] + load[0] * beyond, unknowns[2] + load[1] * beyond
+            k0, l0 = kappa_0[step, place], rest[step, place]
+            _rate(stage, k[i], k0, l0, alpha[step], m0[step], fade, eccentricity, nx, ny)
         for i in range(7):
             if _WEIGHTS[i] != 0.0:
                 for n in range(16):
@@ -150,9 +171,11 @@ def _determinant(a: Array) -> float:
 def converge(
     s: Array,
     kappa_0: Array,
+    rest: Array,
     alpha: Array,
     m0: Array,
     fade: float,
+    eccentricity: float,
     theta0: float,
     unknowns: Array,
     load: Array,
@@ -168,7 +191,7 @@ def converge(
     r, jac, column = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
     worst = math.inf
     for _ in range(16):
-        sweep(s, kappa_0, alpha, m0, fade, theta0, unknowns, load, states, end)
+        sweep(s, kappa_0, rest, alpha, m0, fade, eccentricity, theta0, unknowns, load, states, end)
         _residual(end, target, free, r, jac)
         determinant = _determinant(jac)
         if not math.isfinite(determinant) or determinant == 0.0:

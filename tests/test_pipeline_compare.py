@@ -7,13 +7,23 @@ import pytest
 
 from fem import Seconds
 from geometry import Centreline
-from pipeline.compare import CURVE_COLUMNS, held_against, rows_of
+from pipeline.compare import CURVE_COLUMNS, Rods, held_against, rows_of
 from pipeline.simulate import Record
-from rod import FiveParameters, Rod
+from rod import Extension, FiveParameters, Rod, SampledMoments
 
 LENGTH, PITCH = 112.0, 10.0
 ROD = Rod(LENGTH, -0.015, FiveParameters(190.0, 400.0, 0.0, 0.0, 6.0), 0.0, (0.0, 1.0))
 S = np.linspace(0.0, LENGTH, 225)
+
+
+#: a curve that stretches by 1 % at rest and with its change of curvature
+LONGER = Extension(S, np.full(len(S), 1.01), 1.3)
+#: any moment is known
+ALL = SampledMoments(-100.0, 100.0)
+
+
+def rods(rod: Rod, sampled: SampledMoments = ALL) -> Rods:
+    return Rods(rod, replace(rod, extension=LONGER), sampled)
 
 
 def record(experiment: str, rod: Rod, **loads) -> Record:
@@ -29,7 +39,7 @@ def record(experiment: str, rod: Rod, **loads) -> Record:
     ("experiment", "loads"), [("II", {}), ("III", {"end_y": 1.0}), ("dead", {"force": (0.0, 0.05)})]
 )
 def test_a_rod_agrees_with_itself_under_every_load(experiment: str, loads: dict) -> None:
-    row = held_against(ROD, record(experiment, ROD, **loads), PITCH).row()
+    row = held_against(rods(ROD), record(experiment, ROD, **loads), PITCH).row()
     assert row["distance_over_length"] < 1e-7
     assert row["distance_over_length_without_stretch"] < 1e-4  # chords instead of arcs
     assert abs(row["end_angle_error_rad"]) < 0.01  # the last chord against the tangent
@@ -40,30 +50,50 @@ def test_a_rod_agrees_with_itself_under_every_load(experiment: str, loads: dict)
 
 def test_errors_are_those_put_in() -> None:
     stiffer = replace(ROD, law=FiveParameters(209.0, 440.0, 0.0, 0.0, 6.0))
-    row = held_against(stiffer, record("III", ROD, end_y=1.0), PITCH, "end at +10 mm", in_sample=False).row()
+    row = held_against(rods(stiffer), record("III", ROD, end_y=1.0), PITCH, "end at +10 mm", in_sample=False).row()
     assert row["force_error"] == pytest.approx(0.1, abs=2e-3)
     assert row["sample"] == "out"
     assert row["load"] == "end at +10 mm"
     shifted = record("II", ROD)
     moved = replace(shifted, centreline=Centreline(S, shifted.centreline.x, shifted.centreline.y + S / LENGTH))
-    row = held_against(ROD, moved, PITCH).row()
+    row = held_against(rods(ROD), moved, PITCH).row()
     assert row["distance_over_length"] == pytest.approx(1.0 / LENGTH)
     assert row["distance_at_s_mm"] == LENGTH
 
 
 def test_a_soft_place_is_found_where_it_is() -> None:
     soft = replace(ROD, law=FiveParameters(40.0, 400.0, 0.0, 0.0, 12.0))
-    row = held_against(ROD, record("III", soft, end_y=1.0), PITCH).row()
+    row = held_against(rods(ROD), record("III", soft, end_y=1.0), PITCH).row()
     assert row["curvature_error_at_s_mm"] < 12.0
 
 
 def test_numbers_of_another_arm_and_loads_without_solution_say_so() -> None:
-    row = held_against(replace(ROD, length=72.0), record("II", ROD), PITCH).row()
+    row = held_against(rods(replace(ROD, length=72.0)), record("II", ROD), PITCH).row()
     assert row["reason"] == "The numbers are those of an arm of 72 mm, the shape is one of 112 mm."
     assert row["distance_over_length"] is None
     far = record("III", ROD, end_y=1.0)
     beyond = replace(far, centreline=Centreline(S, far.centreline.x, far.centreline.y + 3.0 * S))
-    row = held_against(ROD, beyond, PITCH).row()
+    row = held_against(rods(ROD), beyond, PITCH).row()
     assert row["reason"].endswith(".")
     assert row["force_error"] is None
     assert np.isnan(rows_of(beyond, None, PITCH)[0][CURVE_COLUMNS.index("rod_x_mm")])
+
+
+def test_the_rod_with_the_sixth_number_follows_a_curve_that_stretches() -> None:
+    longer = replace(ROD, extension=LONGER)
+    row = held_against(rods(ROD), record("III", longer, end_y=1.0), PITCH).row()
+    assert row["distance_over_length_with_sixth_number"] < 1e-7
+    assert abs(row["force_error_with_sixth_number"]) < 1e-7
+    assert row["distance_over_length"] > 0.01
+
+
+def test_the_couple_of_the_held_edge_is_part_of_the_load() -> None:
+    held = replace(record("III", ROD, end_y=1.0, moment=0.5), end_couple=0.5)
+    assert abs(held_against(rods(ROD), held, PITCH).row()["force_error"]) < 1e-7
+
+
+def test_moments_that_were_not_identified_are_said() -> None:
+    held = record("III", ROD, end_y=1.0)
+    row = held_against(rods(ROD, SampledMoments(0.0, 1.0)), held, PITCH).row()
+    assert row["warning"].startswith("The moment leaves the 0 to 1 N mm")
+    assert held_against(rods(ROD), held, PITCH).row()["warning"] == ""

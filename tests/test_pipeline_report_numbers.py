@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.report_data import Results, read_results
-from pipeline.report_numbers import Cell, estimators, observations, regimes, with_spread
-from pipeline.report_validation import laws_by_pressure, out_of_sample, validation_rows
+from pipeline.report_numbers import Cell, estimators, observations, regimes, sixth_number, with_spread
+from pipeline.report_validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
 
 
 def results(folder: Path, **files: object) -> Results:
@@ -94,6 +94,21 @@ def test_where_the_rod_fails_is_said(tmp_path: Path) -> None:
         ["end at +10 mm", "out"],
         ["dead force 0, 1 N", "out"],
     ]
+
+
+def test_a_load_beyond_the_identified_moments_is_named(tmp_path: Path) -> None:
+    warned = {**row("out", 0.05, None, "dead force 0, 1 N"), "warning": "The moment leaves the range."}
+    found = results(tmp_path, validation=[row("in", 0.01, 0.02), warned])
+    assert beyond_identified(found) == ["dead force 0, 1 N, 31 kPa: The moment leaves the range."]
+
+
+def test_the_sixth_number_stands_with_the_five_that_go_with_it(tmp_path: Path) -> None:
+    sixth = {**columns(False), "eccentricity_mm": [1.3], "eccentricity_mm_std": [0.05]}
+    rows = sixth_number(results(tmp_path, parameters={"pressures_kPa": [17.0], "sixth_number": sixth}))
+    assert rows == [
+        ("17", ["1.300 ± 0.050", "190.00 ± 0.50", "400.00 ± 0.50", "0.00 ± 0.50", "-0.50 ± 0.50", "5.60 ± 0.50"])
+    ]
+    assert sixth_number(results(tmp_path, parameters={"pressures_kPa": [17.0]})) == []
 
 
 def test_a_load_without_a_rod_is_named(tmp_path: Path) -> None:

@@ -43,12 +43,42 @@ def said(*arguments: str) -> tuple[int, str, str]:
 
 
 def test_rod_between_two_pressures_is_the_rod_of_the_means(results: Path) -> None:
-    rod, _ = rod_at(results / "parameters.json", "27 kPa", False)
+    rod = rod_at(results / "parameters.json", "27 kPa", False).rod
     law = FiveParameters(alpha1=57.5, alpha2=370.0, m01=0.15, m02=-0.3, d=10.0)
     ours = rod.solve(force=(0.0, 0.05))
     reference = Rod(LENGTH, -0.0175, law, theta0=0.01).solve(force=(0.0, 0.05))
     assert ours.x[-1] == pytest.approx(reference.x[-1], abs=1e-6)
     assert ours.y[-1] == pytest.approx(reference.y[-1], abs=1e-6)
+
+
+def test_a_load_beyond_the_identified_moments_is_said_with_place_and_size(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    file.write_text(json.dumps({**content, "sampled_moment_N_mm": [[0.2, 3.0], [0.4, 4.0]]}))
+    code, out, _ = said("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.1 N]")
+    assert code == 0
+    assert "The moment leaves the 0.2 to 3 N mm" in out
+    assert "farthest off at s = 0 mm" in out
+    code, out, _ = said("rod", str(file), "--pressure", "27 kPa")
+    assert "The moment leaves" not in out
+
+
+def test_the_sixth_number_lengthens_the_curve(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    keys = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+    sixth = {key: content[key] for key in keys}
+    sixth |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
+    file.write_text(json.dumps({**content, "sixth_number": sixth}))
+    assert rod_at(file, "27 kPa", False).rod.extension is None
+    rod = rod_at(file, "27 kPa", False, sixth=True).rod
+    shape = rod.solve()
+    assert np.all(np.abs(shape.stretch - 1.03) < 1e-12)
+    assert rod.extension is not None
+    assert rod.extension.eccentricity == pytest.approx(1.3)
+    code, out, _ = said("rod", str(file), "--pressure", "27 kPa", "--stretch")
+    assert code == 0
+    assert f"x = {shape.x[-1]:.3f} mm" in out
 
 
 def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:

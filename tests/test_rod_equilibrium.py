@@ -92,8 +92,10 @@ def test_the_scheme_is_of_sixth_order():
         sweep(
             steps.s,
             steps.kappa_0,
+            np.ones_like(steps.kappa_0),
             ones,
             0 * ones,
+            0.0,
             0.0,
             0.0,
             np.array([0.4, 1.0, -3.0]),
@@ -114,7 +116,8 @@ def test_derivatives_by_the_unknowns_against_central_differences():
 
     def end(u):
         out = np.empty(16)
-        sweep(steps.s, steps.kappa_0, alpha, m0, 0.05, 0.2, u, load, np.empty((len(steps.s), 4)), out)
+        stretch = 1.0 + 0.1 * steps.kappa_0
+        sweep(steps.s, steps.kappa_0, stretch, alpha, m0, 0.05, 0.3, 0.2, u, load, np.empty((len(steps.s), 4)), out)
         return out
 
     for i in range(3):

@@ -1,0 +1,107 @@
+"""The rod whose curve stretches: against a boundary-value solver, and its number read back."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_bvp
+
+from geometry import Centreline
+from rod import Extension, FiveParameters, Rod, RodError, extension
+
+LAW = FiveParameters(200.0, 400.0, 0.0, -0.3, 12.0)
+LENGTH, ECCENTRICITY = 112.0, 1.3
+NODES = np.linspace(0.0, LENGTH, 225)
+#: stretched at rest by 1 % at the clamp and 3 % at the end
+REST = Extension(NODES, 1.01 + 0.02 * NODES / LENGTH, ECCENTRICITY)
+PLAIN = Rod(LENGTH, 0.03, LAW)
+
+
+def curve(shape, s=NODES):
+    return Centreline(s, *shape.positions(s).T)
+
+
+def test_agreement_with_scipy_solve_bvp():
+    rod = dataclasses.replace(PLAIN, extension=REST)
+    shape = rod.solve(end_y=10.0)
+
+    def rates(t, z, p):  # both pieces on one unit interval, so that nothing jumps
+        out = []
+        for a, b, (theta, m, _x, _y), alpha, m0 in (
+            (0.0, LAW.d, z[:4], LAW.alpha1, LAW.m01),
+            (LAW.d, LENGTH, z[4:], LAW.alpha2, LAW.m02),
+        ):
+            s, delta = a + (b - a) * t, (m - m0) / alpha
+            stretch = 1.01 + 0.02 * s / LENGTH + ECCENTRICITY * delta
+            terms = (0.03 + delta, -stretch * p[0] * np.cos(theta), stretch * np.cos(theta), stretch * np.sin(theta))
+            out += [(b - a) * term for term in terms]
+        return np.array(out)
+
+    def ends(za, zb, p):
+        return np.array([*za[[0, 2, 3]], *(zb[:4] - za[4:]), zb[5], zb[7] - 10.0])
+
+    t = np.linspace(0.0, 1.0, 41)
+    s = np.vstack([t * LAW.d, LAW.d + t * (LENGTH - LAW.d)])
+    guess = np.vstack(
+        [np.vstack([np.interp(part, shape.s, getattr(shape, n)) for n in ("theta", "moment", "x", "y")]) for part in s]
+    )
+    found = solve_bvp(rates, ends, t, guess, p=[float(shape.force[1])], tol=1e-9, max_nodes=20000)
+    assert found.success
+    assert shape.force[1] == pytest.approx(found.p[0], rel=1e-7)
+    assert (shape.x[-1], shape.theta[-1], shape.moment[0]) == pytest.approx(
+        (found.y[6, -1], found.y[4, -1], found.y[1, 0]), rel=1e-7
+    )
+
+
+def test_an_unloaded_rod_keeps_its_angles_and_gets_longer():
+    plain, longer = PLAIN.solve(), dataclasses.replace(PLAIN, extension=REST).solve()
+    assert longer.theta == pytest.approx(plain.theta, abs=1e-12)
+    assert curve(longer).stretch == pytest.approx(1.02, abs=1e-4)
+    assert np.all(plain.stretch == 1.0)
+
+
+def test_without_rest_stretch_and_eccentricity_nothing_changes():
+    nothing = Extension(NODES, np.ones(len(NODES)), 0.0)
+    a, b = (rod.solve(end_y=0.0) for rod in (PLAIN, dataclasses.replace(PLAIN, extension=nothing)))
+    assert b.force[1] == pytest.approx(a.force[1], rel=1e-12)
+    assert b.y == pytest.approx(a.y, abs=1e-10)
+
+
+def test_the_moment_of_the_clamp_balances_the_end_force():
+    shape = dataclasses.replace(PLAIN, extension=REST).solve(force=(0.01, -0.05))
+    assert shape.moment[0] == pytest.approx(shape.x[-1] * -0.05 - shape.y[-1] * 0.01, rel=1e-9)
+
+
+def test_both_are_read_back_from_the_shapes():
+    rod = dataclasses.replace(PLAIN, extension=REST)
+    free, loaded = curve(rod.solve()), curve(rod.solve(end_y=0.0))
+    found = extension(free, loaded, 10.0)
+    assert found.eccentricity == pytest.approx(ECCENTRICITY, rel=2e-3)
+    assert found.eccentricity_std < 0.01
+    assert found.rest_stretch[5:-5] == pytest.approx(REST.rest_stretch[5:-5], abs=1e-4)
+
+
+def test_an_end_out_of_reach_of_a_rod_that_does_not_stretch_is_within_it():
+    straight = Rod(LENGTH, 0.0, LAW)
+    with pytest.raises(RodError, match="inextensible"):
+        straight.solve(end=(113.0, 1.0))
+    longer = dataclasses.replace(straight, extension=Extension(NODES, np.full(len(NODES), 1.05), 0.0))
+    assert longer.solve(end=(113.0, 1.0)).x[-1] == pytest.approx(113.0)
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        ((NODES[::-1], np.ones(225), 1.0), "that rise"),
+        ((NODES, np.zeros(225), 1.0), "must be positive"),
+        ((NODES, np.ones(225), float("nan")), "finite number"),
+    ],
+)
+def test_refusals(given, sentence):
+    with pytest.raises(RodError, match=sentence):
+        Extension(*given)
+    straight = curve(PLAIN.solve())
+    with pytest.raises(RodError, match="nothing bends"):
+        extension(straight, straight, 10.0)
