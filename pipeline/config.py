@@ -51,6 +51,7 @@ class MeshChoice:
 
     size_mm: float
     formulation: str  #: one of FORMULATIONS
+    coarser: float | None  #: the second mesh's size over size_mm, for the mesh error of the numbers; None for none
 
 
 @dataclass(frozen=True)
@@ -170,7 +171,7 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
         end_y_mm=content.end.y,
         added_pressures=content.added_pressures,
         validation=_validation(document, content),
-        mesh=MeshChoice(size, _formulation(content.mesh.formulation, states["incompressibility"], constants)),
+        mesh=_mesh(content, size, states["incompressibility"], constants),
         effects=states,
         cavities=_cavities(document, design, effects.pressure),
         gravity_mm_s2=effects.gravity.acceleration,
@@ -251,6 +252,15 @@ def _check_together(document: Document, content: Any) -> None:
             (("effects", "symmetry"), ("effects", "gravity")),
             "gravity acts across the plane of symmetry; write symmetry: auto or give its z component 0 m/s^2",
         )
+
+
+def _mesh(content: Any, size: float, state: str, constants: Mapping[str, float]) -> MeshChoice:
+    """The elements; a ready mesh has no second one."""
+    return MeshChoice(
+        size,
+        _formulation(content.mesh.formulation, state, constants),
+        getattr(content.mesh, "coarser", None),
+    )
 
 
 def _formulation(given: str | None, state: str, constants: Mapping[str, float]) -> str:

@@ -5,13 +5,14 @@ the cell averages, or their one line where that suffices: docs/identification.md
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from pipeline.simulate import Outcome, Record
 from rod import (
+    Closing,
     Curvature,
     Extension,
     FiveParameters,
@@ -37,10 +38,11 @@ from rod import (
     without_stretch,
 )
 
-__all__ = ["DEFAULT", "Parameters", "identify_all", "observed"]
+__all__ = ["DEFAULT", "NAMES", "Parameters", "identify_all", "numbers_of_cells", "observed"]
 
 Array = NDArray[np.float64]
 
+NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 DEFAULT = "cell_averaged"
 """The estimator whose numbers the rod is given."""
 
@@ -60,6 +62,8 @@ class Parameters:
     extended: Identification  #: the same from cell averages with the levers of the curve as it is, for the longer rod
     extension: Extension  #: how the curve stretches, with the sixth number
     by_rod: RodFit | None  #: the same from the closest rod; None where none is in equilibrium near the others
+    #: what the mesh adds to the deviations of the rod's numbers; empty where it is not known
+    mesh_std: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def estimates(self) -> dict[str, Identification | RodFit]:
@@ -74,8 +78,13 @@ class Parameters:
 
     @property
     def numbers(self) -> dict[str, Interval]:
-        """alpha1, alpha2, m01, m02, d of the rod."""
+        """alpha1, alpha2, m01, m02, d of the rod, with the error of the mesh where it is known."""
         return self._of_rod(self.by_cells)
+
+    @property
+    def numbers_without_mesh(self) -> dict[str, float]:
+        """Their values."""
+        return {name: one.value for name, one in self.numbers.items()}
 
     @property
     def extended_numbers(self) -> dict[str, Interval]:
@@ -88,10 +97,11 @@ class Parameters:
         The place of a change that is none is put where the range of d begins.
         """
         one = found.one_line
-        if found.two_lines:
-            return {name: getattr(found, name) for name in ("alpha1", "alpha2", "m01", "m02", "d")}
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
-        return {"alpha1": one.alpha, "alpha2": one.alpha, "m01": one.m0, "m02": one.m0, "d": d}
+        numbers = {"alpha1": one.alpha, "alpha2": one.alpha, "m01": one.m0, "m02": one.m0, "d": d}
+        if found.two_lines:
+            numbers = {name: getattr(found, name) for name in NAMES}
+        return {name: one.widened(self.mesh_std.get(name, 0.0)) for name, one in numbers.items()}
 
     @property
     def rod(self) -> Rod:
@@ -137,9 +147,7 @@ def identify_all(outcomes: Mapping[str, Outcome], pitch: float) -> tuple[tuple[P
 
 def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> Parameters:
     curves = (free.centreline, loaded.centreline)
-    # levers of the curve without its stretch, for the rod that takes the numbers has none
-    moment = moment_from_force(without_stretch(loaded.centreline), loaded.end_force, loaded.end_couple)
-    moved = closing(*curves, loaded.end_force)
+    moment, moved = _moment_and_closing(free, loaded)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
     smoothing = shared_smoothing(curves, pitch)
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
@@ -159,6 +167,19 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
         extension=extension(*curves, pitch),
         by_rod=_closest_rod(LoadedShape(*curves, loaded.end_force, pitch, loaded.end_couple), by_cells, by_process),
     )
+
+
+def numbers_of_cells(free: Record, loaded: Record, pitch: float) -> Identification:
+    """The numbers of the default estimator alone. Raises RodError."""
+    kappa_0, kappa = (cell_averaged(record.centreline, pitch) for record in (free, loaded))
+    moment, moved = _moment_and_closing(free, loaded)
+    return identify(kappa_0, kappa, moment, moved)
+
+
+def _moment_and_closing(free: Record, loaded: Record) -> tuple[Moment, Closing]:
+    # levers of the curve without its stretch, for the rod that takes the numbers has none
+    moment = moment_from_force(without_stretch(loaded.centreline), loaded.end_force, loaded.end_couple)
+    return moment, closing(free.centreline, loaded.centreline, loaded.end_force)
 
 
 def _closest_rod(shape: LoadedShape, *starts: Identification) -> RodFit | None:

@@ -38,6 +38,7 @@ def parameters_record(config: Config, found: Sequence[Parameters]) -> dict[str, 
         "r2_two_lines": [one.r2 for one in cells],
         "r2_one_line": [one.one_line.r2 for one in cells],
         "observations": [one.observations for one in cells],
+        "mesh_error": _mesh_error(config, found),
         "sampled_moment_N_mm": [[p.sampled.low, p.sampled.high] for p in found],
         "sixth_number": _sixth(found),
         "estimators": {name: _estimator(name, found) for name in ESTIMATORS},
@@ -59,6 +60,14 @@ def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, list
         columns[f"{name}_{unit}_std"] = [one and one.std for one in intervals]
         columns[f"{name}_{unit}_95"] = [one and [one.low, one.high] for one in intervals]
     return columns
+
+
+def _mesh_error(config: Config, found: Sequence[Parameters]) -> dict[str, Any] | None:
+    """What the mesh contributes to the deviations of the rod's numbers, None where no second mesh tells."""
+    if config.mesh.coarser is None or not any(p.mesh_std for p in found):
+        return None
+    columns = {f"{name}_{unit}_std": [p.mesh_std.get(name) for p in found] for name, unit in _NUMBERS.items()}
+    return {"sizes_mm": [config.mesh.size_mm, config.mesh.coarser * config.mesh.size_mm], **columns}
 
 
 def _sixth(found: Sequence[Parameters]) -> dict[str, Any]:

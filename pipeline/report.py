@@ -12,7 +12,7 @@ from plotly.offline import get_plotlyjs
 from pipeline import report_figures as figures
 from pipeline.report_compared import end_forces, validation_shapes
 from pipeline.report_data import Results, read_results
-from pipeline.report_numbers import NUMBERS, estimators, observations, regimes, sixth_number, with_spread
+from pipeline.report_numbers import NUMBERS, estimators, mesh_error, observations, regimes, sixth_number, with_spread
 from pipeline.report_validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
 from pipeline.report_words import (
     agreement_of_rod,
@@ -78,6 +78,7 @@ def render_report(directory: Path) -> str:
         regimes=regimes(results),
         estimators=estimators(results),
         observations=observations(results),
+        mesh_error=mesh_error(results),
         agreement=[*agreement_of_rod(results), *out_of_sample(results)],
         validation=validation_rows(results),
         beyond=beyond_identified(results),

@@ -8,7 +8,7 @@ import numpy as np
 
 from pipeline.report_data import Results
 
-__all__ = ["NUMBERS", "Cell", "estimators", "observations", "regimes", "sixth_number", "with_spread"]
+__all__ = ["NUMBERS", "Cell", "estimators", "mesh_error", "observations", "regimes", "sixth_number", "with_spread"]
 
 #: key in parameters.json, symbol, unit
 NUMBERS = (
@@ -41,6 +41,22 @@ def estimators(results: Results) -> list[tuple[str, str, list[Cell]]]:
             cells = [_cell(columns, key, place) for key, _, _ in NUMBERS]
             rows.append((f"{pressure:g}", _TITLES.get(name, name), cells))
     return rows
+
+
+def mesh_error(results: Results) -> str:
+    """Whether the deviations contain the error of the mesh, and how much of them it is."""
+    found = results.parameters.get("mesh_error")
+    if not results.parameters or not found:
+        return "The deviations do not contain the error of the mesh; mesh.coarser in the configuration adds it."
+    sizes = " and ".join(f"{size:g}" for size in found["sizes_mm"])
+    shares = []
+    for key, symbol, unit in NUMBERS:
+        stds = [std for std in found[f"{key}_std"] if std]
+        if stds:
+            shares.append(f"{max(stds):.2g} {unit} of {symbol}")
+    seconds = (results.run.get("seconds") or {}).get("coarser mesh")
+    cost = "" if seconds is None else f", which took {seconds:.0f} s"
+    return f"They contain the error of the mesh, from sizes of {sizes} mm{cost}: at most {', '.join(shares)}."
 
 
 def sixth_number(results: Results) -> list[tuple[str, list[str]]]:

@@ -12,6 +12,7 @@ from pipeline.config import Config
 from pipeline.drawings import draw_all
 from pipeline.effects import effect_rows
 from pipeline.failure import RunFailed
+from pipeline.mesh_error import with_mesh_error
 from pipeline.parameters import identify_all
 from pipeline.parameters_file import parameters_record
 from pipeline.progress import Progress
@@ -46,6 +47,8 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
             found, refused = identify_all(outcomes, body.pitch)
             outcomes, found, more = with_added_pressures(config, body, store, jobs, progress, outcomes, found)
             store.save_json("experiments.json", _experiment_rows(outcomes))
+        with _stage("coarser mesh", progress, seconds):
+            found = with_mesh_error(config, store, jobs, progress, found)
             store.save_json("parameters.json", parameters_record(config, found))
         with _stage("rod", progress, seconds):
             comparisons = compare(found)

@@ -43,6 +43,12 @@ def _above_zero(value: float) -> float:
     return value
 
 
+def _above_one(value: float) -> float:
+    if not value > 1.0:
+        raise ValueError(f"{value:g} is not coarser; allowed: above 1, for example 1.5")
+    return value
+
+
 def _poisson_ratio(value: float) -> float:
     if not -1.0 < value < 0.5:
         raise ValueError(f"{value:g} is not a Poisson ratio a body can have here; allowed: above -1 and below 0.5")
@@ -126,6 +132,7 @@ Point = Annotated[
 ]
 Force = Annotated[tuple[Annotated[float, _in(FORCE)], ...], AfterValidator(_pair), Field(strict=False)]
 Points = Annotated[dict[str, Point], Field(examples=["{cavity: [56 mm, 8 mm, 0 mm]}"])]
+Coarser = Annotated[float, BeforeValidator(_number), AfterValidator(_above_one), Field(examples=["1.5"])]
 PoissonRatio = Annotated[float, BeforeValidator(_number), AfterValidator(_poisson_ratio), Field(examples=["0.495"])]
 Count = Annotated[int, BeforeValidator(_count), Field(examples=["11"])]
 YesNo = Annotated[bool, BeforeValidator(_yes_or_no), Field(examples=["true"])]
@@ -154,6 +161,7 @@ class _Section(pydantic.BaseModel):
 
 class _Mesh(_Section):
     size: PositiveLength
+    coarser: Coarser | None = None
     formulation: Annotated[Literal[FORMULATIONS] | None, Field(examples=["p2p0"])] = None  # type: ignore[valid-type]
 
 

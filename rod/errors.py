@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,12 @@ class Interval:
     std: float  #: half the distance of the 16 % and 84 % quantiles of the draws
     low: float  #: 2.5 % of the draws lie below
     high: float  #: 2.5 % of the draws lie above
+
+    def widened(self, std: float) -> Interval:
+        """With a further error, independent of the one it has."""
+        further = 1.96 * std
+        low, high = (math.hypot(self.value - end, further) for end in (self.low, self.high))
+        return Interval(self.value, math.hypot(self.std, std), self.value - low, self.value + high)
 
 
 def interval(value: float, drawn: Array) -> Interval:

@@ -1,0 +1,71 @@
+"""What the mesh contributes to the errors of the five numbers: the same experiments on a second, coarser mesh."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from pipeline.cases import Case
+from pipeline.config import Config
+from pipeline.parameters import NAMES, Parameters, numbers_of_cells
+from pipeline.progress import Progress
+from pipeline.scene import meshed_body
+from pipeline.simulate import Record, simulate
+from pipeline.store import Store
+from rod import Identification, RodError, extrapolated
+
+__all__ = ["mesh_deviations", "with_mesh_error"]
+
+
+def with_mesh_error(
+    config: Config, store: Store, jobs: int, progress: Progress, found: tuple[Parameters, ...]
+) -> tuple[Parameters, ...]:
+    """The same numbers with the deviations that II and III on a mesh `config.mesh.coarser` times as coarse suggest.
+
+    Unchanged where no such factor is configured, and where that mesh gives no number at any pressure: a mesh that is
+    too coarse for the arm says nothing about the finer one. Raises InputError and RunFailed as a run does.
+    """
+    factor = config.mesh.coarser
+    if factor is None or not found:
+        return found
+    second = replace(config, mesh=replace(config.mesh, size_mm=factor * config.mesh.size_mm))
+    body = meshed_body(second)
+    pressures = tuple(p.pressure_kPa for p in found)
+    cases = [Case(f"coarser_{name}", name, pressures, config.end_y_mm) for name in ("III", "II")]
+    outcomes = simulate(second, body, store, jobs, progress, cases)
+    free, loaded = ({r.pressure_kPa: r for r in outcomes[f"coarser_{name}"].records} for name in ("II", "III"))
+    others = [_numbers(p, free.get(p.pressure_kPa), loaded.get(p.pressure_kPa)) for p in found]
+    deviations = mesh_deviations([p.numbers_without_mesh for p in found], others, config.mesh.size_mm, factor)
+    return tuple(replace(p, mesh_std=stds) for p, stds in zip(found, deviations, strict=True))
+
+
+def mesh_deviations(
+    fine: Sequence[Mapping[str, float]], coarse: Sequence[Mapping[str, float] | None], size: float, factor: float
+) -> tuple[dict[str, float], ...]:
+    """Standard deviations by name of the numbers at every pressure, from those on a mesh of `size` (mm) and one
+    `factor` times as coarse; empty where there is nothing to compare with at any pressure.
+
+    Two meshes may agree on a number by chance, so none gets less than the root mean square over the pressures.
+    """
+    own: list[dict[str, float]] = []
+    for here, there in zip(fine, coarse, strict=True):
+        sizes = (size, factor * size)
+        own.append({} if there is None else {n: extrapolated(sizes, (here[n], there[n])).error_std for n in here})
+    known = [stds for stds in own if stds]
+    if not known:
+        return tuple({} for _ in own)
+    usual = {n: math.sqrt(sum(stds[n] ** 2 for stds in known) / len(known)) for n in known[0]}
+    return tuple({n: max(stds.get(n, 0.0), usual[n]) for n in usual} for stds in own)
+
+
+def _numbers(fine: Parameters, free: Record | None, loaded: Record | None) -> dict[str, float] | None:
+    """The numbers on the coarser mesh, of as many lines as on the fine one."""
+    if free is None or loaded is None:
+        return None
+    try:
+        found: Identification = numbers_of_cells(free, loaded, fine.kappa.pitch)
+    except RodError:
+        return None
+    if fine.by_cells.two_lines:
+        return {name: getattr(found.law, name) for name in NAMES}
+    alpha, m0 = found.one_line.alpha.value, found.one_line.m0.value
+    return {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}

@@ -1,0 +1,75 @@
+"""What a second, coarser mesh adds to the errors of the five numbers."""
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+
+from pipeline.config import load_config
+from pipeline.failure import InputError
+from pipeline.mesh_error import mesh_deviations
+from pipeline.progress import Silent
+from pipeline.report_data import read_results
+from pipeline.report_numbers import mesh_error
+from pipeline.run import run
+from rod import Interval, extrapolated
+
+SHORT = """
+name: seven
+geometry: {family: pneunet, chambers: 7}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [6 kPa, 12 kPa]
+mesh: {size: 5 mm, coarser: 1.5}
+"""
+
+
+def test_deviations_are_those_of_the_extrapolation_and_no_less_than_usual() -> None:
+    fine = [{"alpha1": 200.0, "d": 6.0}, {"alpha1": 210.0, "d": 6.0}]
+    coarse = [{"alpha1": 208.0, "d": 6.5}, {"alpha1": 210.0, "d": 6.0}]
+    first, second = mesh_deviations(fine, coarse, 4.0, 1.5)
+    own = extrapolated((4.0, 6.0), (200.0, 208.0)).error_std
+    assert first["alpha1"] == pytest.approx(own)
+    assert second["alpha1"] == pytest.approx(own / math.sqrt(2.0))  # the meshes agree by chance
+    assert own > 8.0 / 1.5
+
+
+def test_a_pressure_that_the_coarser_mesh_did_not_reach_gets_the_usual() -> None:
+    fine = [{"alpha1": 200.0}, {"alpha1": 210.0}]
+    first, second = mesh_deviations(fine, [{"alpha1": 208.0}, None], 4.0, 1.5)
+    assert second == first
+    assert mesh_deviations(fine, [None, None], 4.0, 1.5) == ({}, {})
+
+
+def test_a_further_error_widens_an_interval_to_both_sides() -> None:
+    wide = Interval(10.0, 3.0, 4.0, 18.0).widened(4.0)
+    assert (wide.value, wide.std) == (10.0, pytest.approx(5.0))
+    assert wide.low == pytest.approx(10.0 - math.hypot(6.0, 1.96 * 4.0))
+    assert wide.high == pytest.approx(10.0 + math.hypot(8.0, 1.96 * 4.0))
+    assert Interval(10.0, 3.0, 4.0, 18.0).widened(0.0) == Interval(10.0, 3.0, 4.0, 18.0)
+
+
+def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> None:
+    path = tmp_path / "seven.yaml"
+    path.write_text(SHORT, encoding="utf-8")
+    run(load_config(path), tmp_path / "out", 1, False, Silent())
+    found = json.loads((tmp_path / "out" / "parameters.json").read_text(encoding="utf-8"))
+    contribution = found["mesh_error"]
+    assert contribution["sizes_mm"] == [5.0, 7.5]
+    for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
+        assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], found[key], strict=True)), key
+    said = mesh_error(read_results(tmp_path / "out"))
+    assert said.startswith("They contain the error of the mesh, from sizes of 5 and 7.5 mm, which took")
+    assert "N mm² of α₁" in said
+
+
+def test_without_a_second_mesh_the_report_says_so(tmp_path: Path) -> None:
+    (tmp_path / "parameters.json").write_text(json.dumps({"pressures_kPa": [6.0], "mesh_error": None}))
+    assert "do not contain the error of the mesh" in mesh_error(read_results(tmp_path))
+
+
+def test_a_finer_second_mesh_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "seven.yaml"
+    path.write_text(SHORT.replace("coarser: 1.5", "coarser: 0.8"), encoding="utf-8")
+    with pytest.raises(InputError, match=r"mesh\.coarser: 0\.8 is not coarser; allowed: above 1"):
+        load_config(path)
