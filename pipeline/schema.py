@@ -161,8 +161,8 @@ class _Section(pydantic.BaseModel):
 
 class _Mesh(_Section):
     size: PositiveLength
-    coarser: Coarser | None = None
     formulation: Annotated[Literal[FORMULATIONS] | None, Field(examples=["p2p0"])] = None  # type: ignore[valid-type]
+    coarser: Coarser | None = None
 
 
 class _ReadyMesh(_Section):
