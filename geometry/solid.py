@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import ctypes
+import os
+import signal
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import inf
-from threading import Lock
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -17,7 +20,7 @@ from geometry.topology import Array
 LARGEST_ARC = np.pi / 8
 """No chord of a circle spans more than this angle, rad: it cuts the radius by 2 % at most."""
 
-_ONE_SESSION = Lock()  # Gmsh has one global state per process
+_ONE_SESSION = threading.Lock()  # Gmsh has one global state per process
 
 Volume: TypeAlias = tuple[int, int]  # (3, tag), as Gmsh names a volume
 
@@ -75,8 +78,9 @@ def session() -> Iterator[Any]:
     """
     import gmsh
 
-    with _ONE_SESSION:
+    with _ONE_SESSION, _without_remarks():
         gmsh.initialize([], readConfigFiles=False, run=False, interruptible=False)
+        _take_signals_back()
         try:
             for option, value in _OPTIONS.items():
                 gmsh.option.setNumber(option, value)
@@ -84,9 +88,34 @@ def session() -> Iterator[Any]:
         except Exception as error:
             if type(error) is not Exception:  # Gmsh raises nothing more special than that
                 raise
-            raise MeshError(f"the body could not be meshed: {error}") from error
+            raise MeshError(
+                f"Gmsh could not mesh the body ({error}); a smaller mesh.size follows thin or round walls better"
+            ) from error
         finally:
             gmsh.finalize()
+
+
+@contextmanager
+def _without_remarks() -> Iterator[None]:
+    """Nothing on the standard output: the libraries inside Gmsh write there whatever its verbosity is."""
+    c = ctypes.CDLL(None)
+    c.fflush(None)
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    try:
+        yield
+    finally:
+        c.fflush(None)
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
+def _take_signals_back() -> None:
+    """Gmsh takes these from Python when it starts; a broken pipe would then end the process without a word."""
+    if threading.current_thread() is threading.main_thread():  # others may not set handlers
+        for number in (signal.SIGHUP, signal.SIGPIPE, signal.SIGTERM):
+            signal.signal(number, signal.getsignal(number))
 
 
 _OPTIONS = {

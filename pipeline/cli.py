@@ -3,8 +3,10 @@
 Everything heavy is imported inside the commands, so that `pneurod --help` answers at once.
 """
 
+import errno
 import json
 import os
+import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -74,11 +76,13 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         folder = out or Path("results") / f"{design.name}_mesh"
 
         from pipeline.scene import meshed_body
+        from pipeline.whole_file import beside
 
         body = meshed_body(design)
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            body.mesh.write(folder / "mesh.vtu")
+            with beside(folder / "mesh.vtu") as place:
+                body.mesh.write(place)
         except OSError as failure:
             raise InputError(f"--out {folder}: cannot be written ({failure.strerror}); give another folder") from None
         Console().print(_body_table(folder / "mesh.vtu", design.design, body), highlight=False, soft_wrap=True)
@@ -132,6 +136,7 @@ def rod(
     """The rod alone, in milliseconds: its shape under loads."""
     with _plain_endings():
         from pipeline.rod_alone import equilibrium, rod_at, shape_table
+        from pipeline.whole_file import write_whole
 
         chosen = rod_at(parameters, pressure, extrapolate, sixth)
         shape = equilibrium(chosen.rod, force=force, moment=moment, end_y=end_y, end=end)
@@ -144,7 +149,7 @@ def rod(
         if chosen.sampled is not None and (warning := chosen.sampled.left_by(shape)):
             Console().print(warning, highlight=False, soft_wrap=True)
         if out is not None:
-            out.write_text(shape_table(shape), encoding="utf-8")
+            write_whole(out, shape_table(shape).encode())
 
 
 @app.command()
@@ -210,7 +215,9 @@ def doctor() -> None:
 
 
 def main() -> None:
-    """The console script."""
+    """The console script. A request to end, by a scheduler or a closed terminal, counts as Ctrl-C."""
+    for request in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(request, signal.default_int_handler)
     app()
 
 
@@ -227,13 +234,23 @@ def _plain_endings() -> Iterator[None]:
         _end("interrupted; what is finished is kept, and the same command goes on from there", 130)
     except MemoryError:
         _end("the memory of this machine does not suffice; choose a larger mesh.size or fewer --jobs", 1)
+    except BrokenPipeError:
+        _end("nobody reads the output any more; what is finished is kept, and the same command goes on from there", 1)
     except OSError as failure:
         if failure.errno is None:  # a library that could not be loaded
             _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
         place = f"{failure.filename}: " if failure.filename else ""
-        _end(f"{place}{failure.strerror}; what is finished is kept", 1)
+        _end(f"{place}{failure.strerror}; {_remedy(failure)}; what is finished is kept", 1)
     except ImportError as failure:
         _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
+
+
+def _remedy(failure: OSError) -> str:
+    """What to do about a file that could not be read or written."""
+    full = {errno.ENOSPC: "make room there", errno.EDQUOT: "make room there", errno.EFBIG: "allow larger files"}
+    if failure.errno in full:
+        return f"{full[failure.errno]} or give another --out, then the same command again"
+    return "give a folder you may write to and files you may read"
 
 
 def _end(sentence: str, status: int) -> NoReturn:

@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from pipeline.failure import InputError
+from pipeline.failure import InputError, quoted, shortened
 
 __all__ = ["Document", "read_document"]
 
@@ -42,7 +42,7 @@ class Document:
         if name not in inside:
             raise self.wrong(key, f"is missing; allowed: {', '.join(allowed)}")
         if inside[name] not in allowed:
-            raise self.wrong(key, f"'{inside[name]}' is not known; allowed: {', '.join(allowed)}")
+            raise self.wrong(key, f"{quoted(inside[name])} is not known; allowed: {', '.join(allowed)}")
         return str(inside[name])
 
     def refusal(self, errors: Sequence[Mapping[str, Any]], model: Any) -> InputError:
@@ -63,7 +63,7 @@ class Document:
 def read_document(path: Path, overrides: Sequence[str] = ()) -> Document:
     """The YAML mapping in `path` with every "a.b=value" of `overrides` put in; values are parsed as YAML."""
     try:
-        content = yaml.load(path.read_text(encoding="utf-8"), Loader=_Loader)
+        content = _parsed(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; give a configuration such as configs/pneunet.yaml") from None
     except UnicodeDecodeError:
@@ -78,20 +78,31 @@ def read_document(path: Path, overrides: Sequence[str] = ()) -> Document:
     return Document(path, content, keys)
 
 
+def _parsed(text: str) -> Any:
+    """The content of a YAML text; raises YAMLError."""
+    try:
+        return yaml.load(text, Loader=_Loader)
+    except RecursionError:
+        raise yaml.constructor.ConstructorError(problem="is nested too deeply") from None
+    except (ValueError, TypeError, AttributeError, LookupError) as failure:  # PyYAML leaves these to its caller
+        raise yaml.constructor.ConstructorError(problem=f"holds a value that is none ({failure})") from None
+
+
 def _override(content: dict[Any, Any], text: str) -> Key:
     dotted, sign, value = text.partition("=")
     names = tuple(name.strip() for name in dotted.split("."))
     if not sign or not all(names):
-        raise InputError(f"--set {text}: is not KEY=VALUE; for example --set mesh.size='4 mm'")
+        raise InputError(f"--set {shortened(text)}: is not KEY=VALUE; for example --set mesh.size='4 mm'")
     inside = content
     for depth, name in enumerate(names[:-1], start=1):
         inside = inside.setdefault(name, {})
         if not isinstance(inside, dict):
-            raise InputError(f"--set {dotted}: '{'.'.join(names[:depth])}' holds a value, not keys")
+            raise InputError(f"--set {_dotted(names)}: '{_dotted(names[:depth])}' holds a value, not keys")
     try:
-        inside[names[-1]] = yaml.load(value, Loader=_Loader)
+        inside[names[-1]] = _parsed(value)
     except yaml.YAMLError as failure:
-        raise InputError(f"--set {dotted}: {_yaml_complaint(failure)}; for example --set mesh.size='4 mm'") from None
+        complaint = f"{_yaml_complaint(failure)}; for example --set mesh.size='4 mm'"
+        raise InputError(f"--set {_dotted(names)}: {complaint}") from None
     return names
 
 
@@ -107,16 +118,16 @@ def _complaint(error: Mapping[str, Any], model: Any) -> str:
     if kind == "value_error":
         return str(error["ctx"]["error"])
     if kind == "literal_error":
-        return f"'{error['input']}' is not allowed; allowed: {error['ctx']['expected'].replace(chr(39), '')}"
+        return f"{quoted(error['input'])} is not allowed; allowed: {error['ctx']['expected'].replace(chr(39), '')}"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
         return f"must hold keys; allowed here: {', '.join(_keys(model, key))}"
     if kind in ("tuple_type", "list_type"):
         return "must be a list, for example [17 kPa, 37 kPa]"
     if kind in ("string_type", "string_too_short"):
-        return f"{error['input']!r} is not a text; for example '{_example(model, key)}'"
+        return f"{quoted(error['input'])} is not a text; for example '{_example(model, key)}'"
     if kind == "string_pattern_mismatch":
-        return f"'{error['input']}' is not a name; allowed: letters, digits, '_', '-' and '.'"
-    return f"{error['msg']}; given: {error['input']!r}"
+        return f"{quoted(error['input'])} is not a name; allowed: letters, digits, '_', '-' and '.'"
+    return f"{error['msg']}; given: {quoted(error['input'])}"
 
 
 def _keys(model: Any, key: Key) -> Mapping[str, Any]:
@@ -140,7 +151,8 @@ def _dotted(key: Key) -> str:
     """mesh.size, or pressures[2] for the second of a list."""
     text = ""
     for part in key:
-        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}" if text else part
+        name = shortened(str(part))
+        text += f"[{part + 1}]" if isinstance(part, int) else f".{name}" if text else name
     return text
 
 

@@ -1,15 +1,45 @@
 """How a command ends when it cannot do its work: one sentence, and the exit status that goes with it."""
 
-from typing import final
+import reprlib
+from typing import Any, final
 
-__all__ = ["InputError", "RunFailed"]
+__all__ = ["InputError", "RunFailed", "quoted", "shortened"]
+
+LONGEST = 60
+"""Characters of a user's value that a sentence repeats."""
+
+
+class _Sentence(Exception):
+    """One sentence on one line, whatever it quotes."""
+
+    def __init__(self, sentence: str) -> None:
+        super().__init__("".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in sentence))
 
 
 @final
-class InputError(Exception):
+class InputError(_Sentence):
     """What the user gave is wrong (exit status 2). The sentence names the file, the key and what is allowed."""
 
 
 @final
-class RunFailed(Exception):
+class RunFailed(_Sentence):
     """The work was started and could not be finished (exit status 1). Everything finished so far is on disk."""
+
+
+def quoted(value: Any) -> str:
+    """A value as it stands in a sentence: on one line, never long, texts in quotes."""
+    try:
+        return _SHORT.repr(value)
+    except ValueError:  # Python writes no number of more than 4300 digits
+        return "a number with thousands of digits"
+
+
+def shortened(text: str) -> str:
+    """The beginning of a text that may be too long for a sentence."""
+    return text if len(text) <= LONGEST else text[: LONGEST - 3] + "..."
+
+
+_SHORT = reprlib.Repr()
+_SHORT.maxlevel = 2
+_SHORT.maxlist = _SHORT.maxdict = _SHORT.maxtuple = _SHORT.maxset = 4
+_SHORT.maxstring = _SHORT.maxlong = _SHORT.maxother = LONGEST

@@ -4,9 +4,8 @@ Elements are tetrahedra with 4 or 10 nodes. The mid-edge nodes of the latter sta
 (0,3), (1,3), (2,3), in this order, which is that of VTK_QUADRATIC_TETRA and of scikit-fem's ElementTetP2.
 """
 
-import os
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import io
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pyvista
 from numpy.typing import NDArray
+
+from pipeline.whole_file import write_whole
 
 __all__ = ["Colour", "draw_body", "draw_deformed", "write_fields", "write_series"]
 
@@ -47,8 +48,11 @@ def write_fields(path: Path, points: Array, tets: Array, fields: Mapping[str, Ar
     grid = _grid(points, tets)
     for name, values in (fields or {}).items():
         _attach(grid, name, np.asarray(values))
-    with _whole_file(path) as beside:
-        grid.save(beside)
+    # VTK says nothing of a full disk, so it writes into memory
+    writer = pyvista.XMLUnstructuredGridWriter(str(path), grid).writer
+    writer.SetWriteToOutputString(True)
+    writer.Write()
+    write_whole(path, writer.GetOutputString().encode())
 
 
 def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
@@ -58,8 +62,7 @@ def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
     for pressure, file in files:
         ElementTree.SubElement(collection, "DataSet", timestep=f"{pressure:.12g}", group="", part="0", file=file)
     ElementTree.indent(root)
-    with _whole_file(path) as beside:
-        ElementTree.ElementTree(root).write(beside, encoding="utf-8", xml_declaration=True)
+    write_whole(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
 
 
 def draw_body(path: Path, points: Array, tets: Array, *, cut_open: bool = False) -> None:
@@ -188,14 +191,7 @@ def _look(plotter: Any, points: Array, side: float, below: int = 0) -> None:
 
 
 def _save(plotter: Any, path: Path) -> None:
-    with _whole_file(path) as beside:
-        plotter.screenshot(beside)
+    picture = io.BytesIO()
+    plotter.screenshot(picture)
     plotter.close()
-
-
-@contextmanager
-def _whole_file(path: Path) -> Iterator[Path]:
-    """Where to write what becomes `path` once it is whole; the suffix is kept, for it decides the format."""
-    beside = path.with_name(f".{path.stem}.part{path.suffix}")
-    yield beside
-    os.replace(beside, path)
+    write_whole(path, picture.getvalue())

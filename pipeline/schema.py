@@ -10,6 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from geometry import FAMILIES, OwnMesh, OwnSolid
 from pipeline.document import Document
+from pipeline.failure import quoted
 from pipeline.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 
 __all__ = ["EFFECTS", "FORMULATIONS", "LAWS", "OWN", "STATES", "checked"]
@@ -21,19 +22,19 @@ def _in(dimension: Dimension) -> BeforeValidator:
 
 def _number(value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise ValueError(f"{value!r} is not a plain number; write it without a unit, for example 0.495")
+        raise ValueError(f"{quoted(value)} is not a plain number; write it without a unit, for example 0.495")
     return float(value)
 
 
 def _count(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise ValueError(f"{value!r} is not a whole number; write it without a unit, for example 11")
+        raise ValueError(f"{quoted(value)} is not a whole number; write it without a unit, for example 11")
     return value
 
 
 def _yes_or_no(value: Any) -> bool:
     if not isinstance(value, bool):
-        raise ValueError(f"{value!r} is neither true nor false")
+        raise ValueError(f"{quoted(value)} is neither true nor false")
     return value
 
 
@@ -83,7 +84,7 @@ def _pair(values: tuple[float, ...]) -> tuple[float, ...]:
 
 def _not_below_zero(value: int) -> int:
     if value < 0:
-        raise ValueError(f"{value} is not allowed; allowed: 0 or more")
+        raise ValueError(f"{quoted(value)} is not allowed; allowed: 0 or more")
     return value
 
 
@@ -94,7 +95,7 @@ def _state(value: Any) -> Any:
     """auto, on or off; YAML 1.1 reads a bare on as true."""
     state = {True: "on", False: "off"}[value] if isinstance(value, bool) else value
     if state not in STATES:
-        raise ValueError(f"'{value}' is not allowed; allowed: auto, on or off")
+        raise ValueError(f"{quoted(value)} is not allowed; allowed: auto, on or off")
     return state
 
 
@@ -111,7 +112,7 @@ def _share_or_pressure(value: Any) -> tuple[str, float]:
         return ("held", convert(value, PRESSURE))
     except ValueError:
         raise ValueError(
-            f"{value!r} is neither a share of the pressure, for example 0.5, nor a pressure, for example '10 kPa'"
+            f"{quoted(value)} is neither a share of the pressure, for example 0.5, nor a pressure, for example '10 kPa'"
         ) from None
 
 

@@ -2,8 +2,10 @@
 
 import multiprocessing
 import os
+import threading
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -82,6 +84,11 @@ def simulate(
             outcomes = _side_by_side(config, body, store, min(jobs, len(cases)), progress, cases)
     except fem.ContactError as failure:
         raise RunFailed(str(failure)) from None
+    except BrokenProcessPool:
+        raise RunFailed(
+            "the process of an experiment was ended from outside, as happens when memory runs out; what is finished is "
+            "kept, and the same command goes on from there, with --jobs 1 in less memory"
+        ) from None
     return {outcome.experiment: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.experiment)}
 
 
@@ -90,6 +97,7 @@ def _side_by_side(
 ) -> list[Outcome]:
     context = multiprocessing.get_context("spawn")
     queue = context.Queue()
+    queue.cancel_join_thread()  # a worker that was killed may hold the queue's lock for ever
     threads = str(max(1, len(os.sched_getaffinity(0)) // jobs))
     kept = {name: os.environ.get(name) for name in ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")}
     os.environ.update(dict.fromkeys(kept, threads))  # read by the libraries when the new processes load them
@@ -112,11 +120,24 @@ _listener: list[ToQueue] = []
 
 
 def _take_queue(queue: Any) -> None:
-    """Runs first in a worker: interrupts are the main process's business, messages go into the queue."""
+    """Runs first in a worker: interrupts are the main process's business, messages go into the queue.
+
+    A worker whose main process was killed ends as well, or it would write into a folder that another run holds, and
+    then wait for work for ever.
+    """
     import signal
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    for interrupt in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(interrupt, signal.SIG_IGN)
+    threading.Thread(target=_end_with_main_process, daemon=True).start()
     _listener.append(ToQueue(queue))
+
+
+def _end_with_main_process() -> None:
+    main_process = multiprocessing.parent_process()
+    if main_process is not None:
+        main_process.join()
+        os._exit(1)
 
 
 def _in_worker(case: Case, config: Config, body: Body, store: Store) -> Outcome:

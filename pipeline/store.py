@@ -1,8 +1,8 @@
 """The result directory: whole files only, and what is finished is remembered.
 
-Every file is written beside its place, flushed to the disk and renamed, so a killed run leaves old files or new
-ones, never halves. Converged states are kept under `states/` with a key made of the configuration and of the sources
-that computed them; a state with another key is never used again.
+A killed run leaves old files or new ones, never halves. Converged states are kept under `states/` with a key made of
+the configuration, of the sources that computed them and of the packages these stand on; a state with another key is
+never used again.
 """
 
 import csv
@@ -26,10 +26,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from pipeline.config import Config
 from pipeline.failure import InputError
+from pipeline.provenance import installed, pinned
+from pipeline.whole_file import left_over, write_whole
 
 __all__ = ["Store", "open_folder", "open_store"]
 
 _IDENTITY = "states/configuration.json"
+_SOURCES = ("geometry/*.py", "fem/*.py", "pipeline/cases.py", "pipeline/scene.py", "pipeline/simulate.py")
 _FOLDERS = ("states", "pictures", "fields")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),
@@ -42,7 +45,7 @@ class Store:
     """A result directory that belongs to one configuration. It may be sent to worker processes."""
 
     directory: Path
-    key: str  #: sha256 of the configuration and of the sources of geometry and fem
+    key: str  #: sha256 of the configuration, of the sources that decide a state, and of the packages' versions
 
     def path(self, name: str) -> Path:
         """Where the file `name` (relative, "/" between folders) stands; its folder is made."""
@@ -53,7 +56,7 @@ class Store:
     def save_json(self, name: str, value: Any) -> None:
         """Write `value` as JSON. Arrays become lists; NaN and infinity become null, which JSON can hold."""
         text = json.dumps(_plain(value), indent=2, allow_nan=False) + "\n"
-        _write_whole(self.path(name), text.encode())
+        write_whole(self.path(name), text.encode())
 
     def save_rows(self, name: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
         """Write a CSV table with a header line; floats keep all their digits, NaN is an empty cell."""
@@ -61,11 +64,11 @@ class Store:
         writer = csv.writer(text, lineterminator="\n")
         writer.writerow(columns)
         writer.writerows([["" if cell is None else cell for cell in map(_plain, row)] for row in rows])
-        _write_whole(self.path(name), text.getvalue().encode())
+        write_whole(self.path(name), text.getvalue().encode())
 
     def save_text(self, name: str, text: str) -> None:
         """Write a text file in UTF-8."""
-        _write_whole(self.path(name), text.encode())
+        write_whole(self.path(name), text.encode())
 
     def read_json(self, name: str) -> Any:
         """What `save_json` wrote, or None where there is no such file."""
@@ -76,7 +79,7 @@ class Store:
         """Remember a converged state: numbers, texts and arrays of numbers by name."""
         buffer = io.BytesIO()
         np.savez(buffer, allow_pickle=False, **{"state_key": np.array(self.key), **arrays})
-        _write_whole(self.path(_state_name(experiment, pressure_kPa)), buffer.getvalue())
+        write_whole(self.path(_state_name(experiment, pressure_kPa)), buffer.getvalue())
 
     def load_state(self, experiment: str, pressure_kPa: float) -> dict[str, NDArray[Any]] | None:
         """The arrays of a remembered state, or None where there is none for this configuration and these sources."""
@@ -99,8 +102,8 @@ def open_store(directory: Path | str, config: Config, *, fresh: bool = False) ->
     place = Path(directory)
     _check_writable(place)
     with _held(place):
-        for left in place.rglob(".*.part*"):  # of a run that was killed while it wrote
-            left.unlink()
+        for left in left_over(place):
+            left.unlink(missing_ok=True)  # a worker of the killed run may still be ending
         if fresh:
             _clear(place)
         _check_owner(place, config)
@@ -174,24 +177,11 @@ def _state_name(experiment: str, pressure_kPa: float) -> str:
 def _key(config: Config) -> str:
     digest = hashlib.sha256(config.hash.encode())
     rooms = Path(__file__).resolve().parent.parent
-    for room in ("geometry", "fem"):
-        for source in sorted((rooms / room).glob("*.py")):
+    for pattern in _SOURCES:
+        for source in sorted(rooms.glob(pattern)):
             digest.update(source.read_bytes())
+    digest.update(repr(sorted((name, installed(name)) for name in pinned())).encode())
     return digest.hexdigest()
-
-
-def _write_whole(path: Path, content: bytes) -> None:
-    handle, beside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        os.chmod(beside, 0o644)
-        os.replace(beside, path)
-    except BaseException:
-        Path(beside).unlink(missing_ok=True)
-        raise
 
 
 def _plain(value: Any) -> Any:

@@ -9,6 +9,8 @@ from typing import Any
 
 import pint
 
+from pipeline.failure import quoted
+
 __all__ = [
     "ACCELERATION",
     "DENSITY",
@@ -42,6 +44,15 @@ STRAIN = Dimension("a strain", "dimensionless", "150 %")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+_EXPONENT = re.compile(r"(?:\^|\*\*)\s*[+-]?\d(?!\d|\s*(?:\^|\*\*))")
+"""The power of one unit: kg/m^3, s**-2."""
+_CALCULATION = re.compile(r"(?<![\w.])\.?\d")
+"""Any other number in a unit. Pint would evaluate it, and 9**9**9**9 never ends."""
+_NO_UNIT = (
+    *(pint.PintError, ValueError, TypeError, AttributeError, AssertionError),
+    *(ArithmeticError, RecursionError, MemoryError, TokenError, SyntaxError),
+)
+"""What pint raises for texts that are no units."""
 
 
 @cache
@@ -57,28 +68,30 @@ def convert(value: Any, dimension: Dimension) -> float:
     """
     example = f"write {dimension.name} with its unit, for example '{dimension.example}'"
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise ValueError(f"{value!r} is not {dimension.name}; {example}")
+        raise ValueError(f"{quoted(value)} is not {dimension.name}; {example}")
     if not isinstance(value, str):
-        raise ValueError(f"{value} has no unit; {example}")
+        raise ValueError(f"{quoted(value)} has no unit; {example}")
     matched = _NUMBER_AND_UNIT.fullmatch(value)
     if matched is None:
-        raise ValueError(f"'{value}' is not a number followed by a unit; {example}")
+        raise ValueError(f"{quoted(value)} is not a number followed by a unit; {example}")
     number, unit = matched.groups()
     if not unit:
-        raise ValueError(f"'{value}' has no unit; {example}")
+        raise ValueError(f"{quoted(value)} has no unit; {example}")
     return _in_unit(float(number), unit, value, dimension, example)
 
 
 def _in_unit(number: float, unit: str, value: str, dimension: Dimension, example: str) -> float:
     registry = _registry()
     try:
+        if _CALCULATION.search(_EXPONENT.sub("", unit)):
+            raise ValueError
         given = registry.parse_units(unit)
         factor = registry.Quantity(1.0, given).to(dimension.unit).magnitude
     except pint.DimensionalityError:
-        raise ValueError(f"'{value}' is not {dimension.name}; {example}") from None
-    except (pint.PintError, ValueError, TypeError, AttributeError, AssertionError, TokenError, SyntaxError):
-        raise ValueError(f"'{unit}' in '{value}' is not a known unit; {example}") from None
+        raise ValueError(f"{quoted(value)} is not {dimension.name}; {example}") from None
+    except _NO_UNIT:
+        raise ValueError(f"{quoted(unit)} in {quoted(value)} is not a known unit; {example}") from None
     result = float(f"{number * factor:.12g}")
     if not math.isfinite(result):
-        raise ValueError(f"'{value}' is not finite; {example}")
+        raise ValueError(f"{quoted(value)} is not finite; {example}")
     return result

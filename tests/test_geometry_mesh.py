@@ -1,6 +1,7 @@
 """Meshes as values: orientation, names, volumes, files."""
 
 import pickle
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +10,7 @@ import meshio
 import numpy as np
 import pytest
 
-from geometry import Mesh, MeshError
+from geometry import BisectedCircle, Mesh, MeshError
 
 REFERENCE = Path(__file__).parent / "data" / "t2_coarse.msh"
 REGULAR = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
@@ -198,3 +199,11 @@ def test_importing_geometry_loads_neither_gmsh_nor_meshio() -> None:
     code = "import sys, geometry; print([m for m in ('gmsh', 'meshio', 'scipy', 'pyvista') if m in sys.modules])"
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.strip() == "[]"
+
+
+def test_gmsh_leaves_signals_and_output_alone(capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(MeshError, match=r"Gmsh could not mesh the body .* a smaller mesh\.size"):
+        BisectedCircle(wall=0.1).body(6.0)  # the mesher inside Gmsh says why on the standard output
+    assert capfd.readouterr() == ("", "")
+    status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
+    assert int(status["SigIgn"], 16) & 1 << (signal.SIGPIPE - 1)

@@ -1,0 +1,228 @@
+"""Runs that are killed at random moments and started again, against runs that nobody disturbed.
+
+    python benchmarks/kills.py [--kills 50] [--seed 1] [--keep DIR]
+
+Every kill is SIGKILL. In turn it hits the main process alone, whose workers must then end by themselves, and the whole
+process group; every third resumed run is killed as well. The moments are spread evenly over the undisturbed run, one at
+random in each part, so that mesh, experiments, identification, pictures and report are all met. The same command then
+has to end well and to leave the results of the undisturbed run: equal to the last bit, seconds apart.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent.parent
+
+SCENE = """
+name: kills
+geometry: {{family: pneunet, chambers: 8, wall: {wall}}}
+material: {{law: {law}, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}}
+pressures: [8 kPa, 24 kPa]
+mesh: {{size: 8 mm}}
+"""
+#: walls of 1 mm touch before 18 kPa, those of 1.5 mm do not; the former is validated as well
+SCENES = {
+    "contact": SCENE.format(wall="1 mm", law="svk") + "validation: {end_y: [5 mm]}\n",
+    "no contact": SCENE.format(wall="1.5 mm", law="hencky"),
+}
+#: results that hold numbers; the report, the pictures and the fields are made from the same
+TABLES = (
+    *("experiments.json", "effects.json", "parameters.json", "validation.json", "laws.json"),
+    *("curves.csv", "validation_curves.csv"),
+)
+CLOCKS = ("seconds", "share_of_time", "stages", "effect_seconds")
+"""Keys of tables and states that hold seconds; in `numbers` of a state they come last."""
+PATIENCE = 10.0
+"""Seconds after which no process of a killed run may be alive."""
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A run that nobody disturbed."""
+
+    scene: str
+    config: Path
+    seconds: float
+    results: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Running:
+    """A run that was started; its process is the first of a session of its own."""
+
+    process: subprocess.Popen[bytes]
+    log: Path
+
+    @classmethod
+    def start(cls, config: Path, out: Path) -> Running:
+        out.mkdir(exist_ok=True)
+        log = out.with_suffix(".log")
+        command = [sys.executable, "-m", "pipeline", "run", str(config), "--out", str(out), "--jobs", "2"]
+        with log.open("ab") as file:
+            process = subprocess.Popen(command, cwd=HERE, stdout=file, stderr=file, start_new_session=True)
+        return cls(process, log)
+
+    def ended_within(self, seconds: float) -> bool:
+        try:
+            self.process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
+    def kill(self, group: bool) -> str:
+        """Kill the process alone or its whole group; what it was doing then."""
+        stages = [line for line in self.log.read_text().splitlines() if line.startswith("stage: ")]
+        (os.killpg if group else os.kill)(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+        return stages[-1].removeprefix("stage: ") if stages else "start"
+
+    def left_alive(self) -> bool:
+        """Whether a process of the session lives on for longer than PATIENCE."""
+        deadline = time.monotonic() + PATIENCE
+        while in_session(self.process.pid):
+            if time.monotonic() > deadline:
+                return True
+            time.sleep(0.1)
+        return False
+
+
+def main() -> int:
+    """Kill, resume, compare, count; 0 when all results are equal."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--kills", type=int, default=50)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep", type=Path, help="new folder for the runs, a temporary one by default")
+    asked = parser.parse_args()
+    with tempfile.TemporaryDirectory() as temporary:
+        place = asked.keep or Path(temporary)
+        place.mkdir(parents=True, exist_ok=True)
+        references = [undisturbed(place, scene) for scene in SCENES]
+        endings = list(disturbed(place, references, asked.kills, random.Random(asked.seed)))
+    for verdict, count in Counter(endings).items():
+        say(f"{count} x {verdict}")
+    equal = endings.count("equal")
+    say(f"{asked.kills} kills, {equal} equal results")
+    return 0 if equal == asked.kills else 1
+
+
+def undisturbed(place: Path, scene: str) -> Reference:
+    """A whole run, twice, because the first one may compile the kernels; both must agree."""
+    config = place / f"{scene.replace(' ', '_')}.yaml"
+    config.write_text(SCENES[scene], encoding="utf-8")
+    found = []
+    for name in ("first", "second"):
+        begin, out = time.monotonic(), config.with_name(f"{config.stem}_{name}")
+        run = Running.start(config, out)
+        if run.process.wait() != 0:
+            raise SystemExit(f"the undisturbed run failed: {run.log.read_text().splitlines()[-1]}")
+        found.append(Reference(scene, config, time.monotonic() - begin, results_of(out)))
+    first, second = found
+    say(f"{scene}: {second.seconds:.1f} s undisturbed, two such runs are {compared(first.results, second.results)}")
+    return second
+
+
+def disturbed(place: Path, references: list[Reference], count: int, chance: random.Random) -> Iterator[str]:
+    """The verdict on each killed run."""
+    parts = chance.sample(range(count), count)
+    for number, part in enumerate(parts):
+        reference, group, twice = references[number % len(references)], number % 4 < 2, number % 3 == 2
+        out = place / f"run_{number:03d}"
+        moments = [(part + chance.random()) / count, *([0.7 * chance.random()] if twice else [])]
+        killed, told = [], []
+        for moment in moments:
+            run = Running.start(reference.config, out)
+            if run.ended_within(moment * reference.seconds):
+                told.append(f"done before {moment:.0%}")
+                continue
+            told.append(f"killed at {moment:.0%} ({run.kill(group)})")
+            killed.append(run)
+        last = Running.start(reference.config, out)  # at once, while workers of the killed run may still breathe
+        status = last.process.wait()
+        verdict = compared(reference.results, results_of(out)) if status == 0 else f"exit status {status}"
+        if not killed:
+            verdict = "not killed"
+        if any(run.left_alive() for run in (*killed, last)):
+            verdict = "workers outlived their run"
+        say(f"{number + 1:3d} {reference.scene}, {'group' if group else 'main'}, {', '.join(told)}: {verdict}")
+        yield verdict
+
+
+def in_session(leader: int) -> list[int]:
+    """The living processes of the session that `leader` opened (Linux)."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, _, _, session = stat.read_text().rpartition(")")[2].split()[:4]
+        except (OSError, ValueError):
+            continue
+        if int(session) == leader and state != "Z":
+            found.append(int(stat.parent.name))
+    return found
+
+
+def results_of(out: Path) -> dict[str, Any]:
+    """Everything a run found, by file, without the seconds it took."""
+    found: dict[str, Any] = {}
+    for name in TABLES:
+        if not (out / name).is_file():  # no validation was asked for
+            continue
+        text = (out / name).read_text(encoding="utf-8")
+        found[name] = without_seconds(json.loads(text)) if name.endswith(".json") else text.splitlines()
+    for path in sorted((out / "states").glob("*.npz")):
+        with np.load(path, allow_pickle=False) as arrays:
+            found[path.name] = {
+                name: (arrays[name][:-1] if name == "numbers" else arrays[name]).tolist()
+                for name in arrays.files
+                if name not in CLOCKS
+            }
+    return found
+
+
+def without_seconds(value: Any) -> Any:
+    """A JSON value without the keys in CLOCKS."""
+    if isinstance(value, dict):
+        return {name: without_seconds(item) for name, item in value.items() if name not in CLOCKS}
+    return [without_seconds(item) for item in value] if isinstance(value, list) else value
+
+
+def compared(one: Any, other: Any, where: str = "") -> str:
+    """`equal`, or where the first difference is and how large."""
+    if type(one) is not type(other):
+        return f"different in kind at {where}"
+    if isinstance(one, dict):
+        if one.keys() != other.keys():
+            return f"different in keys at {where}"
+        differences = (compared(one[name], other[name], f"{where}/{name}") for name in one)
+    elif isinstance(one, list):
+        if len(one) != len(other):
+            return f"different in length at {where}"
+        differences = (compared(a, b, f"{where}[{n}]") for n, (a, b) in enumerate(zip(one, other, strict=True)))
+    else:
+        return "equal" if one == other else f"different at {where}: {one!r} and {other!r}"
+    return next((difference for difference in differences if difference != "equal"), "equal")
+
+
+def say(text: str) -> None:
+    """One line, at once."""
+    sys.stdout.write(text + "\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

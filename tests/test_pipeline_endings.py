@@ -1,0 +1,136 @@
+"""How a run ends that is not let finish: killed, asked to end, without room on the disk. One folder sees it all."""
+
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.store import Store
+
+HERE = Path(__file__).resolve().parent.parent
+SHORT = """
+name: short
+geometry: {family: pneunet, chambers: 8}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [4 kPa, 6 kPa, 8 kPa, 10 kPa]
+mesh: {size: 8 mm}
+"""
+PATIENCE = 300.0
+"""Seconds in which what is waited for must happen."""
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("endings")
+    (folder / "short.yaml").write_text(SHORT, encoding="utf-8")
+    return folder
+
+
+def started(place: Path, largest_file: int = resource.RLIM_INFINITY) -> subprocess.Popen[str]:
+    """A run that may write files of so many bytes at most, as on a disk that is full."""
+    command = [sys.executable, "-m", "pipeline", "run", str(place / "short.yaml"), "--out", str(place / "out")]
+    return subprocess.Popen(
+        [*command, "--jobs", "2"],
+        cwd=HERE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file)),
+    )
+
+
+def ended(run: subprocess.Popen[str]) -> tuple[int, str]:
+    """Its exit status and its sentence."""
+    _, said = run.communicate(timeout=PATIENCE)
+    assert "Traceback" not in said
+    return run.returncode, said
+
+
+def workers(run: subprocess.Popen[str]) -> list[int]:
+    """The processes of its experiments."""
+    children = Path(f"/proc/{run.pid}/task/{run.pid}/children").read_text().split()
+    return [int(child) for child in children if "spawn_main" in Path(f"/proc/{child}/cmdline").read_text()]
+
+
+def until_reached(run: subprocess.Popen[str]) -> None:
+    """Wait until a pressure is reached that no earlier run had reached."""
+    assert run.stdout is not None
+    for line in run.stdout:
+        if "Newton iterations" in line:
+            return
+    raise AssertionError(f"the run ended: {run.stderr.read() if run.stderr else ''}")
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    deadline = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def states(place: Path) -> Iterator[Path]:
+    yield from (place / "out" / "states").glob("*.npz")
+
+
+def test_a_disk_without_room_for_a_state_is_named(place: Path) -> None:
+    status, said = ended(started(place, largest_file=20_000))
+    assert status == 1
+    assert said.startswith("pneurod: ")
+    assert "kPa.npz: File too large; allow larger files or give another --out" in said
+    assert said.count("\n") == 1
+    assert not list(states(place))
+
+
+def test_workers_end_with_a_main_process_that_is_killed(place: Path) -> None:
+    run = started(place)
+    until_reached(run)
+    orphans = workers(run)
+    assert len(orphans) == 2
+    run.kill()
+    run.communicate()
+    wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in orphans))
+    assert list(states(place))
+
+
+def test_a_worker_that_is_killed_ends_the_run_in_a_sentence(place: Path) -> None:
+    run = started(place)
+    until_reached(run)
+    os.kill(workers(run)[0], signal.SIGKILL)
+    status, said = ended(run)
+    assert status == 1
+    assert "was ended from outside" in said
+    assert said.count("\n") == 1
+
+
+def test_a_request_to_end_is_an_interrupt(place: Path) -> None:
+    run = started(place)
+    until_reached(run)
+    run.send_signal(signal.SIGTERM)
+    assert ended(run) == (
+        130,
+        "pneurod: interrupted; what is finished is kept, and the same command goes on from there\n",
+    )
+
+
+def test_without_room_for_the_report_all_else_is_there(place: Path) -> None:
+    status, said = ended(started(place, largest_file=2_000_000))
+    assert status == 1
+    assert f"{place / 'out' / 'report.html'}: File too large" in said
+    assert said.count("\n") == 1
+    assert len(list(states(place))) == 12
+    for path in states(place):
+        with np.load(path, allow_pickle=False) as arrays:
+            assert np.isfinite(arrays["displacement"]).all()
+    store = Store(place / "out", "")
+    assert len(store.read_json("experiments.json")) == 12
+    assert store.read_json("parameters.json")["pressures_kPa"] == [4.0, 6.0, 8.0, 10.0]
+    left = {path.name for path in (place / "out").rglob("*") if path.is_file()}
+    assert "report.html" not in left
+    assert not [name for name in left if name.startswith(".")]

@@ -1,0 +1,104 @@
+"""Whatever a configuration says, its body is meshed or it is refused in one sentence: no traceback, no hang.
+
+`make fuzz` runs the large number of examples and says how many of them ended how.
+"""
+
+import faulthandler
+import json
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, event, given, settings
+
+from geometry.design import expected_tets
+from pipeline.config import load_config
+from pipeline.failure import InputError
+from pipeline.scene import meshed_body
+from tests.bodies import DATA
+from tests.fuzzed import Written, configurations
+
+CONFIGS = Path(__file__).resolve().parent.parent / "configs"
+
+SMALL, AFFORDABLE = 1_200, 60_000
+"""Elements of the largest body that is meshed in the short test and in the long one."""
+LONGEST_SENTENCE = 600
+HANG = 300.0
+"""Seconds after which an example that does not come back ends the tests, with the place where it is."""
+
+
+def examples(number: int) -> settings:
+    """So many examples, the same every time; a counterexample is made small and shown."""
+    return settings(
+        max_examples=number,
+        derandomize=True,
+        database=None,
+        deadline=None,  # a body may take a second
+        suppress_health_check=list(HealthCheck),  # the documents are large
+    )
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Sound and spoilt files that a configuration may name, and room for the configuration itself."""
+    place = tmp_path_factory.mktemp("fuzzed")
+    drawing, mesh = (CONFIGS / "finger.step").read_bytes(), (DATA / "t2_coarse.msh").read_bytes()
+    for name, content in {
+        "finger.step": drawing,
+        "ready.msh": mesh,
+        "cut.step": drawing[: len(drawing) // 2],
+        "cut.msh": mesh[: len(mesh) // 2],
+        **dict.fromkeys(("empty.step", "empty.msh"), b""),
+        **dict.fromkeys(("text.brep", "text.msh"), b"hello\n"),
+    }.items():
+        (place / name).write_bytes(content)
+    for name in ("folder.step", "folder.msh"):
+        (place / name).mkdir()
+    return place
+
+
+def first_stage(folder: Path, written: Written, largest: int) -> str:
+    """How it ended; bodies of more than `largest` elements are not meshed here."""
+    path = folder / "arm.yaml"
+    path.write_bytes(written.content)
+    try:
+        config = load_config(path, written.settings)
+        json.dumps(config.record(), allow_nan=False)
+        if expected_tets(config.mesh.size_mm, config.design.extent, config.design.solid_volume / 2) > largest:
+            return "accepted, too large to be meshed here"
+        body = meshed_body(config)
+    except InputError as refused:
+        sentence = str(refused)
+        assert sentence.isprintable()
+        assert len(sentence) < LONGEST_SENTENCE
+        return "refused"
+    assert body.mesh.volume > 0
+    return "meshed"
+
+
+@pytest.fixture(scope="module")
+def seen() -> Counter[str]:
+    return Counter()
+
+
+@examples(200)
+@given(written=configurations())
+def test_every_configuration_is_read_or_refused_in_one_sentence(
+    folder: Path, written: Written, seen: Counter[str]
+) -> None:
+    seen[first_stage(folder, written, SMALL)] += 1
+
+
+def test_both_endings_were_seen(seen: Counter[str]) -> None:
+    assert min(seen["refused"], seen["meshed"]) >= 20
+
+
+@pytest.mark.slow
+@examples(2000)
+@given(written=configurations())
+def test_two_thousand_configurations_are_meshed_or_refused(folder: Path, written: Written) -> None:
+    faulthandler.dump_traceback_later(HANG, exit=True)
+    try:
+        event(first_stage(folder, written, AFFORDABLE))
+    finally:
+        faulthandler.cancel_dump_traceback_later()
