@@ -8,7 +8,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material
-.PHONY: help setup $(all_targets) test slow lint types doctor clean
+.PHONY: help setup $(all_targets) test slow fuzz kills lint types doctor clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -43,6 +43,12 @@ test: $(READY)  ## all tests but the slow ones
 
 slow: $(READY)  ## the tests that take longer than two minutes
 	@$(BIN)/python -m pytest -m slow
+
+fuzz: $(READY)  ## two thousand configurations, right and wrong: each is meshed or refused in one sentence
+	@$(BIN)/python -m pytest -m slow tests/test_pipeline_fuzzed.py --hypothesis-show-statistics
+
+kills: $(READY)  ## fifty runs killed at random moments and started again, against runs that nobody disturbed
+	@$(BIN)/python benchmarks/kills.py
 
 lint: $(READY)  ## style: ruff
 	@$(BIN)/ruff check .

@@ -132,7 +132,10 @@ class Path:
             state = self.system.at(step.displacement, step.factor)
             self.places.append(Place(self.course.at(step), 1.0, state))
             x = self.system.space.points + step.displacement
-            self.terms = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
+            woken = step.effects  # perhaps between two asked values, by a state that is not among the steps
+            self.terms = tuple(
+                term for term in self.system.terms if term in self.terms or term.effect in woken or term.wanted(x)
+            )
 
     def advance(self, value: float) -> Step:
         """Equilibrium at `value`, in as few pieces as converge; raises `StepFailed`."""
