@@ -41,6 +41,23 @@ class Answer:
     slope: Array  #: (e, q, 6) d theta / d E, (1, 1, 6) where it is the same everywhere; (0, 0, 6) without pressures
 
 
+NOT_ISOTROPIC = np.empty((0, 2))
+
+
+def lame_constants(tangent: Array, points: int) -> Array:
+    """(q, 2) lambda and mu at the stress points of a tangent (1, q or 1, 6, 6) that is isotropic and the same in all
+    elements; (0, 2) for others."""
+    if tangent.shape[0] > 1:
+        return NOT_ISOTROPIC
+    first, second = tangent[0, :, 0, 1], tangent[0, :, 3, 3]
+    isotropic = np.zeros_like(tangent[0])
+    isotropic[:, :3, :3] = first[:, None, None]
+    isotropic += second[:, None, None] * np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
+    if not np.array_equal(isotropic, tangent[0]):
+        return NOT_ISOTROPIC
+    return np.ascontiguousarray(np.broadcast_to(np.column_stack([first, second]), (points, 2)))
+
+
 class Formulation(ABC):
     """A law on a discretisation."""
 

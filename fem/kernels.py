@@ -120,57 +120,6 @@ def internal_force(
                     force[nodes[e, a], i] += fe[a, i]
 
 
-@njit(cache=True)
-def _element_tangent(
-    nodes: Index, inverse: Array, reference: Array, weight: Array, u: Array, stress: Array, tangent: Array, k: Array
-) -> None:
-    """sum_q w (B^T C B + G(S)) into k (3 a + i, 3 b + j).
-
-    The strain matrices of all points stand below each other, so that each of the two parts is one matrix product.
-    """
-    n, points = nodes.shape[0], reference.shape[0]
-    f = np.empty((3, 3))
-    b = np.empty((6 * points, 3 * n))
-    cb = np.empty((6 * points, 3 * n))
-    g = np.empty((3 * points, n))
-    sg = np.empty((3 * points, n))
-    slope = np.empty((n, 3))
-    for q in range(points):
-        w = weight[q]
-        gradients(inverse, reference[q], slope)
-        displacement_gradient(slope, nodes, u, f)
-        for i in range(3):
-            f[i, i] += 1.0
-        s = stress[q]
-        for a in range(n):
-            g0, g1, g2 = slope[a, 0], slope[a, 1], slope[a, 2]
-            for i in range(3):
-                r = 3 * a + i
-                b[6 * q, r] = f[i, 0] * g0
-                b[6 * q + 1, r] = f[i, 1] * g1
-                b[6 * q + 2, r] = f[i, 2] * g2
-                b[6 * q + 3, r] = f[i, 0] * g1 + f[i, 1] * g0
-                b[6 * q + 4, r] = f[i, 1] * g2 + f[i, 2] * g1
-                b[6 * q + 5, r] = f[i, 0] * g2 + f[i, 2] * g0
-                g[3 * q + i, a] = slope[a, i]
-            sg[3 * q, a] = w * (s[0] * g0 + s[3] * g1 + s[5] * g2)
-            sg[3 * q + 1, a] = w * (s[3] * g0 + s[1] * g1 + s[4] * g2)
-            sg[3 * q + 2, a] = w * (s[5] * g0 + s[4] * g1 + s[2] * g2)
-        c = tangent[q if tangent.shape[0] > 1 else 0]
-        for v in range(6):
-            cb[6 * q + v] = 0.0
-            for m in range(6):
-                cvm = c[v, m] * w
-                if cvm != 0.0:
-                    cb[6 * q + v] += cvm * b[6 * q + m]
-    np.dot(b.T, cb, k)
-    geometric = np.dot(g.T, sg)
-    for a in range(n):
-        for bb in range(n):
-            for i in range(3):
-                k[3 * a + i, 3 * bb + i] += geometric[a, bb]
-
-
 @njit(cache=True, inline="always")
 def place(
     data: Array,
@@ -206,54 +155,6 @@ def place(
                 t = node_dof[column_node, j]
                 if t >= 0:
                     data[start + t - lead] += block[i, j]
-
-
-@njit(cache=True, parallel=True)
-def tangent_matrix(
-    colours: Index,
-    nodes: Index,
-    inverse: Array,
-    reference: Array,
-    weight: Array,
-    u: Array,
-    stress: Array,
-    tangent: Array,
-    offset: Index,
-    node_dof: Index,
-    row_start: Index,
-    free: Index,
-    data: Array,
-    du: Array,
-    force: Array,
-) -> None:
-    """Add the tangent to the reduced upper triangle `data`, and K du to force (n, 3) where du (n, 3) is not empty.
-
-    stress (e, q, v) is the one of the geometric term, tangent dS/dE (e, q, v, v) or (1, q or 1, v, v) where constant.
-    """
-    n = nodes.shape[1]
-    for c in range(colours.shape[0] - 1):
-        for e in prange(colours[c], colours[c + 1]):
-            k = np.empty((3 * n, 3 * n))
-            block = np.empty((3, 3))
-            law = tangent[e if tangent.shape[0] > 1 else 0]
-            _element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], law, k)
-            pair = 0
-            for a in range(n):
-                for b in range(a, n):
-                    swap = nodes[e, b] < nodes[e, a]
-                    for i in range(3):
-                        for j in range(3):
-                            block[i, j] = k[3 * b + i, 3 * a + j] if swap else k[3 * a + i, 3 * b + j]
-                    low = nodes[e, b] if swap else nodes[e, a]
-                    high = nodes[e, a] if swap else nodes[e, b]
-                    place(data, block, low, high, offset[e, pair], node_dof, row_start, free)
-                    pair += 1
-            if du.shape[0] > 0:
-                for a in range(n):
-                    for b in range(n):
-                        for i in range(3):
-                            for j in range(3):
-                                force[nodes[e, a], i] += k[3 * a + i, 3 * b + j] * du[nodes[e, b], j]
 
 
 @njit(cache=True)

@@ -10,10 +10,10 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from fem import kernels
+from fem import kernels, tangent_kernels
 from fem.discretisation import Discretisation
 from fem.effects import Blocks, Term
-from fem.formulation import Answer, formulation_of
+from fem.formulation import Answer, formulation_of, lame_constants
 from fem.linear import LinearSolver
 from fem.material import Material
 from fem.pattern import Pattern, element_keys
@@ -226,12 +226,13 @@ class System:
         with self.clock.timing("assembly"):
             pattern, moves = self.pattern, bool(np.any(jump))
             data, coupling = np.zeros(pattern.indices.shape[0]), np.zeros_like(x)
-            kernels.tangent_matrix(
+            tangent_kernels.tangent_matrix(
                 *self._elements,
                 self.space.weight,
                 state.displacement,
                 state.stress,
                 assembly.answer.tangent,
+                lame_constants(assembly.answer.tangent, state.stress.shape[1]),
                 self._offset,
                 pattern.node_dof,
                 pattern.indptr,

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from skfem.helpers import ddot, det, grad, identity, inv, mul, trace, transpose
 
 from fem import Fixed, Model, StVenantKirchhoff
-from fem.discretisation import Discretisation
+from fem.discretisation import FORMULATIONS, Discretisation
 from fem.effects import Blocks, Pressure, enclosed_volume
+from fem.formulation import lame_constants
 from fem.linear import SuperLU
 from fem.system import System
 
@@ -238,3 +239,27 @@ def test_enclosed_volume_is_exact(half: bool) -> None:
     assert enclosed_volume(faces, space.points) == pytest.approx(whole, rel=1e-13)
     shear = np.eye(3) + np.array([[0.2, 0.5, 0.0], [0.0, -0.1, 0.0], [0.0, 0.0, 0.3]])
     assert enclosed_volume(faces, space.points @ shear.T) == pytest.approx(whole * np.linalg.det(shear), rel=1e-13)
+
+
+@pytest.mark.parametrize("formulation", FORMULATIONS)
+def test_an_isotropic_tangent_takes_a_shorter_way_to_the_same_matrix(formulation: str, monkeypatch) -> None:
+    system, _ = system_on(formulation, [Fixed("left"), Fixed("back", "z")])
+    state = system.at(noise(system, 0.05), 1.0)
+    assembly = system.assemble(state, ())
+    jump = np.where(system.constraints.fixed, noise(system, 1.0), 0.0)
+    assert lame_constants(assembly.answer.tangent, state.stress.shape[1]).shape == (state.stress.shape[1], 2)
+    short, coupling = system.tangent(state, assembly, (), jump, convex=False)
+    monkeypatch.setattr("fem.system.lame_constants", lambda tangent, points: np.empty((0, 2)))
+    long, swept = system.tangent(state, assembly, (), jump, convex=False)
+    np.testing.assert_allclose(short, long, atol=1e-13 * np.abs(long).max())
+    np.testing.assert_allclose(coupling.displacement, swept.displacement, atol=1e-13 * np.abs(long).max())
+
+
+def test_which_tangents_are_isotropic() -> None:
+    strain = np.zeros((3, 4, 6))
+    both = LAW.shear(strain).tangent + LAW.volumetric(strain).tangent
+    np.testing.assert_allclose(lame_constants(both, 4), np.broadcast_to(LAW.lame, (4, 2)))
+    skew = both.copy()
+    skew[..., 2, 2] *= 1.01
+    assert lame_constants(skew, 4).shape == (0, 2)
+    assert lame_constants(np.repeat(both, 3, axis=0), 4).shape == (0, 2)

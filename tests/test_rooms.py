@@ -40,6 +40,7 @@ DOORS: dict[str, set[str]] = {
         "fem/layer_kernels.py",
         "fem/mixed_kernels.py",
         "fem/surface_kernels.py",
+        "fem/tangent_kernels.py",
         "rod/shooting.py",
         "pipeline/doctor.py",
     },
