@@ -7,7 +7,7 @@ SHELL := /bin/bash
 BIN := .venv/bin
 READY := .venv/.ready
 
-all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material
+all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy
 .PHONY: help setup $(all_targets) test slow fuzz kills lint types doctor clean
 
 help:  ## list the targets
@@ -37,6 +37,12 @@ effects: $(READY)  ## what each effect changes and costs on the coarse arm
 
 material: $(READY)  ## the constants of every law from the tensile tests of the example
 	@$(BIN)/pneurod material configs/elastosil_m4601_yeoh.csv --out results/material
+
+accuracy: $(READY)  ## what accuracy costs: the ladder of the four coarse arms, and the tables of docs/accuracy.md
+	@for arm in pneunet semicircular semicircular_single bisected_circle; do
+		$(BIN)/pneurod accuracy configs/$${arm}_coarse.yaml --out results/$${arm}_accuracy
+	done
+	$(BIN)/python benchmarks/accuracy.py results
 
 test: $(READY)  ## all tests but the slow ones
 	@$(BIN)/python -m pytest

@@ -50,14 +50,22 @@ class SelfContact(Effect):
         """The barrier; raises `ContactError`."""
         surface = space.surface(self.faces)
         pairs = FacingPairs.of(surface, space.points)
+        dhat = self._reach(pairs, space)
+        stiffness = 3 * STIFFNESS * material.shear_modulus
+        exact = cache(lambda: BarrierTerm(surface, space.points, dhat, stiffness))
+        return FacingTerm(pairs, dhat, stiffness, self.waits, exact)
+
+    def activation_distance(self, space: Discretisation) -> float:
+        """dhat, or its default for these faces, mm; raises `ContactError`."""
+        return self._reach(FacingPairs.of(space.surface(self.faces), space.points), space)
+
+    def _reach(self, pairs: FacingPairs, space: Discretisation) -> float:
         if pairs.nodes.size == 0:
             raise ContactError(f"self-contact on {self.faces!r}: no two parts of these faces look at each other")
         dhat = ACTIVATION * float(pairs.gaps(space.points).min()) if self.dhat is None else self.dhat
         if not dhat > 0:
             raise ContactError(f"self-contact on {self.faces!r}: dhat must be positive and the faces apart at rest")
-        stiffness = 3 * STIFFNESS * material.shear_modulus
-        exact = cache(lambda: BarrierTerm(surface, space.points, dhat, stiffness))
-        return FacingTerm(pairs, dhat, stiffness, self.waits, exact)
+        return dhat
 
 
 @final

@@ -3,6 +3,7 @@
 from geometry.bisected_circle import BisectedCircle
 from geometry.centreline import Centreline
 from geometry.design import Body, Design, DesignError
+from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, MeshError, Quality
 from geometry.own_mesh import OwnMesh
 from geometry.own_solid import OwnSolid
@@ -17,11 +18,13 @@ FAMILIES: dict[str, type[Design]] = {
 
 __all__ = [
     "FAMILIES",
+    "GRADINGS",
     "BisectedCircle",
     "Body",
     "Centreline",
     "Design",
     "DesignError",
+    "Grading",
     "Mesh",
     "MeshError",
     "OwnMesh",

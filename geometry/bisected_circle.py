@@ -9,6 +9,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
+from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.repeat import repeat, slices
 from geometry.solid import RoundBar, Solid, mesh_solid
@@ -76,7 +77,7 @@ class BisectedCircle(SymmetricDesign):
         segment = inner**2 * acos(height / inner) - height * sqrt(inner**2 - height**2)
         return segment * (self.length - 2 * self.end_wall)
 
-    def half_mesh(self, size: float) -> Mesh:
+    def half_mesh(self, size: float, grading: Grading) -> Mesh:
         count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
         middle = self.end_wall + pitch / 2
         edge = middle + pitch / 2
@@ -86,7 +87,7 @@ class BisectedCircle(SymmetricDesign):
             material["cell"] = self._halves(middle, edge, self.radius, 0)
             hollow.append(self._halves(middle, edge, self.radius - self.wall, self.divider / 2))
         air = {name: [halves[k][0] for halves in hollow] for k, name in enumerate(self.cavities)}
-        return repeat(mesh_solid(Solid(material, air), size), middle, edge, 2 * (count - 1))
+        return repeat(mesh_solid(Solid(material, air), size, grading), middle, edge, 2 * (count - 1))
 
     @staticmethod
     def _halves(start: float, stop: float, radius: float, height: float) -> list[list[RoundBar]]:

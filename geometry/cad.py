@@ -15,9 +15,10 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from geometry.design import DesignError
+from geometry.grading import Grading, grade
 from geometry.mesh import Mesh
 from geometry.names import name_faces
-from geometry.solid import SolidMesh, Volume, collected, session, walls_between
+from geometry.solid import SolidMesh, Volume, collected, mend, session, walls_between
 
 Point: TypeAlias = tuple[float, float, float]
 
@@ -64,7 +65,7 @@ def examine(body: CadBody) -> Findings:
         return Findings(low, high, whole * sum(float(occ.getMass(*block)) for block in blocks), volumes)
 
 
-def mesh_cad(body: CadBody, size: float) -> Mesh:
+def mesh_cad(body: CadBody, size: float, grading: Grading) -> Mesh:
     """Mesh the body with element edges of about `size` mm at most, moved along x so that it is clamped at x = 0.
 
     Faces: clamp, tip, sym (of a half), the cavities by their names, outer.
@@ -77,17 +78,11 @@ def mesh_cad(body: CadBody, size: float) -> Mesh:
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8, as in the round families
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
+        grade(gmsh, size, grading, half=body.half, piece=False)
         gmsh.model.mesh.generate(3)
-        _mend(gmsh)
+        mend(gmsh, FLAT)
         mesh = collected(gmsh, material, walls, ["body"], list(body.air))
     return _finished(body, mesh)
-
-
-def _mend(gmsh: Any) -> None:
-    """Let Netgen's optimiser work on a mesh with flat tetrahedra, such as HXT leaves in thin plates now and then."""
-    tags, _ = gmsh.model.mesh.getElementsByType(4)
-    if min(gmsh.model.mesh.getElementQualities(tags, "gamma")) < FLAT:
-        gmsh.model.mesh.optimize("Netgen")
 
 
 def _finished(body: CadBody, mesh: SolidMesh) -> Mesh:

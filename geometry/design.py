@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from geometry.grading import OFF, Grading
 from geometry.mesh import Mesh, MeshError
 from geometry.topology import Array
 
@@ -141,7 +142,7 @@ class Design(ABC):
         """Volume of the air in the whole body that is pressurised, exact, mm3."""
 
     @abstractmethod
-    def body(self, size: float) -> Body:
+    def body(self, size: float, grading: Grading = OFF) -> Body:
         """The meshed body; `size` is the largest length of an element edge that the mesher aims at, mm.
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
@@ -157,16 +158,16 @@ class SymmetricDesign(Design):
     """A design whose two halves about z = 0 are mirror images, so that only z >= 0 is meshed."""
 
     @abstractmethod
-    def half_mesh(self, size: float) -> Mesh:
+    def half_mesh(self, size: float, grading: Grading) -> Mesh:
         """Mesh of the half z >= 0 with elements of at most `size` mm (already checked against the body)."""
 
-    def body(self, size: float) -> Body:
+    def body(self, size: float, grading: Grading = OFF) -> Body:
         """The meshed half z >= 0; `size` is the largest length of an element edge that Gmsh aims at, mm.
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """
         check_size(size, self.extent, self.solid_volume / 2)
-        mesh = self.half_mesh(size)
+        mesh = self.half_mesh(size, grading)
         return Body(mesh, self.family, self.length, self.pitch, self.curve_y, True, self.cavities)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.cad import LARGEST, SMALLEST
 from geometry.design import Body, Design, DesignError
+from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.mesh import Mesh, MeshError
 from geometry.repeat import slices
@@ -130,6 +131,6 @@ class OwnMesh(Design):
     def _whole(self) -> int:
         return 2 if self.ready.half else 1
 
-    def body(self, size: float) -> Body:
-        """The mesh as it was read; `size` is not used."""
+    def body(self, size: float, grading: Grading = OFF) -> Body:
+        """The mesh as it was read; neither `size` nor `grading` is used."""
         return self.ready

@@ -14,6 +14,7 @@ import numpy as np
 
 from geometry.cad import SUFFIXES, CadBody, Findings, Point, examine, mesh_cad
 from geometry.design import Body, Design, DesignError, check_size
+from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.repeat import slices
 from geometry.topology import Array
@@ -107,8 +108,8 @@ class OwnSolid(Design):
     def cavity_volume(self) -> float:
         return self.findings.air_volumes[self.cavities[0]]
 
-    def body(self, size: float) -> Body:
+    def body(self, size: float, grading: Grading = OFF) -> Body:
         check_size(size, self.extent, self.solid_volume / (2 if self.symmetric else 1))
-        mesh = mesh_cad(self._cad, size)
+        mesh = mesh_cad(self._cad, size, grading)
         check_manifold(mesh)
         return Body(mesh, self.family, self.length, self.pitch, self.curve, self.symmetric, self.cavities)

@@ -8,6 +8,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
+from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.repeat import repeat
 from geometry.solid import Box, Solid, mesh_solid
@@ -91,10 +92,10 @@ class PneuNet(SymmetricDesign):
         channels = (self.chambers - 1) * (self.gap + 2 * self.wall) * self.channel**2
         return cavities + channels
 
-    def half_mesh(self, size: float) -> Mesh:
+    def half_mesh(self, size: float, grading: Grading) -> Mesh:
         middle = self.gap + self.chamber_length / 2
         edge = 1.5 * self.gap + self.chamber_length
-        return repeat(mesh_solid(self._drawing(middle, edge), size), middle, edge, 2 * (self.chambers - 1))
+        return repeat(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
         """The end piece with half a chamber and, with a neighbour, the other half up to the middle of the gap."""

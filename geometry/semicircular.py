@@ -9,6 +9,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
+from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.repeat import repeat
 from geometry.solid import Box, RoundBar, Shape, Solid, mesh_solid
@@ -82,10 +83,10 @@ class Semicircular(SymmetricDesign):
         cavities = self.chambers * self.chamber_length * pi / 2 * (self.radius - self.wall) ** 2
         return cavities + (self.chambers - 1) * self.partition * self.channel**2
 
-    def half_mesh(self, size: float) -> Mesh:
+    def half_mesh(self, size: float, grading: Grading) -> Mesh:
         middle = self.end_wall + self.chamber_length / 2
         edge = middle + self.pitch / 2
-        return repeat(mesh_solid(self._drawing(middle, edge), size), middle, edge, 2 * (self.chambers - 1))
+        return repeat(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
         near, far = self.end_wall, self.end_wall + self.chamber_length

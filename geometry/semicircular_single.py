@@ -9,6 +9,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import SymmetricDesign, check_less, check_numbers
+from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.repeat import repeat, slices
 from geometry.semicircular import cavity, dome
@@ -69,7 +70,7 @@ class SemicircularSingle(SymmetricDesign):
     def cavity_volume(self) -> float:
         return pi / 2 * (self.radius - self.wall) ** 2 * (self.length - 2 * self.end_wall)
 
-    def half_mesh(self, size: float) -> Mesh:
+    def half_mesh(self, size: float, grading: Grading) -> Mesh:
         count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
         middle = self.end_wall + pitch / 2
         edge = middle + pitch / 2
@@ -79,4 +80,4 @@ class SemicircularSingle(SymmetricDesign):
         if count > 1:
             material["cell"] = dome(middle, edge, self.radius, self.base)
             hollow.append(cavity(middle, edge, inner, self.base))
-        return repeat(mesh_solid(Solid(material, {"cavity": hollow}), size), middle, edge, 2 * (count - 1))
+        return repeat(mesh_solid(Solid(material, {"cavity": hollow}), size, grading), middle, edge, 2 * (count - 1))

@@ -120,6 +120,35 @@ def effects(
 
 
 @app.command()
+def accuracy(
+    config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
+) -> None:
+    """What accuracy costs: error against seconds over meshes, elements and tolerances. [default DIR:
+    results/NAME_accuracy]"""
+    with _plain_endings():
+        from pipeline.config import load_config
+        from pipeline.progress import progress_for
+
+        design = load_config(config, settings or ())
+        folder = out or Path("results") / f"{design.name}_accuracy"
+
+        from pipeline.accuracy import climb
+        from pipeline.accuracy_table import reference_sentences
+        from pipeline.tables import costs
+
+        console = Console()
+        progress = progress_for(console)
+        try:
+            record = climb(design, folder, jobs or min(2, len(os.sched_getaffinity(0))), fresh, progress)
+        finally:
+            progress.done()
+        console.print(costs(record), highlight=False)
+        for sentence in reference_sentences(record):
+            console.print(sentence, highlight=False, soft_wrap=True)
+        console.print(f"picture: {folder / 'accuracy.html'}", highlight=False, soft_wrap=True)
+
+
+@app.command()
 def rod(
     parameters: Annotated[Path, typer.Argument(metavar="PARAMETERS.json", help="Of a finished run.")],
     pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa'.")],

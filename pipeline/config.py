@@ -52,6 +52,7 @@ class MeshChoice:
     size_mm: float
     formulation: str  #: one of FORMULATIONS
     coarser: float | None  #: the second mesh's size over size_mm, for the mesh error of the numbers; None for none
+    grading: str  #: one of geometry.GRADINGS
 
 
 @dataclass(frozen=True)
@@ -93,6 +94,7 @@ class Config:
     added_pressures: int  #: how many may be added where alpha(p) or kappa_0(p) is not straight
     validation: Validation
     mesh: MeshChoice
+    newton_tolerance: float  #: residual over internal forces at which Newton stops
     effects: Mapping[str, str]  #: effect -> auto, on or off
     cavities: Mapping[str, CavityPressure]  #: cavity -> its pressure, in the order of the design
     gravity_mm_s2: tuple[float, float, float]
@@ -124,6 +126,7 @@ class Config:
                 "forces_N": [list(force) for force in self.validation.forces_N],
             },
             "mesh": asdict(self.mesh),
+            "newton": {"tolerance": self.newton_tolerance},
             "effects": {
                 **self.effects,
                 "cavity_pressures": {name: asdict(pressure) for name, pressure in self.cavities.items()},
@@ -172,6 +175,7 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
         added_pressures=content.added_pressures,
         validation=_validation(document, content),
         mesh=_mesh(content, size, states["incompressibility"], constants),
+        newton_tolerance=content.newton.tolerance,
         effects=states,
         cavities=_cavities(document, design, effects.pressure),
         gravity_mm_s2=effects.gravity.acceleration,
@@ -255,11 +259,12 @@ def _check_together(document: Document, content: Any) -> None:
 
 
 def _mesh(content: Any, size: float, state: str, constants: Mapping[str, float]) -> MeshChoice:
-    """The elements; a ready mesh has no second one."""
+    """The elements; a ready mesh has no second one and is not graded."""
     return MeshChoice(
         size,
         _formulation(content.mesh.formulation, state, constants),
         getattr(content.mesh, "coarser", None),
+        getattr(content.mesh, "grading", "off"),
     )
 
 

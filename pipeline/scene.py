@@ -1,7 +1,7 @@
 """From a configuration to its scene: the part of the body that is meshed, and the effects that act on it."""
 
 import fem
-from geometry import Body, DesignError, MeshError
+from geometry import GRADINGS, Body, DesignError, MeshError
 from pipeline.config import Config
 from pipeline.failure import InputError
 
@@ -18,7 +18,7 @@ def meshed_body(config: Config) -> Body:
     """
     material_of(config)
     try:
-        body = config.design.body(config.mesh.size_mm)
+        body = config.design.body(config.mesh.size_mm, GRADINGS[config.mesh.grading])
     except (DesignError, MeshError) as failure:
         raise InputError(f"{config.source}: {failure}") from None
     if config.effects["symmetry"] == "on" and not body.half:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, get_type_hints
 import pydantic
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from geometry import FAMILIES, OwnMesh, OwnSolid
+from geometry import FAMILIES, GRADINGS, OwnMesh, OwnSolid
 from pipeline.document import Document
 from pipeline.failure import quoted
 from pipeline.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
@@ -160,9 +160,25 @@ class _Section(pydantic.BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
 
+def _grading(value: Any) -> Any:
+    """A name of a grading; YAML 1.1 reads a bare off as false."""
+    return "off" if value is False else value
+
+
+def _small(value: float) -> float:
+    if not 0.0 < value <= 1e-2:
+        raise ValueError(f"{value:g} is not allowed; allowed: above 0 and at most 0.01")
+    return value
+
+
 class _Mesh(_Section):
     size: PositiveLength
     formulation: Annotated[Literal[FORMULATIONS] | None, Field(examples=["p2p0"])] = None  # type: ignore[valid-type]
+    grading: Annotated[
+        Literal[tuple(GRADINGS)],  # type: ignore[valid-type]
+        BeforeValidator(_grading),
+        Field(examples=["walls"]),
+    ] = "off"
     coarser: Coarser | None = None
 
 
@@ -215,12 +231,17 @@ class _Effects(_Section):
 EFFECTS = tuple(_Effects.model_fields)
 
 
+class _Newton(_Section):
+    tolerance: Annotated[float, BeforeValidator(_number), AfterValidator(_small), Field(examples=["0.000001"])] = 1e-6
+
+
 class _Document(_Section):
     name: Name
     pressures: Pressures = (5.0, 17.0, 31.0, 45.0)
     end: _End = _End()
     added_pressures: Annotated[Count, AfterValidator(_not_below_zero)] = 0
     validation: _Validation = _Validation()
+    newton: _Newton = _Newton()
     effects: _Effects = _Effects()
 
 

@@ -165,7 +165,8 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
 
     failure, failed = "", float("nan")
     try:
-        solution = fem.follow(model, list(pressures), watch=watch, keep=keep, resume=remembered)
+        options = fem.PathOptions(fem.NewtonOptions(tolerance=config.newton_tolerance))
+        solution = fem.follow(model, list(pressures), options, watch=watch, keep=keep, resume=remembered)
     except fem.NotConverged as ended:
         solution, failure = ended.partial, ended.reason
         failed = list(pressures.values())[len(solution.steps)]

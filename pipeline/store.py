@@ -33,10 +33,11 @@ __all__ = ["Store", "open_folder", "open_store"]
 
 _IDENTITY = "states/configuration.json"
 _SOURCES = ("geometry/*.py", "fem/*.py", "pipeline/cases.py", "pipeline/scene.py", "pipeline/simulate.py")
-_FOLDERS = ("states", "pictures", "fields")
+_FOLDERS = ("states", "pictures", "fields", "rungs")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),
     *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
+    *("accuracy.json", "accuracy.html", "accuracy.svg"),
 )
 
 

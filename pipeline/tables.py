@@ -1,4 +1,4 @@
-"""Tables on the terminal: the effects of a run, what each of them changes and costs, and the laws of a material."""
+"""Tables on the terminal: what effects change and cost, the laws of a material, and what accuracy costs."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -6,12 +6,13 @@ from typing import Any
 from rich.table import Table
 from rich.text import Text
 
+from pipeline.accuracy_table import COLUMNS_OF_RUNGS, cells
 from pipeline.effects_table import BASE, COLUMNS
 from pipeline.law_fit import LawFit, Refused
 from pipeline.material_fits import Fits
 from pipeline.material_words import with_error
 
-__all__ = ["comparison", "laws", "sentences"]
+__all__ = ["comparison", "costs", "laws", "sentences"]
 
 Row = Mapping[str, Any]
 
@@ -66,6 +67,16 @@ def _constants(fit: LawFit) -> str:
 
 def _stretches(low: float, high: float) -> str:
     return f"{low:.3g} - {high:.3g}".replace("inf", "∞")
+
+
+def costs(record: Mapping[str, Any]) -> Table:
+    """The rungs of accuracy.json; those that nothing beats are marked."""
+    table = Table(*COLUMNS_OF_RUNGS, box=None)
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for row in record["rungs"]:
+        table.add_row(*cells(row), style="bold" if row["on_front"] else "")
+    return table
 
 
 def _number(row: Row, key: str) -> str:

@@ -25,7 +25,7 @@ LIBRARIES: dict[str, set[str]] = {
     "rod": {"numpy", "scipy", "sklearn", "numba"},
     "pipeline": {
         *("numpy", "numba", "packaging", "yaml", "pydantic", "pint"),
-        *("pyvista", "typer", "rich", "jinja2", "plotly"),
+        *("pyvista", "typer", "rich", "jinja2", "plotly", "matplotlib"),
     },
 }
 
@@ -54,7 +54,9 @@ DOORS: dict[str, set[str]] = {
     "typer": {"pipeline/cli.py"},
     "rich": {"pipeline/cli.py", "pipeline/progress.py", "pipeline/tables.py"},
     "jinja2": {"pipeline/report.py"},
+    "matplotlib": {"pipeline/accuracy_figure.py"},
     "plotly": {
+        "pipeline/accuracy_figure.py",
         "pipeline/material_figure.py",
         "pipeline/report.py",
         "pipeline/report_compared.py",
@@ -64,7 +66,7 @@ DOORS: dict[str, set[str]] = {
 
 #: what `pneurod --help` must not wait for
 HEAVY = {"numpy", "scipy", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn"} | {
-    *("pydantic", "pint", "pyvista", "vtkmodules", "jinja2", "plotly"),
+    *("pydantic", "pint", "pyvista", "vtkmodules", "jinja2", "plotly", "matplotlib"),
 }
 
 

@@ -1,0 +1,124 @@
+"""The content of accuracy.json: what each rung cost, and how far its numbers are from those of the finest solution."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from pipeline.accuracy_errors import NUMBERS, errors, headline, limit, pareto_front, shifted
+from pipeline.config import FORMULATIONS, Config
+from pipeline.failure import RunFailed
+from pipeline.provenance import provenance
+from pipeline.rungs import CONTACT, POINTS, TOLERANCE, Rung, mesh_choice
+
+__all__ = ["accuracy_record"]
+
+AXES = ("x", "y")
+
+Found = Mapping[str, Any]  #: what `rung_measured.measure` found
+Numbers = Mapping[str, Any]  #: of that, what belongs to one pressure
+
+#: the elements whose limit is the reference
+SUREST = next(name for name in ("mixed", "p2p0") if name in FORMULATIONS)
+
+
+def accuracy_record(config: Config, rungs: Sequence[tuple[Rung, Found]], touching_mm: float | None) -> dict[str, Any]:
+    """The content of accuracy.json. Raises RunFailed where there is nothing to hold the rungs against."""
+    references = {pressure: _references(config, rungs, pressure, touching_mm) for pressure in config.pressures_kPa}
+    lacking = [f"{pressure:g} kPa" for pressure, found in references.items() if found["force_N"] is None]
+    if lacking:
+        raise RunFailed(f"too few rungs reached {', '.join(lacking)} to extrapolate from; choose lower pressures")
+    rows = [row for rung, found in rungs for row in _rows(config, rung, found, references)]
+    ranked = [row for row in rows if row["headline"] is not None]
+    front = pareto_front([(row["cpu_seconds"], row["headline"]) for row in ranked])
+    for row in rows:
+        row["on_front"] = any(row is ranked[index] for index in front)
+    return {
+        "config": config.record(),
+        "config_hash": config.hash,
+        **provenance(),
+        "pressures_kPa": list(config.pressures_kPa),
+        "as_configured": {"choice": mesh_choice(config), "size_mm": config.mesh.size_mm, "contact_mm": touching_mm},
+        "reference": [{"pressure_kPa": pressure, **_written(found)} for pressure, found in references.items()],
+        "rungs": rows,
+    }
+
+
+def _references(
+    config: Config, rungs: Sequence[tuple[Rung, Found]], pressure: float, touching_mm: float | None
+) -> dict[str, Any]:
+    """What each number is held against at one pressure: a Reference, two of them for the end, or None."""
+    lines: dict[str, list[tuple[float, Numbers]]] = {}
+    distances: list[tuple[float, Numbers]] = []
+    for rung, found in rungs:
+        numbers = next((one for one in found["numbers"] if (one["pressure_kPa"], one["stride"]) == (pressure, 1)), None)
+        if numbers is None:
+            continue
+        if rung.is_mesh and rung.config.mesh.formulation == SUREST:
+            lines.setdefault(rung.choice, []).append((found["degrees_of_freedom"], numbers))
+        if touching_mm is not None and rung.config.mesh == config.mesh and rung.choice != TOLERANCE:
+            distances.append((rung.value if rung.choice == CONTACT else touching_mm, numbers))
+    return {key: _reference(key, list(lines.values()), distances, touching_mm) for key in NUMBERS}
+
+
+def _reference(
+    key: str,
+    lines: Sequence[Sequence[tuple[float, Numbers]]],
+    distances: Sequence[tuple[float, Numbers]],
+    touching_mm: float | None,
+) -> Any:
+    if key == "end_mm":
+        ends = [
+            _reference(axis, _of_end(lines, i), _of_end([distances], i)[0], touching_mm) for i, axis in enumerate(AXES)
+        ]
+        return None if None in ends else ends
+    known = [[(n, numbers[key]) for n, numbers in line if numbers[key] is not None] for line in lines]
+    found = limit(known)
+    steps = [(mm, numbers[key]) for mm, numbers in distances if numbers[key] is not None]
+    if found is None or touching_mm is None or len(steps) < 2 or touching_mm not in dict(steps):
+        return found
+    return shifted(found, steps, touching_mm)
+
+
+def _rows(
+    config: Config, rung: Rung, found: Found, references: Mapping[float, Mapping[str, Any]]
+) -> list[dict[str, Any]]:
+    """One row of a rung, and one more for every way of thinning its curve."""
+    rows = []
+    measured = {key: value for key, value in found.items() if key not in ("numbers", "key")}
+    for stride in rung.strides:
+        numbers = [one for one in found["numbers"] if one["stride"] == stride]
+        against = [
+            {
+                "pressure_kPa": one["pressure_kPa"],
+                **errors(one, references[one["pressure_kPa"]], config.design.length),
+            }
+            for one in numbers
+        ]
+        thinned = {"choice": POINTS, "value": min((one["points"] for one in numbers), default=None)}
+        rows.append(
+            {
+                "choice": rung.choice,
+                "value": rung.value,
+                **(thinned if stride > 1 else {}),
+                **measured,
+                "headline": headline(against) if len(numbers) == len(config.pressures_kPa) else None,
+                "errors": against,
+                "numbers": numbers,
+            }
+        )
+    return rows
+
+
+def _of_end(lines: Any, axis: int) -> Any:
+    """The lines with one coordinate of the end as their number."""
+    return [[(n, {AXES[axis]: numbers["end_mm"][axis]}) for n, numbers in line] for line in lines]
+
+
+def _written(found: Mapping[str, Any]) -> dict[str, Any]:
+    written: dict[str, Any] = {}
+    for key, one in found.items():
+        if key == "end_mm":
+            written[key] = one and [asdict(axis) for axis in one]
+        else:
+            written[key] = one and asdict(one)
+    return written
