@@ -1,16 +1,18 @@
 """Factorizations of a symmetric matrix given by its upper triangle (the only door to pypardiso)."""
 
 import importlib.util
+import os
 import weakref
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from pathlib import Path
 from time import perf_counter
 from typing import Any, final
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import LinearOperator, gmres, splu
 
 Array = NDArray[np.float64]
 
@@ -21,6 +23,10 @@ class SingularMatrix(ArithmeticError):
 
 #: a pivot below ten to this power times the largest entry counts as zero
 ZERO_PIVOT = -12
+#: residual over right-hand side to which a solution is refined, in how many rounds of how many GMRES iterations
+REFINED = 1e-11
+REFINEMENTS = 8
+RESTART = 40
 LOOSE = "a pivot is zero: a part of the body is not held, or the equilibrium is at a limit point"
 
 
@@ -64,9 +70,14 @@ class LinearSolver(ABC):
 
 @final
 class Pardiso(LinearSolver):
-    """PARDISO of the MKL for real symmetric indefinite matrices (mtype -2), phases 11, 22 and 33 apart."""
+    """PARDISO of the MKL for real symmetric indefinite matrices (mtype -2), phases 11, 22 and 33 apart.
 
-    def __init__(self) -> None:
+    A factor that would not fit into `memory` (bytes; by default what the machine has to spare when the matrix is
+    analysed) is made in single precision, half as large; solutions then come from GMRES in double precision with that
+    factor as its preconditioner, to the same accuracy.
+    """
+
+    def __init__(self, memory: float | None = None) -> None:
         from pypardiso import PyPardisoSolver
         from pypardiso.pardiso_wrapper import PyPardisoError
 
@@ -75,31 +86,50 @@ class Pardiso(LinearSolver):
         self._finalizer = weakref.finalize(self, _release, self._solver)
         for place, value in {1: 1, 2: 3, 8: 1, 10: -ZERO_PIVOT, 11: 0, 13: 0, 21: 1, 24: 0}.items():
             self._solver.set_iparm(place, value)
+        self._memory = memory
         self._matrix = sp.csr_matrix((0, 0))
+        self._data = np.empty(0)
         self.times = LinearTimes()
 
     def _call(self, phase: int, right: Array) -> Array:
         self._solver.set_phase(phase)
         try:
-            return self._solver._call_pardiso(self._matrix, right)
+            return self._solver._call_pardiso(self._matrix, right.astype(self._matrix.dtype, copy=False))
         except self._error as error:
             if error.value == -2:
                 raise MemoryError("PARDISO: the factor does not fit into memory; choose a coarser mesh") from None
             raise SingularMatrix(f"PARDISO stopped with error {error.value}") from None
 
+    @property
+    def single(self) -> bool:
+        """Whether the factor is kept in single precision."""
+        return bool(self._matrix.dtype == np.float32)
+
+    @property
+    def factor_bytes(self) -> int:
+        """Memory of the factor as the symbolic analysis foresees it."""
+        return 1024 * int(max(self._solver.get_iparm(15), self._solver.get_iparm(16) + self._solver.get_iparm(17)))
+
     def analyse(self, indptr: NDArray[Any], indices: NDArray[Any]) -> None:
         start = perf_counter()
         self.close()
-        size = indptr.shape[0] - 1
-        self._matrix = sp.csr_matrix((np.ones(indices.shape[0]), indices, indptr), shape=(size, size))
-        self._call(11, np.zeros(size))
+        spare = spare_memory() if self._memory is None else self._memory
+        for kind, precision in ((np.float64, 0), (np.float32, 1)):
+            size = indptr.shape[0] - 1
+            self._solver.set_iparm(28, precision)
+            self._matrix = sp.csr_matrix((np.ones(indices.shape[0], kind), indices, indptr), shape=(size, size))
+            self._call(11, np.zeros(size))
+            if self.factor_bytes < spare or self.single:
+                break
+            _release(self._solver)
         self.times.analysis += perf_counter() - start
         self.times.analyses += 1
 
     def factorize(self, data: Array) -> None:
         _check_finite(data)
         start = perf_counter()
-        self._matrix.data = data
+        self._data = data
+        self._matrix.data = data.astype(self._matrix.dtype, copy=False)
         self._call(22, np.zeros(self._matrix.shape[0]))
         self.times.factorization += perf_counter() - start
         self.times.factorizations += 1
@@ -108,11 +138,30 @@ class Pardiso(LinearSolver):
 
     def solve(self, right: Array) -> Array:
         start = perf_counter()
-        solution = self._call(33, np.asfortranarray(right))
+        solution = self._refined(right) if self.single else self._call(33, np.asfortranarray(right))
         self.times.solve += perf_counter() - start
         if not np.isfinite(solution).all():
             raise SingularMatrix("the linear system has no finite solution")
         return solution
+
+    def _refined(self, right: Array) -> Array:
+        """The solution for right (d,) or (d, k) by GMRES with the single-precision factor."""
+        if right.ndim == 2:
+            return np.column_stack([self._refined(column) for column in right.T])
+        upper = sp.csr_matrix((self._data, self._matrix.indices, self._matrix.indptr), shape=self._matrix.shape)
+        diagonal = upper.diagonal()
+        operators = (
+            LinearOperator(upper.shape, lambda x: upper @ x + upper.T @ x - diagonal * x, dtype=float),
+            LinearOperator(upper.shape, lambda x: self._call(33, x.ravel()).astype(float), dtype=float),
+        )
+        solution, rest = np.zeros_like(right), right
+        for _ in range(REFINEMENTS):  # rounding to single precision is no linear operator: GMRES alone would stall
+            step, _ = gmres(operators[0], rest, M=operators[1], rtol=1e-5, restart=RESTART, maxiter=1)
+            solution = solution + step
+            rest = right - operators[0] @ solution
+            if np.linalg.norm(rest) <= REFINED * np.linalg.norm(right):
+                return solution
+        raise SingularMatrix(f"{LOOSE}; or the factor needs the double precision that memory does not allow here")
 
     @property
     def negative_pivots(self) -> int:
@@ -121,6 +170,15 @@ class Pardiso(LinearSolver):
     def close(self) -> None:
         _release(self._solver)
         self._matrix = sp.csr_matrix((0, 0))
+
+
+def spare_memory() -> float:
+    """Bytes that the machine can give without swapping; all it has where the system does not tell."""
+    try:
+        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
+        return 1024.0 * next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable"))
+    except (OSError, StopIteration):
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
 
 
 def _check_finite(data: Array) -> None:

@@ -31,7 +31,7 @@ class PathOptions:
 
     newton: NewtonOptions = field(default_factory=NewtonOptions)
     smallest: float = 1 / 256  #: smallest share of the way to the next asked factor that is tried
-    solver: type[LinearSolver] | None = None  #: linear solver, the best installed one by default
+    solver: Callable[[], LinearSolver] | None = None  #: what makes the linear solver, the best installed one by default
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """A model: body, law, supports and effects, before anything is solved."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import final
@@ -37,7 +38,7 @@ class Model:
         """The mesh as quadratic elements, made once."""
         return Discretisation.of(self.mesh, self.formulation)
 
-    def system(self, solver: type[LinearSolver] | None = None) -> System:
+    def system(self, solver: Callable[[], LinearSolver] | None = None) -> System:
         """The assembled equations, with the given linear solver or the best one installed."""
         terms = tuple(effect.bind(self.space, self.material) for effect in self.effects)
         constraints = Constraints.of(self.supports, self.space)
