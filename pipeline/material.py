@@ -12,7 +12,7 @@ from pipeline.law_fit import LawFit, Refused
 from pipeline.material_figure import tensile_page
 from pipeline.material_fits import Asked, Fits, fitted
 from pipeline.material_words import about_moduli, block, sentences
-from pipeline.moduli import PAPER, choice
+from pipeline.moduli import PAPER, Choice, choice
 from pipeline.provenance import provenance
 from pipeline.store import open_folder
 from pipeline.tensile import read_tensile
@@ -36,7 +36,6 @@ def fit_material(paths: Sequence[Path], asked: Asked, out: Path) -> Fits:
 
 
 def _record(paths: Sequence[Path], fits: Fits) -> dict[str, Any]:
-    own = choice(fits.moduli.low, fits.moduli.high, fits.asked.nu)
     return {
         "files": [str(path) for path in paths],
         "tests": [
@@ -46,15 +45,8 @@ def _record(paths: Sequence[Path], fits: Fits) -> dict[str, Any]:
         "asked": asdict(fits.asked),
         "moduli": fits.moduli.record(),
         "choice_of_E_H": {
-            name: {
-                "stretch": at.stretch,
-                "line_MPa": at.line,
-                "svk_MPa": at.svk,
-                "svk_over_line": at.svk / at.line,
-                "hencky_MPa": at.hencky,
-                "hencky_over_line": at.hencky / at.line,
-            }
-            for name, at in (("these_data", own), ("paper", choice(*PAPER)))
+            "these_data": _choice_record(choice(fits.moduli.low, fits.moduli.high, fits.asked.nu)),
+            "paper": _choice_record(choice(*PAPER)),
         },
         "laws": [
             {"law": law, "fitted_to": name, **_fit_record(fit, fits.asked.density)}
@@ -63,6 +55,19 @@ def _record(paths: Sequence[Path], fits: Fits) -> dict[str, Any]:
         ],
         "sentences": [*about_moduli(fits), *sentences(fits)],
         **provenance(),
+    }
+
+
+def _choice_record(at: Choice | None) -> dict[str, float] | None:
+    if at is None:
+        return None
+    return {
+        "stretch": at.stretch,
+        "line_MPa": at.line,
+        "svk_MPa": at.svk,
+        "svk_over_line": at.svk / at.line,
+        "hencky_MPa": at.hencky,
+        "hencky_over_line": at.hencky / at.line,
     }
 
 

@@ -51,19 +51,16 @@ def sentences(fits: Fits) -> list[str]:
 
 
 def _about_the_choice(fits: Fits) -> list[str]:
-    found, (low, high, nu) = fits.moduli, PAPER
-    said = []
-    if np.isfinite(found.high):
-        said.append(f"With these E_L and E_H {_against_the_line(found.low, found.high, fits.asked.nu)}.")
-    return [*said, f"With the paper's E_L = {low:g} and E_H = {high:g} MPa {_against_the_line(low, high, nu)}."]
-
-
-def _against_the_line(low: float, high: float, nu: float) -> str:
-    at = choice(low, high, nu)
-    return (
-        f"a St. Venant-Kirchhoff bar of E = E_H carries {at.svk:.3g} MPa at stretch {at.stretch:g}, "
-        f"{at.svk / at.line:.1f} times the measured line E_L times strain; a Hencky bar {at.hencky / at.line:.1f} times"
-    )
+    found, (low, high, _) = fits.moduli, PAPER
+    own, papers = choice(found.low, found.high, fits.asked.nu), choice(*PAPER)
+    named = {"these E_L and E_H": own, f"the paper's E_L = {low:g} and E_H = {high:g} MPa": papers}
+    return [
+        f"With {name} a St. Venant-Kirchhoff bar of E = E_H carries {at.svk:.3g} MPa at stretch {at.stretch:g}, "
+        f"{at.svk / at.line:.1f} times the measured line E_L times strain; "
+        f"a Hencky bar {at.hencky / at.line:.1f} times."
+        for name, at in named.items()
+        if at is not None
+    ]
 
 
 def _about_kappa(fits: Fits) -> list[str]:

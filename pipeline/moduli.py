@@ -90,8 +90,10 @@ def moduli(tests: Sequence[TensileTest], break_strain: float) -> Moduli:
     )
 
 
-def choice(low: float, high: float, nu: float) -> Choice:
-    """St. Venant-Kirchhoff and Hencky with E = `high` against the line of slope `low` (MPa)."""
+def choice(low: float, high: float, nu: float) -> Choice | None:
+    """Two laws with E = `high` against the line of slope `low` (MPa); None where one is missing."""
+    if not (low > 0 and high > 0):
+        return None
     at = np.array([LOOKED_AT])
     return Choice(
         LOOKED_AT,

@@ -1,6 +1,7 @@
 """Constants come back within their standard errors, these are those of repeated draws, ranges mean what they say."""
 
 import json
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -141,28 +142,52 @@ def test_moduli_of_two_lines() -> None:
 
 def test_the_choice_of_the_paper() -> None:
     at = choice(*PAPER)
+    assert at is not None
     assert at.line == pytest.approx(0.13)
     assert at.svk / at.line == pytest.approx(2.437, abs=1e-3)
     assert at.hencky / at.line == pytest.approx(1.402, abs=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("strain", "stress"),
+    [
+        (np.array([0.0, 0.1, 0.2, 0.3, 0.5, 1.0]), lambda s: 0.3 * (s - s**-2)),  # nothing beyond 150 %, few points
+        (np.linspace(-0.5, 0.0, 40), lambda s: 0.3 * (s - s**-2)),  # pressed only
+        (np.concatenate([np.linspace(0, 1, 50), np.linspace(1, 0, 50)]), lambda s: 0.5 * (s - 1)),  # there and back
+        (np.linspace(0, 3, 40), lambda s: np.sin(s - 1)),  # falls beyond 150 %
+    ],
+)
+def test_unusual_data_are_written_too(strain: Array, stress: Callable[[Array], Array], tmp_path: Path) -> None:
+    rows = "\n".join(f"{e},{s}" for e, s in zip(strain, stress(1 + strain), strict=True))
+    (tmp_path / "pull.csv").write_text(f"strain (1),stress (MPa)\n{rows}\n")
+    result = call(str(tmp_path / "pull.csv"), "--out", str(tmp_path / "out"))
+    assert result.exit_code == 0, result.output
+    record = json.loads((tmp_path / "out" / "material.json").read_text(encoding="utf-8"))
+    assert record["choice_of_E_H"]["these_data"] is None
+    assert any(not row["reason"] and row["holds_between_stretches"] for row in record["laws"])
+    assert " nan" not in result.stdout
+
+
 def test_the_mean_curve_knows_its_error() -> None:
-    """In 40 draws the truth lies within one standard error about as often as it should, and the scatter is found."""
+    """In 20 draws the truth lies within one standard error as often as it should (68 %), and the scatter is found.
+
+    It lies there more often, for the curve allows for a relative error of 1 % that these points do not have.
+    """
     random = np.random.default_rng(3)
     inside = []
-    for _ in range(40):
+    for _ in range(20):
         tests = drawn(random, top=1.5, between=0.0)
         assert noise(tests) == pytest.approx(NOISE, rel=0.3)
         curve = MeanCurve.of(tests)
         inside.append(np.mean(np.abs(curve.mean - truth(curve.nodes)) <= curve.doubt))
-    assert 0.55 < np.mean(inside) < 0.85
+    assert 0.68 < np.mean(inside) < 0.95
 
 
 def test_the_right_law_is_not_refused_and_a_wrong_one_not_believed() -> None:
-    """What a wrong law errs by at the end of its range is what was allowed and little more, in 20 draws."""
+    """What a wrong law errs by at the end of its range is what was allowed and little more, in 10 draws."""
     random = np.random.default_rng(4)
     errors = []
-    for _ in range(20):
+    for _ in range(10):
         curve = MeanCurve.of(drawn(random, top=1.5))
         right = fit_all("yeoh", curve, 0.4999, SHARE)
         assert isinstance(right, LawFit)
@@ -172,7 +197,7 @@ def test_the_right_law_is_not_refused_and_a_wrong_one_not_believed() -> None:
             if isinstance(wrong, LawFit) and wrong.holds:
                 last = np.array([wrong.holds[1]])
                 errors.append(abs(float((fem.uniaxial(wrong.solved, last).nominal / truth(last))[0]) - 1))
-    assert len(errors) > 50
+    assert len(errors) > 25
     assert SHARE - 0.02 < np.median(errors) < SHARE + 0.03
     assert np.quantile(errors, 0.9) < 2 * SHARE
 
