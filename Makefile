@@ -7,7 +7,7 @@ SHELL := /bin/bash
 BIN := .venv/bin
 READY := .venv/.ready
 
-all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy
+all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy scaling
 .PHONY: help setup $(all_targets) test slow fuzz kills lint types doctor clean
 
 help:  ## list the targets
@@ -43,6 +43,9 @@ accuracy: $(READY)  ## what accuracy costs: the ladder of the four coarse arms, 
 		$(BIN)/pneurod accuracy configs/$${arm}_coarse.yaml --out results/$${arm}_accuracy
 	done
 	$(BIN)/python benchmarks/accuracy.py results
+
+scaling: $(READY)  ## arms of 7, 11 and 20 cells from one parameterization, against their own finite elements
+	@$(BIN)/python benchmarks/scaling.py
 
 test: $(READY)  ## all tests but the slow ones
 	@$(BIN)/python -m pytest

@@ -47,6 +47,7 @@ class Arm:
     free: Centreline  #: II
     held: Centreline  #: III
     force: float  #: N, F_y of III
+    couple: float  #: N mm, of that force about the end of the curve
     kappa_0: Curvature
     numbers: Identification
 
@@ -87,9 +88,10 @@ def solved(chambers: int, pressures: Sequence[float], size: float) -> list[Arm]:
         experiment, step = steps["III", pressure]
         force = (float(experiment.end_force(step)[0]), float(experiment.end_force(step)[1]))
         kappa_0, kappa = (cell_averaged(curves[name], body.pitch) for name in ("II", "III"))
-        moment = moment_from_force(without_stretch(curves["III"]), force, experiment.end_couple(step))
+        couple = experiment.end_couple(step)
+        moment = moment_from_force(without_stretch(curves["III"]), force, couple)
         found = identify(kappa_0, kappa, moment, closing(curves["II"], curves["III"], force))
-        arms.append(Arm(chambers, pressure, curves["II"], curves["III"], force[1], kappa_0, found))
+        arms.append(Arm(chambers, pressure, curves["II"], curves["III"], force[1], couple, kappa_0, found))
     return arms
 
 
@@ -110,7 +112,7 @@ def held_against(arm: Arm, known: Reference) -> Row:
     guess = scaled(known, length=arm.free.length, pressure=arm.pressure)
     start = (float(arm.free.x[0]), float(arm.free.y[0]))
     rod = Rod(arm.free.length, guess.kappa_0, guess.law, 0.0, start)
-    held = rod.solve(end_y=float(arm.held.y[-1]))
+    held = rod.solve(end_y=float(arm.held.y[-1]), moment=arm.couple)
     distances = []
     for shape, curve in ((rod.solve(), arm.free), (held, arm.held)):
         off = shape.positions(curve.s - curve.s[0]) - np.column_stack([curve.x, curve.y])

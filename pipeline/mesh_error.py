@@ -44,17 +44,26 @@ def mesh_deviations(
     """Standard deviations by name of the numbers at every pressure, from those on a mesh of `size` (mm) and one
     `factor` times as coarse; empty where there is nothing to compare with at any pressure.
 
-    Two meshes may agree on a number by chance, so none gets less than the root mean square over the pressures.
+    Two meshes may agree on a number by chance, so none gets less than the root mean square over the pressures, of the
+    relative errors for rigidities, which grow with the pressure.
     """
+    sizes = (size, factor * size)
     own: list[dict[str, float]] = []
     for here, there in zip(fine, coarse, strict=True):
-        sizes = (size, factor * size)
-        own.append({} if there is None else {n: extrapolated(sizes, (here[n], there[n])).error_std for n in here})
+        stds = {} if there is None else {n: extrapolated(sizes, (here[n], there[n])).error_std for n in here}
+        own.append({n: std / _scale(n, here) for n, std in stds.items()})
     known = [stds for stds in own if stds]
     if not known:
         return tuple({} for _ in own)
     usual = {n: math.sqrt(sum(stds[n] ** 2 for stds in known) / len(known)) for n in known[0]}
-    return tuple({n: max(stds.get(n, 0.0), usual[n]) for n in usual} for stds in own)
+    return tuple(
+        {n: max(stds.get(n, 0.0), usual[n]) * _scale(n, here) for n in usual}
+        for stds, here in zip(own, fine, strict=True)
+    )
+
+
+def _scale(name: str, numbers: Mapping[str, float]) -> float:
+    return abs(numbers[name]) if name.startswith("alpha") else 1.0
 
 
 def _numbers(fine: Parameters, free: Record | None, loaded: Record | None) -> dict[str, float] | None:

@@ -6,7 +6,7 @@ import plotly.graph_objects as go
 from plotly.colors import qualitative
 
 from pipeline.report_data import Results
-from pipeline.report_figures import legend_only, line, shade, side_by_side, styled
+from pipeline.report_figures import legend_only, line, scaled_alike, shade, side_by_side, styled
 
 __all__ = ["end_forces", "validation_shapes"]
 
@@ -25,9 +25,7 @@ def validation_shapes(results: Results) -> Any:
             line(figure, curve["rod_x_mm"], curve["rod_y_mm"], "#1f2933", title, column, dash="dash")
     legend_only(figure, "finite elements", "#7b8794", "solid")
     legend_only(figure, "rod", "#1f2933", "dash")
-    for column in (1, 2):
-        figure.update_yaxes(scaleanchor="x" if column == 1 else "x2", scaleratio=1, row=1, col=column)
-    return figure
+    return scaled_alike(figure, results.validation_curves)
 
 
 def end_forces(results: Results) -> Any:

@@ -16,6 +16,7 @@ __all__ = [
     "legend_only",
     "line",
     "moments",
+    "scaled_alike",
     "shade",
     "shapes",
     "side_by_side",
@@ -24,6 +25,8 @@ __all__ = [
 ]
 
 _DASHES = {"I": "dot", "II": "solid", "III": "solid"}
+#: height over width of a shape that is drawn with a larger scale for y
+_FLAT = 0.25
 _INK, _GREY = "#1f2933", "#7b8794"
 
 
@@ -39,6 +42,16 @@ def shapes(results: Results) -> Any:
                 line(figure, curve["rod_x_mm"], curve["rod_y_mm"], _INK, f"rod, {label}", column, dash="dash")
     legend_only(figure, "finite elements", _GREY, "solid")
     legend_only(figure, "rod", _INK, "dash")
+    return scaled_alike(figure, results.curves)
+
+
+def scaled_alike(figure: Any, curves: Sequence[Curve]) -> Any:
+    """The two axes of shapes with one scale for x and y; arms that are nearly straight get a larger one for y."""
+    width, height = (max((float(np.ptp(curve[name])) for curve in curves), default=0.0) for name in ("x_mm", "y_mm"))
+    if height < _FLAT * width:
+        figure.update_yaxes(title="y (mm), not to scale", col=1)
+        figure.update_yaxes(matches="y")
+        return figure
     for column in (1, 2):
         figure.update_yaxes(scaleanchor="x" if column == 1 else "x2", scaleratio=1, row=1, col=column)
     return figure

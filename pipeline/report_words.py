@@ -49,6 +49,7 @@ def agreement_of_rod(results: Results) -> list[str]:
         rows = [row for row in results.in_sample if row["experiment"] == experiment]
         parts = [
             _largest(rows, "distance_over_length", 100.0, "the curves are at most {value} % of the length apart"),
+            _largest(rows, "distance_over_length_with_sixth_number", 100.0, "with the sixth number {value} %"),
             _largest(rows, "end_angle_error_rad", 180.0 / np.pi, "the end angle is off by at most {value}°"),
             _largest(rows, "force_error", 100.0, "the end force by at most {value} %"),
         ]

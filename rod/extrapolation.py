@@ -83,6 +83,8 @@ def extrapolated(
         raise RodError(f"A range of orders rises from above zero; {low:g} ... {high:g} does not.")
     finest = float(v[np.argmin(h)])
     tried = np.linspace(low, high, _ORDERS if low < high else 1)
+    if not np.ptp(v) > 0.0:
+        return Extrapolated(finest, finest, 0.0, float(tried.mean()), float(tried.std()))
     fits = np.array([_fit(h / h.min(), v, order) for order in tried])
     limits, variances, squares = fits.T
     weights = _weights(squares, len(h))
@@ -103,7 +105,7 @@ def _fit(h: Array, v: Array, order: float) -> tuple[float, float, float]:
 
 def _weights(squares: Array, count: int) -> Array:
     """Likelihoods of the orders, summing to one, with the scatter's variance integrated out."""
-    if count == 2 or not squares.min() > 0.0:
+    if count == 2:
         return np.full(len(squares), 1.0 / len(squares))
     likelihood = (squares / squares.min()) ** (-0.5 * (count - 2 + EXPECTED))
     return np.asarray(likelihood / likelihood.sum())
