@@ -24,7 +24,7 @@ class SingularMatrix(ArithmeticError):
 #: a pivot below ten to this power times the largest entry counts as zero
 ZERO_PIVOT = -12
 #: residual over right-hand side to which a solution is refined, in how many rounds of how many GMRES iterations
-REFINED = 1e-11
+REFINED = 1e-9
 REFINEMENTS = 8
 RESTART = 40
 LOOSE = "a pivot is zero: a part of the body is not held, or the equilibrium is at a limit point"

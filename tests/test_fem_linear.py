@@ -122,8 +122,8 @@ def test_a_factor_that_does_not_fit_is_kept_in_single_precision() -> None:
     assert half.negative_pivots == whole.negative_pivots == 1
     right = np.random.default_rng(1).normal(size=225)
     solution = half.solve(right)
-    assert np.linalg.norm(matrix @ solution - right) < 2e-11 * np.linalg.norm(right)
-    np.testing.assert_allclose(solution, whole.solve(right), rtol=1e-6, atol=1e-9)
+    assert np.linalg.norm(matrix @ solution - right) < 1e-9 * np.linalg.norm(right)
+    np.testing.assert_allclose(solution, whole.solve(right), rtol=1e-6, atol=1e-7)
 
 
 @WITH_PARDISO

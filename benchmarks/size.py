@@ -1,0 +1,100 @@
+"""What one Newton iteration costs, from the coarse arm to a million unknowns.
+
+    python benchmarks/size.py [mesh size in mm ...]
+
+Experiment II of design (a) at 5 kPa, without contact, straight from rest to equilibrium; each size in a process of its
+own, so that its peak memory is its own. Seconds are processor seconds of one thread. `--single` keeps the factor in
+single precision whatever memory there is.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from time import process_time
+
+SIZES = (5.0, 4.0, 3.0, 2.5, 2.0, 1.5, 1.2, 1.0)
+HERE = Path(__file__).resolve().parent.parent
+
+
+def measured(size: float, single: bool) -> dict[str, float]:
+    """One size, in this process."""
+    from functools import partial
+
+    from fem import Experiment, PathOptions, Pressure, StVenantKirchhoff, compile_kernels, follow
+    from fem.linear import Pardiso
+    from geometry import PneuNet
+
+    compile_kernels()
+    begin = process_time()
+    body = PneuNet().body(size)
+    meshed = process_time() - begin
+    experiment = Experiment.of("II", body, 0.0)
+    model = experiment.model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 0.005)], "p2p0")
+    solvers: list[Pardiso] = []
+
+    def solver() -> Pardiso:
+        solvers.append(Pardiso(memory=0.0) if single else Pardiso())
+        return solvers[-1]
+
+    begin = process_time()
+    solution = follow(model, [1.0], PathOptions(solver=partial(solver)))
+    spent, count = solution.seconds, solution.factorizations
+    return {
+        "size_mm": size,
+        "single": single,
+        "degrees_of_freedom": solution.degrees_of_freedom,
+        "iterations": count,
+        "end_y_mm": float(experiment.end(solution.steps[0])[1]),
+        "mesh": meshed,
+        "set_up": spent.set_up,
+        "analysis": spent.analysis,
+        "assembly": (spent.assembly + sum(spent.effects.values())) / count,
+        "factorization": spent.factorization / count,
+        "solve": spent.solve / count,
+        "whole": process_time() - begin,
+        "memory_GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
+    }
+
+
+def main() -> None:
+    """Print one table and the exponents between its first and last row."""
+    words = sys.argv[1:]
+    single = "--single" in words
+    if words[:1] == ["--one"]:
+        sys.path.insert(0, str(HERE))
+        sys.stdout.write(json.dumps(measured(float(words[1]), single)))
+        return
+    threads = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+    head = ("dofs", "iterations", "end mm", "assembly", "factor", "solve", "rest/all", "whole s", "GB")
+    sys.stdout.write("".join(f"{name:>11s}" for name in head) + "\n")
+    rows = []
+    for size in [float(word) for word in words if not word.startswith("-")] or SIZES:
+        command = [sys.executable, __file__, "--one", str(size), *(["--single"] if single else [])]
+        done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **threads}, check=False)
+        if done.returncode:
+            sys.stdout.write(f"{size:g} mm: {done.stderr.strip().splitlines()[-1]}\n")
+            continue
+        row = json.loads(done.stdout)
+        rows.append(row)
+        linear = row["factorization"] + row["solve"]
+        numbers = (row["end_y_mm"], row["assembly"], row["factorization"], row["solve"])
+        line = f"{row['degrees_of_freedom']:11d}{row['iterations']:11d}" + "".join(f"{x:11.4g}" for x in numbers)
+        share = 1 - linear / (linear + row["assembly"])
+        sys.stdout.write(f"{line}{share:11.0%}{row['whole']:11.1f}{row['memory_GB']:11.2f}\n")
+        sys.stdout.flush()
+    if len(rows) > 1:
+        from math import log
+
+        first, last = rows[0], rows[-1]
+        growth = log(last["degrees_of_freedom"] / first["degrees_of_freedom"])
+        for name in ("assembly", "factorization", "solve", "memory_GB"):
+            sys.stdout.write(f"{name} ~ dofs^{log(last[name] / first[name]) / growth:.2f}\n")
+
+
+if __name__ == "__main__":
+    main()
