@@ -35,7 +35,7 @@ class LawFit:
     rms_solved: float  #: MPa, the same for the law as the solver has it; NaN where it has none at a point
     solved: fem.Material  #: with its Poisson ratio or kappa
     holds: tuple[float, float] | None  #: stretches around 1 over which it may be used
-    ends: str  #: what ends this range in tension, or why there is none
+    ends: str  #: what ends this range (in tension where the tests pull), or why there is none
 
 
 @dataclass(frozen=True)
@@ -99,13 +99,16 @@ def _fit(law: str, curve: MeanCurve, chosen: Marks, nu: float, share: float) -> 
 def _holds(
     solved: fem.Material, curve: MeanCurve, fitted: Array, share: float
 ) -> tuple[tuple[float, float] | None, str]:
-    """From rest to the last node in an unbroken row of good ones, on either side, and what ends the row in tension."""
+    """From rest to the last node in an unbroken row of good ones, on either side, and what ends the row.
+
+    Of tests that pull and press it is the end in tension.
+    """
     good = _good(solved, curve, share)
     up, down = np.flatnonzero(curve.nodes > 1), np.flatnonzero(curve.nodes < 1)[::-1]
     rising, falling = (side[: np.argmin([*good[side], False])] for side in (up, down))
-    ends = "data"
-    if len(rising) < len(up):
-        first = up[len(rising)]
+    ends, (side, row) = "data", (up, rising) if len(up) else (down, falling)
+    if len(row) < len(side):
+        first = side[len(row)]
         at = float(fem.uniaxial(solved, curve.nodes[[first]]).nominal[0])
         ends = "kappa" if abs(at - fitted[first]) > abs(fitted[first] - curve.mean[first]) else "misfit"
         if not _stable(solved, curve)[first]:

@@ -16,11 +16,11 @@ NEAR_REST = 0.02
 
 
 def with_error(value: float, error: float) -> str:
-    """0.1094 ± 0.002: one digit of the standard error, and the value to the digit after it."""
+    """0.1094 ± 0.002: one digit of the standard error, and the value to the digit after it, six digits at most."""
     if not (math.isfinite(error) and error > 0 and value):
         return f"{value:.6g}"
     digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2
-    return f"{value:.{max(digits, 1)}g} ± {error:.1g}"
+    return f"{value:.{min(max(digits, 1), 6)}g} ± {error:.1g}"
 
 
 def block(fit: LawFit, density: str) -> str:

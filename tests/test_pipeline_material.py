@@ -227,6 +227,17 @@ def test_a_range_ends_where_the_error_is_what_was_allowed(law: str) -> None:
     assert error[-1] > SHARE
 
 
+def test_how_far_laws_follow_the_two_lines_of_the_paper() -> None:
+    """What docs/materials.md says of them."""
+    strain = np.linspace(0, 7, 281)
+    lines = np.where(strain < 1.5, 0.65 * strain, 0.65 * 1.5 + 1.2 * (strain - 1.5))
+    curve = MeanCurve.of([TensileTest("lines", 1 + strain, lines)])
+    fits = {law: fit_widest(law, curve, 0.495, SHARE) for law in LAWS}
+    ends = {law: fit.holds[1] for law, fit in fits.items() if isinstance(fit, LawFit) and fit.holds}
+    expected = {"svk": 1.13, "hencky": 1.13, "neo_hooke": 1.22, "mooney_rivlin": 2.56, "yeoh": 1.82}
+    assert ends == pytest.approx(expected, abs=0.01)
+
+
 def test_kappa_ends_what_the_constants_could_reach(shipped: Fits) -> None:
     assert shipped.usable["yeoh"].ends == "kappa"
     assert any("yeoh is kappa, which nu = 0.495 gives" in sentence for sentence in sentences(shipped))
@@ -286,7 +297,12 @@ def test_blocks_are_read_as_a_material(shipped: Fits, configs: Path, tmp_path: P
 
 @pytest.mark.parametrize(
     ("value", "error", "shown"),
-    [(0.10942, 0.0021, "0.1094 ± 0.002"), (-1.81e-5, 2.2e-5, "-1.8e-05 ± 2e-05"), (6.9581, 0.061, "6.958 ± 0.06")],
+    [
+        (0.10942, 0.0021, "0.1094 ± 0.002"),
+        (-1.81e-5, 2.2e-5, "-1.8e-05 ± 2e-05"),
+        (6.9581, 0.061, "6.958 ± 0.06"),
+        (0.3, 9e-17, "0.3 ± 9e-17"),
+    ],
 )
 def test_values_are_shown_as_far_as_they_are_known(value: float, error: float, shown: str) -> None:
     assert with_error(value, error) == shown
