@@ -3,9 +3,11 @@
 from fem.archive import step_from_arrays, step_to_arrays
 from fem.compiling import compile_kernels
 from fem.contact import ContactError, SelfContact
+from fem.crossing import crossing
 from fem.discretisation import Discretisation
 from fem.effects import Effect, Gravity, LineForce, Pressure
 from fem.experiments import Experiment
+from fem.extremes import beyond_the_law
 from fem.fields import element_fields
 from fem.layer import LayerError, StrainLimitingLayer
 from fem.linear import available_solver
@@ -49,7 +51,9 @@ __all__ = [
     "Uniaxial",
     "Yeoh",
     "available_solver",
+    "beyond_the_law",
     "compile_kernels",
+    "crossing",
     "element_fields",
     "follow",
     "follow_volume",

@@ -39,7 +39,8 @@ class SelfContact(Effect):
     """Faces that may touch but not cross.
 
     dhat: activation distance of the barrier in mm, by default a tenth of the smallest gap at rest. waits: the effect
-    stays out until a state without it comes within dhat; a scene that never touches is then the scene without contact.
+    stays out until a state without it comes within dhat; a scene that never touches is then the scene without contact,
+    and faces that can never meet are none too many.
     """
 
     faces: str
@@ -60,12 +61,21 @@ class SelfContact(Effect):
         return self._reach(FacingPairs.of(space.surface(self.faces), space.points), space)
 
     def _reach(self, pairs: FacingPairs, space: Discretisation) -> float:
-        if pairs.nodes.size == 0:
+        if pairs.nodes.size == 0 and not self.waits:
             raise ContactError(f"self-contact on {self.faces!r}: no two parts of these faces look at each other")
-        dhat = ACTIVATION * float(pairs.gaps(space.points).min()) if self.dhat is None else self.dhat
+        dhat = ACTIVATION * float(pairs.gaps(space.points).min(initial=np.inf)) if self.dhat is None else self.dhat
         if not dhat > 0:
             raise ContactError(f"self-contact on {self.faces!r}: dhat must be positive and the faces apart at rest")
         return dhat
+
+
+def triangles_cross(rest: Array, now: Array, triangles: Index) -> bool:
+    """Whether any two triangles (m, 3) without a common vertex cross at the positions now (n, 3), by exact tests."""
+    import ipctk
+
+    faces = np.asfortranarray(triangles.astype(np.int32))
+    mesh = ipctk.CollisionMesh(np.asfortranarray(rest), ipctk.edges(faces), faces)
+    return bool(ipctk.has_intersections(mesh, np.asfortranarray(now)))
 
 
 @final

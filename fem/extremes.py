@@ -1,10 +1,11 @@
-"""The extreme stretches of a state and where they sit."""
+"""The extreme stretches of a state, where they sit, and what the law makes of them."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem import kernels
 from fem.discretisation import Discretisation
+from fem.material import Material
 from fem.solution import Extremes
 
 Array = NDArray[np.float64]
@@ -43,3 +44,25 @@ def extremes_of(space: Discretisation, displacement: Array, jacobian: Array) -> 
         max_stretch_at=centre(int(np.argmax(stretches[..., 2].max(axis=1)))),
         min_stretch_at=centre(int(np.argmin(stretches[..., 0].min(axis=1)))),
     )
+
+
+def beyond_the_law(extremes: Extremes, material: Material) -> str:
+    """A clause for stretches outside those between which the law can be trusted; empty where all are inside."""
+    lowest, highest = material.stretch_limits
+    law = type(material).__name__
+    volume = f"the smallest J is {extremes.min_J:.3g} at {_at(extremes.min_J_at)}"
+    if extremes.min_stretch < lowest:
+        return (
+            f"a stretch of {extremes.min_stretch:.3g} at {_at(extremes.min_stretch_at)} is below {lowest:.3g}, "
+            f"where {law} in compression is no longer stable; {volume}"
+        )
+    if extremes.max_stretch > highest:
+        return (
+            f"a stretch of {extremes.max_stretch:.3g} at {_at(extremes.max_stretch_at)} is above {highest:.3g}, "
+            f"the largest that {law} can be trusted at; {volume}"
+        )
+    return ""
+
+
+def _at(place: tuple[float, float, float]) -> str:
+    return f"({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm"

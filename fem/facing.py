@@ -63,7 +63,7 @@ class FacingTerm(Term):
         return 1.0
 
     def wanted(self, x: Array) -> bool:
-        return not self.waits or float(self.pairs.gaps(x).min()) < self.dhat
+        return not self.waits or self.gap(x) < self.dhat
 
     def objection(self, x: Array) -> str:
         gaps = self.pairs.gaps(x)
@@ -84,7 +84,7 @@ class FacingTerm(Term):
         return self.exact()
 
     def gap(self, x: Array) -> float:
-        return float(self.pairs.gaps(x).min())
+        return float(self.pairs.gaps(x).min(initial=np.inf))
 
     def _derivatives(self, x: Array) -> tuple[LocalPairs, Array, Array]:
         """All pairs, with first and second derivative of their energy by the gap (k,), zero beyond dhat.

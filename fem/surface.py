@@ -13,6 +13,8 @@ Index = NDArray[np.int64]
 
 #: difference of two distances, over the size of a triangle, that is rounding
 EQUALLY_NEAR = 1e-6
+#: triangles asked for at every step of the look ahead: two walls with all that meet in a node
+BESIDE = 32
 
 
 @dataclass(frozen=True)
@@ -28,33 +30,24 @@ class FacingPairs:
 
     @classmethod
     def of(cls, surface: Faces, points: Array) -> "FacingPairs":
-        """Pairs of a node and the nearest triangle of opposite normal before it; points (n, 3) at rest, mm.
+        """Pairs of a node and the first triangle of opposite normal before it; points (n, 3) at rest, mm.
 
         Where triangles are equally near (walls that mirror each other, planes of symmetry) the node looks at all of
         them: to choose one would make the contact of a symmetric body unsymmetric.
         """
         triangles = surface.triangles
-        centre, normal = points[triangles].mean(axis=1), _normals(points, triangles)
+        normal = _normals(points, triangles)
+        doubled = np.linalg.norm(np.cross(*_edges(points, triangles)), axis=1)
         of_node = np.zeros_like(points)
         share = np.zeros(points.shape[0])
-        doubled = np.linalg.norm(np.cross(*_edges(points, triangles)), axis=1)
         for corner in range(3):
             np.add.at(of_node, triangles[:, corner], normal)
             np.add.at(share, triangles[:, corner], doubled / 6)
         nodes = surface.unique_nodes
         facing = of_node[nodes] / np.linalg.norm(of_node[nodes], axis=1, keepdims=True)
-        count = min(64, triangles.shape[0])
-        near = cKDTree(centre).query(points[nodes], k=count)[1].reshape(nodes.shape[0], count)
-        reach = centre[near] - points[nodes][:, None, :]
-        ahead = np.einsum("ki,kmi->km", facing, reach)
-        beside = np.linalg.norm(reach - ahead[..., None] * facing[:, None, :], axis=2)
-        opposite = np.einsum("ki,kmi->km", facing, normal[near]) < -0.7
-        misfit = np.where(opposite & (ahead > 0), beside, np.inf)
-        size = np.sqrt(doubled.mean())
-        nearest = misfit.min(axis=1, keepdims=True)
-        who, which = np.nonzero((misfit <= nearest + EQUALLY_NEAR * size) & (misfit < 2 * size))
+        who, seen = _seen(points[nodes], facing, points[triangles].mean(axis=1), normal, float(np.sqrt(doubled.mean())))
         often = np.bincount(who, minlength=nodes.shape[0])
-        return cls(nodes[who], triangles[near[who, which]], share[nodes[who]] / often[who])
+        return cls(nodes[who], triangles[seen], share[nodes[who]] / often[who])
 
     def gaps(self, x: Array) -> Array:
         """Signed gap (k,) in mm of each pair at the positions x (n, 3), along the triangle's normal."""
@@ -106,6 +99,39 @@ class LocalPairs:
         along = self.share[:, a, None, None] * self.slope[:, b, :, None] * n[:, :, None, :]
         turn = self.gap[:, None] * np.einsum("mpi,mpi->mp", self.slope[:, a], self.slope[:, b])
         return -across - along - turn[:, :, None, None] * (n[..., :, None] * n[..., None, :])
+
+
+def _seen(start: Array, facing: Array, centre: Array, normal: Array, size: float) -> tuple[Index, Index]:
+    """Which of the points `start` (k, 3) look along `facing` at which triangles: two lists of the same length.
+
+    The triangles have centres and normals (m, 3) and edges of about `size`. Points walk ahead in steps of that size
+    until a triangle of opposite normal lies beside their way, or they have left the surface's box: what is nearest in
+    space may be the wall they stand on.
+    """
+    tree, low, high = cKDTree(centre), centre.min(axis=0) - size, centre.max(axis=0) + size
+    count = min(BESIDE, centre.shape[0])
+    waiting, found = np.arange(start.shape[0]), [np.empty((2, 0), dtype=np.int64)]
+    for step in range(int(np.linalg.norm(high - low) / size) + 1):
+        probe = start[waiting] + (step + 0.5) * size * facing[waiting]
+        inside = ((probe > low) & (probe < high)).all(axis=1)
+        waiting, probe = waiting[inside], probe[inside]
+        if waiting.size == 0:
+            break
+        near = tree.query(probe, k=count)[1].reshape(waiting.size, count)
+        reach = centre[near] - start[waiting][:, None, :]
+        ahead = np.einsum("ki,kmi->km", facing[waiting], reach)
+        beside = np.linalg.norm(reach - ahead[..., None] * facing[waiting][:, None, :], axis=2)
+        opposite = np.einsum("ki,kmi->km", facing[waiting], normal[near]) < -0.7
+        before = opposite & (ahead > 0) & (beside < 2 * size)
+        before &= np.einsum("kmi,kmi->km", reach, normal[near]) < 0
+        first = before & (ahead < np.where(before, ahead, np.inf).min(axis=1, keepdims=True) + size)
+        misfit = np.where(first, beside, np.inf)
+        who, which = np.nonzero(first & (misfit <= misfit.min(axis=1, keepdims=True) + EQUALLY_NEAR * size))
+        found.append(np.stack([waiting[who], near[who, which]]))
+        waiting = np.delete(waiting, who)
+    both = np.concatenate(found, axis=1)
+    who, seen = both[:, np.argsort(both[0], kind="stable")]
+    return who, seen
 
 
 def _edges(x: Array, triangles: Index) -> tuple[Array, Array]:

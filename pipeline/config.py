@@ -100,7 +100,7 @@ class Config:
     gravity_mm_s2: tuple[float, float, float]
     layer: Layer
     contact_dhat_mm: float | None  #: activation distance of contact; None for a tenth of the smallest gap
-    contact_faces: str | None  #: name of the faces that can meet; None for those named gap
+    contact_faces: tuple[str, ...] | None  #: names of faces that can meet; None for those named gap
     source: str  #: the file it was read from, for messages
 
     @property
@@ -133,7 +133,7 @@ class Config:
                 "gravity_mm_s2": list(self.gravity_mm_s2),
                 "layer": asdict(self.layer),
                 "contact_dhat_mm": self.contact_dhat_mm,
-                "contact_faces": self.contact_faces,
+                "contact_faces": self.contact_faces and list(self.contact_faces),
             },
         }
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from geometry import Body
 from pipeline.config import CavityPressure, Config, poisson_ratio
-from pipeline.scene import contact_faces, is_on, pulls_aside
+from pipeline.scene import is_on, pulls_aside
 from pipeline.simulate import Outcome
 
 __all__ = ["effect_rows"]
@@ -58,8 +58,6 @@ def _contact(config: Config, body: Body, outcomes: Mapping[str, Outcome]) -> tup
     asked = config.effects["self_contact"]
     if asked == "off":
         return "off", "switched off in the config"
-    if contact_faces(config, body) is None:
-        return "off", "no faces of this body are known to look at each other"
     if asked == "on":
         return "on", "switched on in the config"
     touched = [

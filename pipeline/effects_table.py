@@ -10,7 +10,7 @@ from pipeline.config import Config
 from pipeline.parameters import identify_all
 from pipeline.parameters_file import parameters_record
 from pipeline.progress import Progress
-from pipeline.scene import contact_faces, is_on, meshed_body
+from pipeline.scene import GAP, is_on, meshed_body
 from pipeline.simulate import Outcome, simulate
 from pipeline.store import Store, open_store
 
@@ -80,7 +80,7 @@ def variants(config: Config, body: Body) -> list[Variant]:
         "incompressibility": "on" if config.mesh.formulation == "p2" else "off",
         "gravity": "off" if is_on(config, "gravity") else "on",
     }
-    if contact_faces(config.with_effect("self_contact", "auto"), body) is not None:
+    if config.contact_faces or GAP in body.mesh.faces:
         flipped["self_contact"] = "auto" if config.effects["self_contact"] == "off" else "off"
     if body.half or config.effects["symmetry"] == "off":
         flipped["symmetry"] = "off" if body.half else "auto"

@@ -8,7 +8,7 @@ from pipeline.failure import InputError
 __all__ = ["GAP", "contact_faces", "effects_of", "is_on", "material_of", "meshed_body", "pulls_aside"]
 
 GAP = "gap"
-"""The name of faces that can meet, where the user names no others."""
+"""The name of outer faces that can meet, where the user names no others."""
 
 
 def meshed_body(config: Config) -> Body:
@@ -28,12 +28,12 @@ def meshed_body(config: Config) -> Body:
             f"{config.source}: effects.strain_limiting_layer: the mesh has no faces in the plane "
             f"y = {body.curve_y:g} mm of the material curve; cut the body there before meshing it"
         )
-    faces = config.contact_faces
-    if faces is not None and faces not in body.mesh.faces:
-        raise InputError(
-            f"{config.source}: effects.self_contact.faces: '{faces}' does not exist; "
-            f"this body has {', '.join(body.mesh.faces)}"
-        )
+    for faces in config.contact_faces or ():
+        if faces not in body.mesh.faces:
+            raise InputError(
+                f"{config.source}: effects.self_contact.faces: '{faces}' does not exist; "
+                f"this body has {', '.join(body.mesh.faces)}"
+            )
     return body.full() if config.effects["symmetry"] == "off" or pulls_aside(config) else body
 
 
@@ -61,12 +61,15 @@ def pulls_aside(config: Config) -> bool:
     return is_on(config, "gravity") and config.gravity_mm_s2[2] != 0.0
 
 
-def contact_faces(config: Config, body: Body) -> str | None:
-    """The faces between which contact is looked for; None where it is switched off or no faces can meet."""
+def contact_faces(config: Config, body: Body) -> tuple[str, ...]:
+    """The faces each of which may meet itself: those the user names, gap, and the walls of the cavities.
+
+    Empty where contact is switched off.
+    """
     if config.effects["self_contact"] == "off":
-        return None
-    faces = config.contact_faces or GAP
-    return faces if faces in body.mesh.faces else None
+        return ()
+    known = (*(config.contact_faces or ()), GAP, *body.cavities)
+    return tuple(dict.fromkeys(name for name in known if name in body.mesh.faces))
 
 
 def effects_of(config: Config, body: Body, largest_MPa: float) -> list[fem.Effect]:
@@ -78,9 +81,11 @@ def effects_of(config: Config, body: Body, largest_MPa: float) -> list[fem.Effec
                 effects.append(fem.Pressure(name, pressure.share * largest_MPa))
             if pressure.held_kPa:
                 effects.append(fem.Pressure(name, pressure.held_kPa / 1000.0, ramp=False))
-    if faces := contact_faces(config, body):
-        waits = config.effects["self_contact"] == "auto"
-        effects.append(fem.SelfContact(faces, config.contact_dhat_mm, waits))
+    meant = config.contact_faces or (GAP,)
+    for faces in contact_faces(config, body):
+        # faces that nobody named wait, even where contact is switched on: they cost nothing until they meet
+        waits = config.effects["self_contact"] == "auto" or faces not in meant
+        effects.append(fem.SelfContact(faces, config.contact_dhat_mm if faces in meant else None, waits))
     if is_on(config, "gravity"):
         effects.append(fem.Gravity(config.material.density_tonne_mm3, config.gravity_mm_s2, ramp=False))
     if is_on(config, "strain_limiting_layer"):

@@ -99,6 +99,11 @@ def _state(value: Any) -> Any:
     return state
 
 
+def _names(value: Any) -> Any:
+    """One name, or several."""
+    return value if isinstance(value, list) and value else [value]
+
+
 def _effect(value: Any) -> Any:
     """A bare state is an effect with the usual parameters; parameters without a state switch the effect on."""
     return {"state": "on", **value} if isinstance(value, Mapping) else {"state": _state(value)}
@@ -139,6 +144,7 @@ Count = Annotated[int, BeforeValidator(_count), Field(examples=["11"])]
 YesNo = Annotated[bool, BeforeValidator(_yes_or_no), Field(examples=["true"])]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", examples=["pneunet"])]
 Text = Annotated[str, Field(min_length=1)]
+FaceNames = Annotated[tuple[Text, ...], BeforeValidator(_names), Field(strict=False, examples=["[gap, cavity]"])]
 State = Annotated[Literal[STATES], BeforeValidator(_state)]  # type: ignore[valid-type]
 CavityPressure = Annotated[tuple[str, float], BeforeValidator(_share_or_pressure)]
 
@@ -202,7 +208,7 @@ class _Switch(_Section):
 
 class _SelfContact(_Switch):
     dhat: PositiveLength | None = None
-    faces: Text | None = None
+    faces: FaceNames | None = None
 
 
 class _Gravity(_Switch):

@@ -169,13 +169,14 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
         solution = fem.follow(model, list(pressures), options, watch=watch, keep=keep, resume=remembered)
     except fem.NotConverged as ended:
         solution, failure = ended.partial, ended.reason
-        failed = list(pressures.values())[len(solution.steps)]
-    seconds = fem.Seconds(set_up=solution.seconds.set_up)
-    for step in solution.steps:
-        seconds = seconds + step.spent
+    steps, crossed = _apart(config, body, solution.steps)
+    failure = crossed or failure
+    if failure:
+        failed = list(pressures.values())[len(steps)]
+    seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))
     return Outcome(
         experiment=name,
-        records=tuple(_record(experiment, step, pressures[step.factor], material) for step in solution.steps),
+        records=tuple(_record(experiment, step, pressures[step.factor], material) for step in steps),
         failure=failure,
         failed_kPa=failed,
         seconds=seconds,
@@ -185,6 +186,19 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
         points=space.points,
         nodes=space.nodes,
     )
+
+
+def _apart(config: Config, body: Body, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:
+    """The steps before the body passes through itself where no contact is looked for, and a sentence if it does.
+
+    Where contact is switched off it may.
+    """
+    if config.effects["self_contact"] == "off":
+        return steps, ""
+    for count, step in enumerate(steps):
+        if where := fem.crossing(step, body.half):
+            return steps[:count], f"the body {where}, where contact is not simulated"
+    return steps, ""
 
 
 def _remembered(name: str, pressures: Sequence[float], space: fem.Discretisation, store: Store) -> list[fem.Step]:
@@ -226,7 +240,7 @@ def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, mat
         "cutbacks": step.cutbacks,
         "seconds": step.seconds,
         "status": "converged",
-        "reason": "",
+        "reason": _remarks(step, material),
     }
     return Record(
         experiment=experiment.name,
@@ -240,3 +254,11 @@ def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, mat
         effects=step.effects,
         spent=step.spent,
     )
+
+
+def _remarks(step: fem.Step, material: fem.Material) -> str:
+    """What limits the trust in an equilibrium; empty where nothing does."""
+    remarks = [fem.beyond_the_law(step.extremes, material)]
+    if step.negative_pivots:
+        remarks.append(f"the equilibrium is not stable ({step.negative_pivots} negative pivots)")
+    return "; ".join(filter(None, remarks))

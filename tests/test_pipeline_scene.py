@@ -29,20 +29,26 @@ def refusal(path: Path, *overrides: str) -> str:
     return str(refused.value)
 
 
+def loads(config: Config, body: Body, largest_MPa: float) -> list[fem.Effect]:
+    """All effects but contact."""
+    every = effects_of(config, body, largest_MPa)
+    return [effect for effect in every if not isinstance(effect, fem.SelfContact)]
+
+
 def test_by_default_only_the_first_cavity_is_pressurised(arm: Path, half: Body) -> None:
     config = load_config(arm, BISECTED)
     assert config.cavities == {"cavity": CavityPressure(1.0, 0.0), "cavity_lower": CavityPressure(0.0, 0.0)}
-    assert effects_of(config, half, 0.037) == [fem.Pressure("cavity", 0.037)]
+    assert loads(config, half, 0.037) == [fem.Pressure("cavity", 0.037)]
 
 
 def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
     config = load_config(arm, [*BISECTED, "effects.pressure={cavities: {cavity: 0.5, cavity_lower: 10 kPa}}"])
     assert config.effects["pressure"] == "on"
-    assert effects_of(config, half, 0.04) == [
+    assert loads(config, half, 0.04) == [
         fem.Pressure("cavity", 0.02),
         fem.Pressure("cavity_lower", 0.01, ramp=False),
     ]
-    assert effects_of(load_config(arm, [*BISECTED, "effects.pressure=off"]), half, 0.04) == []
+    assert loads(load_config(arm, [*BISECTED, "effects.pressure=off"]), half, 0.04) == []
 
 
 @pytest.mark.parametrize(
@@ -89,13 +95,13 @@ def test_gravity_across_the_plane_needs_the_whole_body(arm: Path) -> None:
 def test_parameters_switch_an_effect_on(arm: Path, half: Body) -> None:
     config = load_config(arm, [*BISECTED, "effects.strain_limiting_layer={thickness: 0.2 mm}", "effects.gravity=yes"])
     assert config.layer == Layer(0.2, 6500.0, 0.2)
-    _, gravity, layer = effects_of(config, half, 0.04)
+    _, gravity, layer = loads(config, half, 0.04)
     assert gravity == fem.Gravity(1.13e-9, (0.0, -9810.0, 0.0), ramp=False)
     assert isinstance(layer, fem.StrainLimitingLayer)
     assert (layer.thickness, layer.E, layer.nu) == (0.2, 6500.0, 0.2)
     assert len(layer.triangles) == len(half.mesh.plane(1, 0.0)) > 0
     kept = load_config(arm, [*BISECTED, "effects.gravity={state: auto, acceleration: [0 m/s^2, 0 m/s^2, 1 m/s^2]}"])
-    assert effects_of(kept, half, 0.04) == [fem.Pressure("cavity", 0.04)]
+    assert loads(kept, half, 0.04) == [fem.Pressure("cavity", 0.04)]
 
 
 def test_elements_follow_poissons_ratio(tmp_path: Path, arm: Path) -> None:
@@ -142,21 +148,22 @@ def test_one_effect_can_be_changed(arm: Path) -> None:
     assert changed.hash != config.hash != config.with_effect("gravity", "on").hash
 
 
-def contact(config: Config) -> fem.SelfContact:
-    (found,) = [
-        effect for effect in effects_of(config, meshed_body(config), 0.04) if isinstance(effect, fem.SelfContact)
-    ]
-    return found
+def contact(config: Config) -> list[fem.SelfContact]:
+    return [effect for effect in effects_of(config, meshed_body(config), 0.04) if isinstance(effect, fem.SelfContact)]
 
 
 def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None:
     def arm(*overrides: str) -> Config:
         return load_config(configs / "pneunet_coarse.yaml", ["geometry.chambers=2", "mesh.size=6 mm", *overrides])
 
-    assert contact(arm()) == fem.SelfContact("gap", None, waits=True)
-    assert contact(arm("effects.self_contact=on")) == fem.SelfContact("gap", None, waits=False)
-    assert contact(arm("effects.self_contact={dhat: 0.1 mm}")).dhat == 0.1
-    assert contact(arm("effects.self_contact={faces: outer}")).faces == "outer"
+    cavity = fem.SelfContact("cavity", None, waits=True)
+    assert contact(arm()) == [fem.SelfContact("gap", None, waits=True), cavity]
+    assert contact(arm("effects.self_contact=on")) == [fem.SelfContact("gap", None, waits=False), cavity]
+    assert contact(arm("effects.self_contact={dhat: 0.1 mm}"))[0].dhat == 0.1
+    outer = arm("effects.self_contact={faces: outer}")
+    assert contact(outer) == [fem.SelfContact("outer", None, waits=False), *contact(arm())]
+    both = arm("effects.self_contact={state: auto, faces: [gap, cavity]}")
+    assert contact(both) == contact(arm())
     off = arm("effects.self_contact=off")
-    assert contact_faces(off, meshed_body(off)) is None
-    assert contact_faces(arm(), half) is None
+    assert contact_faces(off, meshed_body(off)) == ()
+    assert contact_faces(arm(), half) == half.cavities

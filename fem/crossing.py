@@ -1,0 +1,42 @@
+"""Whether a state passes through itself where no contact was looked for: a curled arm that meets its own clamp."""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from fem.contact import triangles_cross
+from fem.solution import Step
+
+Array = NDArray[np.float64]
+
+#: edges of the surface within which a node of each lies where two triangles cross
+REACH = 1.1
+#: distance at rest over that reach, above which two nodes belong to different parts of the body
+APART = 2.0
+
+
+def crossing(step: Step, half: bool) -> str:
+    """Where the body passes through itself, or through its mirror image where it is `half`; empty where it does not.
+
+    Walls that are closer at rest than two edges of the mesh are left to `fem.effects.Term.objection`: what looks at
+    each other there is in contact, and what does not is one wall.
+    """
+    faces = [surface for name, surface in step.space.surfaces.items() if name != "sym"]
+    triangles = np.concatenate([surface.triangles for surface in faces])
+    nodes, local = np.unique(triangles, return_inverse=True)
+    triangles = local.reshape(triangles.shape)
+    rest, now = step.points[nodes], step.positions[nodes]
+    if half and now[:, 2].min() < -1e-6 * np.ptp(rest, axis=0).max():
+        return f"passes through its mirror image near {_place(now[int(np.argmin(now[:, 2]))])}"
+    ends = now[triangles[:, [0, 1, 2, 0]]]
+    reach = REACH * float(np.linalg.norm(np.diff(ends, axis=1), axis=2).max())
+    pairs = cKDTree(now).query_pairs(reach, output_type="ndarray")
+    met = pairs[np.linalg.norm(rest[pairs[:, 0]] - rest[pairs[:, 1]], axis=1) > APART * reach]
+    if met.shape[0] == 0 or not triangles_cross(rest, now, triangles):
+        return ""
+    distance = np.linalg.norm(now[met[:, 0]] - now[met[:, 1]], axis=1)
+    return f"passes through itself near {_place(now[met[int(np.argmin(distance)), 0]])}"
+
+
+def _place(x: Array) -> str:
+    return f"({x[0]:.1f}, {x[1]:.1f}, {x[2]:.1f}) mm"
