@@ -17,7 +17,7 @@ from fem.material_hencky import Hencky
 from fem.material_rubber import MooneyRivlin, NeoHooke, Yeoh
 from fem.model import Model
 from fem.newton import NewtonOptions
-from fem.solution import NotConverged, Seconds, Solution, Step
+from fem.solution import End, NotConverged, Seconds, Solution, Step
 from fem.supports import Fixed, Prescribed, SupportError
 from fem.uniaxial import Uniaxial, uniaxial, uniaxial_terms
 
@@ -25,6 +25,7 @@ __all__ = [
     "ContactError",
     "Discretisation",
     "Effect",
+    "End",
     "Experiment",
     "Fixed",
     "Gravity",

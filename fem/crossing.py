@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fem.contact import triangles_cross
-from fem.solution import Step
+from fem.discretisation import Discretisation
 
 Array = NDArray[np.float64]
 
@@ -15,17 +15,17 @@ REACH = 1.1
 APART = 2.0
 
 
-def crossing(step: Step, half: bool) -> str:
-    """Where the body passes through itself, or through its mirror image where it is `half`; empty where it does not.
+def crossing(space: Discretisation, x: Array, half: bool) -> str:
+    """Where the body at the positions x (n, 3) passes through itself, or, being `half`, through its mirror image.
 
-    Walls that are closer at rest than two edges of the mesh are left to `fem.effects.Term.objection`: what looks at
-    each other there is in contact, and what does not is one wall.
+    Empty where it does not. Walls that are closer at rest than two edges of the mesh are left to
+    `fem.effects.Term.objection`: what looks at each other there is in contact, and what does not is one wall.
     """
-    faces = [surface for name, surface in step.space.surfaces.items() if name != "sym"]
+    faces = [surface for name, surface in space.surfaces.items() if name != "sym"]
     triangles = np.concatenate([surface.triangles for surface in faces])
     nodes, local = np.unique(triangles, return_inverse=True)
     triangles = local.reshape(triangles.shape)
-    rest, now = step.points[nodes], step.positions[nodes]
+    rest, now = space.points[nodes], x[nodes]
     if half and now[:, 2].min() < -1e-6 * np.ptp(rest, axis=0).max():
         return f"passes through its mirror image near {_place(now[int(np.argmin(now[:, 2]))])}"
     ends = now[triangles[:, [0, 1, 2, 0]]]

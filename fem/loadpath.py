@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from fem import newton
 from fem.course import Course, LoadCourse, VolumeCourse
-from fem.extremes import extremes_of, strain_at_stress_points
+from fem.extremes import beyond_the_law, extremes_of, strain_at_stress_points
 from fem.linear import LinearSolver, SingularMatrix
 from fem.model import Model
 from fem.newton import Converged, NewtonOptions, StepFailed
-from fem.solution import NotConverged, Seconds, Solution, Step
+from fem.solution import End, NotConverged, Seconds, Solution, Step
 from fem.stability import softest_direction
 from fem.system import State, System, Terms
 
@@ -107,10 +107,18 @@ def _walk(path: "Path", values: Sequence[float], keep: Keep, resume: Sequence[St
             steps.append(step)
             keep(step)
         return path.solution(steps, set_up)
-    except StepFailed as failure:
-        raise NotConverged(str(failure), path.solution(steps, set_up)) from None
+    except PathEnded as ended:
+        raise NotConverged(ended.end, path.solution(steps, set_up)) from None
     finally:
         path.system.solver.close()
+
+
+class PathEnded(ArithmeticError):
+    """An asked value that was not reached."""
+
+    def __init__(self, end: End) -> None:
+        super().__init__(end.cause)
+        self.end = end
 
 
 @final
@@ -138,7 +146,7 @@ class Path:
             )
 
     def advance(self, value: float) -> Step:
-        """Equilibrium at `value`, in as few pieces as converge; raises `StepFailed`."""
+        """Equilibrium at `value`, in as few pieces as converge; raises `PathEnded`."""
         begin, spent, before = perf_counter(), self.system.solver.times.factorizations, self.spent()
         origin = self.places[-1]
         done, piece, cutbacks = 0.0, 1.0, 0
@@ -150,7 +158,8 @@ class Path:
                 cutbacks += 1
                 piece = (share - done) / 2
                 if piece < self.options.smallest:
-                    raise StepFailed(self._explain(origin, value, done, str(failure))) from None
+                    spent = self.system.solver.times.factorizations - spent
+                    raise PathEnded(self._end(origin, value, done, cutbacks, spent, str(failure))) from None
                 continue
             self.places = [*self.places[-1:], self._place(origin, value, share, found.state)]
             if share == 1.0:
@@ -200,10 +209,10 @@ class Path:
             state,
         )
 
-    def _explain(self, origin: Place, value: float, done: float, failure: str) -> str:
-        reached, name = origin.value + done * (value - origin.value), self.course.name
-        sentence = f"no equilibrium found beyond {name} {reached:.4g} on the way to {value:.4g}: {failure}"
-        return f"{sentence}{self._beyond_the_law()}{self._near_limit_point()}"
+    def _end(self, origin: Place, value: float, done: float, cutbacks: int, spent: int, failure: str) -> End:
+        reached = self._place(origin, value, done, self.places[-1].state)
+        cause = f"{failure}{self._beyond_the_law()}{self._near_limit_point()}"
+        return End(self.course.name, value, reached.value, reached.share, cutbacks, spent, cause)
 
     def _near_limit_point(self) -> str:
         """A clause where the last equilibrium is about to lose its stability, or has lost it; empty otherwise."""
@@ -226,19 +235,8 @@ class Path:
         displacement = self.places[-1].state.displacement
         _, jacobian = strain_at_stress_points(self.system.space, displacement)
         worst = extremes_of(self.system.space, displacement, jacobian)
-        lowest, highest = self.system.material.stretch_limits
-        law = type(self.system.material).__name__
-        if worst.min_stretch < lowest:
-            return (
-                f"; there a stretch of {worst.min_stretch:.3g} at {_at(worst.min_stretch_at)} is below {lowest:.3g}, "
-                f"where {law} in compression is no longer stable"
-            )
-        if worst.max_stretch > highest:
-            return (
-                f"; there a stretch of {worst.max_stretch:.3g} at {_at(worst.max_stretch_at)} is above {highest:.3g}, "
-                f"the largest that {law} can be trusted at"
-            )
-        return ""
+        clause = beyond_the_law(worst, self.system.material)
+        return f"; there {clause}" if clause else ""
 
     def _step(self, found: Converged, factorizations: int, cutbacks: int, seconds: float, spent: Seconds) -> Step:
         displacement = found.state.displacement

@@ -114,10 +114,26 @@ class Solution:
     degrees_of_freedom: int  #: free ones
 
 
-class NotConverged(RuntimeError):
-    """The path ended before the last asked load factor. Carries the reason and what was reached."""
+@dataclass(frozen=True)
+class End:
+    """Where and why a path ended."""
 
-    def __init__(self, reason: str, partial: Solution) -> None:
-        super().__init__(reason)
-        self.reason = reason
+    quantity: str  #: what is driven along the path, for sentences
+    asked: float  #: its value that was not reached
+    reached: float  #: its value at the last equilibrium
+    share: float  #: of the displacements and loads that do not grow with the load factor, 1 once an asked value was met
+    cutbacks: int  #: attempts that failed since the last value that was reached
+    factorizations: int  #: since then
+    cause: str  #: a sentence without full stop
+
+
+class NotConverged(RuntimeError):
+    """The path ended before the last asked value. Carries the end, the reason and what was reached."""
+
+    def __init__(self, end: End, partial: Solution) -> None:
+        self.reason = (
+            f"no equilibrium found beyond {end.quantity} {end.reached:.4g} on the way to {end.asked:.4g}: {end.cause}"
+        )
+        super().__init__(self.reason)
+        self.end = end
         self.partial = partial

@@ -53,6 +53,7 @@ class Outcome:
     records: tuple[Record, ...]
     failure: str  #: empty, or a sentence
     failed_kPa: float  #: the pressure that was not reached, NaN where all were
+    lost: tuple[int, int]  #: attempts at it that failed, and the factorizations of all of them
     seconds: fem.Seconds
     factorizations: int
     degrees_of_freedom: int
@@ -163,12 +164,13 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
     def watch(factor: float, iteration: int, residual: float) -> None:
         progress.iteration(name, pressures[factor], iteration, residual)
 
-    failure, failed = "", float("nan")
+    failure, failed, lost = "", float("nan"), (0, 0)
     try:
         options = fem.PathOptions(fem.NewtonOptions(tolerance=config.newton_tolerance))
         solution = fem.follow(model, list(pressures), options, watch=watch, keep=keep, resume=remembered)
     except fem.NotConverged as ended:
-        solution, failure = ended.partial, ended.reason
+        solution, failure = ended.partial, _in_kPa(ended.end, largest, case)
+        lost = (ended.end.cutbacks, ended.end.factorizations)
     steps, crossed = _apart(config, body, solution.steps)
     failure = crossed or failure
     if failure:
@@ -179,6 +181,7 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
         records=tuple(_record(experiment, step, pressures[step.factor], material) for step in steps),
         failure=failure,
         failed_kPa=failed,
+        lost=lost,
         seconds=seconds,
         factorizations=sum(step.factorizations for step in solution.steps),
         degrees_of_freedom=solution.degrees_of_freedom,
@@ -186,6 +189,15 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
         points=space.points,
         nodes=space.nodes,
     )
+
+
+def _in_kPa(end: fem.End, largest_MPa: float, case: Case) -> str:
+    """Why a path ended, in the units of the configuration."""
+    reached, asked = (f"{1000.0 * value * largest_MPa:.4g} kPa" for value in (end.reached, end.asked))
+    if case.end_y_mm and end.share < 1.0:
+        reached += f" with the end moved {end.share * case.end_y_mm:.4g} mm"
+        asked += f" and {case.end_y_mm:g} mm"
+    return f"no equilibrium found beyond {reached} on the way to {asked}: {end.cause}"
 
 
 def _apart(config: Config, body: Body, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:
@@ -196,7 +208,7 @@ def _apart(config: Config, body: Body, steps: Sequence[fem.Step]) -> tuple[Seque
     if config.effects["self_contact"] == "off":
         return steps, ""
     for count, step in enumerate(steps):
-        if where := fem.crossing(step, body.half):
+        if where := fem.crossing(step.space, step.positions, body.half):
             return steps[:count], f"the body {where}, where contact is not simulated"
     return steps, ""
 

@@ -97,7 +97,8 @@ def test_scenes_without_contact_load_no_contact_code(tmp_path: Path) -> None:
 
 def test_effects_that_are_off_add_nothing(tmp_path: Path) -> None:
     def system(*overrides: str) -> Any:
-        config = load_config(HERE / "configs/bisected_circle_coarse.yaml", ["geometry.length=32 mm", "effects.self_contact=off", *overrides])
+        short = ["geometry.length=32 mm", "effects.self_contact=off", *overrides]
+        config = load_config(HERE / "configs/bisected_circle_coarse.yaml", short)
         body = meshed_body(config)
         experiment = fem.Experiment.of("II", body, 0.0)
         return experiment.model(fem.StVenantKirchhoff(1.2, 0.495), effects_of(config, body, 0.02), "p2p0").system()

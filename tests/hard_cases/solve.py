@@ -1,0 +1,144 @@
+"""One case solved as a user would have it solved, from its configuration to its records; and its line of the table."""
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from cases import CONFIGS, Check, HardCase, Scene
+
+from geometry import Body
+from pipeline.cases import Case
+from pipeline.config import Config, load_config
+from pipeline.failure import InputError, RunFailed
+from pipeline.progress import Silent
+from pipeline.scene import meshed_body
+from pipeline.simulate import Outcome, simulate
+from pipeline.store import open_store
+
+
+@dataclass(frozen=True)
+class Line:
+    """What became of a case."""
+
+    case: HardCase
+    reason: str  #: why it was not solved; empty where it was
+    error: float  #: difference from what the check is against; NaN without a check
+    steps: int
+    cutbacks: int
+    factorizations: int
+    min_J: float
+    min_stretch: float
+    max_stretch: float
+    aspect: float
+
+    @property
+    def as_expected(self) -> bool:
+        """Solved and near what it was checked against, or the expected limit named."""
+        if self.aspect < self.case.aspect:
+            return False
+        if self.case.limit:
+            return self.case.limit in self.reason
+        return not self.reason and self.case.check is not None and self.error <= self.case.check.within
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A scene and what was found."""
+
+    config: Config
+    body: Body
+    outcome: Outcome
+
+
+class Refused(Exception):
+    """A scene that is refused before anything is solved."""
+
+
+def line_of(case: HardCase) -> Line:
+    """Solve a case and its twin."""
+    try:
+        found = solve(case.scene)
+    except Refused as refused:
+        return Line(case, str(refused), np.nan, 0, 0, 0, np.nan, np.nan, np.nan, np.inf)
+    outcome, rows = found.outcome, [record.row for record in found.outcome.records]
+    error, reason = np.nan, outcome.failure
+    if case.check is not None and not reason:
+        error, reason = _error(case.check, found)
+    return Line(
+        case,
+        reason,
+        error,
+        len(rows),
+        sum(row["cutbacks"] for row in rows) + outcome.lost[0],
+        outcome.factorizations + outcome.lost[1],
+        min((row["min_J"] for row in rows), default=np.nan),
+        min((row["min_stretch"] for row in rows), default=np.nan),
+        max((row["max_stretch"] for row in rows), default=np.nan),
+        found.body.mesh.quality.aspect,
+    )
+
+
+def solve(scene: Scene) -> Solved:
+    """The scene; raises `Refused` with the sentence a user would read."""
+    with tempfile.TemporaryDirectory() as place:
+        try:
+            config, body = _configured(scene, Path(place))
+            case = Case("hard", scene.experiment, scene.pressures, config.end_y_mm, scene.force)
+            with open_store(Path(place) / "out", config) as store:
+                outcome = simulate(config, body, store, 1, Silent(), [case])["hard"]
+        except (InputError, RunFailed) as refused:
+            raise Refused(str(refused)) from None
+    return Solved(config, body, outcome)
+
+
+def _configured(scene: Scene, place: Path) -> tuple[Config, Body]:
+    """The configuration and the body; an own mesh stands beside a configuration that names it."""
+    known = sorted({f"{pressure:g} kPa" for pressure in scene.pressures}, key=lambda text: float(text.split()[0]))
+    settings = [*scene.settings, f"pressures=[{', '.join(known)}]"]
+    config = load_config(CONFIGS / f"{scene.config}.yaml", settings)
+    body = meshed_body(config)
+    if not scene.as_own_mesh:
+        return config, body
+    body.mesh.write(place / "body.msh")
+    design = config.design
+    geometry = f"{{family: own, file: body.msh, curve: {design.curve_y} mm, cell: {design.pitch} mm}}"
+    (place / "own.yaml").write_text(
+        "name: own_mesh\n"
+        f"geometry: {geometry}\n"
+        "material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}\n"
+        "mesh: {formulation: p2p0}\n",
+        encoding="utf-8",
+    )
+    config = load_config(place / "own.yaml", [one for one in settings if not one.startswith(("geometry.", "mesh."))])
+    return config, meshed_body(config)
+
+
+def _error(check: Check, found: Solved) -> tuple[float, str]:
+    """The difference from what the check is against, and why there is none."""
+    mine = _quantity(check.of, found)
+    if check.known is not None:
+        return _difference(check.of, mine, np.array([check.known]), found), ""
+    assert check.twin is not None
+    twin = solve(check.twin)
+    if twin.outcome.failure:
+        return np.nan, f"the twin was not solved: {twin.outcome.failure}"
+    return _difference(check.of, mine, check.times * _quantity(check.of, twin), found), ""
+
+
+def _quantity(of: str, found: Solved) -> np.ndarray:
+    row = found.outcome.records[-1].row
+    keys: dict[str, Sequence[str]] = {
+        "end": ("end_x_mm", "end_y_mm"),
+        "force": ("reaction_N",),
+        "clamp": ("clamp_reaction_N",),
+        "volume": ("cavity_volume_mm3",),
+        "stretch": ("stretch_of_curve",),
+    }
+    return np.ravel(np.concatenate([np.atleast_1d(row[key]) for key in keys[of]]))
+
+
+def _difference(of: str, mine: np.ndarray, other: np.ndarray, found: Solved) -> float:
+    scale = found.body.length if of == "end" else float(np.abs(other).max())
+    return float(np.abs(mine - other).max() / scale)

@@ -1,0 +1,57 @@
+"""The table of docs/robustness.md, between two marks; what stands outside them is left alone."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from solve import Line
+
+PAGE = Path(__file__).resolve().parent.parent.parent / "docs" / "robustness.md"
+BEGIN, END = "<!-- make hard: begin -->", "<!-- make hard: end -->"
+COLUMNS = (
+    *("case", "expected", "outcome", "checked against", "difference", "allowed", "load steps", "cut-backs"),
+    *("factorizations", "min J", "stretches"),
+)
+
+
+def table(lines: Sequence[Line]) -> str:
+    """Markdown."""
+    rows = [COLUMNS, ["---"] * len(COLUMNS), *(_row(line) for line in lines)]
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows) + "\n"
+
+
+def summary(lines: Sequence[Line]) -> str:
+    """What all of them did."""
+    solved = [line for line in lines if not line.case.limit]
+    wrong = [line.case.name for line in lines if not line.as_expected]
+    return (
+        f"{len(lines)} cases: {len(solved)} to be solved, {len(lines) - len(solved)} that meet a limit; "
+        f"{len(wrong)} did not end as expected{': ' * bool(wrong)}{', '.join(wrong)}."
+    )
+
+
+def write_table(lines: Sequence[Line]) -> None:
+    """Put the table and its summary between the marks of the page."""
+    page = PAGE.read_text(encoding="utf-8")
+    before, _, rest = page.partition(BEGIN)
+    _, mark, after = rest.partition(END)
+    assert mark, f"{PAGE} has lost its marks {BEGIN} and {END}"
+    PAGE.write_text(f"{before}{BEGIN}\n\n{summary(lines)}\n\n{table(lines)}\n{END}{after}", encoding="utf-8")
+
+
+def _row(line: Line) -> list[str]:
+    case, check = line.case, line.case.check
+    expected = "solved" if check else f"“{case.limit}”"
+    found = (
+        ["", "", ""] if check is None else [f"{check.against} ({check.of})", f"{line.error:.1e}", f"{check.within:g}"]
+    )
+    outcome = _sentence(line.reason) if line.reason else "solved"
+    if not line.as_expected:
+        outcome = f"**not as expected**: {outcome}"
+    stretches = f"{line.min_stretch:.3f} to {line.max_stretch:.3f}" if line.steps else ""
+    counts = [str(line.steps), str(line.cutbacks), str(line.factorizations)]
+    return [case.name, expected, outcome, *found, *counts, f"{line.min_J:.3f}" if line.steps else "", stretches]
+
+
+def _sentence(reason: str) -> str:
+    """The reason without the folder of the configuration that it may begin with."""
+    return reason.rpartition("configs/")[2].replace("|", "/")

@@ -1,0 +1,31 @@
+"""Hard cases end as they should: solved and near what they are held against, or with the limit that was met.
+
+`make hard` solves them all and writes the table of docs/robustness.md.
+"""
+
+import pytest
+from cases import read_cases
+from solve import line_of
+
+CASES = {case.name: case for case in read_cases()}
+
+#: of every kind one that takes a second
+QUICK = ("one chamber", "nu = 0", "nu = 0.5", "pressure off", "contact lost on unloading")
+
+
+def test_the_table_is_a_table() -> None:
+    assert len(CASES) == len(read_cases()) >= 40
+    assert sum(bool(case.limit) for case in CASES.values()) >= 5
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_quick_cases(name: str) -> None:
+    line = line_of(CASES[name])
+    assert line.as_expected, line
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in CASES if name not in QUICK])
+def test_all_others(name: str) -> None:
+    line = line_of(CASES[name])
+    assert line.as_expected, line
