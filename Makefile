@@ -8,7 +8,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy scaling
-.PHONY: help setup $(all_targets) test slow fuzz kills lint types doctor clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills lint types doctor clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -52,6 +52,9 @@ test: $(READY)  ## all tests but the slow ones
 
 slow: $(READY)  ## the tests that take longer than two minutes
 	@$(BIN)/python -m pytest -m slow
+
+hard: $(READY)  ## hard cases: each solved and checked, or its limit named; the table of docs/robustness.md
+	@$(BIN)/python tests/hard_cases/run_all.py
 
 fuzz: $(READY)  ## two thousand configurations, right and wrong: each is meshed or refused in one sentence
 	@$(BIN)/python -m pytest -m slow tests/test_pipeline_fuzzed.py --hypothesis-show-statistics

@@ -26,6 +26,7 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
         "counts": np.array([getattr(step, name) for name in COUNTS]),
         "extremes": np.concatenate([np.atleast_1d(value) for value in astuple(step.extremes)]),
         "effects": np.array(step.effects, dtype=str),
+        "acting": np.array(step.acting, dtype=bool),
         "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
         "timed_effects": np.array(list(spent.effects), dtype=str),
         "effect_seconds": np.array(list(spent.effects.values())),
@@ -49,6 +50,7 @@ def step_from_arrays(space: Discretisation, arrays: ArrayMap) -> Step:
         min_gap=min_gap,
         **dict(zip(COUNTS, arrays["counts"].tolist(), strict=True)),
         effects=tuple(arrays["effects"].tolist()),
+        acting=tuple(arrays["acting"].tolist()),
         seconds=seconds,
         spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
     )

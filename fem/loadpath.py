@@ -140,10 +140,9 @@ class Path:
             state = self.system.at(step.displacement, step.factor)
             self.places.append(Place(self.course.at(step), 1.0, state))
             x = self.system.space.points + step.displacement
-            woken = step.effects  # perhaps between two asked values, by a state that is not among the steps
-            self.terms = tuple(
-                term for term in self.system.terms if term in self.terms or term.effect in woken or term.wanted(x)
-            )
+            # some perhaps since a state between two asked values, that is not among the steps
+            acting = tuple(term for term, acts in zip(self.system.terms, step.acting, strict=True) if acts)
+            self.terms = tuple(term for term in self.system.terms if term in acting or term.wanted(x))
 
     def advance(self, value: float) -> Step:
         """Equilibrium at `value`, in as few pieces as converge; raises `PathEnded`."""
@@ -253,7 +252,8 @@ class Path:
             newton_iterations=factorizations,
             factorizations=factorizations,
             cutbacks=cutbacks,
-            effects=tuple(term.effect for term in self.terms),
+            effects=tuple(dict.fromkeys(term.effect for term in self.terms)),
+            acting=tuple(term in self.terms for term in self.system.terms),
             seconds=seconds,
             spent=spent,
         )

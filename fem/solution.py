@@ -75,6 +75,7 @@ class Step:
     factorizations: int  #: since the previous step, failed attempts included
     cutbacks: int  #: attempts that failed since the previous step
     effects: tuple[str, ...]  #: names of the effects in the potential
+    acting: tuple[bool, ...]  #: which of the model's effects, in their order, are in the potential
     seconds: float  #: since the previous step
     spent: Seconds  #: the same by what they were spent on; no set-up
 

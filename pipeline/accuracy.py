@@ -11,7 +11,7 @@ from pipeline.config import Config
 from pipeline.progress import Progress
 from pipeline.rung_measured import measured_apart
 from pipeline.rungs import Rung, ladder
-from pipeline.scene import contact_faces, meshed_body
+from pipeline.scene import GAP, contact_faces, meshed_body
 from pipeline.store import open_store
 
 __all__ = ["climb", "touching_distance"]
@@ -47,8 +47,8 @@ def climb(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress)
 
 def touching_distance(config: Config, body: Body) -> float | None:
     """The activation distance of contact (mm) as configured, or the default; None where no faces can meet."""
-    faces = contact_faces(config, body)
-    if faces is None:
+    meant = [faces for faces in contact_faces(config, body) if faces in (config.contact_faces or (GAP,))]
+    if not meant:
         return None
     space = fem.Discretisation.of(body.mesh, config.mesh.formulation)
-    return fem.SelfContact(faces, config.contact_dhat_mm).activation_distance(space)
+    return min(fem.SelfContact(faces, config.contact_dhat_mm).activation_distance(space) for faces in meant)

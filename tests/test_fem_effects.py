@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from bodies import box, difference, fork, hollow_box
+from bodies import box, bricks, difference, fork, hollow_box, named
 from numpy.typing import NDArray
 
 from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StVenantKirchhoff
@@ -212,3 +212,24 @@ def test_two_pressures_stand_side_by_side() -> None:
     terms = tuple(Pressure("cavity", value).bind(space, LAW) for value in (0.1, 0.2))
     assert terms[1] in terms
     assert terms[0] != terms[1]
+
+
+def test_walls_of_a_cavity_see_each_other_across_it() -> None:
+    """Far apart compared to the mesh, where the nearest triangles are those of the same wall."""
+    filled = np.ones((10, 10, 3), dtype=bool)
+    filled[1:-1, 1:-1, 1] = False
+    lines = [np.linspace(0.0, 10.0, 11), np.linspace(0.0, 10.0, 11), np.array([0.0, 1.0, 7.0, 8.0])]
+    mesh = bricks(filled, lines)
+    middle = mesh.points[mesh.boundary].mean(axis=1)
+    inside = (np.abs(middle - [5.0, 5.0, 4.0]) < [4.01, 4.01, 3.01]).all(axis=1)
+    space = Discretisation.of(named(mesh, cavity=inside), "p2")
+    pairs = FacingPairs.of(space.surface("cavity"), space.points)
+    flat = np.isclose(space.points[space.surface("cavity").unique_nodes, 2] % 6.0, 1.0)
+    assert np.unique(pairs.nodes).size > 0.9 * flat.sum()
+    assert set(np.round(pairs.gaps(space.points), 9)) == {6.0, 8.0}
+
+
+def test_contact_that_waits_on_faces_that_see_nothing_never_comes() -> None:
+    term, space = bound(fork(GAP), SelfContact("above", waits=True))
+    assert not term.wanted(space.points)
+    assert term.gap(space.points) == np.inf
