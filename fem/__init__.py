@@ -2,7 +2,7 @@
 
 from fem.archive import step_from_arrays, step_to_arrays
 from fem.compiling import compile_kernels
-from fem.contact import ContactError, SelfContact
+from fem.contact import ACTIVATION, ContactError, SelfContact
 from fem.crossing import crossing
 from fem.discretisation import Discretisation
 from fem.effects import Effect, Gravity, LineForce, Pressure
@@ -22,6 +22,7 @@ from fem.supports import Fixed, Prescribed, SupportError
 from fem.uniaxial import Uniaxial, uniaxial, uniaxial_terms
 
 __all__ = [
+    "ACTIVATION",
     "ContactError",
     "Discretisation",
     "Effect",

@@ -22,7 +22,8 @@ def cells(row: Mapping[str, Any]) -> list[str]:
     varies = f"{row['value']:g}{_UNITS.get(row['choice'], ' mm')}" if row["value"] is not None else ""
     if not row["errors"]:
         return [row["choice"], varies, *["-"] * 5, *["-"] * len(NUMBERS)]
-    stages = " / ".join(f"{row['seconds'][name]:.1f}" for name in STAGES)
+    share = row["cpu_seconds"] / row["wall_seconds"]  # of the processor that other work on the machine left
+    stages = " / ".join(f"{share * row['seconds'][name]:.1f}" for name in STAGES)
     return [
         row["choice"],
         varies,

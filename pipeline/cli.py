@@ -42,16 +42,29 @@ Jobs = Annotated[
 Fresh = Annotated[bool, typer.Option("--fresh", help="Forget what DIR holds and begin again.")]
 
 
+Accuracy = Annotated[
+    str | None,
+    typer.Option(
+        "--accuracy", metavar="P%", help="Look for the mesh with this error: --set mesh.size=auto --accuracy 2%"
+    ),
+]
+
+
 @app.command()
 def run(
-    config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
+    config: ConfigFile,
+    out: OutFolder = None,
+    settings: Settings = None,
+    accuracy: Accuracy = None,
+    jobs: Jobs = None,
+    fresh: Fresh = False,
 ) -> None:
     """The whole story: mesh, experiments I, II and III, the five parameters, the rod, the report."""
     with _plain_endings():
         from pipeline.config import load_config
         from pipeline.progress import progress_for
 
-        design = load_config(config, settings or ())
+        design = load_config(config, [*(settings or ()), *([f"accuracy={accuracy}"] if accuracy else [])])
         folder = out or Path("results") / design.name
 
         from pipeline.run import run as run_story
@@ -63,6 +76,7 @@ def run(
         finally:
             progress.done()
         _say_effects(console, folder)
+        _say_accuracy(console, folder)
         console.print(f"report: {folder / 'report.html'}", highlight=False, soft_wrap=True)
 
 
@@ -294,6 +308,13 @@ def _say_effects(console: Console, folder: Path) -> None:
         from pipeline.tables import sentences
 
         console.print(sentences(json.loads(file.read_text(encoding="utf-8"))), highlight=False)
+
+
+def _say_accuracy(console: Console, folder: Path) -> None:
+    """What was chosen for an asked accuracy, and what is believed to remain."""
+    file = folder / "run.json"
+    if file.is_file() and (said := json.loads(file.read_text(encoding="utf-8")).get("accuracy")):
+        console.print(said["sentence"], highlight=False, soft_wrap=True)
 
 
 def _body_table(path: Path, design: "Design", body: "Body") -> Table:

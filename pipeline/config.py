@@ -31,6 +31,8 @@ __all__ = [
 
 #: Poisson's ratio from which the volumetric part of the law is integrated by a rule of its own
 NEARLY_INCOMPRESSIBLE = 0.4
+#: size of elements over the smallest side of the body, where a size is still to be looked for
+NOMINAL = 0.4
 #: Poisson's ratio from which the pressure is an unknown of its own
 PRACTICALLY_INCOMPRESSIBLE = 0.499
 
@@ -95,6 +97,8 @@ class Config:
     validation: Validation
     mesh: MeshChoice
     newton_tolerance: float  #: residual over internal forces at which Newton stops
+    accuracy: float | None  #: largest relative error of kappa_0(l/2), alpha2 and F that is asked for
+    size_is_given: bool  #: the mesh size is the user's, and none is looked for
     effects: Mapping[str, str]  #: effect -> auto, on or off
     cavities: Mapping[str, CavityPressure]  #: cavity -> its pressure, in the order of the design
     gravity_mm_s2: tuple[float, float, float]
@@ -127,6 +131,7 @@ class Config:
             },
             "mesh": asdict(self.mesh),
             "newton": {"tolerance": self.newton_tolerance},
+            "accuracy": self.accuracy,
             "effects": {
                 **self.effects,
                 "cavity_pressures": {name: asdict(pressure) for name, pressure in self.cavities.items()},
@@ -176,6 +181,8 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
         validation=_validation(document, content),
         mesh=_mesh(content, size, states["incompressibility"], constants),
         newton_tolerance=content.newton.tolerance,
+        accuracy=content.accuracy,
+        size_is_given=getattr(content.mesh, "size", None) is not None,
         effects=states,
         cavities=_cavities(document, design, effects.pressure),
         gravity_mm_s2=effects.gravity.acceleration,
@@ -197,13 +204,27 @@ def _design(document: Document, content: Any, family: str) -> tuple[Design, floa
         else:
             design = FAMILIES[family](**values)
         if isinstance(design, OwnMesh):
+            if content.accuracy is not None:
+                raise document.wrong(
+                    ("accuracy",), "a ready mesh cannot be made finer; leave it out, or give a drawing"
+                )
             return design, design.ready.mesh.quality.longest_edge
-        check_size(content.mesh.size, design.extent, design.solid_volume / 2)
-        return design, content.mesh.size
+        size = _nominal(document, design, content) if content.mesh.size is None else content.mesh.size
+        check_size(size, design.extent, design.solid_volume / 2)
+        return design, size
     except DesignError as refused:
         parts = [tuple(key.split(".")) for key in refused.keys]
         keys = tuple(("geometry", *key) if key[0] in values else key for key in parts)
         raise document.wrong_together(keys, refused.sentence) from None
+
+
+def _nominal(document: Document, design: Design, content: Any) -> float:
+    """The mesh size (mm) where one is still to be looked for."""
+    if content.accuracy is None:
+        raise document.wrong(
+            ("mesh", "size"), "is auto, but no accuracy is asked for; give --accuracy 2%, or a size such as 4 mm"
+        )
+    return NOMINAL * min(design.extent)
 
 
 def _validation(document: Document, content: Any) -> Validation:

@@ -7,6 +7,7 @@ from time import perf_counter
 from typing import Any
 
 from fem import compile_kernels
+from pipeline.accuracy_choice import Choice, chosen
 from pipeline.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.config import Config
 from pipeline.drawings import draw_all
@@ -35,6 +36,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     """
     with open_store(out, config, fresh=fresh) as store:
         seconds: dict[str, float] = {}
+        config, choice = chosen(config, store, progress)
         with _stage("mesh", progress, seconds):
             body = meshed_body(config)
         with _stage("kernels (compiled once)", progress, seconds):
@@ -62,7 +64,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
         stopped = [_failure(outcome) for outcome in outcomes.values() if outcome.failure]
         failure = "; ".join([*stopped, *refused, *more, *validated.failures])
         with _stage("report", progress, seconds):
-            _write_report(store, config, outcomes, seconds, failure)
+            _write_report(store, config, choice, outcomes, seconds, failure)
     if failure:
         raise RunFailed(f"{failure}; what was reached is in {out}")
 
@@ -96,7 +98,12 @@ def _experiment_rows(outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
 
 
 def _write_report(
-    store: Store, config: Config, outcomes: Mapping[str, Outcome], seconds: Mapping[str, float], failure: str
+    store: Store,
+    config: Config,
+    choice: Choice | None,
+    outcomes: Mapping[str, Outcome],
+    seconds: Mapping[str, float],
+    failure: str,
 ) -> None:
     spent = [outcome.seconds for outcome in outcomes.values()]
     solver_seconds = {
@@ -114,6 +121,7 @@ def _write_report(
         "factorizations": {name: outcome.factorizations for name, outcome in outcomes.items()},
         "degrees_of_freedom": {name: outcome.degrees_of_freedom for name, outcome in outcomes.items()},
         "solver": sorted({outcome.solver for outcome in outcomes.values()}),
+        **({"accuracy": choice.record()} if choice else {}),
         **({"failure": failure} if failure else {}),
     }
     store.save_json("run.json", record)

@@ -1,5 +1,6 @@
 """The shape of a configuration: which keys there are, their units and what each may be. The only door to pydantic."""
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import MISSING, fields
 from itertools import pairwise
@@ -177,8 +178,20 @@ def _small(value: float) -> float:
     return value
 
 
+def _share(value: Any) -> Any:
+    """2 % as 0.02."""
+    matched = re.fullmatch(r"\s*(\d+\.?\d*)\s*%\s*", value) if isinstance(value, str) else None
+    if matched is None or not 0.0 < float(matched[1]) <= 20.0:
+        raise ValueError(f"{value!r} is no accuracy; write a percentage above 0 and at most 20, for example 2 %")
+    return float(matched[1]) / 100.0
+
+
+def _size(value: Any) -> Any:
+    return None if value == "auto" else _above_zero(convert(value, LENGTH))
+
+
 class _Mesh(_Section):
-    size: PositiveLength
+    size: Annotated[float | None, BeforeValidator(_size), Field(examples=[LENGTH.example])]
     formulation: Annotated[Literal[FORMULATIONS] | None, Field(examples=["p2p0"])] = None  # type: ignore[valid-type]
     grading: Annotated[
         Literal[tuple(GRADINGS)],  # type: ignore[valid-type]
@@ -248,6 +261,7 @@ class _Document(_Section):
     added_pressures: Annotated[Count, AfterValidator(_not_below_zero)] = 0
     validation: _Validation = _Validation()
     newton: _Newton = _Newton()
+    accuracy: Annotated[float | None, BeforeValidator(_share), Field(examples=["2 %"])] = None
     effects: _Effects = _Effects()
 
 
