@@ -66,7 +66,7 @@ def test_run_hands_everything_on(story: Callable[[Story], None], coarse: str, tm
     ("setting", "complaint"),
     [
         ("mesh.size=4", "--set mesh.size: 4 has no unit; write a length with its unit, for example '4 mm'"),
-        ("mesh.grain=4 mm", "--set mesh.grain: unknown key; allowed here: size, formulation"),
+        ("mesh.colour=4 mm", "--set mesh.colour: unknown key; allowed here: size, formulation"),
         ("material.E=3 mm", "--set material.E: '3 mm' is not a stress; "),
         ("pressures=[37 kPa, 17 kPa]", "--set pressures: [37 kPa, 17 kPa] is not in ascending order; "),
         ("pressures=[-5 kPa]", "--set pressures: -5 kPa is not above zero; "),
