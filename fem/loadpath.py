@@ -215,10 +215,9 @@ class Path:
 
     def _near_limit_point(self) -> str:
         """A clause where the last equilibrium is about to lose its stability, or has lost it; empty otherwise."""
-        terms = tuple(term.at(self.places[-1].share) for term in self.terms)
         try:
             rest = softest_direction(self.system, self.system.start(), ())
-            last = softest_direction(self.system, self.places[-1].state, terms)
+            last = softest_direction(self.system, self.places[-1].state, self._acting(self.places[-1]))
         except SingularMatrix:
             return ""
         share = last.stiffness / rest.stiffness
@@ -249,6 +248,7 @@ class Path:
             extremes=extremes_of(self.system.space, displacement, found.assembly.jacobian),
             min_gap=min((term.gap(x) for term in self.system.terms), default=np.inf),
             negative_pivots=found.negative_pivots,
+            instability=self._instability(found),
             newton_iterations=factorizations,
             factorizations=factorizations,
             cutbacks=cutbacks,
@@ -257,6 +257,19 @@ class Path:
             seconds=seconds,
             spent=spent,
         )
+
+    def _instability(self, found: Converged) -> str:
+        if not found.negative_pivots:
+            return ""
+        count = f"{found.negative_pivots} direction{'s' if found.negative_pivots > 1 else ''}"
+        try:
+            softest = softest_direction(self.system, found.state, self._acting(self.places[-1]))
+        except SingularMatrix:
+            return f"unstable in {count}, at a limit point"
+        return f"unstable in {count}; the motion nearest to a limit point is largest at {_at(softest.at)}"
+
+    def _acting(self, place: Place) -> Terms:
+        return tuple(term.at(place.share) for term in self.terms)
 
     def solution(self, steps: Sequence[Step], set_up: float) -> Solution:
         """What was reached, with the seconds spent."""

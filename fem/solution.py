@@ -70,7 +70,8 @@ class Step:
     gradient: Array = field(repr=False)  #: (n, 3) forces of the supports on the body, zero on free components, N
     extremes: Extremes
     min_gap: float  #: smallest signed gap between facing walls, mm; infinity without such walls
-    negative_pivots: int  #: of the tangent; 0 in a stable equilibrium
+    negative_pivots: int  #: of the tangent; 0 in an equilibrium that is stable while the load is held
+    instability: str  #: in how many directions the equilibrium is unstable and where; empty in a stable one
     newton_iterations: int  #: since the previous step, failed attempts included
     factorizations: int  #: since the previous step, failed attempts included
     cutbacks: int  #: attempts that failed since the previous step

@@ -270,7 +270,4 @@ def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, mat
 
 def _remarks(step: fem.Step, material: fem.Material) -> str:
     """What limits the trust in an equilibrium; empty where nothing does."""
-    remarks = [fem.beyond_the_law(step.extremes, material)]
-    if step.negative_pivots:
-        remarks.append(f"the equilibrium is not stable ({step.negative_pivots} negative pivots)")
-    return "; ".join(filter(None, remarks))
+    return "; ".join(filter(None, (fem.beyond_the_law(step.extremes, material), step.instability)))

@@ -81,6 +81,10 @@ def test_a_thin_balloon_through_its_largest_pressure() -> None:
     top = brentq(lambda s: pressure(s + 1e-4, outer) - pressure(s - 1e-4, outer), 1.2, 1.6)
     assert top == pytest.approx(7 ** (1 / 6), abs=0.03)  # of the order of the wall over the radius
     assert [step.negative_pivots == 0 for step in solution.steps] == [stretch < top for stretch in stretches]
+    assert [bool(step.instability) for step in solution.steps] == [stretch > top for stretch in stretches]
+    assert (
+        "unstable in 1 direction; the motion nearest to a limit point is largest at (" in solution.steps[-1].instability
+    )
     largest = max(step.factor for step in solution.steps)
     assert solution.steps[-1].factor < 0.9 * largest
     # with the pressure prescribed there is nothing beyond, and the softest motion is the balloon's own
