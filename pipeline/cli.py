@@ -284,6 +284,10 @@ def _plain_endings() -> Iterator[None]:
             _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
         place = f"{failure.filename}: " if failure.filename else ""
         _end(f"{place}{failure.strerror}; {_remedy(failure)}; what is finished is kept", 1)
+    except RuntimeError as failure:
+        if "no locator available" not in str(failure):  # numba's words, while it loads the kernels
+            raise
+        _end("compiled kernels can be kept nowhere; name a folder you may write to: NUMBA_CACHE_DIR=FOLDER", 1)
     except ImportError as failure:
         _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
 

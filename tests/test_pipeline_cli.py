@@ -1,5 +1,6 @@
 """The command line: exit status, one sentence on stderr, never a traceback for a user's mistake."""
 
+import os
 import subprocess
 import sys
 import types
@@ -89,6 +90,17 @@ def test_wrong_input_in_a_process_of_its_own(coarse: str) -> None:
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr.startswith("pneurod: --set material.nu: 0.6 is not a Poisson ratio")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_kernels_that_can_be_kept_nowhere(coarse: str, tmp_path: Path) -> None:
+    nowhere = {**os.environ, "NUMBA_CACHE_LOCATOR_CLASSES": "IPythonCacheLocator"}  # as where no folder can be written
+    command = [sys.executable, "-m", "pipeline", "run", coarse, "--out", str(tmp_path)]
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, cwd=Path(coarse).parent.parent, env=nowhere
+    )
+    assert done.returncode == 1
+    assert "name a folder you may write to: NUMBA_CACHE_DIR=" in done.stderr
     assert len(done.stderr.splitlines()) == 1
 
 
