@@ -182,7 +182,7 @@ def _share(value: Any) -> Any:
     """2 % as 0.02."""
     matched = re.fullmatch(r"\s*(\d+\.?\d*)\s*%\s*", value) if isinstance(value, str) else None
     if matched is None or not 0.0 < float(matched[1]) <= 20.0:
-        raise ValueError(f"{value!r} is no accuracy; write a percentage above 0 and at most 20, for example 2 %")
+        raise ValueError(f"{quoted(value)} is no accuracy; write a percentage above 0 and at most 20, for example 2 %")
     return float(matched[1]) / 100.0
 
 

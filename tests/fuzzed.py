@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 from hypothesis import strategies as st
 
-from geometry import FAMILIES
+from geometry import FAMILIES, GRADINGS
 from pipeline.config import EFFECTS, FORMULATIONS, LAWS
 
 #: a drawing and a mesh that stand beside the configuration, and files that are not what their names say
@@ -221,7 +221,7 @@ def document(draw: st.DrawFn) -> dict[str, Any]:
             "density": draw(quantity(1130.0, "kg/m^3")),
             **{name: draw(usual.get(name, stress)) for name in LAWS[law][1]},
         },
-        "mesh": {"size": draw(quantity(6.0, "mm"))},
+        "mesh": {"size": "auto" if draw(seldom(20)) else draw(quantity(6.0, "mm")), **draw(of_the_mesh())},
     }
     if str(shape.get("file", "")).endswith(".msh"):
         del whole["mesh"]
@@ -251,8 +251,22 @@ def extras() -> dict[str, st.SearchStrategy[Any]]:
         "effects": st.fixed_dictionaries(
             {}, optional={name: states | more.get(name, st.fixed_dictionaries({"state": states})) for name in EFFECTS}
         ),
-        "formulation": st.sampled_from(FORMULATIONS),
+        "newton": st.fixed_dictionaries({}, optional={"tolerance": st.floats(0.0, 0.02)}),
+        "accuracy": st.sampled_from(["2 %", "0.5 %", "100 %", "2", "0 %", f"{'9' * 400} %"]),
     }
+
+
+@cache
+def of_the_mesh() -> st.SearchStrategy[dict[str, Any]]:
+    """The keys of `mesh` that may be left out."""
+    return st.fixed_dictionaries(
+        {},
+        optional={
+            "formulation": st.sampled_from(FORMULATIONS),
+            "grading": st.sampled_from([*GRADINGS, False]),
+            "coarser": st.floats(0.9, 3.0),
+        },
+    )
 
 
 def places(inside: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
@@ -314,8 +328,6 @@ def settings(draw: st.DrawFn, whole: dict[str, Any]) -> tuple[str, ...]:
 def configurations(draw: st.DrawFn) -> Written:
     """Two of five sound in form, two of five with a few wrong values, one of five with junk in the text."""
     whole = draw(document())
-    if "formulation" in whole:
-        whole.setdefault("mesh", {})["formulation"] = whole.pop("formulation")
     kind = draw(st.sampled_from(["sound", "sound", "wrong", "wrong", "junk"]))
     given: tuple[str, ...] = ()
     if kind == "wrong":
