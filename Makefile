@@ -6,9 +6,10 @@ SHELL := /bin/bash
 
 BIN := .venv/bin
 READY := .venv/.ready
+PEERS := .venv-peers
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy scaling
-.PHONY: help setup $(all_targets) test slow hard fuzz kills lint types doctor clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills lint types doctor bench-peers clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -72,10 +73,18 @@ types: $(READY)  ## types: mypy
 doctor: $(READY)  ## what is installed, what is missing, and the one command that mends it
 	@$(BIN)/pneurod doctor
 
-clean:  ## remove results and caches; the virtual environment stays
+bench-peers: $(READY) $(PEERS)/.ready  ## pneurod beside NGSolve, FElupe, scikit-fem and CalculiX: docs/peers.md (half an hour)
+	@$(BIN)/python -m benchmarks.peers --fresh --python $(PEERS)/bin/python
+
+clean:  ## remove results and caches; the virtual environments stay
 	@rm -rf results build .pytest_cache .mypy_cache .ruff_cache .hypothesis
-	find . -path ./.venv -prune -o -name __pycache__ -type d -print0 | xargs -0 rm -rf
+	find . -path './.venv*' -prune -o -name __pycache__ -type d -print0 | xargs -0 rm -rf
 
 $(READY): pyproject.toml requirements.lock pipeline/system_packages.txt setup.sh
 	@bash setup.sh
+	touch $@
+
+$(PEERS)/.ready: benchmarks/peers/requirements.txt
+	@$(BIN)/python -m venv --clear $(PEERS)
+	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
 	touch $@

@@ -1,0 +1,36 @@
+"""pneurod: the project's own solver, as its experiments call it.
+
+python -m benchmarks.peers.by_pneurod four out.json
+"""
+
+from collections.abc import Callable, Sequence
+from importlib.metadata import version
+
+import fem
+from benchmarks.peers.problem import KPA, MESH, NU, TOLERANCE, E, Found, report
+from geometry import Mesh
+
+
+def set_up() -> Callable[[Sequence[float]], Found]:
+    """Mesh read and kernels loaded from their cache; the pattern and PARDISO's analysis belong to the path."""
+    fem.compile_kernels()
+    mesh = Mesh.read(MESH)
+    law, supports = fem.StVenantKirchhoff(E, NU), [fem.Fixed("clamp"), fem.Fixed("sym", "z")]
+
+    def walk(pressures: Sequence[float]) -> Found:
+        largest = pressures[-1]
+        model = fem.Model(mesh, law, supports, [fem.Pressure("cavity", largest * KPA)], "p2")
+        options = fem.PathOptions(newton=fem.NewtonOptions(tolerance=TOLERANCE))
+        solution = fem.follow(model, [pressure / largest for pressure in pressures], options)
+        answers = {}
+        for pressure, step in zip(pressures, solution.steps, strict=True):
+            tip = step.displacement[step.space.surface("tip").unique_nodes].mean(axis=0)
+            answers[pressure] = (float(tip[0]), float(tip[1]), step.cavity_volume("cavity"))
+        failed = sum(step.cutbacks for step in solution.steps)
+        return Found(answers, len(solution.steps) + failed, failed, solution.factorizations)
+
+    return walk
+
+
+if __name__ == "__main__":
+    report(f"pneurod {version('pneurod')}", f"PARDISO (pypardiso {version('pypardiso')})", set_up)

@@ -1,0 +1,98 @@
+"""The tables of docs/peers.md."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from string import Template
+
+from benchmarks.peers.problem import REFERENCE
+from benchmarks.peers.runs import Peer, Run, Session, middle
+
+TEMPLATE = Path(__file__).with_name("page.md")
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A Markdown table; the first column to the left, the others to the right."""
+    lines = [head, ["---", *["---:"] * (len(head) - 1)], *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def medians(runs: Sequence[Run]) -> dict[tuple[str, str], Run]:
+    """(peer, path): the middle of its runs."""
+    keys = dict.fromkeys((run.peer, run.path) for run in runs)
+    return {key: middle([run for run in runs if (run.peer, run.path) == key]) for key in keys}
+
+
+def costs(peers: Sequence[Peer], path: str, found: Mapping[tuple[str, str], Run], missing: Mapping[str, str]) -> str:
+    """What the path cost each of the peers, and the ratio to the first of them."""
+    head = ["", "increments (given up)", "factorizations", "CPU s", "wall s", "CPU / ours"]
+    head += ["set-up CPU s", "whole process CPU s", "whole / ours", "peak MB"]
+    ours = found[peers[0].name, path]
+    rows = []
+    for peer in peers:
+        run = found.get((peer.name, path))
+        if run is None or run.outcome.note:
+            why = missing.get(peer.name, "not run") if run is None else stopped(run)
+            rows.append([peer.name, why, *[""] * (len(head) - 2)])
+            continue
+        spent = run.outcome
+        rows.append(
+            [
+                peer.name,
+                f"{spent.increments} ({spent.failed})",
+                f"{spent.factorizations}",
+                f"{spent.solve_cpu:.1f}",
+                f"{spent.solve_wall:.1f}",
+                f"{spent.solve_cpu / ours.outcome.solve_cpu:.1f}",
+                f"{spent.set_up_cpu:.1f}",
+                f"{run.cpu:.1f}",
+                f"{run.cpu / ours.cpu:.1f}",
+                f"{run.peak:.0f}",
+            ]
+        )
+    return table(head, rows)
+
+
+def stopped(run: Run) -> str:
+    """Where a path that was not walked to its end stopped, and what that cost."""
+    reached = max(map(float, run.outcome.answers), default=0.0)
+    spent = run.outcome
+    return f"stopped above {reached:g} kPa after {spent.factorizations} factorizations, {spent.solve_cpu:.0f} s CPU"
+
+
+def answers(peers: Sequence[Peer], found: Mapping[tuple[str, str], Run]) -> str:
+    """Tip and volume at the four pressures, and the largest distance from the reference."""
+    head = ["", "p kPa", "u_x mm", "u_y mm", "V mm³", "off in u mm", "off in u %", "off in V %"]
+    rows = []
+    for pressure, (x, y, volume) in REFERENCE.items():
+        rows.append(["reference", f"{pressure:g}", f"{x:.6f}", f"{y:.6f}", f"{volume:.4f}", "", "", ""])
+        for peer in peers:
+            run = found.get((peer.name, "four"))
+            if run is None or f"{pressure:g}" not in run.outcome.answers:
+                continue
+            got = run.outcome.answers[f"{pressure:g}"]
+            off, long = distance(got, (x, y, volume)), (x * x + y * y) ** 0.5
+            rows.append([peer.name, f"{pressure:g}", f"{got[0]:.6f}", f"{got[1]:.6f}", f"{got[2]:.4f}"])
+            rows[-1] += [f"{off:.1e}", f"{100 * off / long:.1e}", f"{100 * abs(got[2] / volume - 1):.1e}"]
+    return table(head, rows)
+
+
+def distance(got: Sequence[float], true: Sequence[float]) -> float:
+    """Between two positions of the tip, mm."""
+    return float(((got[0] - true[0]) ** 2 + (got[1] - true[1]) ** 2) ** 0.5)
+
+
+def page(peers: Sequence[Peer], session: Session) -> str:
+    """docs/peers.md."""
+    found = medians(session.runs)
+    listed = []
+    for peer in peers:
+        runs = [run for run in session.runs if run.peer == peer.name and run.path == peer.paths[0]]
+        if runs:
+            listed.append([peer.name, runs[0].outcome.package, runs[0].outcome.solver, str(len(runs))])
+    return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
+        machine=session.machine,
+        packages=table(["", "package", "factorizes with", "runs"], listed),
+        four=costs(peers, "four", found, session.missing),
+        straight=costs(peers, "straight", found, session.missing),
+        answers=answers(peers, found),
+    )

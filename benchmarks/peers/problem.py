@@ -1,0 +1,176 @@
+"""What every peer solves, and what it hands back: the same numbers for all of them.
+
+The reference arm of `tests/data/t2_coarse.msh`, clamped at its face `clamp`, held in its plane of symmetry, its cavity
+under a pressure that follows the surface; St. Venant-Kirchhoff, quadratic tetrahedra with four points, no contact.
+"""
+
+import argparse
+import json
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from time import perf_counter
+
+import numpy as np
+
+from geometry import Mesh
+
+E, NU = 1.2, 0.495  #: MPa
+LAMBDA, MU = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))  #: MPa
+KPA = 1e-3  #: MPa
+TOLERANCE = 1e-6  #: of the residual, relative
+#: what is asked: the four pressures one after the other, or the last one straight away, kPa
+PATHS = {"four": (5.0, 17.0, 31.0, 45.0), "straight": (45.0,)}
+MESH = Path(__file__).resolve().parents[2] / "tests" / "data" / "t2_coarse.msh"
+
+#: pressure (kPa): mean of u_x and u_y over the nodes of the face `tip` (mm), volume of the half cavity (mm3); NGSolve
+#: 6.2.2608 and an independent prototype, which agree to eight digits (the numbers of tests/test_fem_equilibrium.py)
+REFERENCE = {
+    5.0: (-0.33955159, -11.09217995, 3705.51217),
+    17.0: (-5.82325979, -33.76011515, 4019.35991),
+    31.0: (-16.85604783, -53.30012655, 4360.59968),
+    45.0: (-29.70720306, -66.67194967, 4694.81889),
+}
+
+
+def triangle_rule() -> tuple[np.ndarray, np.ndarray]:
+    """Barycentric points (6, 3) and weights (6,) of the reference triangle's rule of degree four (Dunavant 1985)."""
+    inner = [[1 - 2 * a, a, a] for a in (0.091576213509771, 0.445948490915965)]
+    points = np.array([np.roll(place, k) for place in inner for k in range(3)])
+    return points, np.repeat([0.109951743655322, 0.223381589678011], 3) / 2
+
+
+@dataclass(frozen=True)
+class Body:
+    """The mesh as quadratic tetrahedra, for the peers that do not make their own nodes."""
+
+    mesh: Mesh
+
+    @classmethod
+    def read(cls) -> "Body":
+        """The reference arm."""
+        return cls(Mesh.read(MESH))
+
+    @cached_property
+    def points(self) -> np.ndarray:
+        """(n, 3) vertices, then middles of the edges, mm."""
+        return np.vstack([self.mesh.points, self.mesh.points[self.mesh.edges].mean(axis=1)])
+
+    @cached_property
+    def cells(self) -> np.ndarray:
+        """(m, 10) nodes of the tetrahedra."""
+        return self.quadratic(self.mesh.tets)
+
+    def quadratic(self, corners: np.ndarray) -> np.ndarray:
+        """Vertices (k, 3 or 4), then the middles of the edges 01, 12, 20 (, 03, 13, 23): VTK's and Abaqus' order."""
+        pairs = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]][: 3 * (corners.shape[1] - 2)]
+        ends, count = np.sort(corners[:, pairs], axis=2), len(self.mesh.points)
+        edge = np.searchsorted(self.mesh.edges @ [count, 1], ends @ [count, 1])
+        return np.hstack([corners, count + edge])
+
+    def nodes(self, name: str) -> np.ndarray:
+        """(k,) nodes of a named face."""
+        return np.unique(self.quadratic(self.mesh.faces[name]))
+
+    @property
+    def held(self) -> np.ndarray:
+        """(n, 3) components that are fixed."""
+        held = np.zeros(self.points.shape, dtype=bool)
+        held[self.nodes("clamp")] = True
+        held[self.nodes("sym"), 2] = True
+        return held
+
+    def answer(self, displacement: np.ndarray) -> tuple[float, float, float]:
+        """What is compared: mean (u_x, u_y) of the tip face (mm) and volume of the half cavity (mm3) for (n, 3) mm."""
+        tip = displacement[self.nodes("tip")].mean(axis=0)
+        return float(tip[0]), float(tip[1]), self.volume(displacement)
+
+    def volume(self, displacement: np.ndarray) -> float:
+        """Volume between the cavity's faces and the plane of symmetry, mm3: -1/3 int x . n dA."""
+        b, weight = triangle_rule()
+        x = (self.points + displacement)[self.quadratic(self.mesh.faces["cavity"])]
+        ends, middles = [0, 1, 2], [[0, 1], [1, 2], [2, 0]]
+        shape = np.hstack([b * (2 * b - 1), 4 * b[:, middles].prod(axis=2)])
+        slope = np.zeros((len(b), 6, 3))  # by the three barycentric coordinates
+        slope[:, ends, ends] = 4 * b - 1
+        for k, (i, j) in enumerate(middles):
+            slope[:, 3 + k, i], slope[:, 3 + k, j] = 4 * b[:, j], 4 * b[:, i]
+        along = slope[..., 1:] - slope[..., :1]
+        tangent = np.einsum("fac,qad->fqcd", x, along)
+        normal = np.cross(tangent[..., 0], tangent[..., 1])
+        return -float(np.einsum("q,qa,fac,fqc->", weight, shape, x, normal)) / 3
+
+
+@dataclass
+class Clock:
+    """Seconds of this process and of those it started, CPU and wall."""
+
+    cpu: float
+    wall: float
+
+    @classmethod
+    def now(cls) -> "Clock":
+        used = os.times()
+        return cls(used.user + used.system + used.children_user + used.children_system, perf_counter())
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a peer found, and what it spent on the way."""
+
+    package: str  #: name and version
+    solver: str  #: what factorizes
+    answers: dict[str, tuple[float, float, float]]  #: pressure in kPa: u_x, u_y (mm), volume (mm3)
+    increments: int  #: converged ones
+    failed: int  #: attempts that were given up
+    factorizations: int  #: failed attempts included
+    set_up_cpu: float  #: s before the first increment: imports, mesh, spaces, compiling; from the start of the process
+    solve_cpu: float  #: s
+    solve_wall: float  #: s
+    note: str = ""  #: why the path ended early; empty when it did not
+
+
+@dataclass(frozen=True)
+class Found:
+    """The way to the last pressure."""
+
+    answers: dict[float, tuple[float, float, float]]
+    increments: int
+    failed: int
+    factorizations: int
+    note: str = ""
+
+
+def report(
+    package: str, solver: str, set_up: Callable[[], Callable[[Sequence[float]], Found]], flags: Sequence[str] = ()
+) -> None:
+    """Set up, solve and write the outcome where the command line says.
+
+    set_up: makes everything that does not depend on the path and returns what walks it, given the pressures in kPa.
+    flags: further words that the command line may have; the module looks at them itself.
+    """
+    parser = argparse.ArgumentParser()
+    parser.add_argument("path", choices=PATHS)
+    parser.add_argument("out", type=Path)
+    for flag in flags:
+        parser.add_argument(flag, action="store_true")
+    asked = parser.parse_args()
+    walk = set_up()
+    begin = Clock.now()
+    found = walk(PATHS[asked.path])
+    end = Clock.now()
+    outcome = Outcome(
+        package=package,
+        solver=solver,
+        answers={f"{pressure:g}": answer for pressure, answer in found.answers.items()},
+        increments=found.increments,
+        failed=found.failed,
+        factorizations=found.factorizations,
+        set_up_cpu=begin.cpu,
+        solve_cpu=end.cpu - begin.cpu,
+        solve_wall=end.wall - begin.wall,
+        note=found.note,
+    )
+    asked.out.write_text(json.dumps(asdict(outcome), indent=1), encoding="utf-8")

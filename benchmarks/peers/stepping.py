@@ -1,0 +1,93 @@
+"""Load stepping for the peers that leave it to their users: grow while it goes well, halve where it does not."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.peers.problem import Found
+
+Answer = tuple[float, float, float]
+#: equilibrium at a pressure (kPa) from a first guess of the unknowns; returns them and the iterations taken
+Equilibrium = Callable[[float, np.ndarray], tuple[np.ndarray, int]]
+
+
+class NoEquilibrium(ArithmeticError):
+    """Newton's method was given up."""
+
+
+@dataclass(frozen=True)
+class Stepping:
+    """How the load is walked."""
+
+    first: float  #: first increment, kPa
+    growth: float  #: of the increment after a quick one
+    quick: int  #: iterations of a quick increment at the most
+    iterations: int  #: Newton iterations before an attempt is given up
+    predict: bool  #: begin where the last two equilibria point, not in the last one
+    smallest: float = 0.01  #: kPa, the increment at which the path ends
+
+    def walk(
+        self,
+        pressures: Sequence[float],
+        start: np.ndarray,
+        equilibrium: Equilibrium,
+        answer: Callable[[np.ndarray], Answer],
+        factorizations: Callable[[], int],
+    ) -> Found:
+        """Equilibria at the asked pressures (kPa, ascending) from the state of rest `start`."""
+        places = [(0.0, start)]
+        increment, increments, failed = self.first, 0, 0
+        answers: dict[float, Answer] = {}
+        for target in pressures:
+            while places[-1][0] < target:
+                aim = target if target - places[-1][0] < 1.3 * increment else places[-1][0] + increment
+                try:
+                    found, taken = equilibrium(aim, self._guess(places, aim))
+                except NoEquilibrium as reason:
+                    failed += 1
+                    increment = (aim - places[-1][0]) / 2
+                    if increment < self.smallest:
+                        return Found(answers, increments, failed, factorizations(), str(reason))
+                    continue
+                increments += 1
+                places = [places[-1], (aim, found)]
+                if taken <= self.quick:
+                    increment *= self.growth
+            answers[target] = answer(places[-1][1])
+        return Found(answers, increments, failed, factorizations())
+
+    def _guess(self, places: list[tuple[float, np.ndarray]], aim: float) -> np.ndarray:
+        last, state = places[-1]
+        if not self.predict or len(places) < 2:
+            return state
+        before, old = places[-2]
+        return state + (aim - last) / (last - before) * (state - old)
+
+
+#: chosen so that the four pressures cost the fewest factorizations; docs/peers.md says what else was tried
+STEPPING = Stepping(first=8.0, growth=1.5, quick=12, iterations=40, predict=True)
+
+
+def newton(
+    guess: np.ndarray,
+    iterations: int,
+    residual: Callable[[np.ndarray], tuple[np.ndarray, float]],
+    increment: Callable[[np.ndarray, np.ndarray], np.ndarray],
+    tolerance: float,
+) -> tuple[np.ndarray, int]:
+    """Newton's method from `guess`; returns the unknowns and the increments taken.
+
+    residual: forces at the unknowns, and their norm over that of the forces that balance. increment: what the tangent
+    at the unknowns answers to these forces. Raises `NoEquilibrium`.
+    """
+    state = guess
+    for taken in range(iterations + 1):
+        forces, relative = residual(state)
+        if relative < tolerance:
+            return state, taken
+        if not np.isfinite(relative):
+            raise NoEquilibrium(f"the residual grew without bound after {taken} iterations")
+        if taken < iterations:
+            state = state + increment(state, forces)
+    raise NoEquilibrium(f"no equilibrium after {iterations} iterations (relative residual {relative:.1e})")
