@@ -84,7 +84,7 @@ $(READY): pyproject.toml requirements.lock pipeline/system_packages.txt setup.sh
 	@bash setup.sh
 	touch $@
 
-$(PEERS)/.ready: benchmarks/peers/requirements.txt
+$(PEERS)/.ready: benchmarks/peers/requirements.txt | $(READY)
 	@$(BIN)/python -m venv --clear $(PEERS)
 	$(PEERS)/bin/python -m pip install --quiet --disable-pip-version-check --requirement $<
 	touch $@
