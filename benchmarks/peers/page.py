@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from statistics import median
 from string import Template
 
 from benchmarks.peers.problem import REFERENCE
@@ -81,6 +82,17 @@ def distance(got: Sequence[float], true: Sequence[float]) -> float:
     return float(((got[0] - true[0]) ** 2 + (got[1] - true[1]) ** 2) ** 0.5)
 
 
+def shared(runs: Sequence[Run]) -> str:
+    """A warning where the processor was not free: one thread's wall seconds are then more than its CPU seconds."""
+    stretch = median(run.wall / run.cpu for run in runs)
+    if stretch < 1.3:
+        return ""
+    return (
+        f" **Other programs ran at the same time**: wall seconds are {stretch:.1f} times the CPU seconds, and these are"
+        " higher than on a free machine. Ratios are less sure than the digits suggest."
+    )
+
+
 def page(peers: Sequence[Peer], session: Session) -> str:
     """docs/peers.md."""
     found = medians(session.runs)
@@ -91,6 +103,7 @@ def page(peers: Sequence[Peer], session: Session) -> str:
             listed.append([peer.name, runs[0].outcome.package, runs[0].outcome.solver, str(len(runs))])
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
         machine=session.machine,
+        shared=shared(session.runs),
         packages=table(["", "package", "factorizes with", "runs"], listed),
         four=costs(peers, "four", found, session.missing),
         straight=costs(peers, "straight", found, session.missing),
