@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from pipeline.cases import Case
 from pipeline.config import Config
+from pipeline.failure import InputError
 from pipeline.parameters import NAMES, Parameters, numbers_of_cells
 from pipeline.progress import Progress
 from pipeline.scene import meshed_body
@@ -21,14 +22,18 @@ def with_mesh_error(
 ) -> tuple[Parameters, ...]:
     """The same numbers with the deviations that II and III on a mesh `config.mesh.coarser` times as coarse suggest.
 
-    Unchanged where no such factor is configured, and where that mesh gives no number at any pressure: a mesh that is
-    too coarse for the arm says nothing about the finer one. Raises InputError and RunFailed as a run does.
+    Unchanged where no such factor is configured, and where that mesh cannot be made or gives no number at any pressure:
+    a mesh that is too coarse for the arm says nothing about the finer one, and the report says so. Raises RunFailed as
+    `simulate` does.
     """
     factor = config.mesh.coarser
     if factor is None or not found:
         return found
     second = replace(config, mesh=replace(config.mesh, size_mm=factor * config.mesh.size_mm))
-    body = meshed_body(second)
+    try:
+        body = meshed_body(second)
+    except InputError:
+        return found
     pressures = tuple(p.pressure_kPa for p in found)
     cases = [Case(f"coarser_{name}", name, pressures, config.end_y_mm) for name in ("III", "II")]
     outcomes = simulate(second, body, store, jobs, progress, cases)

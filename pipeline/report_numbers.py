@@ -46,8 +46,14 @@ def estimators(results: Results) -> list[tuple[str, str, list[Cell]]]:
 def mesh_error(results: Results) -> str:
     """Whether the deviations contain the error of the mesh, and how much of them it is."""
     found = results.parameters.get("mesh_error")
-    if not results.parameters or not found:
-        return "The deviations do not contain the error of the mesh; mesh.coarser in the configuration adds it."
+    asked = (results.run.get("config", {}).get("mesh") or {}).get("coarser")
+    if not found:
+        why = (
+            f"a mesh {asked:g} times as coarse gave no numbers"
+            if asked
+            else "mesh.coarser in the configuration adds it"
+        )
+        return f"The deviations do not contain the error of the mesh: {why}."
     sizes = " and ".join(f"{size:g}" for size in found["sizes_mm"])
     shares = []
     for key, symbol, unit in NUMBERS:
