@@ -14,6 +14,7 @@ import argparse
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -143,20 +144,20 @@ def disturbed(place: Path, references: list[Reference], count: int, chance: rand
     for number, part in enumerate(parts):
         reference, group, twice = references[number % len(references)], number % 4 < 2, number % 3 == 2
         out = place / f"run_{number:03d}"
-        moments = [(part + chance.random()) / count, *([0.7 * chance.random()] if twice else [])]
         killed, told = [], []
-        for moment in moments:
+        moments = [(part + chance.random()) / count, *([0.7 * chance.random()] if twice else [])]
+        while moments:
+            moment = moments.pop(0)
             run = Running.start(reference.config, out)
-            if run.ended_within(moment * reference.seconds):
-                told.append(f"done before {moment:.0%}")
-                continue
-            told.append(f"killed at {moment:.0%} ({run.kill(group)})")
-            killed.append(run)
+            if not run.ended_within(moment * reference.seconds):
+                told.append(f"killed at {moment:.0%} ({run.kill(group)})")
+                killed.append(run)
+            elif not killed:  # this run was faster than the undisturbed one; another one, killed earlier
+                shutil.rmtree(out)
+                moments.insert(0, 0.8 * moment)
         last = Running.start(reference.config, out)  # at once, while workers of the killed run may still breathe
         status = last.process.wait()
         verdict = compared(reference.results, results_of(out)) if status == 0 else f"exit status {status}"
-        if not killed:
-            verdict = "not killed"
         if any(run.left_alive() for run in (*killed, last)):
             verdict = "workers outlived their run"
         say(f"{number + 1:3d} {reference.scene}, {'group' if group else 'main'}, {', '.join(told)}: {verdict}")
