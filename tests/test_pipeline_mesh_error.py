@@ -19,8 +19,8 @@ SHORT = """
 name: seven
 geometry: {family: pneunet, chambers: 7}
 material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
-pressures: [6 kPa, 12 kPa]
-mesh: {size: 5 mm, coarser: 1.5}
+pressures: [8 kPa]
+mesh: {size: 6 mm, coarser: 1.5}
 """
 
 
@@ -57,11 +57,11 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     run(load_config(path), tmp_path / "out", 1, False, Silent())
     found = json.loads((tmp_path / "out" / "parameters.json").read_text(encoding="utf-8"))
     contribution = found["mesh_error"]
-    assert contribution["sizes_mm"] == [5.0, 7.5]
+    assert contribution["sizes_mm"] == [6.0, 9.0]
     for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
         assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], found[key], strict=True)), key
     said = mesh_error(read_results(tmp_path / "out"))
-    assert said.startswith("They contain the error of the mesh, from sizes of 5 and 7.5 mm, which took")
+    assert said.startswith("They contain the error of the mesh, from sizes of 6 and 9 mm, which took")
     assert "N mm² of α₁" in said
 
 
