@@ -3,7 +3,7 @@
     python -m benchmarks.peers.by_ngsolve four out.json
 
 Newton's method and the load stepping are the user's. `--cpp` lets NGSolve write the forms as C++ and compile them,
-which needs a compiler and some 20 s before the first increment.
+which needs a compiler and some ten seconds before the first increment.
 """
 
 import sys
