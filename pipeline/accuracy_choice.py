@@ -1,8 +1,8 @@
 """Mesh, tolerance and contact distance for an accuracy that is asked for, and the error that is believed to remain.
 
 Errors of κ₀(l/2), α₂ and F count. What the mesh has wrong is told by two pilots, the same two experiments at the lowest
-pressure of the run on two coarse meshes: the finer one is off by `LEFT` times their difference, and on other meshes by
-that times a power of the size. What contact and Newton leave is told by what the ladder of docs/accuracy.md measured.
+pressure of the run on two coarse meshes: errors are taken to fall with the square of the size, as the ladders of
+docs/accuracy.md do or faster. What contact leaves is told by what those ladders measured.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,8 +27,6 @@ __all__ = ["Choice", "chosen", "size_for"]
 FORMULATION, GRADING = "mixed", "walls"
 #: sizes of the pilots over the smallest side of the body
 PILOTS = (0.4, 0.27)
-#: error of the finer pilot over the difference of both
-LEFT = 0.5
 #: power of the size with which errors fall
 ORDER = 2.0
 #: share of the asked error that the mesh may have; the rest is for contact
@@ -102,14 +100,15 @@ def size_for(asked: float, coarse: Mapping[str, float], fine: Mapping[str, float
 
     Never coarser than the first of them, nor finer than FINEST times the second; in hundredths.
     """
-    error = max(mesh_errors(coarse, fine).values())
+    error = max(mesh_errors(coarse, fine, sizes).values())
     size = sizes[1] * (asked / error) ** (1 / ORDER) if error > 0 else sizes[0]
     return floor(100.0 * min(max(size, FINEST * sizes[1]), sizes[0])) / 100.0
 
 
-def mesh_errors(coarse: Mapping[str, float], fine: Mapping[str, float]) -> dict[str, float]:
-    """Relative errors of the numbers on the finer of two meshes."""
-    return {key: LEFT * abs(fine[key] - coarse[key]) / abs(fine[key]) for key in HEADLINE}
+def mesh_errors(coarse: Mapping[str, float], fine: Mapping[str, float], sizes: tuple[float, float]) -> dict[str, float]:
+    """Relative errors of the numbers on the finer of two meshes of `sizes` (mm), by Richardson's extrapolation."""
+    left = 1.0 / ((sizes[0] / sizes[1]) ** ORDER - 1.0)
+    return {key: left * abs(fine[key] - coarse[key]) / abs(fine[key]) for key in HEADLINE}
 
 
 def _choose(config: Config) -> Choice:
@@ -117,10 +116,10 @@ def _choose(config: Config) -> Choice:
     assert asked is not None
     elements = replace(config.mesh, formulation=FORMULATION, grading=GRADING)
     config = replace(config, mesh=elements, pressures_kPa=config.pressures_kPa[:1])
-    sizes = tuple(share * min(config.design.extent) for share in PILOTS)
+    sizes = (PILOTS[0] * min(config.design.extent), PILOTS[1] * min(config.design.extent))
     pilots = [_pilot(config, size) for size in sizes]
     coarse, fine = (pilot["numbers"] for pilot in pilots)
-    size = size_for(OF_MESH * asked, coarse, fine, (sizes[0], sizes[1]))
+    size = size_for(OF_MESH * asked, coarse, fine, sizes)
     if config.size_is_given:
         size = config.mesh.size_mm
     share = (size / sizes[1]) ** ORDER
@@ -134,7 +133,7 @@ def _choose(config: Config) -> Choice:
         newton_tolerance=min(1e-4, OF_NEWTON * asked),
         contact_dhat_mm=distance,
         pilots=pilots,
-        believed={key: share * error for key, error in mesh_errors(coarse, fine).items()},
+        believed={key: share * error for key, error in mesh_errors(coarse, fine, sizes).items()},
         believed_of_contact=of_contact,
     )
 
