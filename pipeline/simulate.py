@@ -21,7 +21,7 @@ from pipeline.progress import Progress, ToQueue, relayed
 from pipeline.scene import effects_of, material_of
 from pipeline.store import Store
 
-__all__ = ["EXPERIMENTS", "Outcome", "Record", "simulate"]
+__all__ = ["EXPERIMENTS", "Outcome", "Record", "in_kPa", "simulate"]
 
 Array = NDArray[np.float64]
 
@@ -169,7 +169,7 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
         options = fem.PathOptions(fem.NewtonOptions(tolerance=config.newton_tolerance))
         solution = fem.follow(model, list(pressures), options, watch=watch, keep=keep, resume=remembered)
     except fem.NotConverged as ended:
-        solution, failure = ended.partial, _in_kPa(ended.end, largest, case)
+        solution, failure = ended.partial, in_kPa(ended.end, largest, case)
         lost = (ended.end.cutbacks, ended.end.factorizations)
     steps, crossed = _apart(config, body, solution.steps)
     failure = crossed or failure
@@ -191,7 +191,7 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
     )
 
 
-def _in_kPa(end: fem.End, largest_MPa: float, case: Case) -> str:
+def in_kPa(end: fem.End, largest_MPa: float, case: Case) -> str:
     """Why a path ended, in the units of the configuration."""
     reached, asked = (f"{1000.0 * value * largest_MPa:.4g} kPa" for value in (end.reached, end.asked))
     if case.end_y_mm and end.share < 1.0:

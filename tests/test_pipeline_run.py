@@ -114,11 +114,14 @@ def test_the_same_command_goes_on_from_what_is_finished(config_file: Path, resul
         assert again == pytest.approx(first, rel=1e-9)
 
 
+REFUSED = r"experiment I+ stopped before 1000 kPa: no equilibrium found beyond [\d.]+ kPa on the way to 1000 kPa: "
+
+
 def test_a_pressure_that_cannot_be_borne_ends_in_a_sentence_and_keeps_the_rest(
     config_file: Path, tmp_path: Path
 ) -> None:
     config = load_config(config_file, ["pressures=[8 kPa, 1 MPa]", "geometry.chambers=2"])
-    with pytest.raises(RunFailed, match=r"experiment I+ stopped before 1000 kPa") as failure:
+    with pytest.raises(RunFailed, match=REFUSED) as failure:
         run(config, tmp_path, 2, False, Silent())
     assert "\n" not in str(failure.value)
     rows = read(tmp_path, "experiments.json")
