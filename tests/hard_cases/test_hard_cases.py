@@ -6,6 +6,7 @@
 import pytest
 from cases import read_cases
 from solve import line_of
+from table import BEGIN, END, PAGE
 
 CASES = {case.name: case for case in read_cases()}
 
@@ -16,6 +17,12 @@ QUICK = ("one chamber", "nu = 0", "nu = 0.5", "pressure off", "contact lost on u
 def test_the_table_is_a_table() -> None:
     assert len(CASES) == len(read_cases()) >= 40
     assert sum(bool(case.limit) for case in CASES.values()) >= 5
+
+
+def test_every_case_stands_in_the_page() -> None:
+    written = PAGE.read_text(encoding="utf-8").partition(BEGIN)[2].partition(END)[0]
+    assert [name for name in CASES if f"| {name} |" not in written] == []
+    assert "not as expected**" not in written
 
 
 @pytest.mark.parametrize("name", QUICK)
