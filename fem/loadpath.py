@@ -131,7 +131,7 @@ class Path:
         self.course = course
         self.options = options
         self.watch = watch
-        self.places = [Place(course.rest, 0.0, system.start())]
+        self.places = [Place(course.rest, 0.0, system.start())] * 2
         rest = system.space.points
         self.terms = tuple(term for term in system.terms if term.wanted(rest))
 
@@ -163,6 +163,7 @@ class Path:
                 continue
             self.places = [*self.places[-1:], self._place(origin, value, share, found.state)]
             if share == 1.0:
+                self.places = [origin, self.places[-1]]  # the next prediction starts from asked values alone
                 break
             done = share
             piece *= 2.0 if found.iterations <= 8 else 1.0
@@ -171,7 +172,7 @@ class Path:
 
     def _attempt(self, origin: Place, value: float, share: float) -> Converged:
         aim = self._place(origin, value, share, self.places[-1].state)
-        found = self._solve(value, aim, aim.state, self.terms)
+        found = self._solve(value, aim, self._predicted(aim), self.terms)
         x = self.system.space.points + found.state.displacement
         woken = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
         if len(woken) > len(self.terms):
@@ -186,6 +187,20 @@ class Path:
             worst = extremes_of(self.system.space, found.state.displacement, found.assembly.jacobian)
             raise StepFailed(f"an element is turned inside out at {_at(worst.min_J_at)} (J = {worst.min_J:.3g})")
         return found
+
+    def _predicted(self, aim: Place) -> State:
+        """Where a straight line through the last two places leads, in displacement, strain and stress alike.
+
+        A line in the displacement alone strains a body that turns (26 factorizations on the reference arm to 5, 17, 31
+        and 45 kPa; 17 with all three on lines of their own, 23 without prediction). Walls in contact do not move on
+        lines: with them the last place is the start.
+        """
+        before, last = self.places[-2:]
+        x = self.system.space.points + last.state.displacement
+        if last.value == before.value or any(np.isfinite(term.gap(x)) for term in self.terms):
+            return aim.state
+        share = (aim.value - last.value) / (last.value - before.value)
+        return last.state.extrapolated(before.state, share)
 
     def _objections(self, found: Converged, terms: Terms) -> list[str]:
         x = self.system.space.points + found.state.displacement

@@ -40,6 +40,12 @@ class State:
     strain: Array  #: (e, q, 6), Green-Lagrange
     stress: Array  #: (e, q, 6), second Piola-Kirchhoff, MPa
 
+    def extrapolated(self, before: "State", share: float) -> "State":
+        """This state and the given share of what has changed since the state `before`."""
+        names = ("factor", "displacement", "pressure", "strain", "stress")
+        now = (getattr(self, name) for name in names)
+        return State(*(value + share * (value - getattr(before, name)) for name, value in zip(names, now, strict=True)))
+
 
 @dataclass(frozen=True)
 class Change:
