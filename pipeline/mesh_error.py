@@ -39,7 +39,8 @@ def with_mesh_error(
     outcomes = simulate(second, body, store, jobs, progress, cases)
     free, loaded = ({r.pressure_kPa: r for r in outcomes[f"coarser_{name}"].records} for name in ("II", "III"))
     others = [_numbers(p, free.get(p.pressure_kPa), loaded.get(p.pressure_kPa)) for p in found]
-    deviations = mesh_deviations([p.numbers_without_mesh for p in found], others, config.mesh.size_mm, factor)
+    values = [{name: one.value for name, one in p.numbers_without_mesh.items()} for p in found]
+    deviations = mesh_deviations(values, others, config.mesh.size_mm, factor)
     return tuple(replace(p, mesh_std=stds) for p, stds in zip(found, deviations, strict=True))
 
 

@@ -79,17 +79,17 @@ class Parameters:
     @property
     def numbers(self) -> dict[str, Interval]:
         """alpha1, alpha2, m01, m02, d of the rod, with the error of the mesh where it is known."""
-        return self._of_rod(self.by_cells)
+        return self._with_mesh(self.numbers_without_mesh)
 
     @property
-    def numbers_without_mesh(self) -> dict[str, float]:
-        """Their values."""
-        return {name: one.value for name, one in self.numbers.items()}
+    def numbers_without_mesh(self) -> dict[str, Interval]:
+        """The same without it: over the pressures, which share their mesh, that error is no scatter."""
+        return self._of_rod(self.by_cells)
 
     @property
     def extended_numbers(self) -> dict[str, Interval]:
         """The same of the rod whose curve stretches."""
-        return self._of_rod(self.extended)
+        return self._with_mesh(self._of_rod(self.extended))
 
     def _of_rod(self, found: Identification) -> dict[str, Interval]:
         """The numbers of two lines, or twice those of one line where that suffices.
@@ -98,9 +98,11 @@ class Parameters:
         """
         one = found.one_line
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
-        numbers = {"alpha1": one.alpha, "alpha2": one.alpha, "m01": one.m0, "m02": one.m0, "d": d}
         if found.two_lines:
-            numbers = {name: getattr(found, name) for name in NAMES}
+            return {name: getattr(found, name) for name in NAMES}
+        return {"alpha1": one.alpha, "alpha2": one.alpha, "m01": one.m0, "m02": one.m0, "d": d}
+
+    def _with_mesh(self, numbers: Mapping[str, Interval]) -> dict[str, Interval]:
         return {name: one.widened(self.mesh_std.get(name, 0.0)) for name, one in numbers.items()}
 
     @property

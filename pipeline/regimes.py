@@ -24,8 +24,8 @@ def quantities_of(found: Sequence[Parameters]) -> tuple[list[float], Quantities]
     quantities: Quantities = {"alpha1": ([], []), "alpha2": ([], []), "kappa_0": ([], [])}
     for p in found:
         for name in ("alpha1", "alpha2"):
-            quantities[name][0].append(p.numbers[name].value)
-            quantities[name][1].append(p.numbers[name].std)
+            quantities[name][0].append(p.numbers_without_mesh[name].value)
+            quantities[name][1].append(p.numbers_without_mesh[name].std)
         middle = abs(p.kappa_0.s - p.kappa_0.length / 2).argmin()
         quantities["kappa_0"][0].append(float(p.kappa_0.kappa[middle]))
         quantities["kappa_0"][1].append(float(p.kappa_0.kappa_std[middle]))
