@@ -31,8 +31,10 @@ PILOTS = (0.4, 0.27)
 ORDER = 2.0
 #: share of the asked error that the mesh may have; the rest is for contact
 OF_MESH = 0.6
-#: error per activation distance over the gap
-PER_DISTANCE = 0.5
+#: error per activation distance over the gap: that of F on arm (a) at 17 kPa, the largest
+PER_DISTANCE = 1.1
+#: the smallest activation distance over the gap that is chosen: it takes 2.5 times the factorizations of the default
+CLOSEST = 0.025
 #: Newton's tolerance is this share of the asked error
 OF_NEWTON = 1e-3
 #: the finest mesh that is chosen, over the finer pilot
@@ -158,5 +160,5 @@ def _contact(config: Config, asked: float) -> tuple[float | None, float]:
     if usual is None:
         return None, 0.0
     gap = usual / fem.ACTIVATION
-    distance = config.contact_dhat_mm or min(usual, gap * asked / PER_DISTANCE)
+    distance = config.contact_dhat_mm or min(usual, gap * max(asked / PER_DISTANCE, CLOSEST))
     return distance, PER_DISTANCE * distance / gap

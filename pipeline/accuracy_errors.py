@@ -35,6 +35,11 @@ class Reference:
     value: float
     std: float  #: standard deviation of value
 
+    @property
+    def relative(self) -> float:
+        """Standard deviation over the value."""
+        return abs(self.std / self.value)
+
 
 def limit(lines: Sequence[Sequence[tuple[float, float]]]) -> Reference | None:
     """The value for infinitely many degrees of freedom, from lines of (degrees of freedom, value).

@@ -18,6 +18,7 @@ Record = Mapping[str, Any]
 #: what varies along a line that is none of meshes, with its unit
 _VARIES = {TOLERANCE: "tolerance {:g}", CONTACT: "distance {:g} mm", POINTS: "{:g} points"}
 _SECONDS = "CPU seconds of II and III, one thread"
+_UNSURE = "deviation of the reference"
 _ERROR = "largest error of κ₀(l/2), α₂ and F (%)"
 
 
@@ -39,6 +40,9 @@ def html_page(record: Record) -> str:
         x=[x for x, _ in front], y=[y for _, y in front], mode="lines", name="nothing is better",
         line={"color": "#1f2933", "width": 6}, opacity=0.2, hoverinfo="skip",
     )  # fmt: skip
+    figure.add_hline(
+        y=100 * record["reference_error"], line={"dash": "dash", "color": "#7b8794"}, annotation_text=_UNSURE
+    )
     figure.update_xaxes(title=_SECONDS, type="log")
     figure.update_yaxes(title=_ERROR, type="log")
     page = styled(figure, 620).to_html(full_html=True, include_plotlyjs=True, config={"displaylogo": False})
@@ -59,6 +63,7 @@ def svg_picture(record: Record) -> str:
         axes.plot(seconds, error, form, color=colour, label=choice, markersize=4.5, linewidth=1.4)
     front = _front(record)
     axes.plot([x for x, _ in front], [y for _, y in front], color="#1f2933", alpha=0.18, linewidth=8, zorder=0)
+    axes.axhline(100 * record["reference_error"], color="#7b8794", linestyle="--", linewidth=1, label=_UNSURE)
     axes.set(xscale="log", yscale="log", xlabel=_SECONDS, ylabel=_ERROR, title=record["config"]["name"])
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(ScalarFormatter())

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from pipeline.accuracy_errors import NUMBERS, errors, headline, limit, pareto_front, shifted
+from pipeline.accuracy_errors import HEADLINE, NUMBERS, errors, headline, limit, pareto_front, shifted
 from pipeline.config import FORMULATIONS, Config
 from pipeline.failure import RunFailed
 from pipeline.provenance import provenance
@@ -39,6 +39,7 @@ def accuracy_record(config: Config, rungs: Sequence[tuple[Rung, Found]], touchin
         "pressures_kPa": list(config.pressures_kPa),
         "as_configured": {"choice": mesh_choice(config), "size_mm": config.mesh.size_mm, "contact_mm": touching_mm},
         "reference": [{"pressure_kPa": pressure, **_written(found)} for pressure, found in references.items()],
+        "reference_error": max(one[key].relative for one in references.values() for key in HEADLINE if one[key]),
         "rungs": rows,
     }
 

@@ -7,7 +7,7 @@ from pipeline.config import FORMULATIONS, Config
 __all__ = ["CONTACT", "POINTS", "TOLERANCE", "Rung", "ladder", "mesh_choice"]
 
 #: mesh sizes over that of the configuration by grading; p2 locks whatever the mesh and gets fewer
-SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (2.0, 1.5, 1.25, 1.0, 0.75)}
+SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (1.5, 1.25, 1.0, 0.75, 0.5)}
 SIZES_OF_P2 = (1.5, 1.0, 0.6)
 #: lines beside those of the meshes; a rung of one has everything else as configured
 TOLERANCE, CONTACT, POINTS = "Newton tolerance", "contact distance", "points of the curve"

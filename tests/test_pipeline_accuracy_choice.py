@@ -40,7 +40,7 @@ def piloted(monkeypatch: pytest.MonkeyPatch) -> list[Rung]:
 
     def made_up(rung: Rung) -> dict[str, Any]:
         asked.append(rung)
-        found = [{"stride": 1, **numbers(rung.config.mesh.size_mm, 0.02)}]
+        found = [{"stride": 1, **numbers(rung.config.mesh.size_mm, 0.04)}]
         return {"failure": "", "numbers": found, "degrees_of_freedom": 30_000, "cpu_seconds": 5.0}
 
     monkeypatch.setattr(accuracy_choice, "measure", made_up)
@@ -55,16 +55,16 @@ def choice_for(config: Config, out: Path) -> tuple[Config, Choice]:
 
 
 def test_the_mesh_and_the_contact_distance_are_chosen(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
-    config = load_config(configs / "pneunet_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
+    config = load_config(configs / "pneunet_coarse.yaml", ["mesh.size=auto", "accuracy=8 %"])
     found, choice = choice_for(config, tmp_path)
     assert [rung.config.mesh.size_mm for rung in piloted] == pytest.approx([share * 15.0 for share in PILOTS])
     assert {rung.config.pressures_kPa for rung in piloted} == {config.pressures_kPa[:1]}
     assert (found.mesh.formulation, found.mesh.grading) == (FORMULATION, GRADING)
     assert found.pressures_kPa == config.pressures_kPa
-    assert 0.9 * OF_MESH * 0.02 < max(choice.believed.values()) <= OF_MESH * 0.02
+    assert 0.9 * OF_MESH * 0.08 < max(choice.believed.values()) <= OF_MESH * 0.08
     assert found.contact_dhat_mm == choice.contact_dhat_mm
     assert 0.0 < found.contact_dhat_mm <= 0.2
-    assert choice.largest <= 0.02
+    assert choice.largest <= 0.08
     assert choice.sentence().endswith("the asked accuracy is kept")
     assert choice.record()["believed_error"] == choice.largest
     again, kept = choice_for(config, tmp_path)
@@ -80,7 +80,7 @@ def test_a_given_mesh_size_wins_and_its_error_is_told(configs: Path, tmp_path: P
     assert "mesh.size is given and was kept" in choice.sentence()
     assert choice.sentence().endswith("the asked accuracy is not reached")
     fine = 0.27 * 9.5
-    assert choice.believed["force_N"] == pytest.approx(0.02 / (1 + 0.02 * (fine / 4.0) ** ORDER))
+    assert choice.believed["force_N"] == pytest.approx(0.04 / (1 + 0.04 * (fine / 4.0) ** ORDER))
 
 
 def test_nothing_is_chosen_where_nothing_is_asked_for(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
@@ -92,7 +92,7 @@ def test_nothing_is_chosen_where_nothing_is_asked_for(configs: Path, tmp_path: P
 
 def test_pilots_without_numbers_end_the_run(configs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(accuracy_choice, "measure", lambda rung: {"failure": "II: inverted", "numbers": []})
-    config = load_config(configs / "pneunet_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
+    config = load_config(configs / "pneunet_coarse.yaml", ["mesh.size=auto", "accuracy=8 %"])
     with pytest.raises(RunFailed, match=r"pilot .* II: inverted; give mesh\.size"):
         choice_for(config, tmp_path)
 
