@@ -18,13 +18,17 @@ Row = Mapping[str, Any]
 
 
 def comparison(rows: Sequence[Row]) -> Table:
-    """Rows of effects_table.json: every number with its change against the configuration, and the cost."""
-    table = Table("effect", "p kPa", *COLUMNS.values(), "one line suffices", "seconds", "factorizations", box=None)
+    """Rows of effects_table.json: every number above its change against the configuration, and the cost; it fits into
+    80 columns."""
+    heads = [name.replace(" ", "\n", 1) for name in COLUMNS.values()]
+    table = Table("effect", "p\nkPa", *heads, "one\nline", "s", "factori-\nzations", box=None, padding=(0, 1, 0, 0))
+    table.caption = "one line: whether one slope describes the arm as well as two"
     for column in table.columns[1:]:
         column.justify = "right"
+        column.no_wrap = True
     before = ""
     for row in rows:
-        name = f"{row['effect']} {row['state']}".strip()
+        name = f"{row['effect']} {row['state']}".strip().replace("_", " ")
         first, before = name != before, name
         numbers = [_number(row, key) for key in COLUMNS]
         cost = (f"{row['seconds']:.0f}", str(row["factorizations"])) if first else ("", "")
@@ -84,4 +88,6 @@ def _number(row: Row, key: str) -> str:
     if value is None:
         return ""
     shown = f"{value:.4g}"
-    return shown if row["effect"] == BASE or change is None else f"{shown} ({100 * change:+.1f} %)"
+    if row["effect"] == BASE or change is None:
+        return shown
+    return f"{shown}\n{100 * change:+.{1 if abs(change) < 0.0995 else 0}f} %"
