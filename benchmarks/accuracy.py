@@ -30,7 +30,8 @@ def with_tables(text: str, results: Path) -> str:
             return mark.group(0)
         record = json.loads(file.read_text(encoding="utf-8"))
         said = "".join(f"- {sentence}\n" for sentence in reference_sentences(record))
-        return f"<!-- {name} -->\n\n{said}\n{markdown(record)}\n<!-- end of {name} -->"
+        picture = f"![error over CPU seconds](pictures/accuracy_{name}.svg)"
+        return f"<!-- {name} -->\n\n### {name}\n\n{picture}\n\n{said}\n{markdown(record)}\n<!-- end of {name} -->"
 
     return re.sub(r"<!-- (\w+) -->\n.*?<!-- end of \1 -->", table, text, flags=re.DOTALL)
 

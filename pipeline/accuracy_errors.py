@@ -25,6 +25,9 @@ NUMBERS = {
 #: the numbers of which the largest error counts
 HEADLINE = ("kappa_0_per_mm", "alpha2_N_mm2", "force_N")
 
+#: relative deviation that a limit has at least, so that lines without scatter can be weighed
+LEAST = 1e-9
+
 Numbers = Mapping[str, Any]
 
 
@@ -44,8 +47,8 @@ class Reference:
 def limit(lines: Sequence[Sequence[tuple[float, float]]]) -> Reference | None:
     """The value for infinitely many degrees of freedom, from lines of (degrees of freedom, value).
 
-    Every line with two or more rungs gives a limit; the surest one counts, and half of the largest distance to another
-    is added to its deviation, for a line can be surer of itself than it may be. None without such a line.
+    Every line with two or more rungs gives a limit; they are averaged by the inverse of their variances, and their
+    spread around that mean adds to its deviation, for a line can be surer of itself than it may be. None without one.
     """
     found = []
     for line in lines:
@@ -55,8 +58,10 @@ def limit(lines: Sequence[Sequence[tuple[float, float]]]) -> Reference | None:
             found.append((one.limit_std, one.limit))
     if not found:
         return None
-    std, value = min(found)
-    return Reference(value, math.hypot(std, max(abs(other - value) for _, other in found) / 2))
+    weights = [1.0 / (std**2 + (LEAST * value) ** 2) for std, value in found]
+    mean = sum(weight * value for weight, (_, value) in zip(weights, found, strict=True)) / sum(weights)
+    spread = sum(w * (value - mean) ** 2 for w, (_, value) in zip(weights, found, strict=True)) / sum(weights)
+    return Reference(mean, math.sqrt(1.0 / sum(weights) + spread))
 
 
 def shifted(reference: Reference, distances: Sequence[tuple[float, float]], configured: float) -> Reference:
