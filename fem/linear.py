@@ -23,6 +23,10 @@ class SingularMatrix(ArithmeticError):
 
 #: a pivot below ten to this power times the largest entry counts as zero
 ZERO_PIVOT = -12
+#: orderings of PARDISO; slender bodies have small separators anyway. Processor seconds of a factor, minimum degree over
+#: nested dissection: 0.88 at 32 000 unknowns, 0.84 at 58 000, 1.0 at 130 000
+MINIMUM_DEGREE, NESTED_DISSECTION = 0, 3
+LARGE = 100_000
 #: residual over right-hand side to which a solution is refined, in how many rounds of how many GMRES iterations
 REFINED = 1e-9
 REFINEMENTS = 8
@@ -84,7 +88,7 @@ class Pardiso(LinearSolver):
         self._solver = PyPardisoSolver(mtype=-2)
         self._error = PyPardisoError
         self._finalizer = weakref.finalize(self, _release, self._solver)
-        for place, value in {1: 1, 2: 3, 8: 1, 10: -ZERO_PIVOT, 11: 0, 13: 0, 21: 1, 24: 0}.items():
+        for place, value in {1: 1, 8: 1, 10: -ZERO_PIVOT, 11: 0, 13: 0, 21: 1, 24: 0}.items():
             self._solver.set_iparm(place, value)
         self._memory = memory
         self._matrix = sp.csr_matrix((0, 0))
@@ -114,8 +118,9 @@ class Pardiso(LinearSolver):
         start = perf_counter()
         self.close()
         spare = spare_memory() if self._memory is None else self._memory
+        size = indptr.shape[0] - 1
+        self._solver.set_iparm(2, MINIMUM_DEGREE if size < LARGE else NESTED_DISSECTION)
         for kind, precision in ((np.float64, 0), (np.float32, 1)):
-            size = indptr.shape[0] - 1
             self._solver.set_iparm(28, precision)
             self._matrix = sp.csr_matrix((np.ones(indices.shape[0], kind), indices, indptr), shape=(size, size))
             self._call(11, np.zeros(size))
