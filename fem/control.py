@@ -37,9 +37,11 @@ class Control(ABC):
 
     @abstractmethod
     def change(
-        self, system: System, state: State, assembly: Assembly, coupling: Change, terms: Terms
+        self, system: System, state: State, assembly: Assembly, jump: Array, coupling: Change, terms: Terms
     ) -> tuple[Change, int]:
         """Newton's change of the unknowns but the prescribed displacements, with the tangent factorized.
+
+        jump (n, 3) is what those still miss, coupling the tangent times it.
 
         And the number of directions in which the body is unstable while the prescribed quantity is held.
         """
@@ -59,7 +61,7 @@ class LoadControl(Control):
         return 0.0
 
     def change(
-        self, system: System, state: State, assembly: Assembly, coupling: Change, terms: Terms
+        self, system: System, state: State, assembly: Assembly, jump: Array, coupling: Change, terms: Terms
     ) -> tuple[Change, int]:
         change = system.solve(assembly.gradient + coupling.displacement, assembly.imbalance + coupling.pressure)
         return change, system.negative_pivots
@@ -81,14 +83,13 @@ class VolumeControl(Control):
         return (enclosed_volume(self.faces, system.space.points + state.displacement) - self.volume) / self.scale
 
     def change(
-        self, system: System, state: State, assembly: Assembly, coupling: Change, terms: Terms
+        self, system: System, state: State, assembly: Assembly, jump: Array, coupling: Change, terms: Terms
     ) -> tuple[Change, int]:
         growth = volume_gradient(self.faces, system.space.points + state.displacement)
         free = system.solve(assembly.gradient + coupling.displacement, assembly.imbalance + coupling.pressure)
         # the loads are linear in the load factor
         more, less = (system.loads(state.displacement, state.factor + step, terms) for step in (0.5, -0.5))
         loaded = system.solve(more - less, np.zeros_like(assembly.imbalance))
-        jump = np.where(system.constraints.fixed, self.prescribed - state.displacement, 0.0)
         compliance = float(np.vdot(growth, loaded.displacement))
         if compliance == 0.0:
             raise SingularMatrix("the load does not change the prescribed volume")

@@ -175,7 +175,7 @@ class Mixed(Formulation):
                 f"{self.material.volumetric_modulus:g} MPa; take p2 or p2p0"
             )
 
-    @property
+    @cached_property
     def unknowns(self) -> int:
         return int(self.space.nodes[:, :4].max()) + 1
 
@@ -231,11 +231,7 @@ class Mixed(Formulation):
             pattern.free,
             data,
         )
-        mass = sp.triu(self._mass, format="coo")
-        blocks = np.zeros((mass.nnz, 3, 3))
-        blocks[:, 0, 0] = -(self._unit**2) / self.material.volumetric_modulus * mass.data
-        first = space.points.shape[0]
-        pattern.place(data, mass.row.astype(np.int64) + first, mass.col.astype(np.int64) + first, blocks)
+        pattern.place(data, *self._compressibility)
 
     def swept(self, answer: Answer, change: Array) -> Array:
         return self._tested(np.sum(answer.slope * change, axis=-1)) * self._unit
@@ -262,6 +258,15 @@ class Mixed(Formulation):
         local = np.einsum("eq,qa,qb->eab", self.space.weight, shape, shape)
         rows, columns = np.repeat(vertices, 4, axis=1), np.tile(vertices, (1, 4))
         return sp.csr_matrix((local.ravel(), (rows.ravel(), columns.ravel())), shape=(self.unknowns,) * 2)
+
+    @cached_property
+    def _compressibility(self) -> tuple[Index, Index, Array]:
+        """Second derivative by the pressures, which is constant, as blocks of pairs of unknowns."""
+        mass = sp.triu(self._mass, format="coo")
+        blocks = np.zeros((mass.nnz, 3, 3))
+        blocks[:, 0, 0] = -(self._unit**2) / self.material.volumetric_modulus * mass.data
+        first = self.space.points.shape[0]
+        return mass.row.astype(np.int64) + first, mass.col.astype(np.int64) + first, blocks
 
     @cached_property
     def _mass_factor(self) -> SuperLU:

@@ -109,7 +109,7 @@ def _advance(
     """The next state, and whether the strain was allowed to change as much as the increment asked for."""
     try:
         coupling = system.factorize(state, assembly, terms, jump, convex)
-        change, unstable = control.change(system, state, assembly, coupling, terms)
+        change, unstable = control.change(system, state, assembly, jump, coupling, terms)
     except SingularMatrix as error:
         raise StepFailed(f"the tangent is singular ({error})") from None
     change = replace(change, displacement=change.displacement + jump)

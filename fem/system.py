@@ -114,8 +114,7 @@ class System:
         self.constraints = constraints
         self.solver = solver
         self.clock = Clock()
-        rest = np.zeros((1, 6))
-        self._stiffness = float((material.shear(rest).tangent + material.volumetric(rest).tangent).max())
+        self._digit = self._force_of_a_digit()
         held = np.ones((space.points.shape[0] + self.law.unknowns, 3), dtype=bool)
         held[: space.points.shape[0]] = constraints.fixed
         held[space.points.shape[0] :, 0] = False  # a pressure stands in the pattern as a node with one component
@@ -162,7 +161,7 @@ class System:
             kernels.internal_force(*self._elements, self.space.weight, displacement, stress, internal)
         loads = self.loads(displacement, state.factor, terms)
         scale = max(float(np.linalg.norm(internal)), float(np.linalg.norm(loads)))
-        rounding = self._rounding(displacement)
+        rounding = self._digit * float(np.abs(displacement).max())
         return Assembly(strain, answer, stress, jacobian, internal + loads, imbalance, scale, rounding)
 
     def loads(self, displacement: Array, factor: float, terms: Terms) -> Array:
@@ -173,15 +172,15 @@ class System:
                 term.gradient(self.space.points + displacement, factor, loads)
         return loads
 
-    def _rounding(self, displacement: Array) -> float:
-        """Stiffness of an element at rest times the last digit of the displacement, at all nodes.
+    def _force_of_a_digit(self) -> float:
+        """Stiffness of an element at rest times the spacing of numbers around 1, at all nodes: N per mm of displacement.
 
         Measured on turned, unstrained bars of all laws, nu = 0.3 to 0.4999: the forces are 0.05 to 0.19 of it.
         """
-        points = self.space.points
+        rest = np.zeros((1, 6))
+        stiffness = float((self.material.shear(rest).tangent + self.material.volumetric(rest).tangent).max())
         size = (float(self.space.weight[:, :4].sum()) / self.space.nodes.shape[0]) ** (1 / 3)
-        digit = np.finfo(float).eps * float(np.abs(displacement).max())
-        return 4 * self._stiffness * size * digit * float(np.sqrt(points.shape[0]))
+        return float(4 * stiffness * size * np.finfo(float).eps * np.sqrt(self.space.points.shape[0]))
 
     def _strain(self, displacement: Array) -> tuple[Array, Array]:
         strain = np.empty((*self.space.weight.shape, 6))
