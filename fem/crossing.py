@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 
 from fem.contact import triangles_cross
 from fem.discretisation import Discretisation
+from fem.extremes import in_words
 
 Array = NDArray[np.float64]
 
@@ -27,7 +28,7 @@ def crossing(space: Discretisation, x: Array, half: bool) -> str:
     triangles = local.reshape(triangles.shape)
     rest, now = space.points[nodes], x[nodes]
     if half and now[:, 2].min() < -1e-6 * np.ptp(rest, axis=0).max():
-        return f"passes through its mirror image near {_place(now[int(np.argmin(now[:, 2]))])}"
+        return f"passes through its mirror image near {in_words(now[int(np.argmin(now[:, 2]))])}"
     ends = now[triangles[:, [0, 1, 2, 0]]]
     reach = REACH * float(np.linalg.norm(np.diff(ends, axis=1), axis=2).max())
     pairs = cKDTree(now).query_pairs(reach, output_type="ndarray")
@@ -35,8 +36,4 @@ def crossing(space: Discretisation, x: Array, half: bool) -> str:
     if met.shape[0] == 0 or not triangles_cross(rest, now, triangles):
         return ""
     distance = np.linalg.norm(now[met[:, 0]] - now[met[:, 1]], axis=1)
-    return f"passes through itself near {_place(now[met[int(np.argmin(distance)), 0]])}"
-
-
-def _place(x: Array) -> str:
-    return f"({x[0]:.1f}, {x[1]:.1f}, {x[2]:.1f}) mm"
+    return f"passes through itself near {in_words(now[met[int(np.argmin(distance)), 0]])}"

@@ -50,19 +50,20 @@ def beyond_the_law(extremes: Extremes, material: Material) -> str:
     """A clause for stretches outside those between which the law can be trusted; empty where all are inside."""
     lowest, highest = material.stretch_limits
     law = type(material).__name__
-    volume = f"the smallest J is {extremes.min_J:.3g} at {_at(extremes.min_J_at)}"
+    volume = f"the smallest J is {extremes.min_J:.3g} at {in_words(extremes.min_J_at)}"
     if extremes.min_stretch < lowest:
         return (
-            f"a stretch of {extremes.min_stretch:.3g} at {_at(extremes.min_stretch_at)} is below {lowest:.3g}, "
+            f"a stretch of {extremes.min_stretch:.3g} at {in_words(extremes.min_stretch_at)} is below {lowest:.3g}, "
             f"where {law} in compression is no longer stable; {volume}"
         )
     if extremes.max_stretch > highest:
         return (
-            f"a stretch of {extremes.max_stretch:.3g} at {_at(extremes.max_stretch_at)} is above {highest:.3g}, "
+            f"a stretch of {extremes.max_stretch:.3g} at {in_words(extremes.max_stretch_at)} is above {highest:.3g}, "
             f"the largest that {law} can be trusted at; {volume}"
         )
     return ""
 
 
-def _at(place: tuple[float, float, float]) -> str:
+def in_words(place: tuple[float, float, float] | Array) -> str:
+    """A position (3,) in mm, to a tenth."""
     return f"({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm"

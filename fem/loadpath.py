@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from fem import newton
 from fem.course import Course, LoadCourse, VolumeCourse
-from fem.extremes import beyond_the_law, extremes_of, strain_at_stress_points
+from fem.extremes import beyond_the_law, extremes_of, in_words, strain_at_stress_points
 from fem.linear import LinearSolver, SingularMatrix
 from fem.model import Model
 from fem.newton import Converged, NewtonOptions, StepFailed
@@ -190,7 +190,7 @@ class Path:
                 raise StepFailed(objections[0])
         if found.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, found.state.displacement, found.assembly.jacobian)
-            raise StepFailed(f"an element is turned inside out at {_at(worst.min_J_at)} (J = {worst.min_J:.3g})")
+            raise StepFailed(f"an element is turned inside out at {in_words(worst.min_J_at)} (J = {worst.min_J:.3g})")
         return found
 
     def _ahead(self, value: float, aim: Place) -> Converged:
@@ -255,7 +255,7 @@ class Path:
             return ""
         return (
             f"; the last equilibrium found has {max(last.stiffness, 0.0):.1%} of its elastic stiffness left against a "
-            f"motion of {_at(last.at)}: a limit point, beyond which only a prescribed volume or displacement leads"
+            f"motion of {in_words(last.at)}: a limit point, beyond which only a prescribed volume or displacement leads"
         )
 
     def _beyond_the_law(self) -> str:
@@ -296,7 +296,7 @@ class Path:
             softest = softest_direction(self.system, found.state, self._acting(self.places[-1]))
         except SingularMatrix:
             return f"unstable in {count}, at a limit point"
-        return f"unstable in {count}; the motion nearest to a limit point is largest at {_at(softest.at)}"
+        return f"unstable in {count}; the motion nearest to a limit point is largest at {in_words(softest.at)}"
 
     def _acting(self, place: Place) -> Terms:
         return tuple(term.at(place.share) for term in self.terms)
@@ -318,7 +318,3 @@ class Path:
         times, effects = self.system.solver.times, dict(self.system.clock.seconds)
         assembly = effects.pop("assembly", 0.0)
         return Seconds(0.0, assembly, times.analysis, times.factorization, times.solve, effects)
-
-
-def _at(place: tuple[float, float, float]) -> str:
-    return f"({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm"

@@ -1,10 +1,8 @@
 """One rung of the ladder of accuracy, measured in a process of its own so that its peak of memory is its own."""
 
-import multiprocessing
-import os
 import resource
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import as_completed
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,35 +20,18 @@ from pipeline.rungs import Rung
 from pipeline.scene import meshed_body
 from pipeline.simulate import Outcome, simulate
 from pipeline.store import open_store
+from pipeline.workers import side_by_side
 
 __all__ = ["measure", "measured_apart"]
-
-#: threads of every library in a process that is measured
-THREADS = ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
 
 
 def measured_apart(rungs: Sequence[Rung], jobs: int, keep: Any) -> None:
     """Measure rungs in processes of one thread and one rung each, `jobs` at a time; `keep(rung, record)` gets each as
     soon as it is finished."""
-    from concurrent.futures import as_completed
-
-    context = multiprocessing.get_context("spawn")
-    kept = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(kept, "1"))  # read by the libraries when the new processes load them
-    try:
-        with ProcessPoolExecutor(jobs, context, max_tasks_per_child=1) as pool:
-            asked = {pool.submit(measure, rung): rung for rung in rungs}
-            try:
-                for future in as_completed(asked):
-                    keep(asked[future], future.result())
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                for child in multiprocessing.active_children():
-                    child.terminate()
-                raise
-    finally:
-        for name, value in kept.items():
-            os.environ.pop(name) if value is None else os.environ.update({name: value})
+    with side_by_side(jobs, 1, max_tasks_per_child=1) as pool:
+        asked = {pool.submit(measure, rung): rung for rung in rungs}
+        for future in as_completed(asked):
+            keep(asked[future], future.result())
 
 
 def measure(rung: Rung) -> dict[str, Any]:

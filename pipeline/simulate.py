@@ -4,7 +4,6 @@ import multiprocessing
 import os
 import threading
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from typing import Any
@@ -20,6 +19,7 @@ from pipeline.failure import RunFailed
 from pipeline.progress import Progress, ToQueue, relayed
 from pipeline.scene import effects_of, material_of
 from pipeline.store import Store
+from pipeline.workers import SPAWN, side_by_side
 
 __all__ = ["EXPERIMENTS", "Outcome", "Record", "in_kPa", "simulate"]
 
@@ -96,25 +96,13 @@ def simulate(
 def _side_by_side(
     config: Config, body: Body, store: Store, jobs: int, progress: Progress, cases: Sequence[Case]
 ) -> list[Outcome]:
-    context = multiprocessing.get_context("spawn")
-    queue = context.Queue()
+    queue = SPAWN.Queue()
     queue.cancel_join_thread()  # a worker that was killed may hold the queue's lock for ever
-    threads = str(max(1, len(os.sched_getaffinity(0)) // jobs))
-    kept = {name: os.environ.get(name) for name in ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")}
-    os.environ.update(dict.fromkeys(kept, threads))  # read by the libraries when the new processes load them
-    try:
-        with relayed(queue, progress), ProcessPoolExecutor(jobs, context, _take_queue, (queue,)) as pool:
-            try:
-                asked = [pool.submit(_in_worker, case, config, body, store) for case in cases]
-                return [future.result() for future in asked]
-            except BaseException:
-                pool.shutdown(wait=False, cancel_futures=True)
-                for child in multiprocessing.active_children():
-                    child.terminate()
-                raise
-    finally:
-        for name, value in kept.items():
-            os.environ.pop(name) if value is None else os.environ.update({name: value})
+    threads = max(1, len(os.sched_getaffinity(0)) // jobs)
+    workers = side_by_side(jobs, threads, initializer=_take_queue, initargs=(queue,))
+    with relayed(queue, progress), workers as pool:
+        asked = [pool.submit(_in_worker, case, config, body, store) for case in cases]
+        return [future.result() for future in asked]
 
 
 _listener: list[ToQueue] = []

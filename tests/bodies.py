@@ -88,6 +88,18 @@ def fork(gap: float, length: float = 6.0, layers: int = 3) -> Mesh:
     return named(mesh, clamp=on_plane(mesh, 0, 0.0), prongs=inner, above=above, below=below)
 
 
+def inside(mesh: Mesh, low: float, high: float) -> tuple[Array, np.ndarray]:
+    """Points and tetrahedra between two planes, the tetrahedra by the numbers of those points sorted by place."""
+    centre = mesh.points[mesh.tets][:, :, 0].mean(axis=1)
+    tets = mesh.tets[(centre > low) & (centre < high)]
+    used = np.unique(tets)
+    points = mesh.points[used] - [low, 0, 0]
+    order = np.lexsort(np.round(points, 6).T)
+    place = np.empty(len(mesh.points), dtype=int)
+    place[used[order]] = np.arange(len(used))
+    return points[order], place[tets]
+
+
 def reference_arm() -> Mesh:
     """The mesh on which other codes solved Test II; what they got is in the design note "mechanics"."""
     return Mesh.read(DATA / "t2_coarse.msh")

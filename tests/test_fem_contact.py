@@ -31,18 +31,12 @@ from fem.discretisation import Discretisation
 from fem.effects import Term
 from fem.facing import FacingTerm
 from fem.material import Material
-from geometry import Body, PneuNet
+from geometry import Body
 
 Array = NDArray[np.float64]
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.495)
 GAP = 2.0
-
-
-@pytest.fixture(scope="module")
-def short() -> Body:
-    """Three chambers, 32 mm long."""
-    return PneuNet(chambers=3).body(4.0)
 
 
 def bend(body: Body, contact: list[Effect], pressures: list[float]) -> tuple[Experiment, tuple[Step, ...]]:

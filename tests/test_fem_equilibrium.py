@@ -65,12 +65,6 @@ def test_the_highest_pressure_in_one_step() -> None:
     assert solution.factorizations <= 10
 
 
-@pytest.fixture(scope="module")
-def short() -> Body:
-    """Three chambers, 32 mm long."""
-    return PneuNet(chambers=3).body(4.0)
-
-
 def solve(name: str, body: Body, pressures: list[float], contact: bool = True, end_y: float = 0.0, tolerance=1e-9):
     """Experiment and solution at the pressures in kPa."""
     experiment = Experiment.of(name, body, end_y)

@@ -24,17 +24,11 @@ from fem import (
     step_to_arrays,
 )
 from fem.newton import StepFailed
-from geometry import Body, PneuNet
+from geometry import Body
 
 Array = NDArray[np.float64]
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.495)
-
-
-@pytest.fixture(scope="module")
-def short() -> Body:
-    """Three chambers, 32 mm long."""
-    return PneuNet(chambers=3).body(4.0)
 
 
 #: bends the beam by a third of its length

@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from bodies import inside
 
 from geometry import (
     FAMILIES,
@@ -15,7 +16,6 @@ from geometry import (
     Body,
     Design,
     DesignError,
-    Mesh,
     MeshError,
     PneuNet,
     Semicircular,
@@ -94,18 +94,6 @@ def test_body_is_mirror_symmetric_about_its_middle(design: Design) -> None:
     assert rows(twin[mesh.faces["clamp"]]) == rows(mesh.faces["tip"])
     for name in mesh.faces.keys() - {"clamp", "tip"}:
         assert rows(twin[mesh.faces[name]]) == rows(mesh.faces[name])
-
-
-def inside(mesh: Mesh, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points and tetrahedra between two planes, the tetrahedra by the numbers of those points sorted by place."""
-    centre = mesh.points[mesh.tets][:, :, 0].mean(axis=1)
-    tets = mesh.tets[(centre > low) & (centre < high)]
-    used = np.unique(tets)
-    points = mesh.points[used] - [low, 0, 0]
-    order = np.lexsort(np.round(points, 6).T)
-    place = np.empty(len(mesh.points), dtype=int)
-    place[used[order]] = np.arange(len(used))
-    return points[order], place[tets]
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from bodies import inside
 
 from geometry import GRADINGS, BisectedCircle, Body, Design, Grading, PneuNet, Semicircular, SemicircularSingle
 from pipeline.config import load_config
@@ -33,15 +34,8 @@ def size_near(body: Body, place: tuple[float, float, float], reach: float) -> fl
 
 def cell(body: Body, low: float, high: float) -> tuple[np.ndarray, set[tuple[int, ...]]]:
     """Points between two planes, by place, and the tetrahedra by the ranks of their points."""
-    mesh = body.mesh
-    centre = mesh.points[mesh.tets][:, :, 0].mean(axis=1)
-    tets = mesh.tets[(centre > low) & (centre < high)]
-    used = np.unique(tets)
-    points = mesh.points[used] - [low, 0, 0]
-    order = np.lexsort(np.round(points, 6).T)
-    rank = np.empty(len(mesh.points), dtype=int)
-    rank[used[order]] = np.arange(len(used))
-    return points[order], set(map(tuple, np.sort(rank[tets], axis=1).tolist()))
+    points, tets = inside(body.mesh, low, high)
+    return points, set(map(tuple, np.sort(tets, axis=1).tolist()))
 
 
 def test_cells_stay_equal_and_the_curve_stays_on_edges(design: Design, grading: Grading) -> None:
