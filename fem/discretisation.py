@@ -1,4 +1,4 @@
-"""From a mesh to quadratic tetrahedra: nodes, gradients and quadrature (the only door to scikit-fem)."""
+"""From a mesh to quadratic or linear tetrahedra: nodes, gradients and quadrature (the only door to scikit-fem)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,21 +14,24 @@ from geometry import Mesh
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-FORMULATIONS = ("p2p0", "p2", "mixed")
+#: the elements: linear with "p1", quadratic with the others
+FORMULATIONS = ("p2p0", "p2", "mixed", "p1")
 
 
 @dataclass(frozen=True)
 class Faces:
-    """Quadratic triangles of one named surface."""
+    """Triangles of one named surface, with a = 6 nodes on quadratic elements and 3 on linear ones."""
 
-    nodes: Index  #: (f, 6), vertices then mid-edge nodes (01, 12, 02), normal out of the solid
-    shape: Array  #: (q, 6) shape functions at the quadrature points
-    derivative: Array  #: (q, 6, 2) their reference derivatives
+    nodes: Index  #: (f, a), vertices then mid-edge nodes (01, 12, 02), normal out of the solid
+    shape: Array  #: (q, a) shape functions at the quadrature points
+    derivative: Array  #: (q, a, 2) their reference derivatives
     weight: Array  #: (q,)
 
     @cached_property
     def triangles(self) -> Index:
-        """(4 f, 3) linear triangles through all six nodes of each face, same orientation."""
+        """(4 f, 3) linear triangles through all six nodes of each face, same orientation; the (f, 3) of linear ones."""
+        if self.nodes.shape[1] == 3:
+            return self.nodes
         order = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])
         return self.nodes[:, order].reshape(-1, 3)
 
@@ -40,17 +43,17 @@ class Faces:
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Quadratic tetrahedra with straight edges, their stress points and their surfaces.
+    """Tetrahedra with straight edges, their stress points and their surfaces; a = 10 nodes, 4 with `p1`.
 
     Stress points: with `p2p0` four points carry the shear part of the law and the centroid the volumetric part; with
-    `p2` and `mixed` four points carry the whole law (`fem.formulation`).
+    `p2` and `mixed` four points carry the whole law, with `p1` the centroid does (`fem.formulation`).
     """
 
     points: Array  #: (n, 3) reference positions of all nodes, vertices first, mm
-    nodes: Index  #: (e, 10), vertices then mid-edge nodes (01, 12, 02, 03, 13, 23), sorted by colour
+    nodes: Index  #: (e, a), vertices then mid-edge nodes (01, 12, 02, 03, 13, 23), sorted by colour
     colours: Index  #: (c + 1,) where each colour begins in `nodes`
     inverse: Array  #: (e, 3, 3) inverse Jacobians d xi / d X, 1/mm
-    reference: Array  #: (q, 10, 3) reference gradients of the shape functions at the stress points
+    reference: Array  #: (q, a, 3) reference gradients of the shape functions at the stress points
     vertex_shape: Array  #: (q, 4) linear shape functions of the vertices at the stress points
     weight: Array  #: (e, q) quadrature weights times volume, mm3
     formulation: str
@@ -58,20 +61,20 @@ class Discretisation:
 
     @classmethod
     def of(cls, mesh: Mesh, formulation: str) -> "Discretisation":
-        """Quadratic elements on `mesh`; raises ValueError for a formulation that does not exist."""
+        """Elements on `mesh`; raises ValueError for a formulation that does not exist."""
         if formulation not in FORMULATIONS:
             raise ValueError(f"formulation {formulation!r}: allowed are {', '.join(FORMULATIONS)}")
         grid = skfem.MeshTet(mesh.points.T.copy(), np.asarray(mesh.tets, dtype=np.int64).T.copy())
-        basis = skfem.Basis(grid, skfem.ElementVector(skfem.ElementTetP2()), intorder=2)
+        element, order = (skfem.ElementTetP1(), 1) if formulation == "p1" else (skfem.ElementTetP2(), 2)
+        basis = skfem.Basis(grid, skfem.ElementVector(element), intorder=order)
         nodes = np.ascontiguousarray(basis.element_dofs[::3].T // 3, dtype=np.int64)
         points = np.ascontiguousarray(basis.doflocs[:, ::3].T)
         colour = greedy_colours(nodes[:, :4], mesh.points.shape[0])
-        order = np.argsort(colour, kind="stable")
-        nodes = nodes[order]
+        nodes = nodes[np.argsort(colour, kind="stable")]
         colours = np.concatenate([[0], np.cumsum(np.bincount(colour))])
         jacobian = np.stack([points[nodes[:, k]] - points[nodes[:, 0]] for k in (1, 2, 3)], axis=2)
         volume = np.abs(np.linalg.det(jacobian)) / 6.0
-        reference, vertex_shape, share = _stress_points(basis, formulation)
+        reference, vertex_shape, share = _stress_points(basis, element, formulation)
         return cls(
             points=points,
             nodes=nodes,
@@ -81,8 +84,13 @@ class Discretisation:
             vertex_shape=vertex_shape,
             weight=np.ascontiguousarray(volume[:, None] * share[None, :]),
             formulation=formulation,
-            surfaces=_surfaces(mesh, grid),
+            surfaces=_surfaces(mesh, None if formulation == "p1" else grid),
         )
+
+    @property
+    def has_middles(self) -> bool:
+        """Whether edges have a node in their middle."""
+        return self.nodes.shape[1] > 4
 
     def surface(self, name: str) -> Faces:
         """The named surface; raises ValueError naming those that exist."""
@@ -91,32 +99,38 @@ class Discretisation:
         return self.surfaces[name]
 
 
-def _stress_points(basis: skfem.Basis, formulation: str) -> tuple[Array, Array, Array]:
-    """Reference gradients (q, 10, 3), linear shape functions (q, 4) and shares of the element volume (q,)."""
-    element = skfem.ElementTetP2()
+def _stress_points(basis: skfem.Basis, element: skfem.Element, formulation: str) -> tuple[Array, Array, Array]:
+    """Reference gradients (q, a, 3), linear shape functions (q, 4) and shares of the element volume (q,)."""
     places, share = [basis.X], [6.0 * basis.W]
     if formulation == "p2p0":
         places.append(np.full((3, 1), 0.25))
         share.append(np.ones(1))
     where = np.concatenate(places, axis=1)
-    gradients = np.stack([element.lbasis(where, a)[1].T for a in range(10)], axis=1)
+    gradients = np.stack([element.lbasis(where, a)[1].T for a in range(basis.Nbfun // 3)], axis=1)
     linear = np.stack([skfem.ElementTetP1().lbasis(where, a)[0] for a in range(4)], axis=1)
     return np.ascontiguousarray(gradients), np.ascontiguousarray(linear), np.concatenate(share)
 
 
-def _surfaces(mesh: Mesh, grid: skfem.MeshTet) -> dict[str, Faces]:
-    element = skfem.ElementTriP2()
-    where, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTri, 4)
-    shape = np.stack([element.lbasis(where, a)[0] for a in range(6)], axis=1)
-    derivative = np.stack([element.lbasis(where, a)[1].T for a in range(6)], axis=1)
-    vertices = mesh.points.shape[0]
-    keys = grid.edges[0].astype(np.int64) * vertices + grid.edges[1]
-    order = np.argsort(keys)
+def _surfaces(mesh: Mesh, grid: skfem.MeshTet | None) -> dict[str, Faces]:
+    """The named faces, with the middles of their edges where the grid of quadratic elements is given."""
+    element, degree = (skfem.ElementTriP1(), 1) if grid is None else (skfem.ElementTriP2(), 4)
+    where, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTri, degree)
+    values = [element.lbasis(where, a) for a in range(3 if grid is None else 6)]
+    shape = np.stack([value for value, _ in values], axis=1)
+    derivative = np.stack([slope.T for _, slope in values], axis=1)
     surfaces = {}
     for name, triangles in mesh.faces.items():
-        corner = np.asarray(triangles, dtype=np.int64)
-        ends = np.sort(corner[:, [[0, 1], [1, 2], [0, 2]]], axis=2)
-        edge = order[np.searchsorted(keys[order], ends[..., 0] * vertices + ends[..., 1])]
-        nodes = np.concatenate([corner, vertices + edge], axis=1)
+        nodes = np.asarray(triangles, dtype=np.int64)
+        if grid is not None:
+            nodes = np.concatenate([nodes, mesh.points.shape[0] + _edges(grid, nodes)], axis=1)
         surfaces[name] = Faces(nodes, np.ascontiguousarray(shape), np.ascontiguousarray(derivative), weight)
     return surfaces
+
+
+def _edges(grid: skfem.MeshTet, triangles: Index) -> Index:
+    """Numbers (f, 3) of the edges 01, 12 and 02 of triangles (f, 3)."""
+    vertices = grid.p.shape[1]
+    keys = grid.edges[0].astype(np.int64) * vertices + grid.edges[1]
+    order = np.argsort(keys)
+    ends = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]], axis=2)
+    return np.asarray(order[np.searchsorted(keys[order], ends[..., 0] * vertices + ends[..., 1])])

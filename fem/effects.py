@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fem import surface_kernels
 from fem.discretisation import Discretisation, Faces
 from fem.material import Material
-from fem.supports import nodes_at
+from fem.supports import Line, nodes_at
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -126,7 +126,7 @@ class Pressure(Effect):
 
     def bind(self, space: Discretisation, material: Material) -> Term:
         faces = space.surface(self.where)
-        a, b = np.triu_indices(6)
+        a, b = np.triu_indices(faces.nodes.shape[1])
         first, second = faces.nodes[:, a], faces.nodes[:, b]
         return PressureTerm(
             faces,
@@ -147,9 +147,9 @@ class PressureTerm(Acting):
 
     faces: Faces
     value: float
-    rows: Index  #: (21 f,)
-    columns: Index  #: (21 f,)
-    swapped: NDArray[np.bool_]  #: (21 f,) pairs whose first node has the larger number
+    rows: Index  #: (m f,), of the m = 21 or 6 pairs of nodes of each face
+    columns: Index  #: (m f,)
+    swapped: NDArray[np.bool_]  #: (m f,) pairs whose first node has the larger number
     held: float | None  #: share of the value reached so far; None where it grows with the load factor
 
     def energy(self, x: Array, factor: float) -> float:
@@ -159,9 +159,11 @@ class PressureTerm(Acting):
         out -= self._pressure(factor) * volume_gradient(self.faces, x)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
-        values = np.empty((self.faces.nodes.shape[0], 21, 3, 3))
-        surface_kernels.surface_pressure_tangent(*self._arguments(x), values)
-        values = self._pressure(factor) * values.reshape(-1, 3, 3)
+        values = np.empty((self.rows.shape[0], 3, 3))
+        surface_kernels.surface_pressure_tangent(
+            *self._arguments(x), values.reshape(self.faces.nodes.shape[0], -1, 3, 3)
+        )
+        values *= self._pressure(factor)
         values[self.swapped] = values[self.swapped].transpose(0, 2, 1)
         return Blocks(self.rows, self.columns, values)
 
@@ -212,8 +214,8 @@ class Gravity(Effect):
     def bind(self, space: Discretisation, material: Material) -> Term:
         volume = space.weight[:, :4].sum(axis=1)
         mass = np.zeros(space.points.shape[0])
-        # exact integrals of the quadratic shape functions over a tetrahedron: -V/20 at vertices, V/5 at mid-edges
-        share = np.array([-0.05] * 4 + [0.2] * 6)
+        # exact integrals of the shape functions over a tetrahedron: quadratic -V/20 at vertices, V/5 at mid-edges
+        share = np.array([-0.05] * 4 + [0.2] * 6 if space.has_middles else [0.25] * 4)
         np.add.at(mass, space.nodes, self.density * volume[:, None] * share)
         return DeadForceTerm("gravity", mass[:, None] * np.asarray(self.acceleration), None if self.ramp else 0.0)
 
@@ -221,30 +223,19 @@ class Gravity(Effect):
 @final
 @dataclass(frozen=True)
 class LineForce(Effect):
-    """A force that keeps its direction, spread evenly over a line of nodes.
+    """A force that keeps its direction, spread evenly over a line of edges.
 
-    where: (2 k + 1, 3) positions in mm along the line, vertices and middles of edges in turn; force: (3,) N on the
-    meshed part at load factor 1. With ramp=False it is whole from the first asked factor on.
+    force: (3,) N on the meshed part at load factor 1. With ramp=False it is whole from the first asked factor on.
     """
 
-    where: Array
+    where: Line
     force: tuple[float, float, float]
     ramp: bool = True
 
     def bind(self, space: Discretisation, material: Material) -> Term:
         forces = np.zeros_like(space.points)
-        np.add.at(forces, nodes_at(self.where, space), self.shares[:, None] * np.asarray(self.force))
+        np.add.at(forces, nodes_at(self.where, space), self.where.shares(space)[:, None] * np.asarray(self.force))
         return DeadForceTerm("line_force", forces, None if self.ramp else 0.0)
-
-    @property
-    def shares(self) -> Array:
-        """(2 k + 1,) of the force on each node: what the quadratic shape functions give of a constant line load."""
-        edges = np.linalg.norm(self.where[2::2] - self.where[:-2:2], axis=1)
-        shares = np.zeros(len(self.where))
-        shares[:-2:2] += edges / 6.0
-        shares[1::2] += edges * (4.0 / 6.0)
-        shares[2::2] += edges / 6.0
-        return np.asarray(shares / edges.sum())
 
 
 @final

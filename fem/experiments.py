@@ -7,13 +7,12 @@ from typing import final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from fem.effects import Effect, LineForce
 from fem.material import Material
 from fem.model import Model
 from fem.solution import Step
-from fem.supports import Fixed, Prescribed, Support
+from fem.supports import Fixed, Line, Prescribed, Support, nodes_at
 from geometry import Body, Centreline
 
 Array = NDArray[np.float64]
@@ -34,8 +33,8 @@ class Experiment:
     name: str
     body: Body
     supports: tuple[Support, ...]
-    edge: Array  #: (k, 3) nodes of the edge x = l, y = curve_y at rest, mm
-    curve: Array  #: (m, 3) nodes of the material curve at rest, by increasing x, mm
+    edge: Line  #: x = l, y = curve_y, by increasing z
+    curve: Line  #: the material curve, by increasing x
     force: tuple[float, float]  #: N, the dead force on the end of the whole body; zero in the three tests
 
     @classmethod
@@ -47,11 +46,11 @@ class Experiment:
         """
         if name not in NAMES:
             raise ValueError(f"experiment {name!r}: allowed are {', '.join(NAMES)}")
-        curve = _with_middles(body.mesh.points[body.curve_vertices])
-        edge = _with_middles(_end_edge(body))
+        curve = Line(body.mesh.points[body.curve_vertices])
+        edge = Line(_end_edge(body))
         plane = (Fixed("sym", "z"),) if body.half else ()
         held: dict[str, tuple[Support, ...]] = {
-            "I": _free_body(curve, body),
+            "I": _free_body(curve.vertices, body),
             "II": (Fixed("clamp"),),
             "III": (Fixed("clamp"), Prescribed(edge, "y", end_y, ramp=False)),
             "dead": (Fixed("clamp"),),
@@ -75,13 +74,12 @@ class Experiment:
 
     def centreline(self, step: Step) -> Centreline:
         """The material curve in the state `step`."""
-        nodes = _nodes_of(self.curve, step)
-        positions = step.positions[nodes]
-        return Centreline(s=self.curve[:, 0], x=positions[:, 0], y=positions[:, 1])
+        positions = step.positions[nodes_at(self.curve, step.space)]
+        return Centreline(s=self.curve.positions(step.space)[:, 0], x=positions[:, 0], y=positions[:, 1])
 
     def end(self, step: Step) -> Array:
         """Current position (3,) of the curve's end, mm."""
-        return np.asarray(step.positions[_nodes_of(self.curve[-1:], step)[0]])
+        return np.asarray(step.positions[nodes_at(self.curve.vertices[-1], step.space)[0]])
 
     def end_force(self, step: Step) -> Array:
         """(2,) force on the end of the whole body, N; zero where nothing holds it and nothing acts on it."""
@@ -92,13 +90,13 @@ class Experiment:
     def end_couple(self, step: Step) -> float:
         """Moment of the end force about the curve's end, N mm: the edge bends across the width, so the force does not
         pass through the curve exactly (0.2 % of M(0) on arm (a))."""
-        nodes = _nodes_of(self.edge, step)
+        nodes = nodes_at(self.edge, step.space)
         arm = step.positions[nodes] - self.end(step)
         force = np.zeros((len(nodes), 3))
         if self.name == "III":
             force = step.gradient[nodes]
         for dead in self._dead_force():
-            force = dead.shares[:, None] * np.asarray(dead.force)
+            force = dead.where.shares(step.space)[:, None] * np.asarray(dead.force)
         return self.whole * float(np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]))
 
     def clamp_force(self, step: Step) -> Array:
@@ -109,17 +107,9 @@ class Experiment:
     def clamp_moment(self, step: Step) -> float:
         """Moment of the clamp's forces on the whole body about the curve's start, about z, N mm."""
         held = step.gradient.copy()
-        held[_nodes_of(self.edge, step)] = 0.0
-        arm = step.positions - step.positions[_nodes_of(self.curve[:1], step)[0]]
+        held[nodes_at(self.edge, step.space)] = 0.0
+        arm = step.positions - step.positions[nodes_at(self.curve.vertices[0], step.space)[0]]
         return self.whole * float(np.sum(arm[:, 0] * held[:, 1] - arm[:, 1] * held[:, 0]))
-
-
-def _with_middles(points: Array) -> Array:
-    """Points (k, 3) along a line and the points halfway between neighbours, in order."""
-    line = np.empty((2 * points.shape[0] - 1, 3))
-    line[::2] = points
-    line[1::2] = (points[1:] + points[:-1]) / 2
-    return line
 
 
 def _end_edge(body: Body) -> Array:
@@ -143,7 +133,3 @@ def _free_body(curve: Array, body: Body) -> tuple[Support, ...]:
     above = body.mesh.points[np.abs(body.mesh.points[:, 2]) < 1e-9 * body.length]
     top = above[int(np.argmax(above[:, 1]))]
     return (*held, Fixed(curve[middle], "z"), Fixed(curve[aside], "z"), Fixed(top, "z"))
-
-
-def _nodes_of(points: Array, step: Step) -> NDArray[np.int64]:
-    return np.asarray(cKDTree(step.points).query(points)[1])

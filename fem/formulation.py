@@ -69,7 +69,7 @@ class Formulation(ABC):
     @property
     @abstractmethod
     def element_unknowns(self) -> Index:
-        """(e, 10 or 14) nodes of each element, the pressures counted on as n, n + 1, ..."""
+        """(e, 4, 10 or 14) nodes of each element, the pressures counted on as n, n + 1, ..."""
 
     @abstractmethod
     def respond(self, strain: Array, pressure: Array) -> Answer:
@@ -89,7 +89,7 @@ class Formulation(ABC):
 
     @abstractmethod
     def places(self, pattern: Pattern) -> Index:
-        """(e, 10, 0 or 4) where the columns of each element's pressures begin in the rows of its nodes."""
+        """(e, 4 or 10, 0 or 4) where the columns of each element's pressures begin in the rows of its nodes."""
 
     @abstractmethod
     def couple(self, pattern: Pattern, places: Index, data: Array, displacement: Array, answer: Answer) -> None:
@@ -111,7 +111,7 @@ NO_PRESSURE = np.empty(0)
 @final
 @dataclass(frozen=True)
 class DisplacementOnly(Formulation):
-    """The volumetric part is taken at the stress points: "p2" at four, "p2p0" at one."""
+    """The volumetric part is taken at the stress points: "p2" at four, "p2p0" at one; "p1" has one for all."""
 
     space: Discretisation
     material: Material
@@ -125,7 +125,7 @@ class DisplacementOnly(Formulation):
         return self.space.nodes
 
     def respond(self, strain: Array, pressure: Array) -> Answer:
-        if self.space.formulation == "p2":
+        if self.space.formulation != "p2p0":
             shear, volumetric = self.material.shear(strain), self.material.volumetric(strain)
             energy, stress = shear.energy + volumetric.energy, shear.stress + volumetric.stress
             tangent = np.ascontiguousarray(shear.tangent + volumetric.tangent)
@@ -146,7 +146,7 @@ class DisplacementOnly(Formulation):
         return 0.0
 
     def places(self, pattern: Pattern) -> Index:
-        return np.empty((self.space.nodes.shape[0], 10, 0), dtype=np.int64)
+        return np.empty((*self.space.nodes.shape, 0), dtype=np.int64)
 
     def couple(self, pattern: Pattern, places: Index, data: Array, displacement: Array, answer: Answer) -> None:
         pass

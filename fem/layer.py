@@ -1,6 +1,6 @@
 """A strain-limiting layer: thin paper or fabric in the body, as a membrane on faces of the mesh.
 
-The membrane shares the nodes of the quadratic tetrahedra beside it and adds no degree of freedom. It obeys the
+The membrane shares the nodes of the tetrahedra beside it and adds no degree of freedom. It obeys the
 St. Venant-Kirchhoff law in plane stress, W = t/2 E : C : E per area at rest with the Green-Lagrange strain E of the
 surface; bending of the layer itself and wrinkling are not simulated. Newton carries the membrane's stress as it does
 that of the solid (`fem.newton`), without which a layer a thousand times stiffer than the body takes many small steps.
@@ -55,10 +55,11 @@ class StrainLimitingLayer(Effect):
 
     def bind(self, space: Discretisation, material: Material) -> Term:
         """The membrane; raises `LayerError` where a triangle is not a face of the mesh."""
-        slope, area = _slopes(space.points[self.triangles])
+        nodes = _nodes(space, self.triangles)
+        slope, area = _slopes(space.points[self.triangles], space.has_middles)
         weight = np.repeat(self.thickness * area[:, None] / POINTS.shape[0], POINTS.shape[0], axis=1)
         plane = np.array([[1.0, self.nu, 0.0], [self.nu, 1.0, 0.0], [0.0, 0.0, (1 - self.nu) / 2]])
-        return LayerTerm(_with_middles(space, self.triangles), slope, weight, self.E / (1 - self.nu**2) * plane, None)
+        return LayerTerm(nodes, slope, weight, self.E / (1 - self.nu**2) * plane, None)
 
 
 @final
@@ -68,8 +69,8 @@ class LayerTerm(Acting):
 
     effect = "strain_limiting_layer"
 
-    nodes: Index  #: (f, 6), vertices then mid-edge nodes (01, 12, 02)
-    slope: Array  #: (f, q, 6, 2) gradients of the shape functions in an orthonormal frame of each triangle, 1/mm
+    nodes: Index  #: (f, a), vertices then mid-edge nodes (01, 12, 02); vertices only on linear elements
+    slope: Array  #: (f, q, a, 2) gradients of the shape functions in an orthonormal frame of each triangle, 1/mm
     weight: Array  #: (f, q) shares of the layer's volume, mm3
     law: Array  #: (3, 3) tangent in plane stress, MPa
     carried: Array | None  #: (f, q, 3) stress of the geometric stiffness, MPa; None where it is that of the strain
@@ -83,9 +84,9 @@ class LayerTerm(Acting):
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         stress = self.stress(x) if self.carried is None else self.carried
-        values = np.empty((self.nodes.shape[0], 21, 3, 3))
+        a, b = np.triu_indices(self.nodes.shape[1])
+        values = np.empty((self.nodes.shape[0], a.shape[0], 3, 3))
         layer_kernels.membrane_tangent(self.nodes, self.slope, self.weight, x, stress, self.law, values)
-        a, b = np.triu_indices(6)
         first, second = self.nodes[:, a].ravel(), self.nodes[:, b].ravel()
         pairs = values.reshape(-1, 3, 3)
         swapped = first > second
@@ -110,8 +111,9 @@ class LayerTerm(Acting):
         return strain
 
 
-def _slopes(corners: Array) -> tuple[Array, Array]:
-    """Gradients (f, q, 6, 2) of the quadratic shape functions on triangles with corners (f, 3, 3), and areas (f,)."""
+def _slopes(corners: Array, quadratic: bool) -> tuple[Array, Array]:
+    """Gradients (f, q, 6, 2) of the quadratic or (f, q, 3, 2) of the linear shape functions on triangles with corners
+    (f, 3, 3), and areas (f,)."""
     along, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     length = np.linalg.norm(along, axis=1)
     first = along / length[:, None]
@@ -122,14 +124,17 @@ def _slopes(corners: Array) -> tuple[Array, Array]:
     linear[:, 2, 1] = 1 / height
     linear[:, 1] = np.column_stack([1 / length, -ahead / (length * height)])
     linear[:, 0] = -linear[:, 1] - linear[:, 2]
+    area = length * height / 2
+    if not quadratic:
+        return np.repeat(linear[:, None], POINTS.shape[0], axis=1), area
     vertex = np.einsum("qa,fad->fqad", 4 * POINTS - 1, linear)
     a, b = np.array([0, 1, 0]), np.array([1, 2, 2])
     middle = 4 * (POINTS[None, :, a, None] * linear[:, None, b] + POINTS[None, :, b, None] * linear[:, None, a])
-    return np.ascontiguousarray(np.concatenate([vertex, middle], axis=2)), length * height / 2
+    return np.ascontiguousarray(np.concatenate([vertex, middle], axis=2)), area
 
 
-def _with_middles(space: Discretisation, triangles: Index) -> Index:
-    """Nodes (f, 6) of the quadratic triangles through the vertices (f, 3)."""
+def _nodes(space: Discretisation, triangles: Index) -> Index:
+    """Nodes (f, 6) or (f, 3) of the triangles with the vertices (f, 3)."""
     a, b = np.array([0, 1, 0, 0, 1, 2]), np.array([1, 2, 2, 3, 3, 3])
     count = space.points.shape[0]
 
@@ -137,9 +142,10 @@ def _with_middles(space: Discretisation, triangles: Index) -> Index:
         return np.minimum(first, second) * count + np.maximum(first, second)
 
     known, place = np.unique(keys(space.nodes[:, a], space.nodes[:, b]), return_index=True)
-    middles = space.nodes[:, 4:].ravel()[place]
     wanted = keys(triangles[:, [0, 1, 0]], triangles[:, [1, 2, 2]])
     found = np.minimum(np.searchsorted(known, wanted), known.shape[0] - 1)
     if not np.array_equal(known[found], wanted):
         raise LayerError("strain-limiting layer: one of its triangles is not a face of the mesh")
-    return np.concatenate([triangles, middles[found]], axis=1)
+    if not space.has_middles:
+        return triangles
+    return np.concatenate([triangles, space.nodes[:, 4:].ravel()[place][found]], axis=1)

@@ -19,8 +19,8 @@ from geometry import Mesh
 class Model:
     """Body, law, supports and effects.
 
-    formulation: "p2p0" (quadratic tetrahedra, volumetric part of the law at one point, the default) or "p2" (four
-    points throughout). Raises ValueError for another one.
+    formulation: "p2p0" (quadratic tetrahedra, volumetric part of the law at one point, the default), "p2" (four points
+    throughout), "mixed" (the pressure an unknown) or "p1" (linear tetrahedra). Raises ValueError for another one.
     """
 
     mesh: Mesh = field(repr=False)
@@ -35,7 +35,7 @@ class Model:
 
     @cached_property
     def space(self) -> Discretisation:
-        """The mesh as quadratic elements, made once."""
+        """The mesh as elements, made once."""
         return Discretisation.of(self.mesh, self.formulation)
 
     def system(self, solver: Callable[[], LinearSolver] | None = None) -> System:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.effects import enclosed_volume
-from fem.supports import nodes_at
+from fem.supports import Where, nodes_at
 
 Array = NDArray[np.float64]
 
@@ -82,7 +82,7 @@ class Step:
 
     @property
     def points(self) -> Array:
-        """(n, 3) reference positions of all nodes, mid-edge nodes included, mm."""
+        """(n, 3) reference positions of all nodes, mid-edge nodes included where there are some, mm."""
         return self.space.points
 
     @property
@@ -95,7 +95,7 @@ class Step:
         """Smallest det F at a stress point."""
         return self.extremes.min_J
 
-    def reaction(self, where: str | tuple[str, str] | Array) -> Array:
+    def reaction(self, where: Where) -> Array:
         """(3,) force in N that the supports at `where` exert on the meshed part (half a body gives half the force)."""
         return np.asarray(self.gradient[nodes_at(where, self.space)].sum(axis=0))
 

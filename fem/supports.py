@@ -11,7 +11,6 @@ from scipy.spatial import cKDTree
 from fem.discretisation import Discretisation
 
 Array = NDArray[np.float64]
-Where = str | tuple[str, str] | Array
 
 COMPONENTS = "xyz"
 
@@ -21,11 +20,41 @@ class SupportError(ValueError):
 
 
 @final
+@dataclass(frozen=True, eq=False)  # an array inside
+class Line:
+    """A line along edges of the mesh."""
+
+    vertices: Array  #: (k, 3) the vertices on it at rest in their order, mm
+
+    def positions(self, space: Discretisation) -> Array:
+        """Its nodes (m, 3) at rest in their order, mm: with the middles of its edges where the elements have them."""
+        if not space.has_middles:
+            return self.vertices
+        line = np.empty((2 * self.vertices.shape[0] - 1, 3))
+        line[::2] = self.vertices
+        line[1::2] = (self.vertices[1:] + self.vertices[:-1]) / 2
+        return line
+
+    def shares(self, space: Discretisation) -> Array:
+        """(m,) of a force spread evenly along it on each node: the integrals of the shape functions, which sum to 1."""
+        edges = np.linalg.norm(np.diff(self.vertices, axis=0), axis=1)
+        at_ends, inside, step = (1 / 6, 4 / 6, 2) if space.has_middles else (1 / 2, 0.0, 1)
+        shares = np.zeros(step * edges.shape[0] + 1)
+        shares[1::step] += inside * edges
+        shares[:-step:step] += at_ends * edges
+        shares[step::step] += at_ends * edges
+        return shares / edges.sum()
+
+
+Where = str | tuple[str, str] | Array | Line
+
+
+@final
 @dataclass(frozen=True)
 class Fixed:
     """Displacement components held at zero.
 
-    where: a face name, a pair of face names (their common edge) or node positions (n, 3) in mm.
+    where: a face name, a pair of face names (their common edge), node positions (n, 3) in mm or a line.
     """
 
     where: Where
@@ -77,7 +106,7 @@ class Constraints:
 
 
 def nodes_at(where: Where, space: Discretisation) -> NDArray[np.int64]:
-    """Node numbers (k,) of a face, of the common edge of two faces, or at given positions (n, 3).
+    """Node numbers (k,) of a face, of the common edge of two faces, at given positions (n, 3), or along a line.
 
     Raises `SupportError` where there is none, and ValueError for a face that does not exist.
     """
@@ -89,7 +118,7 @@ def nodes_at(where: Where, space: Discretisation) -> NDArray[np.int64]:
         if nodes.size == 0:
             raise SupportError(f"faces {where[0]!r} and {where[1]!r} have no common edge")
         return nodes
-    positions = np.atleast_2d(np.asarray(where, dtype=float))
+    positions = where.positions(space) if isinstance(where, Line) else np.atleast_2d(np.asarray(where, dtype=float))
     distance, nodes = cKDTree(space.points).query(positions)
     if distance.max() > 1e-6 * np.ptp(space.points, axis=0).max():
         worst = positions[int(np.argmax(distance))]

@@ -1,4 +1,4 @@
-"""The loops over quadratic faces under pressure, compiled by numba; tested against scikit-fem forms.
+"""The loops over faces under pressure, compiled by numba; tested against scikit-fem forms.
 
 Array axes: ``f`` face, ``q`` quadrature point, ``a``/``b`` node of the face, ``i``/``j`` component.
 """

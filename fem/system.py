@@ -123,7 +123,7 @@ class System:
         self._take_pattern(self.pattern)
 
     def _take_pattern(self, pattern: Pattern) -> None:
-        a, b = np.triu_indices(10)
+        a, b = np.triu_indices(self.space.nodes.shape[1])
         first, second = self.space.nodes[:, a], self.space.nodes[:, b]
         self.pattern = pattern
         self._offset = pattern.start_of(np.minimum(first, second), np.maximum(first, second))

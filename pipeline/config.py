@@ -13,11 +13,12 @@ from typing import Any
 from geometry import FAMILIES, Design, DesignError, OwnMesh, OwnSolid
 from geometry.design import check_size
 from pipeline.document import Document, read_document
-from pipeline.schema import EFFECTS, FORMULATIONS, LAWS, OWN, checked
+from pipeline.schema import EFFECTS, FORMULATIONS, FULLY_INTEGRATED, LAWS, OWN, checked
 
 __all__ = [
     "EFFECTS",
     "FORMULATIONS",
+    "FULLY_INTEGRATED",
     "LAWS",
     "CavityPressure",
     "Config",
@@ -267,7 +268,7 @@ def _check_together(document: Document, content: Any) -> None:
     """Refuse effects that contradict each other or the mesh."""
     effects, formulation = content.effects, content.mesh.formulation
     state = effects.incompressibility.state
-    if formulation is not None and state != "auto" and (state == "off") != (formulation == "p2"):
+    if formulation is not None and state != "auto" and (state == "off") != (formulation in FULLY_INTEGRATED):
         raise document.wrong_together(
             (("effects", "incompressibility"), ("mesh", "formulation")),
             f"incompressibility {state} and formulation {formulation} contradict each other; leave one of them out",

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from geometry import Body
-from pipeline.config import CavityPressure, Config, poisson_ratio
+from pipeline.config import FULLY_INTEGRATED, CavityPressure, Config, poisson_ratio
 from pipeline.scene import is_on, pulls_aside
 from pipeline.simulate import Outcome
 
@@ -89,8 +89,9 @@ def _incompressibility(config: Config) -> tuple[str, str]:
         "p2": "the whole law is taken at four points per element",
         "p2p0": "the volumetric part of the law is taken at one point per element",
         "mixed": "the pressure is an unknown of its own, linear in each element and continuous",
+        "p1": "the whole law is taken at the one point of a linear element",
     }
-    return "off" if formulation == "p2" else "on", f"nu = {nu:.5g}: {how[formulation]}"
+    return "off" if formulation in FULLY_INTEGRATED else "on", f"nu = {nu:.5g}: {how[formulation]}"
 
 
 def _gravity(config: Config) -> tuple[str, str]:

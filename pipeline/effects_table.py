@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from geometry import Body
-from pipeline.config import Config
+from pipeline.config import FULLY_INTEGRATED, Config
 from pipeline.parameters import identify_all
 from pipeline.parameters_file import parameters_record
 from pipeline.progress import Progress
@@ -74,10 +74,11 @@ def variants(config: Config, body: Body) -> list[Variant]:
     """The configuration, and the ones that differ from it in one effect.
 
     Pressure is not among them: without it there is no arm that bends. Contact is left out where no faces can meet, the
-    half body where the body is whole, the layer where the mesh has no faces for it.
+    half body where the body is whole, the layer where the mesh has no faces for it. Linear elements know no
+    way to treat incompressibility and give place to quadratic ones.
     """
     flipped = {
-        "incompressibility": "on" if config.mesh.formulation == "p2" else "off",
+        "incompressibility": "on" if config.mesh.formulation in FULLY_INTEGRATED else "off",
         "gravity": "off" if is_on(config, "gravity") else "on",
     }
     if config.contact_faces or GAP in body.mesh.faces:

@@ -6,9 +6,11 @@ from pipeline.config import FORMULATIONS, Config
 
 __all__ = ["CONTACT", "POINTS", "TOLERANCE", "Rung", "ladder", "mesh_choice"]
 
-#: mesh sizes over that of the configuration by grading; p2 locks whatever the mesh and gets fewer
+#: mesh sizes over that of the configuration by grading
 SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (1.5, 1.25, 1.0, 0.75, 0.5)}
-SIZES_OF_P2 = (1.5, 1.0, 0.6)
+#: the same of elements that lock whatever the mesh: fewer and even ones. p1 has a fifth to a seventh of the unknowns of
+#: p2 on a mesh, and half the nodes on the material curve: at 1.5 they do not resolve the cells of the arms
+LOCKING: dict[str, tuple[float, ...]] = {"p2": (1.5, 1.0, 0.6), "p1": (1.0, 0.5, 0.25)}
 #: lines beside those of the meshes; a rung of one has everything else as configured
 TOLERANCE, CONTACT, POINTS = "Newton tolerance", "contact distance", "points of the curve"
 TOLERANCES = (1e-3, 1e-4, 1e-8)
@@ -53,7 +55,7 @@ def ladder(config: Config, touching_mm: float | None) -> list[Rung]:
     """
     rungs = []
     for formulation in FORMULATIONS:
-        for grading, shares in SIZES.items() if formulation != "p2" else [("off", SIZES_OF_P2)]:
+        for grading, shares in ({"off": LOCKING[formulation]} if formulation in LOCKING else SIZES).items():
             for share in shares:
                 size = round(share * config.mesh.size_mm, 6)
                 mesh = replace(config.mesh, size_mm=size, formulation=formulation, grading=grading)

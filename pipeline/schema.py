@@ -14,7 +14,7 @@ from pipeline.document import Document
 from pipeline.failure import quoted
 from pipeline.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 
-__all__ = ["EFFECTS", "FORMULATIONS", "LAWS", "OWN", "STATES", "checked"]
+__all__ = ["EFFECTS", "FORMULATIONS", "FULLY_INTEGRATED", "LAWS", "OWN", "STATES", "checked"]
 
 
 def _in(dimension: Dimension) -> BeforeValidator:
@@ -150,7 +150,9 @@ State = Annotated[Literal[STATES], BeforeValidator(_state)]  # type: ignore[vali
 CavityPressure = Annotated[tuple[str, float], BeforeValidator(_share_or_pressure)]
 
 #: the elements that `fem` offers
-FORMULATIONS = ("p2p0", "p2", "mixed")
+FORMULATIONS = ("p2p0", "p2", "mixed", "p1")
+#: those that do nothing about incompressibility
+FULLY_INTEGRATED = ("p2", "p1")
 #: law in the YAML -> the class that `fem` offers under that law, and its constants
 LAWS: dict[str, tuple[str, dict[str, Any]]] = {
     "svk": ("StVenantKirchhoff", {"E": PositiveStress, "nu": PoissonRatio}),

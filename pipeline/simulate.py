@@ -59,7 +59,7 @@ class Outcome:
     degrees_of_freedom: int
     solver: str
     points: Array = field(repr=False)  #: (n, 3) all nodes at rest, mm
-    nodes: NDArray[np.int64] = field(repr=False)  #: (e, 10)
+    nodes: NDArray[np.int64] = field(repr=False)  #: (e, 10), (e, 4) with linear elements
 
 
 def simulate(

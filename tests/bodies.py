@@ -7,10 +7,14 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fem.discretisation import FORMULATIONS
 from geometry import Mesh
 
 Array = NDArray[np.float64]
 Grid = NDArray[np.bool_]
+
+#: those with quadratic displacements, which bend on coarse meshes
+QUADRATIC = tuple(name for name in FORMULATIONS if name != "p1")
 
 DATA = Path(__file__).resolve().parent / "data"
 

@@ -45,24 +45,26 @@ def shaken(space: Discretisation, size: float, seed: int) -> Array:
     return move
 
 
-def bound(mesh: Mesh, effect: Effect) -> tuple[Term, Discretisation]:
-    space = Discretisation.of(mesh, "p2p0")
+def bound(mesh: Mesh, effect: Effect, formulation: str = "p2p0") -> tuple[Term, Discretisation]:
+    space = Discretisation.of(mesh, formulation)
     return effect.bind(space, LAW), space
 
 
-def facing() -> tuple[Term, Discretisation]:
-    return bound(fork(GAP), SelfContact("prongs", dhat=0.8 * GAP))
+def facing(formulation: str = "p2p0") -> tuple[Term, Discretisation]:
+    return bound(fork(GAP), SelfContact("prongs", dhat=0.8 * GAP), formulation)
 
 
-def barrier() -> tuple[Term, Discretisation]:
-    term, space = facing()
+def barrier(formulation: str = "p2p0") -> tuple[Term, Discretisation]:
+    term, space = facing(formulation)
     return term.stricter(), space
 
 
-CASES: dict[str, Callable[[], tuple[Term, Discretisation]]] = {
-    "pressure": lambda: bound(hollow_box(half=True), Pressure("cavity", 0.2)),
-    "pressure, not ramped": lambda: bound(hollow_box(half=False), Pressure("cavity", 0.2, ramp=False)),
-    "gravity": lambda: bound(hollow_box(half=True), Gravity(1.13e-9, (1.0, -9810.0, 20.0))),
+CASES: dict[str, Callable[[str], tuple[Term, Discretisation]]] = {
+    "pressure": lambda elements: bound(hollow_box(half=True), Pressure("cavity", 0.2), elements),
+    "pressure, not ramped": lambda elements: bound(
+        hollow_box(half=False), Pressure("cavity", 0.2, ramp=False), elements
+    ),
+    "gravity": lambda elements: bound(hollow_box(half=True), Gravity(1.13e-9, (1.0, -9810.0, 20.0)), elements),
     "facing walls": facing,
     "barrier": barrier,
 }
@@ -76,9 +78,10 @@ def pinched(space: Discretisation) -> Array:
     return x
 
 
+@pytest.mark.parametrize("formulation", ["p2p0", "p1"])
 @pytest.mark.parametrize("name", CASES)
-def test_derivatives(name: str) -> None:
-    term, space = CASES[name]()
+def test_derivatives(name: str, formulation: str) -> None:
+    term, space = CASES[name](formulation)
     term = term.at(0.6)
     dx = shaken(space, 1.0, seed=2)
     x = (pinched(space) if name in ("facing walls", "barrier") else space.points) + shaken(space, 0.01, seed=1)
@@ -98,7 +101,7 @@ def test_derivatives(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["facing walls", "barrier"])
 def test_convex_substitute_is_positive_semi_definite(name: str) -> None:
-    term, space = CASES[name]()
+    term, space = CASES[name]("p2p0")
     x = pinched(space) + shaken(space, 0.01, seed=1)
     blocks = term.blocks(x, 1.0, convex=True)
     size = x.size
@@ -118,17 +121,19 @@ def test_what_ramps_follows_the_factor_and_what_does_not_its_share() -> None:
         assert not gradient(whole, x, 1.0).any()
 
 
-def test_gravity_weighs_the_body() -> None:
-    term, space = bound(box((2, 2, 2), (1.0, 2.0, 3.0)), Gravity(2e-9, (0.0, -9810.0, 0.0)))
+@pytest.mark.parametrize("formulation", ["p2p0", "p1"])
+def test_gravity_weighs_the_body(formulation: str) -> None:
+    term, space = bound(box((2, 2, 2), (1.0, 2.0, 3.0)), Gravity(2e-9, (0.0, -9810.0, 0.0)), formulation)
     pull = -gradient(term, space.points, 1.0)
     np.testing.assert_allclose(pull.sum(axis=0), [0.0, -6.0 * 2e-9 * 9810.0, 0.0], rtol=1e-12)
     turning = np.cross(space.points, pull).sum(axis=0)
     np.testing.assert_allclose(turning, np.cross([0.5, 1.0, 1.5], pull.sum(axis=0)), rtol=1e-12, atol=1e-18)
 
 
-def test_contact_forces_have_no_resultant() -> None:
+@pytest.mark.parametrize("formulation", ["p2p0", "p1"])
+def test_contact_forces_have_no_resultant(formulation: str) -> None:
     for name in ("facing walls", "barrier"):
-        term, space = CASES[name]()
+        term, space = CASES[name](formulation)
         x = pinched(space) + shaken(space, 0.01, seed=1)
         force = gradient(term, x, 1.0)
         scale = np.abs(force).sum()
@@ -150,11 +155,12 @@ def test_barrier_and_its_quadratic_continuation_meet_smoothly() -> None:
     np.testing.assert_allclose(continued_barrier(exact, dhat)[0], -dhat * (1 - r) ** 2 * np.log(r), rtol=1e-12)
 
 
-def test_pairs_look_across_the_gap_and_turn_negative_when_walls_cross() -> None:
-    term, space = facing()
+@pytest.mark.parametrize(("formulation", "least"), [("p2p0", 20), ("p1", 8)])
+def test_pairs_look_across_the_gap_and_turn_negative_when_walls_cross(formulation: str, least: int) -> None:
+    term, space = facing(formulation)
     assert isinstance(term, FacingTerm)
     pairs = term.pairs
-    assert pairs.nodes.size > 20
+    assert pairs.nodes.size > least
     np.testing.assert_allclose(pairs.gaps(space.points), GAP, rtol=1e-12)
     heights = space.points[pairs.nodes, 1]
     assert set(np.round(heights, 9)) == {1.0, 1.0 + GAP}

@@ -52,6 +52,8 @@ def tangent_form(lam: float, mu: float) -> skfem.BilinearForm:
 
 def bases(system: System, mesh: skfem.MeshTet) -> list[tuple[skfem.Basis, float, float]]:
     """The quadrature rules of a formulation with the Lame constants each of them carries."""
+    if system.space.formulation == "p1":
+        return [(skfem.Basis(mesh, skfem.ElementVector(skfem.ElementTetP1()), intorder=1), LAMBDA, MU)]
     element = skfem.ElementVector(skfem.ElementTetP2())
     full = skfem.Basis(mesh, element, intorder=2)
     assert full.X.shape == (3, 4)
@@ -81,7 +83,7 @@ def dense(system: System, data: Array) -> Array:
     return upper + np.triu(upper, 1).T
 
 
-@pytest.mark.parametrize("formulation", ["p2", "p2p0"])
+@pytest.mark.parametrize("formulation", ["p2", "p2p0", "p1"])
 def test_internal_force_is_that_of_scikit_fem(formulation: str) -> None:
     system, mesh = system_on(formulation, [])
     u = noise(system, 0.05)
@@ -96,7 +98,7 @@ def test_internal_force_is_that_of_scikit_fem(formulation: str) -> None:
 
 
 @pytest.mark.parametrize("held", [[], [Fixed("left"), Fixed("back", "z"), Fixed("front", "xy")]])
-@pytest.mark.parametrize("formulation", ["p2", "p2p0"])
+@pytest.mark.parametrize("formulation", ["p2", "p2p0", "p1"])
 def test_tangent_with_its_own_stress_is_that_of_scikit_fem(formulation: str, held: list[Fixed]) -> None:
     system, mesh = system_on(formulation, held)
     u = noise(system, 0.05)
@@ -113,7 +115,7 @@ def test_tangent_with_its_own_stress_is_that_of_scikit_fem(formulation: str, hel
     np.testing.assert_allclose(coupling.displacement.ravel(), whole @ jump.ravel(), atol=1e-11)
 
 
-@pytest.mark.parametrize("formulation", ["p2", "p2p0"])
+@pytest.mark.parametrize("formulation", ["p2", "p2p0", "p1"])
 def test_force_is_the_derivative_of_the_energy(formulation: str) -> None:
     system, _ = system_on(formulation, [])
     u, du = noise(system, 0.05), noise(system, 1.0)[::-1]
@@ -179,13 +181,14 @@ def dense_blocks(blocks: Blocks, points: int) -> Array:
     return whole.reshape(3 * points, 3 * points)
 
 
-def test_pressure_force_is_that_of_scikit_fem_on_an_open_face() -> None:
+@pytest.mark.parametrize(("formulation", "element"), [("p2p0", skfem.ElementTetP2()), ("p1", skfem.ElementTetP1())])
+def test_pressure_force_is_that_of_scikit_fem_on_an_open_face(formulation: str, element: skfem.Element) -> None:
     mesh = box((2, 2, 1), (1.0, 1.5, 0.7))
-    space = Discretisation.of(mesh, "p2p0")
+    space = Discretisation.of(mesh, formulation)
     u = np.random.default_rng(3).normal(scale=0.05, size=space.points.shape)
     grid = skfem.MeshTet(mesh.points.T.copy(), mesh.tets.T.copy())
     facets = grid.facets_satisfying(lambda x: np.isclose(x[0], 1.0), boundaries_only=True)
-    basis = skfem.FacetBasis(grid, skfem.ElementVector(skfem.ElementTetP2()), facets=facets, intorder=6)
+    basis = skfem.FacetBasis(grid, skfem.ElementVector(element), facets=facets, intorder=6)
     expected = skfem.LinearForm(pressure_form).assemble(basis, u=basis.interpolate(u.ravel()))
     force = np.zeros_like(u)
     Pressure("right", 0.3).bind(space, LAW).gradient(space.points + u, 0.5, force)
@@ -193,10 +196,11 @@ def test_pressure_force_is_that_of_scikit_fem_on_an_open_face() -> None:
     assert np.abs(force).max() > 1e-3
 
 
+@pytest.mark.parametrize("formulation", ["p2p0", "p1"])
 @pytest.mark.parametrize("half", [False, True])
-def test_pressure_force_and_tangent_against_differences(half: bool) -> None:
+def test_pressure_force_and_tangent_against_differences(half: bool, formulation: str) -> None:
     mesh = hollow_box(half)
-    space = Discretisation.of(mesh, "p2p0")
+    space = Discretisation.of(mesh, formulation)
     term = Pressure("cavity", 0.2).bind(space, LAW)
     generator = np.random.default_rng(5)
     moves = [generator.normal(scale=0.1, size=space.points.shape) for _ in range(2)]
@@ -221,8 +225,9 @@ def test_pressure_force_and_tangent_against_differences(half: bool) -> None:
     np.testing.assert_allclose((stiffness @ dx.ravel()).reshape(x.shape), change, atol=1e-11)
 
 
-def test_closed_cavity_has_no_resultant() -> None:
-    space = Discretisation.of(hollow_box(half=False), "p2p0")
+@pytest.mark.parametrize("formulation", ["p2p0", "p1"])
+def test_closed_cavity_has_no_resultant(formulation: str) -> None:
+    space = Discretisation.of(hollow_box(half=False), formulation)
     x = space.points + np.random.default_rng(5).normal(scale=0.1, size=space.points.shape) + [10.0, -20.0, 5.0]
     force = np.zeros_like(x)
     Pressure("cavity", 1.0).bind(space, LAW).gradient(x, 1.0, force)
@@ -231,9 +236,10 @@ def test_closed_cavity_has_no_resultant() -> None:
     np.testing.assert_allclose(np.cross(x, force).sum(axis=0), 0.0, atol=1e-13 * scale)
 
 
+@pytest.mark.parametrize("formulation", ["p2p0", "p1"])
 @pytest.mark.parametrize("half", [False, True])
-def test_enclosed_volume_is_exact(half: bool) -> None:
-    space = Discretisation.of(hollow_box(half), "p2p0")
+def test_enclosed_volume_is_exact(half: bool, formulation: str) -> None:
+    space = Discretisation.of(hollow_box(half), formulation)
     whole = 0.5 if half else 1.0
     faces = space.surface("cavity")
     assert enclosed_volume(faces, space.points) == pytest.approx(whole, rel=1e-13)

@@ -54,7 +54,7 @@ def upper_triangle_times(system: System, data: Array, du: Array) -> Array:
     return product.reshape(du.shape)
 
 
-@pytest.mark.parametrize("formulation", ["p2", "p2p0"])
+@pytest.mark.parametrize("formulation", ["p2", "p2p0", "p1"])
 @pytest.mark.parametrize("law", LAWS)
 def test_force_and_tangent_are_derivatives(law: str, formulation: str) -> None:
     system = loaded_box(law, formulation)

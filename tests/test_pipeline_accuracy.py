@@ -15,7 +15,7 @@ from pipeline.accuracy_table import COLUMNS_OF_RUNGS, markdown, reference_senten
 from pipeline.config import Config, load_config
 from pipeline.failure import RunFailed
 from pipeline.progress import Silent
-from pipeline.rungs import CONTACT, POINTS, TOLERANCE, Rung, ladder, mesh_choice
+from pipeline.rungs import CONTACT, LOCKING, POINTS, TOLERANCE, Rung, ladder, mesh_choice
 
 TOUCHING = 0.2
 EXACT = {"kappa_0_per_mm": -0.016, "alpha1_N_mm2": 50.0, "alpha2_N_mm2": 400.0, "d_mm": 12.0, "force_N": 0.03}
@@ -30,8 +30,9 @@ def test_the_ladder_has_its_lines(config: Config) -> None:
     found = ladder(config, TOUCHING)
     by_choice = {choice: [rung for rung in found if rung.choice == choice] for choice in {r.choice for r in found}}
     lines = {"p2p0", "mixed", "p2", "p2p0, graded to walls", "mixed, graded to walls"}
-    assert set(by_choice) == lines | {TOLERANCE, CONTACT}
+    assert set(by_choice) == lines | {"p1", TOLERANCE, CONTACT}
     assert min(len(by_choice[choice]) for choice in lines - {"p2"}) >= 5
+    assert [rung.value for rung in by_choice["p1"]] == [4.0, 2.0, 1.0]
     assert len({rung.folder for rung in found}) == len(found)
     assert [rung.value for rung in by_choice[CONTACT]] == [0.1, 0.05, 0.025]
     assert [rung.config.contact_dhat_mm for rung in by_choice[CONTACT]] == [0.1, 0.05, 0.025]
@@ -85,10 +86,12 @@ def test_errors_are_relative_and_that_of_the_end_is_over_the_length() -> None:
 
 
 def made_up(rung: Rung) -> dict[str, Any]:
-    """What a rung would have found, were its error 1000 / n, twice that of p2, and 10 % per mm of contact distance."""
-    size = rung.config.mesh.size_mm
-    n = round(500_000 / size**2 * (1.3 if rung.config.mesh.grading == "walls" else 1.0))
-    share = 1000.0 / n * (2.0 if rung.config.mesh.formulation == "p2" else 1.0)
+    """What a rung would have found, were its error 1000 / n, twice that of what locks, and 10 % per mm of contact
+    distance."""
+    size, formulation = rung.config.mesh.size_mm, rung.config.mesh.formulation
+    n = 500_000 / size**2 * (1.3 if rung.config.mesh.grading == "walls" else 1.0)
+    n = round(n / 6 if formulation == "p1" else n)
+    share = 1000.0 / n * (2.0 if formulation in LOCKING else 1.0)
     share += 0.1 * (rung.config.contact_dhat_mm or TOUCHING)
     numbers = [
         {
@@ -154,7 +157,8 @@ def test_table_and_pictures(record: dict[str, Any]) -> None:
 
 def test_a_tiny_ladder_is_climbed_and_resumed(configs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rungs, "SIZES", {"off": (1.0, 0.75)})
-    monkeypatch.setattr(rungs, "FORMULATIONS", ("mixed",))
+    monkeypatch.setattr(rungs, "LOCKING", {"p1": (0.5,)})
+    monkeypatch.setattr(rungs, "FORMULATIONS", ("mixed", "p1"))
     monkeypatch.setattr(rungs, "TOLERANCES", ())
     monkeypatch.setattr(rungs, "DISTANCES", ())
     overrides = ["geometry.chambers=8", "mesh={size: 8 mm, formulation: mixed}", "pressures=[5 kPa]"]
@@ -163,10 +167,14 @@ def test_a_tiny_ladder_is_climbed_and_resumed(configs: Path, tmp_path: Path, mon
     assert json.loads((tmp_path / "accuracy.json").read_text())["rungs"] == json.loads(json.dumps(record["rungs"]))
     assert (tmp_path / "accuracy.svg").is_file()
     assert (tmp_path / "accuracy.html").is_file()
-    coarse, fine = record["rungs"]
+    coarse, fine, linear = record["rungs"]
     assert coarse["degrees_of_freedom"] < fine["degrees_of_freedom"]
     assert coarse["headline"] > fine["headline"] > 0.0
-    for row in (coarse, fine):
+    assert 2 * linear["degrees_of_freedom"] < coarse["degrees_of_freedom"]
+    names = ("mixed_8", "p1_4")
+    found = [json.loads((tmp_path / f"rungs/{name}.json").read_text())["numbers"][0] for name in names]
+    assert found[1]["alpha1_N_mm2"] > 2 * found[0]["alpha1_N_mm2"]  # it locks; measured: 525 and 192
+    for row in (coarse, fine, linear):
         assert row["failure"] == ""
         assert 100.0 < row["peak_memory_MB"] < 4000.0
         assert 0.0 < row["seconds"]["factorization"] < row["wall_seconds"]

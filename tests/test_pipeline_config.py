@@ -135,7 +135,7 @@ SPOILT = [
     ("[17 kPa, 37 kPa]", "[17 kPa, 37]", "pressures[2]", "37 has no unit"),
     ("y: 0 mm", "y: 0", "end.y", "0 has no unit"),
     ("y: 0 mm", "z: 0 mm", "end.z", "unknown key; allowed here: y"),
-    ("formulation: p2p0", "formulation: p7", "mesh.formulation", "'p7' is not allowed; allowed: p2p0, p2 or mixed"),
+    ("formulation: p2p0", "formulation: p7", "mesh.formulation", "'p7' is not allowed; allowed: p2p0, p2, mixed or p1"),
     ("self_contact: auto", "self_contact: never", "effects.self_contact", "allowed: auto, on or off"),
     ("self_contact: auto", "friction: on", "effects.friction", "unknown key; allowed here: pressure, self_contact"),
 ]

@@ -117,6 +117,9 @@ def test_elements_follow_poissons_ratio(tmp_path: Path, arm: Path) -> None:
     assert formulation("material.nu=0.3", "effects.incompressibility=on") == "p2p0"
     assert formulation("effects.incompressibility=off") == "p2"
     assert formulation("mesh.formulation=p2") == "p2"
+    assert formulation("mesh.formulation=p1") == "p1"
+    assert formulation("mesh.formulation=p1", "effects.incompressibility=off") == "p1"
+    assert "contradict each other" in refusal(path, "mesh.formulation=p1", "effects.incompressibility=on")
     assert formulation("material.nu=0.4999") == "mixed"
     assert formulation("material.nu=0.4999", "effects.incompressibility=off") == "p2"
     assert formulation("material.nu=0.3", "mesh.formulation=mixed") == "mixed"
