@@ -14,7 +14,7 @@ def draw_all(body: Body, outcomes: Mapping[str, Outcome], store: Store) -> None:
     """The body whole and cut open, each state as a picture and as a file for ParaView, a series per experiment."""
     mesh = body.mesh
     write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets)
-    draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets)
+    draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, whole=body.half)
     if body.half:
         draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True)
     stretches = [record.fields["stretch"].max() for outcome in outcomes.values() for record in outcome.records]

@@ -65,10 +65,12 @@ def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
     write_whole(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
 
 
-def draw_body(path: Path, points: Array, tets: Array, *, cut_open: bool = False) -> None:
-    """Draw the body at rest into a PNG: mirrored at z = 0 to the whole, or cut open there to show its inside."""
-    half = _skin(_grid(points, tets))
-    body = half if cut_open else _whole(half)
+def draw_body(path: Path, points: Array, tets: Array, *, whole: bool = True, cut_open: bool = False) -> None:
+    """Draw the body at rest into a PNG: a half model cut open at z = 0 to show its inside, or, with `whole`, mirrored
+    there."""
+    body = _skin(_grid(points, tets))
+    if whole and not cut_open:
+        body = _whole(body)
     plotter = _plotter()
     plotter.add_mesh(body, color=_SILICONE, smooth_shading=True, split_sharp_edges=True, ambient=0.35, diffuse=0.75)
     _add_edges(plotter, body)

@@ -75,6 +75,13 @@ def test_the_body_at_rest(tmp_path: Path, cut_open: bool) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["body.png"]
 
 
+def test_a_body_that_is_no_half(tmp_path: Path) -> None:
+    """Mirrored, every face of it would be there twice and no edge would be left to draw."""
+    points, tets = bar()
+    draw_body(tmp_path / "body.png", points - [0.0, 0.0, 0.5], tets, whole=False)
+    assert_shows_something(tmp_path / "body.png")
+
+
 def test_the_deformed_body_coloured_at_nodes_or_elements(tmp_path: Path) -> None:
     points, tets = bar()
     displacement = bent(points)
