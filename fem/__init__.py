@@ -7,7 +7,7 @@ from fem.crossing import crossing
 from fem.discretisation import Discretisation
 from fem.effects import Effect, Gravity, LineForce, Pressure
 from fem.experiments import Experiment
-from fem.extremes import beyond_the_law
+from fem.extremes import beyond_the_law, in_words
 from fem.fields import element_fields
 from fem.layer import LayerError, StrainLimitingLayer
 from fem.linear import available_solver
@@ -17,6 +17,7 @@ from fem.material_hencky import Hencky
 from fem.material_rubber import MooneyRivlin, NeoHooke, Yeoh
 from fem.model import Model
 from fem.newton import NewtonOptions
+from fem.recovery import StressError, stress_error
 from fem.solution import End, NotConverged, Seconds, Solution, Step
 from fem.supports import Fixed, Prescribed, SupportError
 from fem.uniaxial import Uniaxial, uniaxial, uniaxial_terms
@@ -49,6 +50,7 @@ __all__ = [
     "StVenantKirchhoff",
     "Step",
     "StrainLimitingLayer",
+    "StressError",
     "SupportError",
     "Uniaxial",
     "Yeoh",
@@ -59,8 +61,10 @@ __all__ = [
     "element_fields",
     "follow",
     "follow_volume",
+    "in_words",
     "step_from_arrays",
     "step_to_arrays",
+    "stress_error",
     "uniaxial",
     "uniaxial_terms",
 ]

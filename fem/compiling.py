@@ -6,6 +6,7 @@ from fem.effects import Pressure
 from fem.loadpath import follow
 from fem.material import StVenantKirchhoff
 from fem.model import Model
+from fem.recovery import stress_error
 from fem.supports import Fixed
 from geometry import Mesh
 
@@ -15,4 +16,6 @@ def compile_kernels() -> None:
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     faces = {"clamp": np.array([[0, 1, 2]]), "cavity": np.array([[1, 2, 3]])}
     mesh = Mesh(points, np.array([[0, 1, 2, 3]]), faces)
-    follow(Model(mesh, StVenantKirchhoff(1.0, 0.3), [Fixed("clamp")], [Pressure("cavity", 1e-3)]), [1.0])
+    law = StVenantKirchhoff(1.0, 0.3)
+    solution = follow(Model(mesh, law, [Fixed("clamp")], [Pressure("cavity", 1e-3)]), [1.0])
+    stress_error(solution.steps[0], law)

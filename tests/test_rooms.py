@@ -39,6 +39,7 @@ DOORS: dict[str, set[str]] = {
         "fem/kernels.py",
         "fem/layer_kernels.py",
         "fem/mixed_kernels.py",
+        "fem/recovery_kernels.py",
         "fem/surface_kernels.py",
         "fem/tangent_kernels.py",
         "rod/shooting.py",
