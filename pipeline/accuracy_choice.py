@@ -1,8 +1,9 @@
 """Mesh, tolerance and contact distance for an accuracy that is asked for, and the error that is believed to remain.
 
 Errors of κ₀(l/2), α₂ and F count. What the mesh has wrong is told by two pilots, the same two experiments at the lowest
-pressure of the run on two coarse meshes: errors are taken to fall with the square of the size, as the ladders of
-docs/accuracy.md do or faster. What contact leaves is told by what those ladders measured.
+pressure of the run on two coarse meshes, and by their error indicators (`pipeline.mesh_law`). After the run it is told
+once more: by the pilots and the run as a third mesh, and by the indicators of all its states. What contact leaves is
+told by what the ladders of docs/accuracy.md measured.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,22 +16,24 @@ from pipeline.accuracy import touching_distance
 from pipeline.accuracy_errors import HEADLINE, NUMBERS
 from pipeline.config import Config
 from pipeline.failure import RunFailed
+from pipeline.indicator import Indicator
+from pipeline.mesh_law import RIGIDITY, MeshLaw
+from pipeline.parameters import Parameters
 from pipeline.progress import Progress
-from pipeline.rung_measured import measure
+from pipeline.rung_measured import measure, numbers_of
 from pipeline.rungs import Rung, mesh_choice
 from pipeline.scene import meshed_body
+from pipeline.simulate import Outcome
 from pipeline.store import Store
 
-__all__ = ["Choice", "chosen", "size_for"]
+__all__ = ["Afterwards", "Choice", "afterwards", "chosen"]
 
 #: elements and grading that reach an accuracy with the fewest degrees of freedom
 FORMULATION, GRADING = "mixed", "walls"
 #: sizes of the pilots over the smallest side of the body
 PILOTS = (0.4, 0.27)
-#: power of the size with which errors fall
-ORDER = 2.0
-#: share of the asked error that the mesh may have; the rest is for contact
-OF_MESH = 0.6
+#: shares of the asked error that the mesh may have where faces can meet, the rest being for contact, and where none can
+OF_MESH, ALONE = 0.6, 0.8
 #: error per activation distance over the gap: that of F on arm (a) at 17 kPa, the largest
 PER_DISTANCE = 1.1
 #: the smallest activation distance over the gap that is chosen: it takes 2.5 times the factorizations of the default
@@ -42,8 +45,18 @@ FINEST = 0.35
 
 
 @dataclass(frozen=True)
+class Afterwards:
+    """What the run itself says of its errors; errors are relative."""
+
+    believed: Mapping[str, float]  #: error of the mesh by number, the largest over the pressures
+    believed_of_contact: float
+    identification: float  #: largest deviation of α₂ that does not come from the mesh
+    indicator: Indicator  #: of the state in which it is largest
+
+
+@dataclass(frozen=True)
 class Choice:
-    """What was chosen for an asked accuracy, and the error that is believed to remain; errors are relative."""
+    """What was chosen for an asked accuracy, and the error that was believed to remain; errors are relative."""
 
     asked: float
     size_mm: float
@@ -52,29 +65,68 @@ class Choice:
     grading: str
     newton_tolerance: float
     contact_dhat_mm: float | None  #: None where no faces can meet
-    pilots: Sequence[Mapping[str, Any]]  #: size_mm, degrees_of_freedom, numbers
-    believed: Mapping[str, float]  #: error of the mesh by number
+    #: size_mm, degrees_of_freedom, cpu_seconds, numbers, alpha2_std_N_mm2, stress_error
+    pilots: Sequence[Mapping[str, Any]]
+    pilots_kPa: float
     believed_of_contact: float
 
     @property
-    def largest(self) -> float:
-        """The largest error that is believed to remain."""
-        return max(self.believed.values()) + self.believed_of_contact
+    def law(self) -> MeshLaw:
+        """How errors fall with the mesh."""
+        return MeshLaw.of(self.pilots)
 
-    def record(self) -> dict[str, Any]:
+    @property
+    def believed(self) -> dict[str, float]:
+        """Error of the mesh by number, before the run."""
+        return self.law.at(self.size_mm)
+
+    @property
+    def identification(self) -> float:
+        """Deviation of α₂ that does not come from the mesh, before the run."""
+        fine = self.pilots[1]
+        return float(fine["alpha2_std_N_mm2"] / fine["numbers"][RIGIDITY])
+
+    def record(self, after: Afterwards | None) -> dict[str, Any]:
         """The part of run.json about it."""
-        return {**asdict(self), "believed_error": self.largest, "sentence": self.sentence()}
+        return {
+            **asdict(self),
+            "order": self.law.order,
+            "believed": self.believed,
+            "believed_error": largest_error(self),
+            "identification": self.identification,
+            "after": after and {**asdict(after), "believed_error": largest_error(after)},
+            "sentence": self.sentence(after),
+        }
 
-    def sentence(self) -> str:
+    def sentence(self, after: Afterwards | None) -> str:
         """What was asked for, chosen and is believed, for the terminal and the report."""
-        parts = ", ".join(f"{100 * error:.1f} % in {NUMBERS[key]}" for key, error in self.believed.items())
         given = " (mesh.size is given and was kept)" if self.size_was_given else ""
-        contact = f", {100 * self.believed_of_contact:.1f} % more from contact" if self.contact_dhat_mm else ""
-        kept = "is kept" if self.largest <= self.asked else "is not reached"
-        return (
-            f"asked for {100 * self.asked:g} %: {self.formulation}, graded to {self.grading}, {self.size_mm:.3g} mm"
-            f"{given}; the mesh is believed to leave {parts}{contact}; the asked accuracy {kept}"
-        )
+        said = [
+            f"asked for {100 * self.asked:g} %: {self.formulation}, graded to {self.grading}, "
+            f"{self.size_mm:.3g} mm{given}",
+            f"the mesh was believed before the run to leave {_parts(self)}",
+        ]
+        if after:
+            said.append(
+                f"by the error indicator of the run it leaves {_parts(after)} (the indicator is largest "
+                f"{after.indicator.place()})"
+            )
+        now = after or self
+        reached = "is kept" if largest_error(now) <= self.asked else "is not reached"
+        said.append(f"the asked accuracy {reached}")
+        if now.identification > self.asked:
+            said.append(f"α₂ is known to ± {100 * now.identification:.2g} % from its identification, whatever the mesh")
+        return "; ".join(said)
+
+
+def largest_error(known: Choice | Afterwards) -> float:
+    """The largest error that is believed to remain, contact included."""
+    return max(known.believed.values()) + known.believed_of_contact
+
+
+def _parts(known: Choice | Afterwards) -> str:
+    parts = ", ".join(f"{100 * error:.1f} % in {NUMBERS[key]}" for key, error in known.believed.items())
+    return parts + (f", {100 * known.believed_of_contact:.1f} % more from contact" if known.believed_of_contact else "")
 
 
 def chosen(config: Config, store: Store, progress: Progress) -> tuple[Config, Choice | None]:
@@ -97,20 +149,25 @@ def chosen(config: Config, store: Store, progress: Progress) -> tuple[Config, Ch
     ), choice
 
 
-def size_for(asked: float, coarse: Mapping[str, float], fine: Mapping[str, float], sizes: tuple[float, float]) -> float:
-    """The mesh size (mm) that leaves `asked` of relative error, from numbers on two meshes of `sizes` (mm).
+def afterwards(
+    choice: Choice, outcomes: Mapping[str, Outcome], found: Sequence[Parameters], indicator: Indicator | None
+) -> Afterwards | None:
+    """What the states of a run say of its errors; None where there are none.
 
-    Never coarser than the first of them, nor finer than FINEST times the second; in hundredths.
+    A contact that never acted leaves no error.
     """
-    error = max(mesh_errors(coarse, fine, sizes).values())
-    size = sizes[1] * (asked / error) ** (1 / ORDER) if error > 0 else sizes[0]
-    return floor(100.0 * min(max(size, FINEST * sizes[1]), sizes[0])) / 100.0
-
-
-def mesh_errors(coarse: Mapping[str, float], fine: Mapping[str, float], sizes: tuple[float, float]) -> dict[str, float]:
-    """Relative errors of the numbers on the finer of two meshes of `sizes` (mm), by Richardson's extrapolation."""
-    left = 1.0 / ((sizes[0] / sizes[1]) ** ORDER - 1.0)
-    return {key: left * abs(fine[key] - coarse[key]) / abs(fine[key]) for key in HEADLINE}
+    if indicator is None:
+        return None
+    touched = any("self_contact" in record.effects for one in outcomes.values() for record in one.records)
+    rigidities = [one.numbers_without_mesh["alpha2"] for one in found]
+    alike = [one for one in found if one.pressure_kPa == choice.pilots_kPa]
+    run = _solved(numbers_of(alike[0])) if alike else None
+    return Afterwards(
+        believed=MeshLaw.of(choice.pilots, run).with_indicator(indicator.stress_error),
+        believed_of_contact=choice.believed_of_contact if touched else 0.0,
+        identification=max((one.std / one.value for one in rigidities), default=choice.identification),
+        indicator=indicator,
+    )
 
 
 def _choose(config: Config) -> Choice:
@@ -120,28 +177,25 @@ def _choose(config: Config) -> Choice:
     config = replace(config, mesh=elements, pressures_kPa=config.pressures_kPa[:1])
     sizes = (PILOTS[0] * min(config.design.extent), PILOTS[1] * min(config.design.extent))
     pilots = [_pilot(config, size) for size in sizes]
-    coarse, fine = (pilot["numbers"] for pilot in pilots)
-    size = size_for(OF_MESH * asked, coarse, fine, sizes)
-    if config.size_is_given:
-        size = config.mesh.size_mm
-    share = (size / sizes[1]) ** ORDER
     distance, of_contact = _contact(config, (1.0 - OF_MESH) * asked)
+    size = MeshLaw.of(pilots).size_for(asked * (ALONE if distance is None else OF_MESH))
+    size = floor(100.0 * min(max(size, FINEST * sizes[1]), sizes[0])) / 100.0
     return Choice(
         asked=asked,
-        size_mm=size,
+        size_mm=config.mesh.size_mm if config.size_is_given else size,
         size_was_given=config.size_is_given,
         formulation=FORMULATION,
         grading=GRADING,
         newton_tolerance=min(1e-4, OF_NEWTON * asked),
         contact_dhat_mm=distance,
         pilots=pilots,
-        believed={key: share * error for key, error in mesh_errors(coarse, fine, sizes).items()},
+        pilots_kPa=config.pressures_kPa[0],
         believed_of_contact=of_contact,
     )
 
 
 def _pilot(config: Config, size: float) -> dict[str, Any]:
-    """Size, degrees of freedom and numbers of II and III at the lowest pressure of the run."""
+    """Size, degrees of freedom, numbers and indicator of II and III at the lowest pressure of the run."""
     config = replace(config, mesh=replace(config.mesh, size_mm=size))
     found = measure(Rung(mesh_choice(config), size, config))
     if not found["numbers"]:
@@ -150,8 +204,14 @@ def _pilot(config: Config, size: float) -> dict[str, Any]:
         "size_mm": size,
         "degrees_of_freedom": found["degrees_of_freedom"],
         "cpu_seconds": found["cpu_seconds"],
-        "numbers": {key: found["numbers"][0][key] for key in HEADLINE},
+        **_solved(found["numbers"][0]),
     }
+
+
+def _solved(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """What the law of the mesh needs of one mesh."""
+    headline = {key: numbers[key] for key in HEADLINE}
+    return {"numbers": headline, **{key: numbers[key] for key in ("alpha2_std_N_mm2", "stress_error")}}
 
 
 def _contact(config: Config, asked: float) -> tuple[float | None, float]:

@@ -7,12 +7,13 @@ from time import perf_counter
 from typing import Any
 
 from fem import compile_kernels
-from pipeline.accuracy_choice import Choice, chosen
+from pipeline.accuracy_choice import afterwards, chosen
 from pipeline.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.config import Config
 from pipeline.drawings import draw_all
 from pipeline.effects import effect_rows
 from pipeline.failure import RunFailed
+from pipeline.indicator import largest_indicator
 from pipeline.mesh_error import with_mesh_error
 from pipeline.parameters import identify_all
 from pipeline.parameters_file import parameters_record
@@ -64,7 +65,12 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
         stopped = [_failure(outcome) for outcome in outcomes.values() if outcome.failure]
         failure = "; ".join([*stopped, *refused, *more, *validated.failures])
         with _stage("report", progress, seconds):
-            _write_report(store, config, choice, outcomes, seconds, failure)
+            indicator = largest_indicator(outcomes)
+            errors = {
+                **({"indicator": indicator.record()} if indicator else {}),
+                **({"accuracy": choice.record(afterwards(choice, outcomes, found, indicator))} if choice else {}),
+            }
+            _write_report(store, config, outcomes, seconds, errors, failure)
     if failure:
         raise RunFailed(f"{failure}; what was reached is in {out}")
 
@@ -100,9 +106,9 @@ def _experiment_rows(outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
 def _write_report(
     store: Store,
     config: Config,
-    choice: Choice | None,
     outcomes: Mapping[str, Outcome],
     seconds: Mapping[str, float],
+    errors: Mapping[str, Any],
     failure: str,
 ) -> None:
     spent = [outcome.seconds for outcome in outcomes.values()]
@@ -121,7 +127,7 @@ def _write_report(
         "factorizations": {name: outcome.factorizations for name, outcome in outcomes.items()},
         "degrees_of_freedom": {name: outcome.degrees_of_freedom for name, outcome in outcomes.items()},
         "solver": sorted({outcome.solver for outcome in outcomes.values()}),
-        **({"accuracy": choice.record()} if choice else {}),
+        **errors,
         **({"failure": failure} if failure else {}),
     }
     store.save_json("run.json", record)

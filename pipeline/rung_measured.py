@@ -22,7 +22,7 @@ from pipeline.simulate import Outcome, simulate
 from pipeline.store import open_store
 from pipeline.workers import side_by_side
 
-__all__ = ["measure", "measured_apart"]
+__all__ = ["measure", "measured_apart", "numbers_of"]
 
 
 def measured_apart(rungs: Sequence[Rung], jobs: int, keep: Any) -> None:
@@ -50,11 +50,11 @@ def measure(rung: Rung) -> dict[str, Any]:
     fit = perf_counter() - begin
     wall, spent = perf_counter() - start, _cpu_seconds() - cpu
     stopped = [f"{one.experiment}: {one.failure}" for one in outcomes.values() if one.failure]
-    numbers = [_numbers(one, 1, fit) for one in found]
+    numbers = [numbers_of(one, 1, fit) for one in found]
     for stride in rung.strides[1:]:
         begin = perf_counter()
         thinner, without = identify_all(_thinned(outcomes, stride), body.pitch)
-        numbers += [_numbers(one, stride, perf_counter() - begin) for one in thinner]
+        numbers += [numbers_of(one, stride, perf_counter() - begin) for one in thinner]
         refused += tuple(f"every {stride} points: {sentence}" for sentence in without)
     return {
         "failure": "; ".join([*stopped, *refused]),
@@ -67,7 +67,7 @@ def measure(rung: Rung) -> dict[str, Any]:
     }
 
 
-def _numbers(found: Parameters, stride: int, fit: float) -> dict[str, Any]:
+def numbers_of(found: Parameters, stride: int = 1, fit: float = 0.0) -> dict[str, Any]:
     """What users take home at one pressure; `null` for the break of a single line."""
     numbers = found.numbers
     return {
@@ -81,6 +81,8 @@ def _numbers(found: Parameters, stride: int, fit: float) -> dict[str, Any]:
         "d_mm": numbers["d"].value if found.by_cells.two_lines else None,
         "force_N": found.loaded.end_force[1],
         "end_mm": [found.free.row["end_x_mm"], found.free.row["end_y_mm"]],
+        "alpha2_std_N_mm2": numbers["alpha2"].std,
+        "stress_error": max(found.free.row["stress_error"], found.loaded.row["stress_error"]),
     }
 
 

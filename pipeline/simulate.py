@@ -217,6 +217,7 @@ def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, mat
     curve = experiment.centreline(step)
     air = sum(step.cavity_volume(name) for name in experiment.body.cavities[:1]) * experiment.whole
     clamp = experiment.clamp_force(step)
+    off = fem.stress_error(step, material)
     row = {
         "experiment": experiment.name,
         "pressure_kPa": pressure_kPa,
@@ -234,6 +235,8 @@ def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, mat
         "max_stretch_at_mm": step.extremes.max_stretch_at,
         "min_stretch_at_mm": step.extremes.min_stretch_at,
         "min_gap_mm": step.min_gap,
+        "stress_error": off.energy,
+        "stress_error_at_mm": off.worst_at,
         "negative_pivots": step.negative_pivots,
         "newton_iterations": step.newton_iterations,
         "factorizations": step.factorizations,

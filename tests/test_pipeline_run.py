@@ -85,6 +85,41 @@ def test_experiments_hold_what_the_contract_names(results: Path) -> None:
             )
 
 
+def test_the_error_indicator_of_every_state_and_the_largest_one(results: Path) -> None:
+    rows = read(results, "experiments.json")
+    errors = [row["stress_error"] for row in rows]
+    assert 0.01 < min(errors) <= max(errors) < 0.5
+    found = read(results, "run.json")["indicator"]
+    worst = rows[int(np.argmax(errors))]
+    assert found["stress_error"] == max(errors)
+    assert (found["experiment"], found["pressure_kPa"]) == (worst["experiment"], worst["pressure_kPa"])
+    assert found["at_mm"] == worst["stress_error_at_mm"]
+    assert found["sentence"] in (results / "report.html").read_text()
+
+
+ASKED = """
+name: asked
+geometry: {family: semicircular, chambers: 7}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [20 kPa]
+mesh: {size: auto}
+"""
+
+
+def test_an_asked_accuracy_is_told_before_and_after_the_run(tmp_path: Path) -> None:
+    path = tmp_path / "asked.yaml"
+    path.write_text(ASKED, encoding="utf-8")
+    run(load_config(path, ["accuracy=20 %"]), tmp_path / "out", 1, False, Silent())
+    found = read(tmp_path / "out", "run.json")
+    accuracy, indicator = found["accuracy"], found["indicator"]
+    assert accuracy["size_mm"] == found["config"]["mesh"]["size_mm"]
+    assert 1.0 <= accuracy["order"] <= 4.0
+    before, after = accuracy["believed_error"], accuracy["after"]["believed_error"]
+    assert 0.5 * before < after < 1.5 * before
+    assert accuracy["after"]["indicator"]["at_mm"] == indicator["at_mm"]
+    assert accuracy["sentence"] in (tmp_path / "out" / "report.html").read_text()
+
+
 def test_moment_by_equation_seven_balances_the_clamp(results: Path) -> None:
     with (results / "curves.csv").open() as file:
         curves = [row for row in csv.DictReader(file) if row["experiment"] == "III"]
