@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.solution import Extremes, Seconds, Step
+from fem.system import Change
 
 ArrayMap = Mapping[str, NDArray[Any]]
 
@@ -21,6 +22,7 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
     return {
         "displacement": step.displacement,
         "stress": step.stress,
+        **_rate_to_arrays(step.rate),
         "gradient": step.gradient,
         "numbers": np.array([step.factor, step.min_gap, step.seconds]),
         "counts": np.array([getattr(step, name) for name in COUNTS]),
@@ -46,6 +48,7 @@ def step_from_arrays(space: Discretisation, arrays: ArrayMap) -> Step:
         factor=factor,
         displacement=arrays["displacement"],
         stress=arrays["stress"],
+        rate=_rate_from_arrays(arrays),
         gradient=arrays["gradient"],
         extremes=Extremes(min_J, longest, shortest, J_at, longest_at, shortest_at),
         min_gap=min_gap,
@@ -56,3 +59,15 @@ def step_from_arrays(space: Discretisation, arrays: ArrayMap) -> Step:
         seconds=seconds,
         spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
     )
+
+
+def _rate_to_arrays(rate: Change | None) -> dict[str, NDArray[Any]]:
+    if rate is None:
+        return {}
+    return {"rate": rate.displacement, "rate_of_pressures": rate.pressure, "rate_of_factor": np.array(rate.factor)}
+
+
+def _rate_from_arrays(arrays: ArrayMap) -> Change | None:
+    if "rate" not in arrays:
+        return None
+    return Change(float(arrays["rate_of_factor"]), arrays["rate"], arrays["rate_of_pressures"])

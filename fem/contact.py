@@ -158,3 +158,6 @@ class BarrierTerm(Term):
         if len(collisions) == 0:
             return np.inf
         return float(np.sqrt(collisions.compute_minimum_distance(self._mesh, self._places(x))))
+
+    def touching(self, x: Array) -> bool:
+        return len(self._collisions(x, self.dhat)) > 0

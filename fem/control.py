@@ -46,6 +46,13 @@ class Control(ABC):
         And the number of directions in which the body is unstable while the prescribed quantity is held.
         """
 
+    @abstractmethod
+    def rate(self, system: System, state: State, assembly: Assembly, terms: Terms) -> Change | None:
+        """Change of the unknowns per unit of the prescribed quantity in equilibrium, with the tangent last factorized.
+
+        None where that cannot tell.
+        """
+
 
 @final
 @dataclass(frozen=True)
@@ -65,6 +72,11 @@ class LoadControl(Control):
     ) -> tuple[Change, int]:
         change = system.solve(assembly.gradient + coupling.displacement, assembly.imbalance + coupling.pressure)
         return change, system.negative_pivots
+
+    def rate(self, system: System, state: State, assembly: Assembly, terms: Terms) -> Change | None:
+        if system.constraints.ramped.any():  # would need the tangent's columns of the prescribed components
+            return None
+        return replace(_loaded(system, state, assembly, terms), factor=1.0)
 
 
 @final
@@ -87,9 +99,7 @@ class VolumeControl(Control):
     ) -> tuple[Change, int]:
         growth = volume_gradient(self.faces, system.space.points + state.displacement)
         free = system.solve(assembly.gradient + coupling.displacement, assembly.imbalance + coupling.pressure)
-        # the loads are linear in the load factor
-        more, less = (system.loads(state.displacement, state.factor + step, terms) for step in (0.5, -0.5))
-        loaded = system.solve(more - less, np.zeros_like(assembly.imbalance))
+        loaded = _loaded(system, state, assembly, terms)
         compliance = float(np.vdot(growth, loaded.displacement))
         if compliance == 0.0:
             raise SingularMatrix("the load does not change the prescribed volume")
@@ -98,6 +108,19 @@ class VolumeControl(Control):
         # by Sylvester's law for the bordered matrix: a volume held takes one negative direction away
         unstable = system.negative_pivots - (1 if compliance < 0 else 0)
         return free + replace(loaded.scaled(factor), factor=factor), unstable
+
+    def rate(self, system: System, state: State, assembly: Assembly, terms: Terms) -> Change | None:
+        growth = volume_gradient(self.faces, system.space.points + state.displacement)
+        loaded = _loaded(system, state, assembly, terms)
+        compliance = float(np.vdot(growth, loaded.displacement))
+        return replace(loaded.scaled(1 / compliance), factor=1 / compliance) if compliance else None
+
+
+def _loaded(system: System, state: State, assembly: Assembly, terms: Terms) -> Change:
+    """Change of displacement and pressures per unit of the load factor."""
+    # the loads are linear in the load factor
+    more, less = (system.loads(state.displacement, state.factor + step, terms) for step in (0.5, -0.5))
+    return system.solve(more - less, np.zeros_like(assembly.imbalance))
 
 
 def size_of(faces: Faces, x: Array) -> float:

@@ -1,14 +1,14 @@
 """What is prescribed along a path: load factors, or volumes of a cavity."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 from fem.control import Control, LoadControl, VolumeControl, size_of
 from fem.discretisation import Faces
 from fem.effects import enclosed_volume
 from fem.solution import Step
-from fem.system import System
+from fem.system import State, System, Terms
 
 
 class Course(ABC):
@@ -29,6 +29,13 @@ class Course(ABC):
     def control(self, system: System, value: float, share: float) -> Control:
         """What prescribes `value`, the constant prescribed displacements having come to `share` of their size."""
 
+    @abstractmethod
+    def rate_at_rest(self, system: System, rest: State, terms: Terms, share: float) -> State | None:
+        """Change of the state per unit of the value, what does not grow with it coming to `share` of its size per unit.
+
+        Factorizes the tangent. None where it is not needed. Raises `SingularMatrix`.
+        """
+
 
 @final
 @dataclass(frozen=True)
@@ -46,6 +53,15 @@ class LoadCourse(Course):
 
     def control(self, system: System, value: float, share: float) -> Control:
         return LoadControl(system.prescribed(value, share), value)
+
+    def rate_at_rest(self, system: System, rest: State, terms: Terms, share: float) -> State | None:
+        still, moved = tuple(term.at(0.0) for term in terms), system.prescribed(1.0, share)
+        assembly = system.assemble(rest, still)
+        coupling = system.factorize(rest, assembly, still, moved, convex=False)
+        whole = system.loads(rest.displacement, 1.0, tuple(term.at(share) for term in terms))
+        loads = whole - system.loads(rest.displacement, 0.0, still)
+        change = system.solve(loads + coupling.displacement, coupling.pressure)
+        return system.rate(rest, assembly, replace(change, factor=1.0, displacement=change.displacement + moved))
 
 
 @final
@@ -79,3 +95,6 @@ class VolumeCourse(Course):
 
     def control(self, system: System, value: float, share: float) -> Control:
         return VolumeControl(system.prescribed(0.0, share), self.faces, value, self.size)
+
+    def rate_at_rest(self, system: System, rest: State, terms: Terms, share: float) -> State | None:
+        return None

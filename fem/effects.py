@@ -67,6 +67,10 @@ class Term(ABC):
         """Smallest distance in mm between parts of the body that the term keeps apart; infinity for other terms."""
 
     @abstractmethod
+    def touching(self, x: Array) -> bool:
+        """Whether the term keeps parts of the body apart at x (n, 3)."""
+
+    @abstractmethod
     def at(self, share: float) -> "Term":
         """The term while what does not grow with the load factor has come to `share` of its size."""
 
@@ -102,6 +106,11 @@ class Acting(Term):
     def gap(self, x: Array) -> float:
         """Infinity: it keeps nothing apart."""
         return np.inf
+
+    @final
+    def touching(self, x: Array) -> bool:
+        """False."""
+        return False
 
 
 class Effect(ABC):

@@ -86,6 +86,9 @@ class FacingTerm(Term):
     def gap(self, x: Array) -> float:
         return float(self.pairs.gaps(x).min(initial=np.inf))
 
+    def touching(self, x: Array) -> bool:
+        return self.gap(x) < self.dhat
+
     def _derivatives(self, x: Array) -> tuple[LocalPairs, Array, Array]:
         """All pairs, with first and second derivative of their energy by the gap (k,), zero beyond dhat.
 

@@ -5,6 +5,8 @@ import os
 import weakref
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from functools import cache
+from importlib import metadata
 from pathlib import Path
 from time import perf_counter
 from typing import Any, final
@@ -85,6 +87,8 @@ class Pardiso(LinearSolver):
         from pypardiso import PyPardisoSolver
         from pypardiso.pardiso_wrapper import PyPardisoError
 
+        if library := _runtime():
+            os.environ.setdefault("PYPARDISO_MKL_RT", library)
         self._solver = PyPardisoSolver(mtype=-2)
         self._error = PyPardisoError
         self._finalizer = weakref.finalize(self, _release, self._solver)
@@ -175,6 +179,18 @@ class Pardiso(LinearSolver):
     def close(self) -> None:
         _release(self._solver)
         self._matrix = sp.csr_matrix((0, 0))
+
+
+@cache
+def _runtime() -> str | None:
+    """The MKL's library where its package put it; pypardiso would look through the whole environment for every solver
+    (0.2 s on the machine of docs/performance.md, as much as two factorizations of the coarse arm)."""
+    try:
+        files = metadata.files("mkl") or []
+    except metadata.PackageNotFoundError:  # another packager's; pypardiso finds it
+        return None
+    found = (file for file in files if "mkl_rt" in file.name and file.suffix != ".lib")
+    return next((str(Path(str(file.locate())).resolve()) for file in found), None)
 
 
 def spare_memory() -> float:

@@ -1,7 +1,6 @@
 """Driving the load from zero to the asked factors: predictor, cut-back, growth and restore."""
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from time import perf_counter
 from typing import final
@@ -15,6 +14,7 @@ from fem.extremes import beyond_the_law, extremes_of, in_words, strain_at_stress
 from fem.linear import LinearSolver, SingularMatrix
 from fem.model import Model
 from fem.newton import Converged, NewtonOptions, StepFailed
+from fem.prediction import Place, Predictor
 from fem.solution import End, NotConverged, Seconds, Solution, Step
 from fem.stability import most_softened, softest_direction
 from fem.system import State, System, Terms
@@ -27,10 +27,6 @@ Array = NDArray[np.float64]
 NEARLY_UNSTABLE = 0.2
 
 
-#: factorizations that a predicted start may take; good ones take 4 to 6
-PREDICTED = 10
-
-
 @dataclass(frozen=True)
 class PathOptions:
     """How the path is walked."""
@@ -38,15 +34,6 @@ class PathOptions:
     newton: NewtonOptions = field(default_factory=NewtonOptions)
     smallest: float = 1 / 256  #: smallest share of the way to the next asked factor that is tried
     solver: Callable[[], LinearSolver] | None = None  #: what makes the linear solver, the best installed one by default
-
-
-@dataclass(frozen=True)
-class Place:
-    """A converged point of the path: how far the prescribed quantity is, and the state there."""
-
-    value: float  #: of the load factor, or of the volume
-    share: float  #: of the constant prescribed displacements, 0 at rest and 1 from the first asked value on
-    state: State
 
 
 #: called after every Newton iteration with the asked value, the iteration and the relative residual
@@ -136,19 +123,23 @@ class Path:
         self.course = course
         self.options = options
         self.watch = watch
-        self.places = [Place(course.rest, 0.0, system.start())] * 2
         rest = system.space.points
         self.terms = tuple(term for term in system.terms if term.wanted(rest))
+        self.places = [Place(course.rest, 0.0, system.start())]
+        self.predictor = Predictor(system, course)
 
     def take_up(self, steps: Sequence[Step]) -> None:
         """Go on from the last of the given steps."""
         for step in steps:
             state = self.system.at(step.displacement, step.factor)
-            self.places.append(Place(self.course.at(step), 1.0, state))
             x = self.system.space.points + step.displacement
             # some perhaps since a state between two asked values, that is not among the steps
             acting = tuple(term for term, acts in zip(self.system.terms, step.acting, strict=True) if acts)
             self.terms = tuple(term for term in self.system.terms if term in acting or term.wanted(x))
+            place = Place(self.course.at(step), 1.0, state, self._touching(x))
+            if step.rate is not None:
+                place = replace(place, rate=self.system.rate(state, self.system.assemble(state, ()), step.rate))
+            self.places = [self.places[-1], place]
 
     def advance(self, value: float) -> Step:
         """Equilibrium at `value`, in as few pieces as converge; raises `PathEnded`."""
@@ -159,6 +150,7 @@ class Path:
             share = min(1.0, done + piece)
             try:
                 found = self._attempt(origin, value, share)
+                here = self._reached(origin, value, share, found)
             except StepFailed as failure:
                 cutbacks += 1
                 piece = (share - done) / 2
@@ -166,10 +158,10 @@ class Path:
                     spent = self.system.solver.times.factorizations - spent
                     raise PathEnded(self._end(origin, value, done, cutbacks, spent, str(failure))) from None
                 continue
-            self.places = [*self.places[-1:], self._place(origin, value, share, found.state)]
             if share == 1.0:
-                self.places = [origin, self.places[-1]]  # the next prediction starts from asked values alone
+                self.places = [origin, here]  # the next prediction starts from asked values alone
                 break
+            self.places = [self.places[-1], here]
             done = share
             piece *= 2.0 if found.iterations <= 8 else 1.0
         spent = self.system.solver.times.factorizations - spent
@@ -194,26 +186,24 @@ class Path:
         return found
 
     def _ahead(self, value: float, aim: Place) -> Converged:
-        """Equilibrium from where the last two places lead, or else from the last one."""
-        guess = self._predicted(aim)
-        if guess is not aim.state:
-            with suppress(StepFailed):
-                return self._solve(value, aim, guess, self.terms, PREDICTED)
-        return self._solve(value, aim, aim.state, self.terms)
+        """Equilibrium from where the last places lead, or else from the last one."""
+        failed = StepFailed("no start was tried")
+        for start, iterations in self.predictor.starts(self.places, aim, self.terms):
+            try:
+                return self._solve(value, aim, start, self.terms, iterations)
+            except StepFailed as failure:
+                failed = failure
+        raise failed
 
-    def _predicted(self, aim: Place) -> State:
-        """Where a straight line through the last two places leads, in displacement, strain and stress alike.
+    def _reached(self, origin: Place, value: float, share: float, found: Converged) -> Place:
+        """The place where an attempt has led, with its rate where the factor at hand tells it."""
+        x = self.system.space.points + found.state.displacement
+        place = self._place(origin, value, share, found.state, self._touching(x))
+        return replace(place, rate=self.predictor.rate(place, found, self._acting(place)))
 
-        A line in the displacement alone strains a body that turns (26 factorizations on the reference arm to 5, 17, 31
-        and 45 kPa; 17 with all three on lines of their own, 23 without prediction). Walls in contact do not move on
-        lines: with them the last place is the start.
-        """
-        before, last = self.places[-2:]
-        x = self.system.space.points + last.state.displacement
-        if last.value == before.value or any(np.isfinite(term.gap(x)) for term in self.terms):
-            return aim.state
-        share = (aim.value - last.value) / (last.value - before.value)
-        return last.state.extrapolated(before.state, share)
+    def _touching(self, x: Array) -> bool:
+        """Whether walls are in contact at positions x (n, 3)."""
+        return any(term.touching(x) for term in self.terms)
 
     def _objections(self, found: Converged, terms: Terms) -> list[str]:
         x = self.system.space.points + found.state.displacement
@@ -233,11 +223,12 @@ class Path:
         )
 
     @staticmethod
-    def _place(origin: Place, value: float, share: float, state: State) -> Place:
+    def _place(origin: Place, value: float, share: float, state: State, touching: bool = False) -> Place:
         return Place(
             value if share == 1.0 else origin.value + share * (value - origin.value),
             origin.share + share * (1.0 - origin.share),
             state,
+            touching,
         )
 
     def _end(self, origin: Place, value: float, done: float, cutbacks: int, spent: int, failure: str) -> End:
@@ -274,6 +265,7 @@ class Path:
             factor=found.state.factor,
             displacement=displacement,
             stress=found.state.stress,
+            rate=None if (rate := self.places[-1].rate) is None else rate.change,
             gradient=np.where(self.system.constraints.fixed, found.assembly.gradient, 0.0),
             extremes=extremes_of(self.system.space, displacement, found.assembly.jacobian),
             min_gap=min((term.gap(x) for term in self.system.terms), default=np.inf),

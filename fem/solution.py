@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from fem.discretisation import Discretisation
 from fem.effects import enclosed_volume
 from fem.supports import Where, nodes_at
+from fem.system import Change
 
 Array = NDArray[np.float64]
 
@@ -67,6 +68,7 @@ class Step:
     factor: float  #: load factor
     displacement: Array = field(repr=False)  #: (n, 3), mm
     stress: Array = field(repr=False)  #: (e, q, 6), second Piola-Kirchhoff of each stress point's share of the law, MPa
+    rate: Change | None = field(repr=False)  #: of displacement and pressures per load factor (or mm3); None if unknown
     gradient: Array = field(repr=False)  #: (n, 3) forces of the supports on the body, zero on free components, N
     extremes: Extremes
     min_gap: float  #: smallest signed gap between facing walls, mm; infinity without such walls

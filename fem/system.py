@@ -40,11 +40,10 @@ class State:
     strain: Array  #: (e, q, 6), Green-Lagrange
     stress: Array  #: (e, q, 6), second Piola-Kirchhoff, MPa
 
-    def extrapolated(self, before: "State", share: float) -> "State":
-        """This state and the given share of what has changed since the state `before`."""
-        names = ("factor", "displacement", "pressure", "strain", "stress")
-        now = (getattr(self, name) for name in names)
-        return State(*(value + share * (value - getattr(before, name)) for name, value in zip(names, now, strict=True)))
+    @property
+    def change(self) -> "Change":
+        """What of it are unknowns, for a rate of states."""
+        return Change(self.factor, self.displacement, self.pressure)
 
 
 @dataclass(frozen=True)
@@ -262,6 +261,12 @@ class System:
             strain = np.empty((*self.space.weight.shape, 6))
             kernels.linearised_strain(*self._elements[1:], state.displacement, increment, strain)
         return strain
+
+    def rate(self, state: State, assembly: Assembly, change: Change) -> State:
+        """Change of the whole state with a change of its unknowns, to first order; assembly is that of the state."""
+        strain = self.linearised_strain(state, change.displacement)
+        stress = _times(assembly.answer.tangent, strain) + self.law.stress_change(assembly.answer, change.pressure)
+        return State(change.factor, change.displacement, change.pressure, strain, stress)
 
     def advanced(self, state: State, assembly: Assembly, change: Change, strain: Array) -> State:
         """The state after a change whose B(u) du is `strain` (e, q, 6)."""

@@ -53,35 +53,48 @@ def test_what_newton_does_can_be_watched() -> None:
     seen: list[tuple[float, int, float]] = []
     solution = follow(beam([WEIGHT]), [0.5, 1.0], watch=lambda *now: seen.append(now))
     assert {factor for factor, _, _ in seen} == {0.5, 1.0}
-    assert sum(iteration > 0 for _, iteration, _ in seen) == solution.factorizations
+    assert sum(iteration > 0 for _, iteration, _ in seen) + 1 == solution.factorizations  # one for the rate at rest
     assert seen[-1][2] < NewtonOptions().tolerance
 
 
 def test_failed_attempts_are_cut_and_start_from_the_last_equilibrium(monkeypatch) -> None:
     """Attempts over more than a third of the way fail here; the end state must not know of it."""
     plain = follow(beam([WEIGHT]), [1.0])
-    real, starts = fem.newton.solve, []
+    real, starts, reached = fem.newton.solve, [], [0.0]
 
     def fails_far_out(system, terms, start, control, *rest):
-        factor = control.factor
-        starts.append((factor, start.displacement.copy()))
-        done = 0.0 if not start.displacement.any() else reached[-1]
-        if factor - done > 0.34:
+        starts.append((control.factor, start.displacement.copy()))
+        if control.factor - reached[-1] > 0.34:
             raise StepFailed("too far")
         found = real(system, terms, start, control, *rest)
-        reached.append(factor)
+        reached.append(control.factor)
         return found
 
-    reached: list[float] = []
     monkeypatch.setattr(fem.newton, "solve", fails_far_out)
     step = follow(beam([WEIGHT]), [1.0]).steps[0]
     assert step.cutbacks >= 2
     assert reached == sorted(reached)
     assert reached[-1] == 1.0
-    assert [factor for factor, _ in starts[:3]] == [1.0, 0.5, 0.25]
-    for _, displacement in starts[:3]:
-        assert not displacement.any()
+    # from where the rate at rest leads, then from a small share of that, always the same
+    assert [factor for factor, _ in starts[:5]] == [1.0, 1.0, 0.5, 0.5, 0.25]
+    np.testing.assert_array_equal(starts[1][1], starts[3][1])
+    np.testing.assert_allclose(starts[0][1], 2 * starts[2][1])
     np.testing.assert_allclose(step.displacement, plain.steps[0].displacement, atol=1e-4)
+
+
+@pytest.mark.parametrize("formulation", ["p2", "p2p0", "mixed"])
+def test_the_rate_of_a_step_is_its_derivative(formulation: str) -> None:
+    """Of displacement and pressures by the load factor; the factor at hand is that of the iteration before the end."""
+    model = Model(box((4, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.49), [Fixed("left")], [WEIGHT], formulation)
+    options = PathOptions(NewtonOptions(tolerance=1e-10))
+    before, at, after = follow(model, [0.49, 0.5, 0.51], options).steps
+    assert at.rate is not None
+    by_difference = (after.displacement - before.displacement) / 0.02
+    assert np.abs(at.rate.displacement - by_difference).max() < 2e-3 * np.abs(by_difference).max()
+    system = model.system()
+    pressures = [system.at(step.displacement, step.factor).pressure for step in (before, after)]
+    by_difference = (pressures[1] - pressures[0]) / 0.02
+    assert np.abs(at.rate.pressure - by_difference).max(initial=0.0) <= 5e-3 * np.abs(by_difference).max(initial=0.0)
 
 
 def test_what_does_not_ramp_is_whole_from_the_first_factor_on() -> None:
