@@ -26,7 +26,7 @@ Index = NDArray[np.int64]
 #: barrier stiffness over Young's modulus, for which 3 mu stands (near incompressibility)
 STIFFNESS = 0.1
 #: activation distance over the smallest gap at rest
-ACTIVATION = 0.1
+ACTIVATION = 0.02
 
 
 class ContactError(ValueError):
@@ -38,7 +38,7 @@ class ContactError(ValueError):
 class SelfContact(Effect):
     """Faces that may touch but not cross.
 
-    dhat: activation distance of the barrier in mm, by default a tenth of the smallest gap at rest. waits: the effect
+    dhat: activation distance of the barrier in mm, by default a fiftieth of the smallest gap at rest. waits: the effect
     stays out until a state without it comes within dhat; a scene that never touches is then the scene without contact,
     and faces that can never meet are none too many.
     """

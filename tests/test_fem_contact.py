@@ -114,19 +114,16 @@ def test_contact_that_never_comes_does_not_load_ipctk() -> None:
 
 
 def test_the_answer_tends_to_a_limit_with_the_activation_distance(short: Body, touching) -> None:
-    """Measured at 37 kPa for 0.2 (the default), 0.1, 0.05 mm: end_y -9.394, -9.238, -9.177 mm.
-
-    The walls stand 0.9 dhat apart, so the error is proportional to it: 0.16 mm for the first halving.
-    """
+    """Measured at 37 kPa for 0.04 (the default), 0.02, 0.01 mm: end_y -9.148, -9.132, -9.124 mm."""
     experiment, steps = touching
     ends = [experiment.end(steps[-1])[1]]
-    for dhat in (0.1, 0.05):
+    for dhat in (0.02, 0.01):
         _, finer = bend(short, [SelfContact("gap", dhat, waits=True)], [37.0])
         assert finer[0].min_gap < dhat
         ends.append(experiment.end(finer[0])[1])
     first, second = np.abs(np.diff(ends))
-    assert first < 0.006 * short.length
-    assert second < 0.5 * first
+    assert first < 0.0006 * short.length
+    assert np.log2(first / second) == pytest.approx(1.0, abs=0.05)
 
 
 def test_half_and_whole_body_touch_alike(short: Body) -> None:
@@ -155,10 +152,10 @@ class BarrierContact(Effect):
 
 
 def test_barrier_gives_the_same_state(short: Body, touching) -> None:
-    """Measured: 0.014 mm; the two sum their energy over other pairs of points and triangles."""
+    """Measured: 0.024 mm; one barrier stands at the wall, the other behind it, so the gaps left are 0.036 and 0.024 mm."""
     _, exact = bend(short, [BarrierContact("gap")], [5.0, 17.0, 37.0])
     assert not crossings(exact[-1])
-    assert exact[-1].min_gap == pytest.approx(touching[1][-1].min_gap, abs=0.005)
+    assert 0 < touching[1][-1].min_gap < exact[-1].min_gap < 0.02 * GAP
     assert apart(exact[-1], touching[1][-1]) < 1e-3 * short.length
 
 
