@@ -5,9 +5,9 @@ out too small only double from one iteration to the next. This one is continued 
 activation distance: no step has to be cut, and an iterate may pass through. A converged state may not: its gaps are
 checked, and crossing walls (by exact intersection tests) are refused, see `fem.contact`.
 
-As no iterate is held back by it, the barrier need not be infinite where walls meet. Walls in contact rest at 0.94 to 0.85
-of its width whatever presses them. So it stands BEHIND that part of its width behind the wall: what is left between walls
-is a seventh, for the same stiffness and the same number of iterations.
+As no iterate is held back by it, the barrier need not be infinite where walls meet. Walls in contact rest at 0.94 to
+0.85 of its width whatever presses them. So it stands BEHIND that part of its width behind the wall: what is left between
+walls is a seventh, for the same stiffness and the same number of iterations.
 """
 
 from collections.abc import Callable
@@ -124,8 +124,8 @@ def barrier_width(dhat: float) -> float:
 
 
 def continued_barrier(distance: Array, width: float) -> tuple[Array, Array, Array]:
-    """phi(d) = w (1 - r)^2 (-ln r), r = (d / w)^2, with first and second derivative; 0 beyond the width w, quadratic below
-    CONTINUED w. Distances d (k,) in mm; values in mm, 1 and 1/mm."""
+    """phi(d) = w (1 - r)^2 (-ln r), r = (d / w)^2, with first and second derivative; 0 beyond the width w, quadratic
+    below CONTINUED w. Distances d (k,) in mm; values in mm, 1 and 1/mm."""
     start = CONTINUED * width
     inside = np.clip(distance, start, width)
     r = (inside / width) ** 2

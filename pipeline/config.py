@@ -104,7 +104,7 @@ class Config:
     cavities: Mapping[str, CavityPressure]  #: cavity -> its pressure, in the order of the design
     gravity_mm_s2: tuple[float, float, float]
     layer: Layer
-    contact_dhat_mm: float | None  #: activation distance of contact; None for a tenth of the smallest gap
+    contact_dhat_mm: float | None  #: activation distance of contact; None for a fiftieth of the smallest gap
     contact_faces: tuple[str, ...] | None  #: names of faces that can meet; None for those named gap
     source: str  #: the file it was read from, for messages
 
