@@ -6,8 +6,8 @@ activation distance: no step has to be cut, and an iterate may pass through. A c
 checked, and crossing walls (by exact intersection tests) are refused, see `fem.contact`.
 
 As no iterate is held back by it, the barrier need not be infinite where walls meet. Walls in contact rest at 0.94 to
-0.85 of its width whatever presses them. So it stands BEHIND that part of its width behind the wall: what is left between
-walls is a seventh, for the same stiffness and the same number of iterations.
+0.85 of its width whatever presses them. So BEHIND, a part of its width, lies behind the wall. That leaves
+a seventh between walls, for the same stiffness and the same number of iterations.
 """
 
 from collections.abc import Callable

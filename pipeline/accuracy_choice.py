@@ -35,9 +35,9 @@ PILOTS = (0.4, 0.27)
 #: shares of the asked error that the mesh may have where faces can meet, the rest being for contact, and where none can
 OF_MESH, ALONE = 0.6, 0.8
 #: error per activation distance over the gap: that of F on arm (a) at 17 kPa, the largest
-PER_DISTANCE = 1.1
-#: the smallest activation distance over the gap that is chosen: it takes 2.5 times the factorizations of the default
-CLOSEST = 0.025
+PER_DISTANCE = 0.85
+#: the smallest activation distance over the gap that is chosen: it takes up to twice the factorizations of the default
+CLOSEST = 0.005
 #: Newton's tolerance is this share of the asked error
 OF_NEWTON = 1e-3
 #: the finest mesh that is chosen, over the finer pilot

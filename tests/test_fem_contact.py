@@ -152,7 +152,7 @@ class BarrierContact(Effect):
 
 
 def test_barrier_gives_the_same_state(short: Body, touching) -> None:
-    """Measured: 0.024 mm; one barrier stands at the wall, the other behind it, so the gaps left are 0.036 and 0.024 mm."""
+    """Measured: 0.024 mm; one barrier stands at the wall, the other behind it, so that gaps are 0.036 and 0.024 mm."""
     _, exact = bend(short, [BarrierContact("gap")], [5.0, 17.0, 37.0])
     assert not crossings(exact[-1])
     assert 0 < touching[1][-1].min_gap < exact[-1].min_gap < 0.02 * GAP

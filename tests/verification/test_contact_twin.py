@@ -110,8 +110,8 @@ def closed_form(dhat: float) -> float:
 
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_a_bar_pressed_against_a_plane(formulation: str) -> None:
-    """Force within 0.15 to 0.51 % (p1: 1e-5): nodes push by their share of the wall, and a quadratic face spreads an even
-    pressure otherwise, so the foot of the bar is not flat."""
+    """Force within 0.15 to 0.51 % (p1: 1e-5): nodes push by their share of the wall, and a quadratic face spreads an
+    even pressure otherwise, so the foot of the bar is not flat."""
     ideal = bar(1 + GAP - PUSH)
     errors = []
     for dhat in (0.004, 0.002, 0.001):
