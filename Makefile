@@ -8,7 +8,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 PEERS := .venv-peers
 
-all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy scaling
+all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy asked-accuracy scaling
 .PHONY: help setup $(all_targets) test slow hard fuzz kills lint types doctor bench-peers clean
 
 help:  ## list the targets
@@ -44,6 +44,9 @@ accuracy: $(READY)  ## what accuracy costs: the ladder of the four coarse arms, 
 		$(BIN)/pneurod accuracy configs/$${arm}_coarse.yaml --out results/$${arm}_accuracy
 	done
 	$(BIN)/python benchmarks/accuracy.py results
+
+asked-accuracy: $(READY)  ## accuracy asked for ten other arms: believed and true, the table of docs/accuracy.md (half an hour)
+	@$(BIN)/python benchmarks/asked_accuracy.py results/asked_accuracy
 
 scaling: $(READY)  ## arms of 7, 11 and 20 cells from one parameterization, against their own finite elements
 	@$(BIN)/python benchmarks/scaling.py

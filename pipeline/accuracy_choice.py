@@ -2,8 +2,8 @@
 
 Errors of κ₀(l/2), α₂ and F count. What the mesh has wrong is told by two pilots, the same two experiments at the lowest
 pressure of the run on two coarse meshes, and by their error indicators (`pipeline.mesh_law`). After the run it is told
-once more: by the pilots and the run as a third mesh, and by the indicators of all its states. What contact leaves is
-told by what the ladders of docs/accuracy.md measured.
+once more: by the largest indicator of its states, times what the pilots alone or with the run as a third mesh say,
+whichever is more. What contact leaves is told by what the ladders of docs/accuracy.md measured.
 """
 
 from collections.abc import Mapping, Sequence
@@ -32,8 +32,8 @@ __all__ = ["Afterwards", "Choice", "afterwards", "chosen"]
 FORMULATION, GRADING = "mixed", "walls"
 #: sizes of the pilots over the smallest side of the body
 PILOTS = (0.4, 0.27)
-#: shares of the asked error that the mesh may have where faces can meet, the rest being for contact, and where none can
-OF_MESH, ALONE = 0.6, 0.8
+#: share of the asked error that contact may have, and the share of the rest that the mesh is to have before the run
+OF_CONTACT, OF_MESH = 0.4, 0.8
 #: error per activation distance over the gap: that of F on arm (a) at 17 kPa, the largest
 PER_DISTANCE = 0.85
 #: the smallest activation distance over the gap that is chosen: it takes up to twice the factorizations of the default
@@ -161,9 +161,12 @@ def afterwards(
     touched = any("self_contact" in record.effects for one in outcomes.values() for record in one.records)
     rigidities = [one.numbers_without_mesh["alpha2"] for one in found]
     alike = [one for one in found if one.pressure_kPa == choice.pilots_kPa]
-    run = _solved(numbers_of(alike[0])) if alike else None
+    laws = [choice.law.with_indicator(indicator.stress_error)]
+    if alike:
+        run = _solved(numbers_of(alike[0]))
+        laws.append(MeshLaw.of(choice.pilots, run).with_indicator(indicator.stress_error))
     return Afterwards(
-        believed=MeshLaw.of(choice.pilots, run).with_indicator(indicator.stress_error),
+        believed={key: max(law[key] for law in laws) for key in HEADLINE},
         believed_of_contact=choice.believed_of_contact if touched else 0.0,
         identification=max((one.std / one.value for one in rigidities), default=choice.identification),
         indicator=indicator,
@@ -177,8 +180,9 @@ def _choose(config: Config) -> Choice:
     config = replace(config, mesh=elements, pressures_kPa=config.pressures_kPa[:1])
     sizes = (PILOTS[0] * min(config.design.extent), PILOTS[1] * min(config.design.extent))
     pilots = [_pilot(config, size) for size in sizes]
-    distance, of_contact = _contact(config, (1.0 - OF_MESH) * asked)
-    size = MeshLaw.of(pilots).size_for(asked * (ALONE if distance is None else OF_MESH))
+    distance, of_contact = _contact(config, OF_CONTACT * asked)
+    left = max(asked - of_contact, (1.0 - OF_CONTACT) * asked)  # a given distance may leave more than its share
+    size = MeshLaw.of(pilots).size_for(OF_MESH * left)
     size = floor(100.0 * min(max(size, FINEST * sizes[1]), sizes[0])) / 100.0
     return Choice(
         asked=asked,
