@@ -15,7 +15,7 @@ LOCKING: dict[str, tuple[float, ...]] = {"p2": (1.5, 1.0, 0.6), "p1": (1.0, 0.5,
 TOLERANCE, CONTACT, POINTS = "Newton tolerance", "contact distance", "points of the curve"
 TOLERANCES = (1e-3, 1e-4, 1e-8)
 #: activation distances of contact over the configured one
-DISTANCES = (0.5, 0.25, 0.125)
+DISTANCES = (4.0, 2.0, 0.5)
 #: the mesh size over the configured one at which nodes of the material curve are left out, and what is kept: every
 #: second, third, ...
 DENSE, STRIDES = 0.6, (2, 3, 4)

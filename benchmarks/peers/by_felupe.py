@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 from pypardiso import PyPardisoSolver
 
-from benchmarks.peers.problem import KPA, LAMBDA, MU, TOLERANCE, Body, Found, report, triangle_rule
+from benchmarks.peers.problem import KPA, LAMBDA, MU, TOLERANCE, Body, Found, load_pardiso, report, triangle_rule
 from benchmarks.peers.stepping import STEPPING, NoEquilibrium
 
 
@@ -116,6 +116,7 @@ class Model:
 
 
 def set_up() -> Callable[[Sequence[float]], Found]:
+    load_pardiso()
     return Model(Body.read()).walk
 
 
