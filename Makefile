@@ -40,9 +40,11 @@ material: $(READY)  ## the constants of every law from the tensile tests of the 
 	@$(BIN)/pneurod material configs/elastosil_m4601_yeoh.csv --out results/material
 
 accuracy: $(READY)  ## what accuracy costs: the ladder of the four coarse arms, and the tables of docs/accuracy.md
-	@for arm in pneunet semicircular semicircular_single bisected_circle; do
+	@for arm in semicircular semicircular_single bisected_circle; do
 		$(BIN)/pneurod accuracy configs/$${arm}_coarse.yaml --out results/$${arm}_accuracy
 	done
+	# beyond 28 kPa mixed elements find the limit of St. Venant-Kirchhoff's law at the clamp of this one
+	$(BIN)/pneurod accuracy configs/pneunet_coarse.yaml --set "pressures=[17 kPa, 24 kPa]" --out results/pneunet_accuracy
 	$(BIN)/python benchmarks/accuracy.py results
 
 asked-accuracy: $(READY)  ## accuracy asked for ten other arms: believed and true, the table of docs/accuracy.md (half an hour)

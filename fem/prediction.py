@@ -28,8 +28,8 @@ PREDICTED = 13
 #: 45 kPa on the reference arm: 4, 5 and 9 (5, 9 and 9 without the rate)
 TRUSTED, KICK = 0.3, 0.02
 
-#: steps ahead beyond which a cubic is not trusted: 4 steps ahead (three chambers from 5 to 25 kPa) Newton finds nothing
-#: from it in 13 iterations, from a parabola it takes 7
+#: steps outside the last two places beyond which a cubic is not trusted: 4 steps ahead, on three chambers from 5 to
+#: 25 kPa, Newton finds nothing from it in 13 iterations; from a parabola it takes 7
 FAR = 2.0
 
 
@@ -91,7 +91,8 @@ class Predictor:
         led = replace(rest, rate=rate)
         if abs(ahead) * strain <= TRUSTED and (guess := predicted(None, led, aim.value)):
             yield guess, PREDICTED
-        if kicked := predicted(None, led, rest.value + np.sign(ahead) * KICK / strain):
+        kick = float(np.sign(ahead)) * min(abs(ahead), KICK / strain)
+        if kicked := predicted(None, led, rest.value + kick):
             yield kicked, None
 
     def _rate_at_rest(self, rest: Place, aim: Place, terms: Terms) -> State | None:
@@ -115,7 +116,7 @@ def predicted(before: Place | None, last: Place, value: float) -> State | None:
     t = ahead / step
     if last.rate is None:
         return _sum([(1.0 + t, last.state), (-t, before.state)])
-    if before.rate is None or t > FAR:
+    if before.rate is None or not -1.0 - FAR <= t <= FAR:
         return _sum([(1.0 - t**2, last.state), (t**2, before.state), ((t + t**2) * step, last.rate)])
     return _sum(
         [
