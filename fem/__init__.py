@@ -2,7 +2,7 @@
 
 from fem.archive import step_from_arrays, step_to_arrays
 from fem.compiling import compile_kernels
-from fem.contact import ACTIVATION, ContactError, SelfContact
+from fem.contact import ACTIVATION, BEHIND, ContactError, SelfContact
 from fem.crossing import crossing
 from fem.discretisation import Discretisation
 from fem.effects import Effect, Gravity, LineForce, Pressure
@@ -24,6 +24,7 @@ from fem.uniaxial import Uniaxial, uniaxial, uniaxial_terms
 
 __all__ = [
     "ACTIVATION",
+    "BEHIND",
     "ContactError",
     "Discretisation",
     "Effect",

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation, Faces
 from fem.effects import Blocks, Effect, Term
-from fem.facing import FacingTerm
+from fem.facing import BEHIND, FacingTerm
 from fem.material import Material
 from fem.surface import FacingPairs
 
@@ -25,8 +25,9 @@ Index = NDArray[np.int64]
 
 #: barrier stiffness over Young's modulus, for which 3 mu stands (near incompressibility)
 STIFFNESS = 0.1
-#: activation distance over the smallest gap at rest
-ACTIVATION = 0.02
+#: width of the barrier over the smallest gap at rest, and activation distance over it where BEHIND lies behind the wall
+WIDTH = 0.1
+ACTIVATION = (1.0 - BEHIND) * WIDTH
 
 
 class ContactError(ValueError):
@@ -40,12 +41,15 @@ class SelfContact(Effect):
 
     dhat: activation distance of the barrier in mm, by default a fiftieth of the smallest gap at rest. waits: the effect
     stays out until a state without it comes within dhat; a scene that never touches is then the scene without contact,
-    and faces that can never meet are none too many.
+    and faces that can never meet are none too many. behind: part of the barrier's width that lies behind the wall; with
+    0 walls rest further apart, nearly dhat, but no pressure on a small spot lets them pass through each other, and dhat
+    is a tenth of the gap by default.
     """
 
     faces: str
     dhat: float | None = None
     waits: bool = False
+    behind: float = BEHIND
 
     def bind(self, space: Discretisation, material: Material) -> Term:
         """The barrier; raises `ContactError`."""
@@ -54,7 +58,7 @@ class SelfContact(Effect):
         dhat = self._reach(pairs, space)
         stiffness = 3 * STIFFNESS * material.shear_modulus
         exact = cache(lambda: BarrierTerm(surface, space.points, dhat, stiffness))
-        return FacingTerm(pairs, dhat, stiffness, self.waits, exact)
+        return FacingTerm(pairs, dhat, stiffness, self.behind, self.waits, exact)
 
     def activation_distance(self, space: Discretisation) -> float:
         """dhat, or its default for these faces, mm; raises `ContactError`."""
@@ -63,7 +67,8 @@ class SelfContact(Effect):
     def _reach(self, pairs: FacingPairs, space: Discretisation) -> float:
         if pairs.nodes.size == 0 and not self.waits:
             raise ContactError(f"self-contact on {self.faces!r}: no two parts of these faces look at each other")
-        dhat = ACTIVATION * float(pairs.gaps(space.points).min(initial=np.inf)) if self.dhat is None else self.dhat
+        gap = float(pairs.gaps(space.points).min(initial=np.inf))
+        dhat = (1.0 - self.behind) * WIDTH * gap if self.dhat is None else self.dhat
         if not dhat > 0:
             raise ContactError(f"self-contact on {self.faces!r}: dhat must be positive and the faces apart at rest")
         return dhat

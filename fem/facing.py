@@ -43,11 +43,12 @@ class FacingTerm(Term):
     pairs: FacingPairs
     dhat: float  #: activation distance: the gap at which the barrier begins, mm
     stiffness: float  #: MPa
+    behind: float  #: part of the barrier's width that lies behind the wall
     waits: bool  #: stays out of the sum until a converged state comes within dhat
     exact: Callable[[], Term] = field(repr=False)  #: gives the barrier with exact distances
 
     def energy(self, x: Array, factor: float) -> float:
-        value, _, _ = contact_potential(self.pairs.gaps(x), self.dhat)
+        value, _, _ = contact_potential(self.pairs.gaps(x), self.dhat, self.behind)
         return WEIGHT * self.stiffness * float(self.pairs.area @ value)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
@@ -104,23 +105,19 @@ class FacingTerm(Term):
         and saves nine symbolic analyses of ten.
         """
         local = self.pairs.local(x)
-        _, slope, bend = contact_potential(local.gap, self.dhat)
+        _, slope, bend = contact_potential(local.gap, self.dhat, self.behind)
         scale = WEIGHT * self.stiffness * self.pairs.area
         return local, scale * slope, scale * bend
 
 
-def contact_potential(gap: Array, dhat: float) -> tuple[Array, Array, Array]:
-    """The barrier that begins at the gap dhat and stands behind the wall, with first and second derivative.
+def contact_potential(gap: Array, dhat: float, behind: float = BEHIND) -> tuple[Array, Array, Array]:
+    """The barrier that begins at the gap dhat and of whose width a part lies behind the wall, with first and second
+    derivative.
 
     gap (k,) in mm; values in mm, 1 and 1/mm.
     """
-    width = barrier_width(dhat)
-    return continued_barrier(gap + BEHIND * width, width)
-
-
-def barrier_width(dhat: float) -> float:
-    """Width in mm of the barrier that begins at the gap dhat."""
-    return dhat / (1.0 - BEHIND)
+    width = dhat / (1.0 - behind)
+    return continued_barrier(gap + behind * width, width)
 
 
 def continued_barrier(distance: Array, width: float) -> tuple[Array, Array, Array]:

@@ -85,7 +85,9 @@ def effects_of(config: Config, body: Body, largest_MPa: float) -> list[fem.Effec
     for faces in contact_faces(config, body):
         # faces that nobody named wait, even where contact is switched on: they cost nothing until they meet
         waits = config.effects["self_contact"] == "auto" or faces not in meant
-        effects.append(fem.SelfContact(faces, config.contact_dhat_mm if faces in meant else None, waits))
+        # the walls of a cavity collapse under a vacuum, and press on spots
+        behind = 0.0 if faces in body.cavities else fem.BEHIND
+        effects.append(fem.SelfContact(faces, config.contact_dhat_mm if faces in meant else None, waits, behind))
     if is_on(config, "gravity"):
         effects.append(fem.Gravity(config.material.density_tonne_mm3, config.gravity_mm_s2, ramp=False))
     if is_on(config, "strain_limiting_layer"):

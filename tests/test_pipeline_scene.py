@@ -159,7 +159,7 @@ def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None
     def arm(*overrides: str) -> Config:
         return load_config(configs / "pneunet_coarse.yaml", ["geometry.chambers=2", "mesh.size=6 mm", *overrides])
 
-    cavity = fem.SelfContact("cavity", None, waits=True)
+    cavity = fem.SelfContact("cavity", None, waits=True, behind=0.0)
     assert contact(arm()) == [fem.SelfContact("gap", None, waits=True), cavity]
     assert contact(arm("effects.self_contact=on")) == [fem.SelfContact("gap", None, waits=False), cavity]
     assert contact(arm("effects.self_contact={dhat: 0.1 mm}"))[0].dhat == 0.1
