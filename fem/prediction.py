@@ -21,8 +21,8 @@ from fem.linear import SingularMatrix
 from fem.newton import Converged
 from fem.system import State, System, Terms
 
-#: factorizations that a predicted start may take; good ones take 3, with walls in contact 9 to 12
-PREDICTED = 13
+#: factorizations that a predicted start may take, also with walls in contact; good ones take 3 to 7, and 9 to 12
+PREDICTED, TOUCHING = 8, 13
 #: largest strain to which the rate at rest is trusted, and that to which it is followed where it leads beyond: a body
 #: that is stressed a little is not made unstable by the stiffness of its load. Factorizations from rest to 5, 17 and
 #: 45 kPa on the reference arm: 4, 5 and 9 (5, 9 and 9 without the rate)
@@ -68,7 +68,7 @@ class Predictor:
         kink = before.touching != last.touching or (self.kinked and before.share < last.share)
         guess = predicted(None if kink or before.value == last.value else before, last, aim.value)
         if guess is not None:
-            yield guess, PREDICTED
+            yield guess, TOUCHING if last.touching else PREDICTED
         yield aim.state, None
 
     def rate(self, place: Place, found: Converged, terms: Terms) -> State | None:
