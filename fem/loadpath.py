@@ -127,6 +127,7 @@ class Path:
         self.terms = tuple(term for term in system.terms if term.wanted(rest))
         self.places = [Place(course.rest, 0.0, system.start())]
         self.predictor = Predictor(system, course)
+        self.misled = False  #: whether a predicted start has failed on the way to the asked value
 
     def take_up(self, steps: Sequence[Step]) -> None:
         """Go on from the last of the given steps."""
@@ -146,6 +147,7 @@ class Path:
         begin, spent, before = perf_counter(), self.system.solver.times.factorizations, self.spent()
         origin = self.places[-1]
         done, piece, cutbacks = 0.0, 1.0, 0
+        self.misled = False
         while True:
             share = min(1.0, done + piece)
             try:
@@ -189,10 +191,13 @@ class Path:
         """Equilibrium from where the last places lead, or else from the last one."""
         failed = StepFailed("no start was tried")
         for start, iterations in self.predictor.starts(self.places, aim, self.terms):
+            if iterations is not None and self.misled:
+                continue
             try:
                 return self._solve(value, aim, start, self.terms, iterations)
             except StepFailed as failure:
                 failed = failure
+                self.misled = self.misled or iterations is not None
         raise failed
 
     def _reached(self, origin: Place, value: float, share: float, found: Converged) -> Place:
