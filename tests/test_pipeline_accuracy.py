@@ -124,7 +124,7 @@ def test_a_ladder_made_up_gives_its_errors_back(record: dict[str, Any]) -> None:
     [base] = [row for row in rows if (row["choice"], row["value"]) == ("p2p0", 4.0)]
     assert base["headline"] == pytest.approx(1000.0 / base["degrees_of_freedom"] + 0.5 * TOUCHING, abs=5e-3)
     closest = {row["value"]: row["headline"] for row in rows if row["choice"] == CONTACT}
-    assert closest[0.1] - closest[0.025] == pytest.approx(0.0075, rel=0.05)
+    assert closest[0.16] - closest[0.02] == pytest.approx(0.5 * 0.14, rel=0.05)
     assert 0.0 < record["reference_error"] < 0.03
     assert not any(row["on_front"] for row in rows if row["choice"] == "p2")
     assert any(row["on_front"] for row in rows)
