@@ -128,6 +128,7 @@ class Path:
         self.places = [Place(course.rest, 0.0, system.start())]
         self.predictor = Predictor(system, course)
         self.misled = False  #: whether a predicted start has failed on the way to the asked value
+        self.refused = False  #: whether the exact tests have refused a state on that way
 
     def take_up(self, steps: Sequence[Step]) -> None:
         """Go on from the last of the given steps."""
@@ -147,7 +148,7 @@ class Path:
         begin, spent, before = perf_counter(), self.system.solver.times.factorizations, self.spent()
         origin = self.places[-1]
         done, piece, cutbacks = 0.0, 1.0, 0
-        self.misled = False
+        self.misled = self.refused = False
         while True:
             share = min(1.0, done + piece)
             try:
@@ -171,13 +172,10 @@ class Path:
 
     def _attempt(self, origin: Place, value: float, share: float) -> Converged:
         aim = self._place(origin, value, share, self.places[-1].state)
-        found = self._ahead(value, aim)
-        x = self.system.space.points + found.state.displacement
-        woken = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
-        if len(woken) > len(self.terms):
-            self.terms = woken
-            found = self._solve(value, aim, found.state, self.terms)
-        if self._objections(found, self.terms):
+        if not self.refused:
+            found = self._believed(value, aim)
+            self.refused = bool(self._objections(found, self.terms))
+        if self.refused:
             terms = tuple(term.stricter() for term in self.terms)
             found = self._solve(value, aim, aim.state, terms)
             if objections := self._objections(found, terms):
@@ -185,6 +183,16 @@ class Path:
         if found.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, found.state.displacement, found.assembly.jacobian)
             raise StepFailed(f"an element is turned inside out at {in_words(worst.min_J_at)} (J = {worst.min_J:.3g})")
+        return found
+
+    def _believed(self, value: float, aim: Place) -> Converged:
+        """Equilibrium with the effects that act, and with those that the state found wakes."""
+        found = self._ahead(value, aim)
+        x = self.system.space.points + found.state.displacement
+        woken = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
+        if len(woken) > len(self.terms):
+            self.terms = woken
+            found = self._solve(value, aim, found.state, self.terms)
         return found
 
     def _ahead(self, value: float, aim: Place) -> Converged:
