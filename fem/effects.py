@@ -33,6 +33,7 @@ class Term(ABC):
     """A term of the total potential; x (n, 3) are current positions in mm, factor is the load factor."""
 
     effect: str  #: name of the effect as in a config
+    forgiving = True  #: whether Newton's method may begin at a state that the term objects to
 
     @abstractmethod
     def energy(self, x: Array, factor: float) -> float:
@@ -59,8 +60,8 @@ class Term(ABC):
         """Why a converged state x (n, 3) cannot be accepted, in a clause; empty where it can."""
 
     @abstractmethod
-    def stricter(self) -> "Term":
-        """The term to try where this one had an objection; the term itself where there is no other."""
+    def stricter(self, x: Array) -> "Term":
+        """The term to try where this one objected to the state x (n, 3); the term itself where there is no other."""
 
     @abstractmethod
     def gap(self, x: Array) -> float:
@@ -98,7 +99,7 @@ class Acting(Term):
         return ""
 
     @final
-    def stricter(self) -> Term:
+    def stricter(self, x: Array) -> Term:
         """The term itself."""
         return self
 

@@ -5,13 +5,13 @@ out too small only double from one iteration to the next. This one is continued 
 activation distance: no step has to be cut, and an iterate may pass through. A converged state may not: its gaps are
 checked, and crossing walls (by exact intersection tests) are refused, see `fem.contact`.
 
-As no iterate is held back by it, the barrier need not be infinite where walls meet. Walls in contact rest at 0.94 to
-0.85 of its width whatever presses them. So BEHIND, a part of its width, lies behind the wall. That leaves
-a seventh between walls, for the same stiffness and the same number of iterations.
+As no iterate is held back by it, the barrier need not be infinite where walls meet, nor stiff. A part of its width,
+BEHIND, lies behind the wall, so that walls in contact rest near their surface. Where a pressure on a small spot pushes
+them through each other all the same, the state found is the start of a search with a stiffer one.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -23,10 +23,11 @@ from fem.surface import FacingPairs, LocalPairs
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-#: part of the barrier's width that lies behind the wall. Factorizations of II and III on the coarse arm (a) at 17 and
-#: 37 kPa and smallest gap (mm) of a barrier 0.2 mm wide: 0.0: 58, 0.169; 0.5: 58, 0.070; 0.8: 56, 0.011; 0.9: 84, for
-#: there walls cross and the exact barrier must help
-BEHIND = 0.8
+#: part of the barrier's width that lies behind the wall: without it walls rest at nine tenths of the width; with 0.75
+#: they cross on the coarse arm (a), test III, 37 kPa, and a firmer contact must help (`fem.contact.STIFFNESS`)
+BEHIND = 0.7
+#: what the stiffness is raised by where walls pass through each other
+FIRMER = 4.0
 #: distance over the barrier's width below which it is continued quadratically
 CONTINUED = 0.5
 #: what ipctk's improved-max collision set sums up to over one wall's area, measured on parallel grids, for both walls
@@ -44,7 +45,8 @@ class FacingTerm(Term):
     dhat: float  #: activation distance: the gap at which the barrier begins, mm
     stiffness: float  #: MPa
     behind: float  #: part of the barrier's width that lies behind the wall
-    waits: bool  #: stays out of the sum until a converged state comes within dhat
+    waits: bool  #: stays out of the sum until a state without it comes within dhat
+    firmer: int = field(repr=False)  #: how often the stiffness may be raised where walls pass through each other
     exact: Callable[[], Term] = field(repr=False)  #: gives the barrier with exact distances
 
     def energy(self, x: Array, factor: float) -> float:
@@ -89,7 +91,9 @@ class FacingTerm(Term):
     def advanced(self, x: Array, dx: Array) -> Term:
         return self
 
-    def stricter(self) -> Term:
+    def stricter(self, x: Array) -> Term:
+        if self.firmer and self.gap(x) <= 0:
+            return replace(self, stiffness=FIRMER * self.stiffness, firmer=self.firmer - 1)
         return self.exact()
 
     def gap(self, x: Array) -> float:

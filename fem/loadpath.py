@@ -10,21 +10,16 @@ from numpy.typing import NDArray
 
 from fem import newton
 from fem.course import Course, LoadCourse, VolumeCourse
-from fem.extremes import beyond_the_law, extremes_of, in_words, strain_at_stress_points
-from fem.linear import LinearSolver, SingularMatrix
+from fem.endings import beyond_the_law, instability, near_limit_point
+from fem.extremes import extremes_of, in_words
+from fem.linear import LinearSolver
 from fem.model import Model
 from fem.newton import Converged, NewtonOptions, StepFailed
 from fem.prediction import Place, Predictor
 from fem.solution import End, NotConverged, Seconds, Solution, Step
-from fem.stability import most_softened, softest_direction
 from fem.system import State, System, Terms
 
 Array = NDArray[np.float64]
-
-
-#: share left of the elastic stiffness, where least is left, below which a path that ends is at a limit point;
-#: measured 0.2 % before the largest pressure of an arm of rubber, which prescribed volumes went through: 0.14
-NEARLY_UNSTABLE = 0.2
 
 
 @dataclass(frozen=True)
@@ -128,7 +123,7 @@ class Path:
         self.places = [Place(course.rest, 0.0, system.start())]
         self.predictor = Predictor(system, course)
         self.misled = False  #: whether a predicted start has failed on the way to the asked value
-        self.refused = False  #: whether the exact tests have refused a state on that way
+        self.stricter: Terms | None = None  #: what acts on the rest of that way, once a state has been refused on it
 
     def take_up(self, steps: Sequence[Step]) -> None:
         """Go on from the last of the given steps."""
@@ -148,7 +143,7 @@ class Path:
         begin, spent, before = perf_counter(), self.system.solver.times.factorizations, self.spent()
         origin = self.places[-1]
         done, piece, cutbacks = 0.0, 1.0, 0
-        self.misled = self.refused = False
+        self.misled, self.stricter = False, None
         while True:
             share = min(1.0, done + piece)
             try:
@@ -172,14 +167,17 @@ class Path:
 
     def _attempt(self, origin: Place, value: float, share: float) -> Converged:
         aim = self._place(origin, value, share, self.places[-1].state)
-        if not self.refused:
+        if self.stricter is None:
             found = self._believed(value, aim)
-            self.refused = bool(self._objections(found, self.terms))
-        if self.refused:
-            terms = tuple(term.stricter() for term in self.terms)
-            found = self._solve(value, aim, aim.state, terms)
-            if objections := self._objections(found, terms):
+        else:
+            found = self._solve(value, aim, aim.state, self.stricter)
+        while objections := self._objections(found, self.stricter or self.terms):
+            terms = self._stricter(found)
+            if terms == self.stricter:
                 raise StepFailed(objections[0])
+            self.stricter = terms
+            forgiving = all(term.forgiving for term in terms)
+            found = self._solve(value, aim, found.state if forgiving else aim.state, terms)
         if found.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, found.state.displacement, found.assembly.jacobian)
             raise StepFailed(f"an element is turned inside out at {in_words(worst.min_J_at)} (J = {worst.min_J:.3g})")
@@ -202,7 +200,7 @@ class Path:
             if iterations is not None and self.misled:
                 continue
             try:
-                return self._solve(value, aim, start, self.terms, iterations)
+                return self._solve(value, aim, start, self.terms, iterations, self._asleep())
             except StepFailed as failure:
                 failed = failure
                 self.misled = self.misled or iterations is not None
@@ -222,10 +220,27 @@ class Path:
         x = self.system.space.points + found.state.displacement
         return [objection for term in terms if (objection := term.objection(x))]
 
-    def _solve(self, value: float, aim: Place, start: State, terms: Terms, iterations: int | None = None) -> Converged:
+    def _stricter(self, found: Converged) -> Terms:
+        """The terms to try where those at work have objected to a state."""
+        x = self.system.space.points + found.state.displacement
+        return tuple(term.stricter(x) if term.objection(x) else term for term in self.stricter or self.terms)
+
+    def _asleep(self) -> Terms:
+        return tuple(term for term in self.system.terms if term not in self.terms)
+
+    def _solve(
+        self,
+        value: float,
+        aim: Place,
+        start: State,
+        terms: Terms,
+        iterations: int | None = None,
+        asleep: Terms = (),
+    ) -> Converged:
         newton_options = self.options.newton
         if iterations is not None:
-            newton_options = replace(newton_options, iterations=min(iterations, newton_options.iterations))
+            iterations = min(iterations, newton_options.iterations)
+            newton_options = replace(newton_options, iterations=iterations, limited=0)
         return newton.solve(
             self.system,
             tuple(term.at(aim.share) for term in terms),
@@ -233,6 +248,7 @@ class Path:
             self.course.control(self.system, aim.value, aim.share),
             newton_options,
             lambda iteration, residual: self.watch(value, iteration, residual),
+            asleep,
         )
 
     @staticmethod
@@ -246,29 +262,11 @@ class Path:
 
     def _end(self, origin: Place, value: float, done: float, cutbacks: int, spent: int, failure: str) -> End:
         reached = self._place(origin, value, done, self.places[-1].state)
-        cause = f"{failure}{self._beyond_the_law()}{self._near_limit_point()}"
-        return End(self.course.name, value, reached.value, reached.share, cutbacks, spent, cause)
-
-    def _near_limit_point(self) -> str:
-        """A clause where the last equilibrium is about to lose its stability, or has lost it; empty otherwise."""
-        try:
-            last = most_softened(self.system, self.places[-1].state, self._acting(self.places[-1]))
-        except SingularMatrix:
-            return ""
-        if last.stiffness > NEARLY_UNSTABLE:
-            return ""
-        return (
-            f"; the last equilibrium found has {max(last.stiffness, 0.0):.1%} of its elastic stiffness left against a "
-            f"motion of {in_words(last.at)}: a limit point, beyond which only a prescribed volume or displacement leads"
+        last = self.places[-1]
+        limits = beyond_the_law(self.system, last.state), near_limit_point(self.system, last.state, self._acting(last))
+        return End(
+            self.course.name, value, reached.value, reached.share, cutbacks, spent, f"{failure}{''.join(limits)}"
         )
-
-    def _beyond_the_law(self) -> str:
-        """A clause for a law that was driven out of its limits in the last equilibrium; empty otherwise."""
-        displacement = self.places[-1].state.displacement
-        _, jacobian = strain_at_stress_points(self.system.space, displacement)
-        worst = extremes_of(self.system.space, displacement, jacobian)
-        clause = beyond_the_law(worst, self.system.material)
-        return f"; there {clause}" if clause else ""
 
     def _step(self, found: Converged, factorizations: int, cutbacks: int, seconds: float, spent: Seconds) -> Step:
         displacement = found.state.displacement
@@ -283,7 +281,7 @@ class Path:
             extremes=extremes_of(self.system.space, displacement, found.assembly.jacobian),
             min_gap=min((term.gap(x) for term in self.system.terms), default=np.inf),
             negative_pivots=found.negative_pivots,
-            instability=self._instability(found),
+            instability=instability(self.system, found, self._acting(self.places[-1])),
             newton_iterations=factorizations,
             factorizations=factorizations,
             cutbacks=cutbacks,
@@ -292,16 +290,6 @@ class Path:
             seconds=seconds,
             spent=spent,
         )
-
-    def _instability(self, found: Converged) -> str:
-        if not found.negative_pivots:
-            return ""
-        count = f"{found.negative_pivots} direction{'s' if found.negative_pivots > 1 else ''}"
-        try:
-            softest = softest_direction(self.system, found.state, self._acting(self.places[-1]))
-        except SingularMatrix:
-            return f"unstable in {count}, at a limit point"
-        return f"unstable in {count}; the motion nearest to a limit point is largest at {in_words(softest.at)}"
 
     def _acting(self, place: Place) -> Terms:
         return tuple(term.at(place.share) for term in self.terms)

@@ -26,7 +26,7 @@ from fem import (
     StVenantKirchhoff,
     follow,
 )
-from fem.contact import BarrierTerm
+from fem.contact import STIFFNESS, BarrierTerm
 from fem.discretisation import Discretisation
 from fem.effects import Term
 from fem.facing import FacingTerm
@@ -144,19 +144,20 @@ class BarrierContact(Effect):
     """Self-contact by the barrier of incremental potential contact alone."""
 
     faces: str
+    dhat: float | None = None
 
     def bind(self, space: Discretisation, material: Material) -> Term:
-        term = SelfContact(self.faces).bind(space, material).stricter()
+        term = SelfContact(self.faces, self.dhat).bind(space, material).stricter(space.points)
         assert isinstance(term, BarrierTerm)
         return term
 
 
 def test_barrier_gives_the_same_state(short: Body, touching) -> None:
-    """Measured: 0.024 mm; one barrier stands at the wall, the other behind it, so that gaps are 0.036 and 0.024 mm."""
-    _, exact = bend(short, [BarrierContact("gap")], [5.0, 17.0, 37.0])
+    """Measured: 0.0035 mm with gaps of 0.0178 and 0.0177 mm; the barrier's whole width lies before the wall."""
+    _, exact = bend(short, [BarrierContact("gap", 0.02)], [5.0, 17.0, 37.0])
     assert not crossings(exact[-1])
-    assert 0 < touching[1][-1].min_gap < exact[-1].min_gap < 0.02 * GAP
-    assert apart(exact[-1], touching[1][-1]) < 1e-3 * short.length
+    assert exact[-1].min_gap == pytest.approx(touching[1][-1].min_gap, rel=0.02)
+    assert apart(exact[-1], touching[1][-1]) < 2e-4 * short.length
 
 
 def squeezed(contact: list[Effect], factors: list[float]) -> tuple[Step, ...]:
@@ -177,8 +178,26 @@ def test_prongs_meet_in_their_middle_and_part_again() -> None:
 
 def test_a_crossing_that_facing_walls_do_not_see_is_solved_with_the_barrier(monkeypatch, short: Body) -> None:
     """Where the pairs of facing walls are blind, exact tests refuse the state and the barrier takes over."""
+    _, facing = bend(short, [SelfContact("gap", waits=True)], [17.0])
+    _, barrier = bend(short, [BarrierContact("gap")], [17.0])
     monkeypatch.setattr(FacingTerm, "objection", lambda self, x: "two walls pass through each other")
     _, steps = bend(short, [SelfContact("gap", waits=True)], [17.0])
     assert not crossings(steps[0])
-    _, barrier = bend(short, [BarrierContact("gap")], [17.0])
-    assert apart(steps[0], barrier[0]) < 1e-8 * short.length
+    # which of the barrier's collisions are near enough depends a little on the way
+    assert 100.0 * apart(steps[0], barrier[0]) < apart(steps[0], facing[0])
+
+
+def test_walls_that_pass_through_a_soft_contact_are_held_by_a_firmer_one(monkeypatch, short: Body) -> None:
+    """Contact of a 25th of the stiffness lets them, four times that still does, sixteen times that does not."""
+    monkeypatch.setattr("fem.contact.STIFFNESS", 0.04 * STIFFNESS)
+    stricter, asked = FacingTerm.stricter, []
+
+    def told(self: FacingTerm, x: Array) -> Term:
+        asked.append(self.gap(x))
+        return stricter(self, x)
+
+    monkeypatch.setattr(FacingTerm, "stricter", told)
+    _, steps = bend(short, [SelfContact("gap", waits=True)], [37.0])
+    assert len(asked) == 2
+    assert asked[0] < asked[1] < 0 < steps[0].min_gap
+    assert not crossings(steps[0])

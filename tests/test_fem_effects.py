@@ -56,7 +56,7 @@ def facing(formulation: str = "p2p0") -> tuple[Term, Discretisation]:
 
 def barrier(formulation: str = "p2p0") -> tuple[Term, Discretisation]:
     term, space = facing(formulation)
-    return term.stricter(), space
+    return term.stricter(space.points), space
 
 
 CASES: dict[str, Callable[[str], tuple[Term, Discretisation]]] = {
@@ -171,6 +171,20 @@ def test_pairs_look_across_the_gap_and_turn_negative_when_walls_cross(formulatio
     assert "two walls pass through each other at (" in term.objection(x)
 
 
+def test_walls_that_pass_through_each_other_become_firmer_twice() -> None:
+    term, space = facing()
+    crossed = space.points.copy()
+    crossed[space.points[:, 1] > 1.0 + GAP / 2, 1] -= 1.5 * GAP
+    push = np.linalg.norm(gradient(term, crossed, 1.0))
+    for _ in range(2):
+        term = term.stricter(crossed)
+        assert isinstance(term, FacingTerm)
+        assert np.linalg.norm(gradient(term, crossed, 1.0)) == pytest.approx(4.0 * push)
+        push *= 4.0
+    assert isinstance(term.stricter(crossed), BarrierTerm)
+    assert isinstance(term.stricter(space.points), BarrierTerm)
+
+
 def test_contact_far_away_is_nothing() -> None:
     term, space = bound(fork(GAP), SelfContact("prongs"))
     x = space.points
@@ -179,7 +193,7 @@ def test_contact_far_away_is_nothing() -> None:
     assert not term.blocks(x, 1.0, convex=False).values.any()
     assert term.objection(x) == ""
     assert term.gap(x) == pytest.approx(GAP)
-    exact = term.stricter()
+    exact = term.stricter(x)
     assert isinstance(exact, BarrierTerm)
     assert exact.energy(x, 1.0) == 0.0
     assert not gradient(exact, x, 1.0).any()
