@@ -8,7 +8,7 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 
-from fem.kernels import greedy_colours
+from fem.kernels import chunk_colours
 from geometry import Mesh
 
 Array = NDArray[np.float64]
@@ -16,6 +16,9 @@ Index = NDArray[np.int64]
 
 #: the elements: linear with "p1", quadratic with the others
 FORMULATIONS = ("p2p0", "p2", "mixed", "p1")
+#: least number of elements in a chunk, and largest number of chunks: enough for the threads of a laptop, and few enough
+#: elements in each for what they share to stay in a core's cache
+CHUNK, CHUNKS = 64, 32
 
 
 @dataclass(frozen=True)
@@ -50,8 +53,9 @@ class Discretisation:
     """
 
     points: Array  #: (n, 3) reference positions of all nodes, vertices first, mm
-    nodes: Index  #: (e, a), vertices then mid-edge nodes (01, 12, 02, 03, 13, 23), sorted by colour
-    colours: Index  #: (c + 1,) where each colour begins in `nodes`
+    nodes: Index  #: (e, a), vertices then mid-edge nodes (01, 12, 02, 03, 13, 23), sorted by colour and chunk
+    chunks: Index  #: (k + 1,) where each chunk begins in `nodes`
+    colours: Index  #: (c + 1,) where each colour begins in `chunks`
     inverse: Array  #: (e, 3, 3) inverse Jacobians d xi / d X, 1/mm
     reference: Array  #: (q, a, 3) reference gradients of the shape functions at the stress points
     vertex_shape: Array  #: (q, 4) linear shape functions of the vertices at the stress points
@@ -69,16 +73,15 @@ class Discretisation:
         basis = skfem.Basis(grid, skfem.ElementVector(element), intorder=order)
         nodes = np.ascontiguousarray(basis.element_dofs[::3].T // 3, dtype=np.int64)
         points = np.ascontiguousarray(basis.doflocs[:, ::3].T)
-        colour = greedy_colours(nodes[:, :4], mesh.points.shape[0])
-        nodes = nodes[np.argsort(colour, kind="stable")]
-        colours = np.concatenate([[0], np.cumsum(np.bincount(colour))])
+        nodes, chunks, colours = _in_chunks(nodes, mesh.points)
         jacobian = np.stack([points[nodes[:, k]] - points[nodes[:, 0]] for k in (1, 2, 3)], axis=2)
         volume = np.abs(np.linalg.det(jacobian)) / 6.0
         reference, vertex_shape, share = _stress_points(basis, element, formulation)
         return cls(
             points=points,
             nodes=nodes,
-            colours=colours.astype(np.int64),
+            chunks=chunks,
+            colours=colours,
             inverse=np.ascontiguousarray(np.linalg.inv(jacobian)),
             reference=reference,
             vertex_shape=vertex_shape,
@@ -97,6 +100,20 @@ class Discretisation:
         if name not in self.surfaces:
             raise ValueError(f"face {name!r} does not exist; the mesh has {', '.join(sorted(self.surfaces))}")
         return self.surfaces[name]
+
+
+def _in_chunks(nodes: Index, vertices: Array) -> tuple[Index, Index, Index]:
+    """The elements nodes (e, a) sorted into chunks along the body's longest side, by colour; `chunks` and `colours`."""
+    centre = vertices[nodes[:, :4]].mean(axis=1)
+    nodes = nodes[np.argsort(centre[:, np.ptp(vertices, axis=0).argmax()], kind="stable")]
+    count = min(max(nodes.shape[0] // CHUNK, 1), CHUNKS)
+    chunks = np.linspace(0, nodes.shape[0], count + 1).astype(np.int64)
+    colour = chunk_colours(chunks, nodes[:, :4], vertices.shape[0])
+    order = np.argsort(colour, kind="stable")
+    parts = [np.arange(chunks[chunk], chunks[chunk + 1]) for chunk in order]
+    begins = np.concatenate([[0], np.cumsum([part.shape[0] for part in parts])])
+    colours = np.concatenate([[0], np.cumsum(np.bincount(colour))])
+    return np.ascontiguousarray(nodes[np.concatenate(parts)]), begins.astype(np.int64), colours.astype(np.int64)
 
 
 def _stress_points(basis: skfem.Basis, element: skfem.Element, formulation: str) -> tuple[Array, Array, Array]:

@@ -218,6 +218,7 @@ class Mixed(Formulation):
         space = self.space
         mixed_kernels.pressure_columns(
             space.colours,
+            space.chunks,
             space.nodes,
             space.inverse,
             space.reference,

@@ -5,7 +5,9 @@ Array axes, said once: ``e`` element, ``q`` stress point, ``a``/``b`` node of th
 
 A node pair is addressed in the upper triangle of the reduced matrix without a dof-level map: `offset[e, pair]` is where
 the columns of the node with the larger number begin inside the rows of the other one (see `fem.pattern`).
-Elements of one colour share no node, so a colour is processed in parallel, always with the same sums.
+Elements are sorted into chunks, whose memory lies together. Chunks of one colour share no node, so those of a colour
+are processed in parallel, always with the same sums. `chunks` (k + 1,) says where each chunk begins among the elements,
+`colours` (c + 1,) where each colour begins among the chunks.
 """
 
 import numba
@@ -91,33 +93,43 @@ def linearised_strain(nodes: Index, inverse: Array, reference: Array, u: Array, 
 
 @njit(cache=True, parallel=True)
 def internal_force(
-    colours: Index, nodes: Index, inverse: Array, reference: Array, weight: Array, u: Array, stress: Array, force: Array
+    colours: Index,
+    chunks: Index,
+    nodes: Index,
+    inverse: Array,
+    reference: Array,
+    weight: Array,
+    u: Array,
+    stress: Array,
+    force: Array,
 ) -> None:
     """Add int P : grad N_a to force (n, 3); stress is the second Piola-Kirchhoff stress (e, q, v), weight (e, q)."""
     for c in range(colours.shape[0] - 1):
-        for e in prange(colours[c], colours[c + 1]):
+        for chunk in prange(colours[c], colours[c + 1]):
             g = np.empty((nodes.shape[1], 3))
             f = np.empty((3, 3))
             p = np.empty((3, 3))
             s = np.empty((3, 3))
-            fe = np.zeros((nodes.shape[1], 3))
-            for q in range(reference.shape[0]):
-                gradients(inverse[e], reference[q], g)
-                displacement_gradient(g, nodes[e], u, f)
-                for i in range(3):
-                    f[i, i] += 1.0
-                for v in range(6):
-                    s[VOIGT[v, 0], VOIGT[v, 1]] = stress[e, q, v] * weight[e, q]
-                    s[VOIGT[v, 1], VOIGT[v, 0]] = stress[e, q, v] * weight[e, q]
-                for i in range(3):
-                    for j in range(3):
-                        p[i, j] = f[i, 0] * s[0, j] + f[i, 1] * s[1, j] + f[i, 2] * s[2, j]
+            fe = np.empty((nodes.shape[1], 3))
+            for e in range(chunks[chunk], chunks[chunk + 1]):
+                fe[:] = 0.0
+                for q in range(reference.shape[0]):
+                    gradients(inverse[e], reference[q], g)
+                    displacement_gradient(g, nodes[e], u, f)
+                    for i in range(3):
+                        f[i, i] += 1.0
+                    for v in range(6):
+                        s[VOIGT[v, 0], VOIGT[v, 1]] = stress[e, q, v] * weight[e, q]
+                        s[VOIGT[v, 1], VOIGT[v, 0]] = stress[e, q, v] * weight[e, q]
+                    for i in range(3):
+                        for j in range(3):
+                            p[i, j] = f[i, 0] * s[0, j] + f[i, 1] * s[1, j] + f[i, 2] * s[2, j]
+                    for a in range(nodes.shape[1]):
+                        for i in range(3):
+                            fe[a, i] += p[i, 0] * g[a, 0] + p[i, 1] * g[a, 1] + p[i, 2] * g[a, 2]
                 for a in range(nodes.shape[1]):
                     for i in range(3):
-                        fe[a, i] += p[i, 0] * g[a, 0] + p[i, 1] * g[a, 1] + p[i, 2] * g[a, 2]
-            for a in range(nodes.shape[1]):
-                for i in range(3):
-                    force[nodes[e, a], i] += fe[a, i]
+                        force[nodes[e, a], i] += fe[a, i]
 
 
 @njit(cache=True, inline="always")
@@ -186,21 +198,20 @@ def blocks_times(rows: Index, columns: Index, values: Array, du: Array, force: A
 
 
 @njit(cache=True)
-def greedy_colours(tets: Index, vertices: int) -> Index:
-    """Colour (e,) per element such that elements sharing a vertex differ; at most 256 colours are tried."""
-    used = np.zeros((vertices, 4), dtype=np.uint64)
-    colour = np.empty(tets.shape[0], dtype=np.int64)
-    for e in range(tets.shape[0]):
-        for word in range(4):
-            taken = np.uint64(0)
+def chunk_colours(chunks: Index, tets: Index, vertices: int) -> Index:
+    """Colour (k,) per chunk of elements tets (e, 4) such that chunks sharing a vertex differ; at most 64 chunks."""
+    used = np.zeros(vertices, dtype=np.uint64)
+    colour = np.empty(chunks.shape[0] - 1, dtype=np.int64)
+    for chunk in range(colour.shape[0]):
+        taken = np.uint64(0)
+        for e in range(chunks[chunk], chunks[chunk + 1]):
             for a in range(4):
-                taken |= used[tets[e, a], word]
-            if taken != np.uint64(0xFFFFFFFFFFFFFFFF):
-                bit = 0
-                while taken & (np.uint64(1) << np.uint64(bit)):
-                    bit += 1
-                for a in range(4):
-                    used[tets[e, a], word] |= np.uint64(1) << np.uint64(bit)
-                colour[e] = 64 * word + bit
-                break
+                taken |= used[tets[e, a]]
+        bit = np.uint64(0)
+        while taken & (np.uint64(1) << bit):
+            bit += np.uint64(1)
+        for e in range(chunks[chunk], chunks[chunk + 1]):
+            for a in range(4):
+                used[tets[e, a]] |= np.uint64(1) << bit
+        colour[chunk] = bit
     return colour

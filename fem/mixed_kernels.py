@@ -13,6 +13,7 @@ Index = NDArray[np.int64]
 @njit(cache=True, parallel=True)
 def pressure_columns(
     colours: Index,
+    chunks: Index,
     nodes: Index,
     inverse: Array,
     reference: Array,
@@ -33,31 +34,33 @@ def pressure_columns(
     """
     n, first = nodes.shape[1], u.shape[0]
     for c in range(colours.shape[0] - 1):
-        for e in prange(colours[c], colours[c + 1]):
+        for chunk in prange(colours[c], colours[c + 1]):
             g = np.empty((n, 3))
             f = np.empty((3, 3))
             s = np.empty((3, 3))
-            k = np.zeros((n, 3, 4))
+            k = np.empty((n, 3, 4))
             block = np.zeros((3, 3))
-            for q in range(reference.shape[0]):
-                gradients(inverse[e], reference[q], g)
-                displacement_gradient(g, nodes[e], u, f)
-                for i in range(3):
-                    f[i, i] += 1.0
-                law = slope[e, q] if slope.shape[0] > 1 else slope[0, 0]
-                for v in range(6):
-                    s[VOIGT[v, 0], VOIGT[v, 1]] = law[v]
-                    s[VOIGT[v, 1], VOIGT[v, 0]] = law[v]
+            for e in range(chunks[chunk], chunks[chunk + 1]):
+                k[:] = 0.0
+                for q in range(reference.shape[0]):
+                    gradients(inverse[e], reference[q], g)
+                    displacement_gradient(g, nodes[e], u, f)
+                    for i in range(3):
+                        f[i, i] += 1.0
+                    law = slope[e, q] if slope.shape[0] > 1 else slope[0, 0]
+                    for v in range(6):
+                        s[VOIGT[v, 0], VOIGT[v, 1]] = law[v]
+                        s[VOIGT[v, 1], VOIGT[v, 0]] = law[v]
+                    for a in range(n):
+                        for i in range(3):
+                            value = 0.0
+                            for j in range(3):
+                                value += f[i, j] * (s[j, 0] * g[a, 0] + s[j, 1] * g[a, 1] + s[j, 2] * g[a, 2])
+                            for m in range(4):
+                                k[a, i, m] += weight[e, q] * value * shape[q, m]
                 for a in range(n):
-                    for i in range(3):
-                        value = 0.0
-                        for j in range(3):
-                            value += f[i, j] * (s[j, 0] * g[a, 0] + s[j, 1] * g[a, 1] + s[j, 2] * g[a, 2])
-                        for m in range(4):
-                            k[a, i, m] += weight[e, q] * value * shape[q, m]
-            for a in range(n):
-                for m in range(4):
-                    for i in range(3):
-                        block[i, 0] = k[a, i, m]
-                    column = first + nodes[e, m]
-                    place(data, block, nodes[e, a], column, offset[e, a, m], node_dof, row_start, free)
+                    for m in range(4):
+                        for i in range(3):
+                            block[i, 0] = k[a, i, m]
+                        column = first + nodes[e, m]
+                        place(data, block, nodes[e, a], column, offset[e, a, m], node_dof, row_start, free)

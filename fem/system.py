@@ -118,7 +118,7 @@ class System:
         held[: space.points.shape[0]] = constraints.fixed
         held[space.points.shape[0] :, 0] = False  # a pressure stands in the pattern as a node with one component
         self.pattern = Pattern.of(held, element_keys(self.law.element_unknowns, held.shape[0]))
-        self._elements = (space.colours, space.nodes, space.inverse, space.reference)
+        self._elements = (space.colours, space.chunks, space.nodes, space.inverse, space.reference)
         self._take_pattern(self.pattern)
 
     def _take_pattern(self, pattern: Pattern) -> None:
@@ -184,7 +184,7 @@ class System:
     def _strain(self, displacement: Array) -> tuple[Array, Array]:
         strain = np.empty((*self.space.weight.shape, 6))
         jacobian = np.empty(self.space.weight.shape)
-        kernels.green_lagrange(*self._elements[1:], displacement, strain, jacobian)
+        kernels.green_lagrange(*self._elements[2:], displacement, strain, jacobian)
         return strain, jacobian
 
     def energy(self, displacement: Array, factor: float, terms: Terms) -> float:
@@ -259,7 +259,7 @@ class System:
         """B(u) du (e, q, 6) for an increment (n, 3)."""
         with self.clock.timing("assembly"):
             strain = np.empty((*self.space.weight.shape, 6))
-            kernels.linearised_strain(*self._elements[1:], state.displacement, increment, strain)
+            kernels.linearised_strain(*self._elements[2:], state.displacement, increment, strain)
         return strain
 
     def rate(self, state: State, assembly: Assembly, change: Change) -> State:

@@ -75,6 +75,7 @@ def _isotropic_element_tangent(
     """The same for C = lambda 1 x 1 + 2 mu I, constant at each point: lame (q, 2).
 
     With h_a = F grad N_a the block of two nodes is lambda h_a h_b^T + mu h_b h_a^T + mu (grad N_a . grad N_b) F F^T.
+    Blocks above the diagonal and on it are computed, the others are their mirror images.
     """
     n = nodes.shape[0]
     f = np.empty((3, 3))
@@ -83,8 +84,6 @@ def _isotropic_element_tangent(
     g = np.empty((3, n))
     h = np.empty((3, n))
     sg = np.empty((3, n))
-    product = np.empty(n)
-    geometric = np.empty(n)
     k[:] = 0.0
     for q in range(reference.shape[0]):
         w = weight[q]
@@ -106,16 +105,22 @@ def _isotropic_element_tangent(
             sg[1, a] = w * (s[3] * g[0, a] + s[1] * g[1, a] + s[4] * g[2, a])
             sg[2, a] = w * (s[5] * g[0, a] + s[4] * g[1, a] + s[2] * g[2, a])
         for a in range(n):
+            g0, g1, g2 = g[0, a], g[1, a], g[2, a]
+            h0, h1, h2 = h[0, a], h[1, a], h[2, a]
             for b in range(n):
-                product[b] = g[0, a] * g[0, b] + g[1, a] * g[1, b] + g[2, a] * g[2, b]
-                geometric[b] = g[0, a] * sg[0, b] + g[1, a] * sg[1, b] + g[2, a] * sg[2, b]
-            for i in range(3):
-                for j in range(3):
-                    x, y, z = lam * h[i, a], mu * h[j, a], ff[i, j]
-                    for b in range(n):
-                        k[i * n + a, j * n + b] += x * h[j, b] + y * h[i, b] + z * product[b]
+                product = g0 * g[0, b] + g1 * g[1, b] + g2 * g[2, b]
+                geometric = g0 * sg[0, b] + g1 * sg[1, b] + g2 * sg[2, b]
+                k[a, b] += (lam + mu) * h0 * h[0, b] + ff[0, 0] * product + geometric
+                k[n + a, n + b] += (lam + mu) * h1 * h[1, b] + ff[1, 1] * product + geometric
+                k[2 * n + a, 2 * n + b] += (lam + mu) * h2 * h[2, b] + ff[2, 2] * product + geometric
+                k[a, n + b] += lam * h0 * h[1, b] + mu * h1 * h[0, b] + ff[0, 1] * product
+                k[a, 2 * n + b] += lam * h0 * h[2, b] + mu * h2 * h[0, b] + ff[0, 2] * product
+                k[n + a, 2 * n + b] += lam * h1 * h[2, b] + mu * h2 * h[1, b] + ff[1, 2] * product
+    for i in range(1, 3):
+        for j in range(i):
+            for a in range(n):
                 for b in range(n):
-                    k[i * n + a, i * n + b] += geometric[b]
+                    k[i * n + a, j * n + b] = k[j * n + b, i * n + a]
 
 
 @njit(cache=True, inline="always")
@@ -160,6 +165,7 @@ def _times(nodes: Index, k: Array, du: Array, force: Array) -> None:
 @njit(cache=True, parallel=True)
 def tangent_matrix(
     colours: Index,
+    chunks: Index,
     nodes: Index,
     inverse: Array,
     reference: Array,
@@ -183,14 +189,15 @@ def tangent_matrix(
     """
     n = nodes.shape[1]
     for c in range(colours.shape[0] - 1):
-        for e in prange(colours[c], colours[c + 1]):
+        for chunk in prange(colours[c], colours[c + 1]):
             k = np.empty((3 * n, 3 * n))
             block = np.empty((3, 3))
-            if lame.shape[0] > 0:
-                _isotropic_element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], lame, k)
-            else:
-                law = tangent[e if tangent.shape[0] > 1 else 0]
-                _element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], law, k)
-            _scatter(nodes[e], k, offset[e], node_dof, row_start, free, data, block)
-            if du.shape[0] > 0:
-                _times(nodes[e], k, du, force)
+            for e in range(chunks[chunk], chunks[chunk + 1]):
+                if lame.shape[0] > 0:
+                    _isotropic_element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], lame, k)
+                else:
+                    law = tangent[e if tangent.shape[0] > 1 else 0]
+                    _element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], law, k)
+                _scatter(nodes[e], k, offset[e], node_dof, row_start, free, data, block)
+                if du.shape[0] > 0:
+                    _times(nodes[e], k, du, force)

@@ -11,11 +11,12 @@ from numpy.typing import NDArray
 from skfem.helpers import ddot, det, grad, identity, inv, mul, trace, transpose
 
 from fem import Fixed, Model, StVenantKirchhoff
-from fem.discretisation import FORMULATIONS, Discretisation
+from fem.discretisation import CHUNK, CHUNKS, FORMULATIONS, Discretisation
 from fem.effects import Blocks, Pressure, enclosed_volume
 from fem.formulation import lame_constants
 from fem.linear import SuperLU
 from fem.system import System
+from geometry import Mesh, PneuNet
 
 Array = NDArray[np.float64]
 
@@ -131,12 +132,19 @@ def test_linearised_strain_is_the_derivative_of_the_strain() -> None:
     np.testing.assert_allclose(system.linearised_strain(state, du), slope, atol=1e-9)
 
 
-def test_elements_of_one_colour_share_no_node() -> None:
-    space = Discretisation.of(hollow_box(half=False), "p2p0")
-    assert space.colours[0] == 0
-    assert space.colours[-1] == space.nodes.shape[0]
+@pytest.mark.parametrize("turned", [False, True], ids=["as it is", "along y"])
+def test_chunks_of_one_colour_share_no_node(turned: bool) -> None:
+    body = PneuNet(chambers=6).body(4.0).mesh
+    mesh = Mesh(body.points[:, [1, 0, 2]] * [1, 1, -1], body.tets, body.faces) if turned else body
+    space = Discretisation.of(mesh, "p2p0")
+    assert np.array_equal(np.unique(np.sort(space.nodes[:, :4])), np.arange(mesh.points.shape[0]))
+    assert space.chunks[0] == space.colours[0] == 0
+    assert space.chunks[-1] == space.nodes.shape[0] == mesh.tets.shape[0]
+    assert space.colours[-1] == space.chunks.shape[0] - 1 == min(mesh.tets.shape[0] // CHUNK, CHUNKS)
+    assert space.colours.shape[0] - 1 < space.colours[-1] / 4  # several chunks at once
     for begin, end in zip(space.colours[:-1], space.colours[1:], strict=True):
-        together = space.nodes[begin:end].ravel()
+        chunks = [np.unique(space.nodes[space.chunks[c] : space.chunks[c + 1]]) for c in range(begin, end)]
+        together = np.concatenate(chunks)
         assert np.unique(together).size == together.size > 0
 
 
