@@ -264,9 +264,8 @@ class Path:
         reached = self._place(origin, value, done, self.places[-1].state)
         last = self.places[-1]
         limits = beyond_the_law(self.system, last.state), near_limit_point(self.system, last.state, self._acting(last))
-        return End(
-            self.course.name, value, reached.value, reached.share, cutbacks, spent, f"{failure}{''.join(limits)}"
-        )
+        cause = failure + "".join(limits)
+        return End(self.course.name, value, reached.value, reached.share, cutbacks, spent, cause)
 
     def _step(self, found: Converged, factorizations: int, cutbacks: int, seconds: float, spent: Seconds) -> Step:
         displacement = found.state.displacement
