@@ -1,5 +1,7 @@
 """The walk along the load path: cut back, restore, give up with a reason, take up again."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from bodies import box
@@ -24,7 +26,8 @@ from fem import (
     step_to_arrays,
 )
 from fem.newton import StepFailed
-from geometry import Body
+from fem.prediction import Predictor, predicted
+from geometry import Body, PneuNet
 
 Array = NDArray[np.float64]
 
@@ -177,3 +180,28 @@ def test_two_loads_of_one_kind_add_up() -> None:
     both = follow(beam([Gravity(2e-8), Gravity(3e-8)]), [1.0]).steps[0]
     one = follow(beam([WEIGHT]), [1.0]).steps[0]
     np.testing.assert_allclose(both.displacement, one.displacement, atol=1e-12)
+
+
+def test_a_predicted_start_whose_strain_is_limited_is_given_up(monkeypatch) -> None:
+    """A guess far beyond what the rate at rest is good for costs one factorization, not all that a guess is worth."""
+    body = PneuNet(chambers=2).body(7.0)
+    model = Experiment.of("II", body, 0.0).model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 5e-3)], "p2p0")
+    starts, guesses = Predictor.starts, []
+
+    def plain(self: Predictor, places, aim, terms):
+        yield list(starts(self, places, aim, terms))[-1]
+
+    def misled(self: Predictor, places, aim, terms):
+        *_, last = starts(self, places, aim, terms)
+        far = predicted(None, replace(places[-1], rate=self._rate), 30.0 * aim.value)
+        guesses.append(far)
+        yield far, 8
+        yield last
+
+    monkeypatch.setattr(Predictor, "starts", plain)
+    direct = follow(model, [1.0])
+    monkeypatch.setattr(Predictor, "starts", misled)
+    led = follow(model, [1.0])
+    assert len(guesses) == 1
+    assert led.factorizations == direct.factorizations + 1
+    np.testing.assert_allclose(led.steps[0].displacement, direct.steps[0].displacement, atol=1e-6)
