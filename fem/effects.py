@@ -53,7 +53,7 @@ class Term(ABC):
 
     @abstractmethod
     def wanted(self, x: Array) -> bool:
-        """Whether the term must be in the sum once equilibrium without it was found at x (n, 3)."""
+        """Whether the term must be in the sum once a state without it was found at x (n, 3)."""
 
     @abstractmethod
     def objection(self, x: Array) -> str:

@@ -167,40 +167,44 @@ class Path:
 
     def _attempt(self, origin: Place, value: float, share: float) -> Converged:
         aim = self._place(origin, value, share, self.places[-1].state)
-        if self.stricter is None:
-            found = self._believed(value, aim)
-        else:
-            found = self._solve(value, aim, aim.state, self.stricter)
+        strict = self.stricter
+        found = self._ahead(value, aim) if strict is None else self._solve(value, aim, aim.state, strict)
+        found = self._awake(value, aim, found)
         while objections := self._objections(found, self.stricter or self.terms):
             terms = self._stricter(found)
             if terms == self.stricter:
                 raise StepFailed(objections[0])
             self.stricter = terms
             forgiving = all(term.forgiving for term in terms)
-            found = self._solve(value, aim, found.state if forgiving else aim.state, terms)
+            found = self._awake(value, aim, self._solve(value, aim, found.state if forgiving else aim.state, terms))
         if found.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, found.state.displacement, found.assembly.jacobian)
             raise StepFailed(f"an element is turned inside out at {in_words(worst.min_J_at)} (J = {worst.min_J:.3g})")
         return found
 
-    def _believed(self, value: float, aim: Place) -> Converged:
-        """Equilibrium with the effects that act, and with those that the state found wakes."""
-        found = self._ahead(value, aim)
-        x = self.system.space.points + found.state.displacement
-        woken = tuple(term for term in self.system.terms if term in self.terms or term.wanted(x))
-        if len(woken) > len(self.terms):
-            self.terms = woken
-            found = self._solve(value, aim, found.state, self.terms)
+    def _awake(self, value: float, aim: Place, found: Converged) -> Converged:
+        """Equilibrium with those effects too that a state wakes; each may wake the next."""
+        while new := tuple(term for term in self._asleep() if term.wanted(self._positions(found))):
+            self.terms = tuple(term for term in self.system.terms if term in self.terms or term in new)
+            if self.stricter is not None:
+                self.stricter += new
+            found = self._solve(value, aim, found.state, self.stricter or self.terms)
         return found
 
+    def _asleep(self) -> Terms:
+        return tuple(term for term in self.system.terms if term not in self.terms)
+
+    def _positions(self, found: Converged) -> Array:
+        return self.system.space.points + found.state.displacement
+
     def _ahead(self, value: float, aim: Place) -> Converged:
-        """Equilibrium from where the last places lead, or else from the last one."""
+        """Equilibrium, or a state that wakes effects, from where the last places lead, or else from the last one."""
         failed = StepFailed("no start was tried")
         for start, iterations in self.predictor.starts(self.places, aim, self.terms):
             if iterations is not None and self.misled:
                 continue
             try:
-                return self._solve(value, aim, start, self.terms, iterations, self._asleep())
+                return self._solve(value, aim, start, self.terms, iterations)
             except StepFailed as failure:
                 failed = failure
                 self.misled = self.misled or iterations is not None
@@ -208,8 +212,7 @@ class Path:
 
     def _reached(self, origin: Place, value: float, share: float, found: Converged) -> Place:
         """The place where an attempt has led, with its rate where the factor at hand tells it."""
-        x = self.system.space.points + found.state.displacement
-        place = self._place(origin, value, share, found.state, self._touching(x))
+        place = self._place(origin, value, share, found.state, self._touching(self._positions(found)))
         return replace(place, rate=self.predictor.rate(place, found, self._acting(place)))
 
     def _touching(self, x: Array) -> bool:
@@ -217,26 +220,15 @@ class Path:
         return any(term.touching(x) for term in self.terms)
 
     def _objections(self, found: Converged, terms: Terms) -> list[str]:
-        x = self.system.space.points + found.state.displacement
+        x = self._positions(found)
         return [objection for term in terms if (objection := term.objection(x))]
 
     def _stricter(self, found: Converged) -> Terms:
         """The terms to try where those at work have objected to a state."""
-        x = self.system.space.points + found.state.displacement
+        x = self._positions(found)
         return tuple(term.stricter(x) if term.objection(x) else term for term in self.stricter or self.terms)
 
-    def _asleep(self) -> Terms:
-        return tuple(term for term in self.system.terms if term not in self.terms)
-
-    def _solve(
-        self,
-        value: float,
-        aim: Place,
-        start: State,
-        terms: Terms,
-        iterations: int | None = None,
-        asleep: Terms = (),
-    ) -> Converged:
+    def _solve(self, value: float, aim: Place, start: State, terms: Terms, iterations: int | None = None) -> Converged:
         newton_options = self.options.newton
         if iterations is not None:
             iterations = min(iterations, newton_options.iterations)
@@ -248,7 +240,7 @@ class Path:
             self.course.control(self.system, aim.value, aim.share),
             newton_options,
             lambda iteration, residual: self.watch(value, iteration, residual),
-            asleep,
+            self._asleep(),
         )
 
     @staticmethod

@@ -9,9 +9,9 @@ linearised around it,
     S <- S(e) + C(e) : (E(u) + B du - e),    e <- E(u) + B du,    u <- u + du,
 
 because u alone strains the body far more on its way than it does in the end. In equilibrium e = E(u), which is checked
-with the law itself, so the solution is that of the usual method. Measured, three chambers of arm (a), nu = 0.495, to 5,
-17 and 37 kPa with contact: 5, 14 and 11 factorizations for Hencky's law (71, 41 and 191 with the law at E(u)), 5, 13
-and 11 for St. Venant-Kirchhoff's.
+with the law itself, so the solution is that of the usual method. Measured with an older contact, three chambers of arm
+(a), nu = 0.495, to 5, 17 and 37 kPa with contact: 5, 14 and 11 factorizations for Hencky's law (71, 41 and 191 with the
+law at E(u)), 5, 13 and 11 for St. Venant-Kirchhoff's.
 """
 
 from collections.abc import Callable
@@ -47,7 +47,7 @@ class NewtonOptions:
 
 @dataclass(frozen=True)
 class Converged:
-    """Equilibrium at one load factor."""
+    """Equilibrium at one load factor, or a state near to it that wakes effects (see `solve`)."""
 
     state: State
     assembly: Assembly

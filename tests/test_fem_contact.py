@@ -9,7 +9,7 @@ from typing import final
 import ipctk
 import numpy as np
 import pytest
-from bodies import fork
+from bodies import bricks, fork, named, on_plane
 from numpy.typing import NDArray
 
 from fem import (
@@ -201,3 +201,30 @@ def test_walls_that_pass_through_a_soft_contact_are_held_by_a_firmer_one(monkeyp
     assert len(asked) == 2
     assert asked[0] < asked[1] < 0 < steps[0].min_gap
     assert not crossings(steps[0])
+
+
+def test_contact_wakes_contact() -> None:
+    """Pressed onto its neighbour, the lowest of three prongs pushes that one onto the third."""
+    gap = 0.4
+    heights = np.array([0.0, 1.0, 1.0 + gap, 2.0 + gap, 2.0 + 2 * gap, 3.0 + 2 * gap])
+    filled = np.ones((4, 5, 1), dtype=bool)
+    filled[1:, [1, 3]] = False
+    mesh = bricks(filled, [np.array([0.0, 1.0, 2.5, 4.0, 6.0]), heights, np.array([0.0, 1.0])])
+    middle = mesh.points[mesh.boundary][..., 1].mean(axis=1)
+    root = on_plane(mesh, 0, 1.0)
+    sides = [on_plane(mesh, 1, height) for height in heights]
+    mesh = named(
+        mesh,
+        clamp=on_plane(mesh, 0, 0.0),
+        lower=sides[1] | sides[2] | (root & (middle < 1.5 + gap)),
+        upper=sides[3] | sides[4] | (root & (middle > 1.5 + gap)),
+    )
+    corners = np.array([[6.0, 0.0, 0.0], [6.0, 0.0, 1.0]])
+    found = []
+    for waits in (True, False):
+        contact = [SelfContact(name, waits=waits) for name in ("lower", "upper")]
+        model = Model(mesh, StVenantKirchhoff(1.2, 0.3), [Fixed("clamp"), Prescribed(corners, "y", 1.0)], contact)
+        found.append(follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9))).steps[0])
+    assert found[0].acting == (True, True)
+    assert 0 < found[0].min_gap < 0.02
+    assert apart(*found) < 1e-7

@@ -10,7 +10,7 @@ from bodies import box, difference, hollow_box
 from numpy.typing import NDArray
 from skfem.helpers import ddot, det, grad, identity, inv, mul, trace, transpose
 
-from fem import Fixed, Model, StVenantKirchhoff
+from fem import Fixed, Model, StVenantKirchhoff, kernels, tangent_kernels
 from fem.discretisation import CHUNK, CHUNKS, FORMULATIONS, Discretisation
 from fem.effects import Blocks, Pressure, enclosed_volume
 from fem.formulation import lame_constants
@@ -161,7 +161,8 @@ def test_the_number_of_threads_changes_nothing() -> None:
     results = []
     for count in (1, 2):
         numba.set_num_threads(count)
-        system = Model(hollow_box(half=True), LAW, [Fixed("clamp")], [Pressure("cavity", 0.1)]).system(SuperLU)
+        system = Model(hollow_box(half=True, parts=2), LAW, [Fixed("clamp")], [Pressure("cavity", 0.1)]).system(SuperLU)
+        assert system.space.chunks.shape[0] - 1 > system.space.colours.shape[0] - 1 > 1
         u = noise(system, 0.03)
         assembly = system.assemble(system.at(u, 1.0), system.terms)
         state = system.at(u, 1.0)
@@ -169,6 +170,34 @@ def test_the_number_of_threads_changes_nothing() -> None:
         strain = system.linearised_strain(state, u)
         results.append((assembly.gradient, assembly.jacobian, data, coupling.displacement, strain))
     for one, two in zip(*results, strict=True):
+        np.testing.assert_array_equal(one, two)
+
+
+def test_the_order_of_chunks_of_one_colour_changes_nothing() -> None:
+    """Bitwise: what one chunk adds to, no other of its colour does, whichever of the threads is first."""
+    system = Model(PneuNet(chambers=3).body(6.0).mesh, LAW, [Fixed("clamp")], []).system(SuperLU)
+    space, pattern = system.space, system.pattern
+    parts = [np.arange(space.chunks[c], space.chunks[c + 1]) for c in range(space.chunks.shape[0] - 1)]
+    turned = [c for b, e in zip(space.colours[:-1], space.colours[1:], strict=True) for c in range(b, e)[::-1]]
+    assert turned != sorted(turned)
+    swapped = np.concatenate([parts[c] for c in turned])
+    chunks = np.concatenate([[0], np.cumsum([parts[c].shape[0] for c in turned])])
+    u = noise(system, 0.03)
+    state = system.at(u, 1.0)
+    answer = system.assemble(state, ()).answer
+    results = []
+    for bounds, order in ((space.chunks, np.arange(space.nodes.shape[0])), (chunks, swapped)):
+        elements = (space.colours, bounds, space.nodes[order], space.inverse[order], space.reference)
+        weight, stress = space.weight[order], state.stress[order]
+        force, data, coupling = np.zeros_like(u), np.zeros(pattern.indices.shape[0]), np.zeros_like(u)
+        kernels.internal_force(*elements, weight, u, stress, force)
+        tangent_kernels.tangent_matrix(
+            *elements, weight, u, stress, answer.tangent, lame_constants(answer.tangent, stress.shape[1]),
+            system._offset[order], pattern.node_dof, pattern.indptr, pattern.free, data, noise(system, 1.0), coupling,
+        )  # fmt: skip
+        results.append((force, data, coupling))
+    for one, two in zip(*results, strict=True):
+        assert np.any(one)
         np.testing.assert_array_equal(one, two)
 
 
