@@ -28,8 +28,6 @@ Index = NDArray[np.int64]
 #: factorizations of I, II and III, error of F at 17 and 37 kPa, smallest gap: 0.1, a fifth before the wall: 67, 1.3 and
 #: 0.9 %, 0.011 mm; 0.05, the same: 62, 1.1 and 0.6 %, 0.000 mm; 0.025, three tenths: 54, 1.1 and 0.7 %, 0.001 mm
 STIFFNESS, FIRM = 0.025, 0.1
-#: how often the stiffness may be raised where a pressure on a small spot pushes walls through each other
-FIRMER = 2
 #: activation distance over the smallest gap at rest, where a part of the barrier lies behind the wall, and where none
 ACTIVATION, WIDTH = 0.02, 0.1
 
@@ -63,7 +61,7 @@ class SelfContact(Effect):
         E = 3 * material.shear_modulus
         exact = cache(lambda: BarrierTerm(surface, space.points, dhat, FIRM * E))
         stiffness = (STIFFNESS if self.behind else FIRM) * E
-        return FacingTerm(pairs, dhat, stiffness, self.behind, self.waits, FIRMER, exact)
+        return FacingTerm(pairs, dhat, stiffness, self.behind, self.waits, exact)
 
     def activation_distance(self, space: Discretisation) -> float:
         """dhat, or its default for these faces, mm; raises `ContactError`."""

@@ -26,8 +26,8 @@ Index = NDArray[np.int64]
 #: part of the barrier's width that lies behind the wall: without it walls rest at nine tenths of the width; with 0.75
 #: they cross on the coarse arm (a), test III, 37 kPa, and a firmer contact must help (`fem.contact.STIFFNESS`)
 BEHIND = 0.7
-#: what the stiffness is raised by where walls pass through each other
-FIRMER = 4.0
+#: what the stiffness is raised by where walls pass through each other, and how often
+FIRMER, TIMES = 4.0, 2
 #: distance over the barrier's width below which it is continued quadratically
 CONTINUED = 0.5
 #: what ipctk's improved-max collision set sums up to over one wall's area, measured on parallel grids, for both walls
@@ -46,8 +46,8 @@ class FacingTerm(Term):
     stiffness: float  #: MPa
     behind: float  #: part of the barrier's width that lies behind the wall
     waits: bool  #: stays out of the sum until a state without it comes within dhat
-    firmer: int = field(repr=False)  #: how often the stiffness may be raised where walls pass through each other
     exact: Callable[[], Term] = field(repr=False)  #: gives the barrier with exact distances
+    firmer: int = field(default=TIMES, repr=False)  #: how often the stiffness may still be raised
 
     def energy(self, x: Array, factor: float) -> float:
         value, _, _ = contact_potential(self.pairs.gaps(x), self.dhat, self.behind)

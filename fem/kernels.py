@@ -48,6 +48,23 @@ def displacement_gradient(g: Array, nodes: Index, u: Array, h: Array) -> None:
                 h[i, j] += u[nodes[a], i] * g[a, j]
 
 
+@njit(cache=True, inline="always")
+def deformation_gradient(inverse: Array, reference: Array, nodes: Index, u: Array, g: Array, f: Array) -> None:
+    """f = F at a stress point with the gradients g[a, i] = d N_a / d X_i."""
+    gradients(inverse, reference, g)
+    displacement_gradient(g, nodes, u, f)
+    for i in range(3):
+        f[i, i] += 1.0
+
+
+@njit(cache=True, inline="always")
+def symmetric(values: Array, factor: float, s: Array) -> None:
+    """s (3, 3) = factor times the symmetric tensor with the Voigt components values (v,), no factor 2 in them."""
+    for v in range(6):
+        s[VOIGT[v, 0], VOIGT[v, 1]] = values[v] * factor
+        s[VOIGT[v, 1], VOIGT[v, 0]] = values[v] * factor
+
+
 @njit(cache=True, parallel=True)
 def green_lagrange(nodes: Index, inverse: Array, reference: Array, u: Array, strain: Array, jacobian: Array) -> None:
     """Green-Lagrange strain (e, q, v) and J = det F (e, q) at all stress points, into the last two arguments."""
@@ -78,11 +95,8 @@ def linearised_strain(nodes: Index, inverse: Array, reference: Array, u: Array, 
         f = np.empty((3, 3))
         d = np.empty((3, 3))
         for q in range(reference.shape[0]):
-            gradients(inverse[e], reference[q], g)
-            displacement_gradient(g, nodes[e], u, f)
+            deformation_gradient(inverse[e], reference[q], nodes[e], u, g, f)
             displacement_gradient(g, nodes[e], du, d)
-            for i in range(3):
-                f[i, i] += 1.0
             for v in range(6):
                 i, j = VOIGT[v, 0], VOIGT[v, 1]
                 value = 0.0
@@ -114,13 +128,8 @@ def internal_force(
             for e in range(chunks[chunk], chunks[chunk + 1]):
                 fe[:] = 0.0
                 for q in range(reference.shape[0]):
-                    gradients(inverse[e], reference[q], g)
-                    displacement_gradient(g, nodes[e], u, f)
-                    for i in range(3):
-                        f[i, i] += 1.0
-                    for v in range(6):
-                        s[VOIGT[v, 0], VOIGT[v, 1]] = stress[e, q, v] * weight[e, q]
-                        s[VOIGT[v, 1], VOIGT[v, 0]] = stress[e, q, v] * weight[e, q]
+                    deformation_gradient(inverse[e], reference[q], nodes[e], u, g, f)
+                    symmetric(stress[e, q], weight[e, q], s)
                     for i in range(3):
                         for j in range(3):
                             p[i, j] = f[i, 0] * s[0, j] + f[i, 1] * s[1, j] + f[i, 2] * s[2, j]

@@ -170,10 +170,11 @@ class Path:
         strict = self.stricter
         found = self._ahead(value, aim) if strict is None else self._solve(value, aim, aim.state, strict)
         found = self._awake(value, aim, found)
-        while objections := self._objections(found, self.stricter or self.terms):
-            terms = self._stricter(found)
+        while any(objections := [term.objection(self._positions(found)) for term in self._at_work]):
+            x, asked = self._positions(found), zip(self._at_work, objections, strict=True)
+            terms = tuple(term.stricter(x) if objection else term for term, objection in asked)
             if terms == self.stricter:
-                raise StepFailed(objections[0])
+                raise StepFailed(next(objection for objection in objections if objection))
             self.stricter = terms
             forgiving = all(term.forgiving for term in terms)
             found = self._awake(value, aim, self._solve(value, aim, found.state if forgiving else aim.state, terms))
@@ -188,8 +189,12 @@ class Path:
             self.terms = tuple(term for term in self.system.terms if term in self.terms or term in new)
             if self.stricter is not None:
                 self.stricter += new
-            found = self._solve(value, aim, found.state, self.stricter or self.terms)
+            found = self._solve(value, aim, found.state, self._at_work)
         return found
+
+    @property
+    def _at_work(self) -> Terms:
+        return self.terms if self.stricter is None else self.stricter
 
     def _asleep(self) -> Terms:
         return tuple(term for term in self.system.terms if term not in self.terms)
@@ -218,15 +223,6 @@ class Path:
     def _touching(self, x: Array) -> bool:
         """Whether walls are in contact at positions x (n, 3)."""
         return any(term.touching(x) for term in self.terms)
-
-    def _objections(self, found: Converged, terms: Terms) -> list[str]:
-        x = self._positions(found)
-        return [objection for term in terms if (objection := term.objection(x))]
-
-    def _stricter(self, found: Converged) -> Terms:
-        """The terms to try where those at work have objected to a state."""
-        x = self._positions(found)
-        return tuple(term.stricter(x) if term.objection(x) else term for term in self.stricter or self.terms)
 
     def _solve(self, value: float, aim: Place, start: State, terms: Terms, iterations: int | None = None) -> Converged:
         newton_options = self.options.newton

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from fem.kernels import VOIGT, displacement_gradient, gradients, place
+from fem.kernels import deformation_gradient, place, symmetric
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -43,14 +43,9 @@ def pressure_columns(
             for e in range(chunks[chunk], chunks[chunk + 1]):
                 k[:] = 0.0
                 for q in range(reference.shape[0]):
-                    gradients(inverse[e], reference[q], g)
-                    displacement_gradient(g, nodes[e], u, f)
-                    for i in range(3):
-                        f[i, i] += 1.0
+                    deformation_gradient(inverse[e], reference[q], nodes[e], u, g, f)
                     law = slope[e, q] if slope.shape[0] > 1 else slope[0, 0]
-                    for v in range(6):
-                        s[VOIGT[v, 0], VOIGT[v, 1]] = law[v]
-                        s[VOIGT[v, 1], VOIGT[v, 0]] = law[v]
+                    symmetric(law, 1.0, s)
                     for a in range(n):
                         for i in range(3):
                             value = 0.0

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from fem.kernels import displacement_gradient, gradients, place
+from fem.kernels import deformation_gradient, place
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -34,10 +34,7 @@ def _element_tangent(
     slope = np.empty((n, 3))
     for q in range(points):
         w = weight[q]
-        gradients(inverse, reference[q], slope)
-        displacement_gradient(slope, nodes, u, f)
-        for i in range(3):
-            f[i, i] += 1.0
+        deformation_gradient(inverse, reference[q], nodes, u, slope, f)
         s = stress[q]
         for a in range(n):
             g0, g1, g2 = slope[a, 0], slope[a, 1], slope[a, 2]
@@ -88,10 +85,8 @@ def _isotropic_element_tangent(
     for q in range(reference.shape[0]):
         w = weight[q]
         lam, mu = lame[q, 0] * w, lame[q, 1] * w
-        gradients(inverse, reference[q], slope)
-        displacement_gradient(slope, nodes, u, f)
+        deformation_gradient(inverse, reference[q], nodes, u, slope, f)
         for i in range(3):
-            f[i, i] += 1.0
             for a in range(n):
                 g[i, a] = slope[a, i]
         s = stress[q]
