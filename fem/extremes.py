@@ -9,6 +9,7 @@ from fem.material import Material
 from fem.solution import Extremes
 
 Array = NDArray[np.float64]
+Index = NDArray[np.intp]
 
 
 def strain_at_stress_points(space: Discretisation, displacement: Array) -> tuple[Array, Array]:
@@ -30,7 +31,8 @@ def principal_stretches(strain: Array) -> Array:
 def extremes_of(space: Discretisation, displacement: Array, jacobian: Array) -> Extremes:
     """Extreme J and stretches over all stress points, with the element centres (mm) they belong to."""
     strain, _ = strain_at_stress_points(space, displacement)
-    stretches = principal_stretches(strain)
+    low, high = _most_strained(strain)
+    least, largest = principal_stretches(strain[low])[..., 0], principal_stretches(strain[high])[..., 2]
 
     def centre(element: int) -> tuple[float, float, float]:
         x, y, z = space.points[space.nodes[element, :4]].mean(axis=0)
@@ -38,12 +40,27 @@ def extremes_of(space: Discretisation, displacement: Array, jacobian: Array) -> 
 
     return Extremes(
         min_J=float(jacobian.min()),
-        max_stretch=float(stretches[..., 2].max()),
-        min_stretch=float(stretches[..., 0].min()),
+        max_stretch=float(largest.max()),
+        min_stretch=float(least.min()),
         min_J_at=centre(int(np.argmin(jacobian.min(axis=1)))),
-        max_stretch_at=centre(int(np.argmax(stretches[..., 2].max(axis=1)))),
-        min_stretch_at=centre(int(np.argmin(stretches[..., 0].min(axis=1)))),
+        max_stretch_at=centre(int(high[0][np.argmax(largest)])),
+        min_stretch_at=centre(int(low[0][np.argmin(least)])),
     )
+
+
+def _most_strained(strain: Array) -> tuple[tuple[Index, ...], tuple[Index, ...]]:
+    """Elements and stress points where the smallest and where the largest principal stretch may be.
+
+    The eigenvalues of C are m + 2 s cos(phi), m + 2 s cos(phi -+ 2 pi / 3) with 0 <= phi <= pi / 3, where m is their
+    mean and 6 s^2 = |C - m I|^2: the largest lies between m + s and m + 2 s, the smallest between m - 2 s and m - s.
+    """
+    diagonal, shear = 2 * strain[..., :3] + 1, strain[..., 3:]
+    mean = diagonal.mean(axis=-1)
+    away = np.sum((diagonal - mean[..., None]) ** 2, axis=-1) + 2 * np.sum(shear**2, axis=-1)
+    size = np.sqrt(away / 6)
+    slack = 1e-12 * np.abs(mean).max()
+    low, high = mean - 2 * size <= (mean - size).min() + slack, mean + 2 * size >= (mean + size).max() - slack
+    return np.nonzero(low), np.nonzero(high)
 
 
 def beyond_the_law(extremes: Extremes, material: Material) -> str:

@@ -29,6 +29,10 @@ from fem.pattern import Pattern
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
+#: where the columns of each element's pressures begin in the rows of its nodes, (e, 4 or 10, 0 or 4), and where the
+#: pairs of pressures stand, (m,)
+Places = tuple[Index, Index]
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -88,11 +92,11 @@ class Formulation(ABC):
         """Change of the stress (e, q, 6) with a change of the pressures (v,)."""
 
     @abstractmethod
-    def places(self, pattern: Pattern) -> Index:
-        """(e, 4 or 10, 0 or 4) where the columns of each element's pressures begin in the rows of its nodes."""
+    def places(self, pattern: Pattern) -> Places:
+        """Where in the pattern the columns of the pressures begin."""
 
     @abstractmethod
-    def couple(self, pattern: Pattern, places: Index, data: Array, displacement: Array, answer: Answer) -> None:
+    def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
         """Add the rows and columns of the pressures to the reduced upper triangle data (nnz,)."""
 
     @abstractmethod
@@ -145,10 +149,10 @@ class DisplacementOnly(Formulation):
     def stress_change(self, answer: Answer, pressure: Array) -> Array | float:
         return 0.0
 
-    def places(self, pattern: Pattern) -> Index:
-        return np.empty((*self.space.nodes.shape, 0), dtype=np.int64)
+    def places(self, pattern: Pattern) -> Places:
+        return np.empty((*self.space.nodes.shape, 0), dtype=np.int64), np.empty(0, dtype=np.int64)
 
-    def couple(self, pattern: Pattern, places: Index, data: Array, displacement: Array, answer: Answer) -> None:
+    def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
         pass
 
     def swept(self, answer: Answer, change: Array) -> Array:
@@ -210,11 +214,12 @@ class Mixed(Formulation):
     def stress_change(self, answer: Answer, pressure: Array) -> Array | float:
         return self._at_points(pressure)[..., None] * answer.slope
 
-    def places(self, pattern: Pattern) -> Index:
-        unknowns = self.element_unknowns
-        return pattern.start_of(*np.broadcast_arrays(unknowns[:, :10, None], unknowns[:, None, 10:]))
+    def places(self, pattern: Pattern) -> Places:
+        nodes, pressures = self.element_unknowns[:, :10, None], self.element_unknowns[:, None, 10:]
+        rows, columns, _ = self._compressibility
+        return pattern.start_of(*np.broadcast_arrays(nodes, pressures)), pattern.start_of(rows, columns)
 
-    def couple(self, pattern: Pattern, places: Index, data: Array, displacement: Array, answer: Answer) -> None:
+    def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
         space = self.space
         mixed_kernels.pressure_columns(
             space.colours,
@@ -226,13 +231,13 @@ class Mixed(Formulation):
             space.vertex_shape,
             displacement,
             answer.slope,
-            places,
+            places[0],
             pattern.node_dof,
             pattern.indptr,
             pattern.free,
             data,
         )
-        pattern.place(data, *self._compressibility)
+        pattern.place(data, *self._compressibility, places[1])
 
     def swept(self, answer: Answer, change: Array) -> Array:
         return self._tested(np.sum(answer.slope * change, axis=-1)) * self._unit

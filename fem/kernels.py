@@ -23,6 +23,10 @@ Index = NDArray[np.int64]
 # own queue does not.
 numba.config.THREADING_LAYER = "workqueue"
 
+#: sums may be reassociated so that loops over nodes can be vectorised; the order is fixed when a kernel is compiled, so
+#: results do not depend on the number of threads
+FAST = {"contract", "reassoc", "nsz"}
+
 VOIGT = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]])
 
 
@@ -37,22 +41,30 @@ def gradients(inverse: Array, reference: Array, g: Array) -> None:
 
 
 @njit(cache=True, inline="always")
-def displacement_gradient(g: Array, nodes: Index, u: Array, h: Array) -> None:
-    """h[i, j] = d u_i / d X_j."""
-    for i in range(3):
-        for j in range(3):
-            h[i, j] = 0.0
+def at_nodes(nodes: Index, u: Array, values: Array) -> None:
+    """values (a, i) = u (n, 3) at the nodes of one element."""
     for a in range(nodes.shape[0]):
         for i in range(3):
-            for j in range(3):
-                h[i, j] += u[nodes[a], i] * g[a, j]
+            values[a, i] = u[nodes[a], i]
 
 
 @njit(cache=True, inline="always")
-def deformation_gradient(inverse: Array, reference: Array, nodes: Index, u: Array, g: Array, f: Array) -> None:
-    """f = F at a stress point with the gradients g[a, i] = d N_a / d X_i."""
-    gradients(inverse, reference, g)
-    displacement_gradient(g, nodes, u, f)
+def displacement_gradient(inverse: Array, reference: Array, values: Array, h: Array) -> None:
+    """h[i, j] = d u_i / d X_j at a stress point from the displacements `values` (a, i) of the element's nodes."""
+    for i in range(3):
+        along0, along1, along2 = 0.0, 0.0, 0.0
+        for a in range(reference.shape[0]):
+            along0 += values[a, i] * reference[a, 0]
+            along1 += values[a, i] * reference[a, 1]
+            along2 += values[a, i] * reference[a, 2]
+        for j in range(3):
+            h[i, j] = along0 * inverse[0, j] + along1 * inverse[1, j] + along2 * inverse[2, j]
+
+
+@njit(cache=True, inline="always")
+def deformation_gradient(inverse: Array, reference: Array, values: Array, f: Array) -> None:
+    """f = F at a stress point; arguments as those of `displacement_gradient`."""
+    displacement_gradient(inverse, reference, values, f)
     for i in range(3):
         f[i, i] += 1.0
 
@@ -65,15 +77,15 @@ def symmetric(values: Array, factor: float, s: Array) -> None:
         s[VOIGT[v, 1], VOIGT[v, 0]] = values[v] * factor
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, fastmath=FAST)
 def green_lagrange(nodes: Index, inverse: Array, reference: Array, u: Array, strain: Array, jacobian: Array) -> None:
     """Green-Lagrange strain (e, q, v) and J = det F (e, q) at all stress points, into the last two arguments."""
     for e in prange(nodes.shape[0]):
-        g = np.empty((nodes.shape[1], 3))
+        values = np.empty((nodes.shape[1], 3))
         h = np.empty((3, 3))
+        at_nodes(nodes[e], u, values)
         for q in range(reference.shape[0]):
-            gradients(inverse[e], reference[q], g)
-            displacement_gradient(g, nodes[e], u, h)
+            displacement_gradient(inverse[e], reference[q], values, h)
             for v in range(6):
                 i, j = VOIGT[v, 0], VOIGT[v, 1]
                 value = h[i, j] + h[j, i] + h[0, i] * h[0, j] + h[1, i] * h[1, j] + h[2, i] * h[2, j]
@@ -87,16 +99,19 @@ def green_lagrange(nodes: Index, inverse: Array, reference: Array, u: Array, str
             )
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, fastmath=FAST)
 def linearised_strain(nodes: Index, inverse: Array, reference: Array, u: Array, du: Array, strain: Array) -> None:
     """B(u) du (e, q, v): the change of the Green-Lagrange strain at u to first order in du."""
     for e in prange(nodes.shape[0]):
-        g = np.empty((nodes.shape[1], 3))
+        values = np.empty((nodes.shape[1], 3))
+        changes = np.empty((nodes.shape[1], 3))
         f = np.empty((3, 3))
         d = np.empty((3, 3))
+        at_nodes(nodes[e], u, values)
+        at_nodes(nodes[e], du, changes)
         for q in range(reference.shape[0]):
-            deformation_gradient(inverse[e], reference[q], nodes[e], u, g, f)
-            displacement_gradient(g, nodes[e], du, d)
+            deformation_gradient(inverse[e], reference[q], values, f)
+            displacement_gradient(inverse[e], reference[q], changes, d)
             for v in range(6):
                 i, j = VOIGT[v, 0], VOIGT[v, 1]
                 value = 0.0
@@ -105,7 +120,7 @@ def linearised_strain(nodes: Index, inverse: Array, reference: Array, u: Array, 
                 strain[e, q, v] = 0.5 * value if v < 3 else value
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, fastmath=FAST)
 def internal_force(
     colours: Index,
     chunks: Index,
@@ -120,22 +135,28 @@ def internal_force(
     """Add int P : grad N_a to force (n, 3); stress is the second Piola-Kirchhoff stress (e, q, v), weight (e, q)."""
     for c in range(colours.shape[0] - 1):
         for chunk in prange(colours[c], colours[c + 1]):
-            g = np.empty((nodes.shape[1], 3))
+            values = np.empty((nodes.shape[1], 3))
             f = np.empty((3, 3))
             p = np.empty((3, 3))
             s = np.empty((3, 3))
             fe = np.empty((nodes.shape[1], 3))
             for e in range(chunks[chunk], chunks[chunk + 1]):
                 fe[:] = 0.0
+                at_nodes(nodes[e], u, values)
                 for q in range(reference.shape[0]):
-                    deformation_gradient(inverse[e], reference[q], nodes[e], u, g, f)
+                    deformation_gradient(inverse[e], reference[q], values, f)
                     symmetric(stress[e, q], weight[e, q], s)
                     for i in range(3):
                         for j in range(3):
                             p[i, j] = f[i, 0] * s[0, j] + f[i, 1] * s[1, j] + f[i, 2] * s[2, j]
-                    for a in range(nodes.shape[1]):
-                        for i in range(3):
-                            fe[a, i] += p[i, 0] * g[a, 0] + p[i, 1] * g[a, 1] + p[i, 2] * g[a, 2]
+                    for i in range(3):  # P : grad N_a = (P J^-T) : reference gradient
+                        along0 = p[i, 0] * inverse[e, 0, 0] + p[i, 1] * inverse[e, 0, 1] + p[i, 2] * inverse[e, 0, 2]
+                        along1 = p[i, 0] * inverse[e, 1, 0] + p[i, 1] * inverse[e, 1, 1] + p[i, 2] * inverse[e, 1, 2]
+                        along2 = p[i, 0] * inverse[e, 2, 0] + p[i, 1] * inverse[e, 2, 1] + p[i, 2] * inverse[e, 2, 2]
+                        for a in range(nodes.shape[1]):
+                            fe[a, i] += (
+                                along0 * reference[q, a, 0] + along1 * reference[q, a, 1] + along2 * reference[q, a, 2]
+                            )
                 for a in range(nodes.shape[1]):
                     for i in range(3):
                         force[nodes[e, a], i] += fe[a, i]

@@ -4,7 +4,7 @@ import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from fem.kernels import deformation_gradient, place, symmetric
+from fem.kernels import at_nodes, deformation_gradient, gradients, place, symmetric
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -35,6 +35,7 @@ def pressure_columns(
     n, first = nodes.shape[1], u.shape[0]
     for c in range(colours.shape[0] - 1):
         for chunk in prange(colours[c], colours[c + 1]):
+            values = np.empty((n, 3))
             g = np.empty((n, 3))
             f = np.empty((3, 3))
             s = np.empty((3, 3))
@@ -42,8 +43,10 @@ def pressure_columns(
             block = np.zeros((3, 3))
             for e in range(chunks[chunk], chunks[chunk + 1]):
                 k[:] = 0.0
+                at_nodes(nodes[e], u, values)
                 for q in range(reference.shape[0]):
-                    deformation_gradient(inverse[e], reference[q], nodes[e], u, g, f)
+                    gradients(inverse[e], reference[q], g)
+                    deformation_gradient(inverse[e], reference[q], values, f)
                     law = slope[e, q] if slope.shape[0] > 1 else slope[0, 0]
                     symmetric(law, 1.0, s)
                     for a in range(n):

@@ -16,7 +16,7 @@ class Pattern:
     """Upper triangle (diagonal included) over the free components of all nodes, numbered node by node.
 
     Row r of node a holds first the components of a from r on, then all free components of the neighbours b > a in
-    order; `start_of(pairs)` therefore needs one number per node pair.
+    order; `start_of(pairs)` therefore has one number per node pair.
     """
 
     node_dof: Index  #: (n, 3) reduced dof of each component, -1 where it is prescribed
@@ -50,27 +50,30 @@ class Pattern:
         """Number of free dofs."""
         return self.indptr.shape[0] - 1
 
-    def holds(self, rows: Index, columns: Index) -> bool:
-        """Whether all node pairs rows <= columns have a place."""
-        off = rows != columns
-        wanted = rows[off] * self.free.shape[0] + columns[off]
-        place = np.searchsorted(self.keys, wanted)
-        return bool(np.all(self.keys[np.minimum(place, self.keys.shape[0] - 1)] == wanted))
-
     def with_pairs(self, rows: Index, columns: Index) -> "Pattern":
         """The pattern that holds the node pairs rows <= columns as well."""
         n = self.free.shape[0]
         off = rows != columns
         return Pattern.of(self.node_dof < 0, np.union1d(self.keys, rows[off] * n + columns[off]))
 
-    def start_of(self, rows: Index, columns: Index) -> Index:
-        """Offset of each node pair rows <= columns that has a place; 0 for a pair of a node with itself."""
-        place = np.searchsorted(self.keys, rows * self.free.shape[0] + columns)
-        return np.where(rows == columns, 0, self.offset[np.minimum(place, self.keys.shape[0] - 1)])
+    def find(self, rows: Index, columns: Index) -> Index | None:
+        """Offset of each node pair rows <= columns, 0 for a pair of a node with itself; None where one has no place."""
+        off = rows != columns
+        wanted = rows * self.free.shape[0] + columns
+        place = np.minimum(np.searchsorted(self.keys, wanted), self.keys.shape[0] - 1)
+        if np.any(off & (self.keys[place] != wanted)):
+            return None
+        return np.where(off, self.offset[place], 0)
 
-    def place(self, data: Array, rows: Index, columns: Index, values: Array) -> None:
-        """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,)."""
-        offset = self.start_of(rows, columns)
+    def start_of(self, rows: Index, columns: Index) -> Index:
+        """The same for pairs that are known to have a place; raises ValueError where one has none."""
+        found = self.find(rows, columns)
+        if found is None:
+            raise ValueError("the pattern has no place for a pair of nodes")
+        return found
+
+    def place(self, data: Array, rows: Index, columns: Index, values: Array, offset: Index) -> None:
+        """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); offset (m,) as `start_of` gives it."""
         kernels.place_blocks(rows, columns, values, offset, self.node_dof, self.indptr, self.free, data)
 
 

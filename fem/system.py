@@ -20,6 +20,7 @@ from fem.pattern import Pattern, element_keys
 from fem.supports import Constraints
 
 Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 
 Terms = tuple[Term, ...]
 
@@ -127,6 +128,7 @@ class System:
         self.pattern = pattern
         self._offset = pattern.start_of(np.minimum(first, second), np.maximum(first, second))
         self._pressure_places = self.law.places(pattern)
+        self._known: dict[int, tuple[Index, Index]] = {}  # by term: first nodes of its pairs, and their offsets
         self.solver.analyse(pattern.indptr, pattern.indices)
 
     def start(self) -> State:
@@ -226,7 +228,7 @@ class System:
         for term in terms:
             with self.clock.timing(term.effect):
                 hessians.append(term.blocks(x, state.factor, convex))
-        self._make_room(hessians)
+        offsets = self._room_for(hessians)
         with self.clock.timing("assembly"):
             pattern, moves = self.pattern, bool(np.any(jump))
             data, coupling = np.zeros(pattern.indices.shape[0]), np.zeros_like(x)
@@ -245,8 +247,8 @@ class System:
                 jump if moves else NO_INCREMENT,
                 coupling,
             )
-            for blocks in hessians:
-                pattern.place(data, blocks.rows, blocks.columns, blocks.values)
+            for blocks, offset in zip(hessians, offsets, strict=True):
+                pattern.place(data, blocks.rows, blocks.columns, blocks.values, offset)
                 if moves:
                     kernels.blocks_times(blocks.rows, blocks.columns, blocks.values, jump, coupling)
             self.law.couple(pattern, self._pressure_places, data, state.displacement, assembly.answer)
@@ -286,13 +288,28 @@ class System:
         x = self.space.points + displacement
         return min((term.step_limit(x, increment) for term in terms), default=1.0)
 
-    def _make_room(self, hessians: list[Blocks]) -> None:
-        """Take new node pairs (contact) into the pattern; it only ever grows, so this becomes rare."""
-        missing = [blocks for blocks in hessians if not self.pattern.holds(blocks.rows, blocks.columns)]
+    def _room_for(self, hessians: list[Blocks]) -> list[Index]:
+        """Where the blocks stand in the pattern. It takes up new node pairs (contact), and only ever grows, so this
+        becomes rare."""
+        found = [self._offset_of(number, blocks) for number, blocks in enumerate(hessians)]
+        missing = [blocks for blocks, offset in zip(hessians, found, strict=True) if offset is None]
         if missing:
             rows = np.concatenate([blocks.rows for blocks in missing])
             columns = np.concatenate([blocks.columns for blocks in missing])
             self._take_pattern(self.pattern.with_pairs(rows, columns))
+        return [
+            self.pattern.start_of(blocks.rows, blocks.columns) if missing or offset is None else offset
+            for blocks, offset in zip(hessians, found, strict=True)
+        ]
+
+    def _offset_of(self, number: int, blocks: Blocks) -> Index | None:
+        """Where the blocks of a term stand, None where the pattern has no place; kept while its pairs are the same."""
+        pairs, offset = self._known.get(number, (None, None))
+        if pairs is not blocks.rows:
+            offset = self.pattern.find(blocks.rows, blocks.columns)
+            if offset is not None:
+                self._known[number] = blocks.rows, offset
+        return offset
 
 
 def _times(tangent: Array, strain: Array) -> Array:

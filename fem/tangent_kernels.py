@@ -1,20 +1,17 @@
 """The tangent of the body, compiled by numba: most of what an iteration costs beside the factorization.
 
 Axes and addressing as in `fem.kernels`. The tangent of one element is k (i, a, j, b), the last axis contiguous, so that
-the inner loops run over nodes and can be vectorised by the compiler. Sums may be reassociated for that; the order is
-fixed when the kernel is compiled, so results do not depend on the number of threads.
+the inner loops run over nodes and can be vectorised by the compiler.
 """
 
 import numpy as np
 from numba import njit, prange
 from numpy.typing import NDArray
 
-from fem.kernels import deformation_gradient, place
+from fem.kernels import FAST, at_nodes, deformation_gradient, gradients, place
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
-
-FAST = {"contract", "reassoc", "nsz"}
 
 
 @njit(cache=True)
@@ -32,9 +29,12 @@ def _element_tangent(
     g = np.empty((3 * points, n))
     sg = np.empty((3 * points, n))
     slope = np.empty((n, 3))
+    values = np.empty((n, 3))
+    at_nodes(nodes, u, values)
     for q in range(points):
         w = weight[q]
-        deformation_gradient(inverse, reference[q], nodes, u, slope, f)
+        gradients(inverse, reference[q], slope)
+        deformation_gradient(inverse, reference[q], values, f)
         s = stress[q]
         for a in range(n):
             g0, g1, g2 = slope[a, 0], slope[a, 1], slope[a, 2]
@@ -78,14 +78,17 @@ def _isotropic_element_tangent(
     f = np.empty((3, 3))
     ff = np.empty((3, 3))
     slope = np.empty((n, 3))
+    values = np.empty((n, 3))
     g = np.empty((3, n))
     h = np.empty((3, n))
     sg = np.empty((3, n))
     k[:] = 0.0
+    at_nodes(nodes, u, values)
     for q in range(reference.shape[0]):
         w = weight[q]
         lam, mu = lame[q, 0] * w, lame[q, 1] * w
-        deformation_gradient(inverse, reference[q], nodes, u, slope, f)
+        gradients(inverse, reference[q], slope)
+        deformation_gradient(inverse, reference[q], values, f)
         for i in range(3):
             for a in range(n):
                 g[i, a] = slope[a, i]

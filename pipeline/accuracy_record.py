@@ -14,6 +14,9 @@ __all__ = ["accuracy_record"]
 
 AXES = ("x", "y")
 
+#: the numbers whose meaning hangs on whether the law has one slope or two
+OF_THE_LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm")
+
 Found = Mapping[str, Any]  #: what `rung_measured.measure` found
 Numbers = Mapping[str, Any]  #: of that, what belongs to one pressure
 
@@ -72,12 +75,21 @@ def _reference(
             _reference(axis, _of_end(lines, i), _of_end([distances], i)[0], touching_mm) for i, axis in enumerate(AXES)
         ]
         return None if None in ends else ends
-    known = [[(n, numbers[key]) for n, numbers in line if numbers[key] is not None] for line in lines]
+    known = [[(n, numbers[key]) for n, numbers in _of_one_law(key, line) if numbers[key] is not None] for line in lines]
     found = limit(known)
     steps = [(mm, numbers[key]) for mm, numbers in distances if numbers[key] is not None]
     if found is None or touching_mm is None or len(steps) < 2 or touching_mm not in dict(steps):
         return found
     return shifted(found, steps, touching_mm)
+
+
+def _of_one_law(key: str, line: Sequence[tuple[float, Numbers]]) -> Sequence[tuple[float, Numbers]]:
+    """The rungs of a line whose law has as many slopes as that of the finest: a rigidity of one line and one of two are
+    different numbers."""
+    if key not in OF_THE_LAW or not line:
+        return line
+    _, finest = max(line, key=lambda rung: rung[0])
+    return [(n, numbers) for n, numbers in line if (numbers["d_mm"] is None) == (finest["d_mm"] is None)]
 
 
 def _rows(

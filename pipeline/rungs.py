@@ -8,6 +8,8 @@ __all__ = ["CONTACT", "POINTS", "TOLERANCE", "Rung", "ladder", "mesh_choice"]
 
 #: mesh sizes over that of the configuration by grading
 SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (1.5, 1.25, 1.0, 0.75, 0.5)}
+#: further ones of the line that converges best, for the limit that all others are held against
+FINEST = {("mixed", "walls"): (0.4, 0.325)}
 #: the same of elements that lock whatever the mesh: fewer and even ones. p1 has a sixth to a seventh of the unknowns of
 #: p2 on a mesh, and half the nodes on the material curve: at 1.5 they do not resolve the cells of the arms
 LOCKING: dict[str, tuple[float, ...]] = {"p2": (1.5, 1.0, 0.6), "p1": (1.0, 0.5, 0.25)}
@@ -56,7 +58,7 @@ def ladder(config: Config, touching_mm: float | None) -> list[Rung]:
     rungs = []
     for formulation in FORMULATIONS:
         for grading, shares in ({"off": LOCKING[formulation]} if formulation in LOCKING else SIZES).items():
-            for share in shares:
+            for share in (*shares, *FINEST.get((formulation, grading), ())):
                 size = round(share * config.mesh.size_mm, 6)
                 mesh = replace(config.mesh, size_mm=size, formulation=formulation, grading=grading)
                 dense = share == DENSE and replace(mesh, size_mm=config.mesh.size_mm) == config.mesh

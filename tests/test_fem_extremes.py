@@ -1,8 +1,14 @@
-"""Extreme stretches in words: which limit of which law, and where."""
+"""Extreme stretches: which they are, and in words which limit of which law they pass, and where."""
 
 from dataclasses import replace
 
+import numpy as np
+import pytest
+from bodies import box
+
 from fem import NeoHooke, StVenantKirchhoff, beyond_the_law
+from fem.discretisation import Discretisation
+from fem.extremes import extremes_of, principal_stretches, strain_at_stress_points
 from fem.solution import Extremes
 
 LAW = StVenantKirchhoff(1.2, 0.495)
@@ -24,3 +30,17 @@ def test_compression_beyond_the_limit_point_of_the_law() -> None:
 def test_tension_that_leaves_no_volume() -> None:
     said = beyond_the_law(replace(MILD, max_stretch=1.8), LAW)
     assert said.startswith("a stretch of 1.8 at (4.0, 5.0, 6.0) mm is above 1.74, the largest that StVenantKirchhoff")
+
+
+@pytest.mark.parametrize("size", [0.0, 1e-9, 0.02, 0.3])
+def test_the_extremes_are_those_of_all_points(size: float) -> None:
+    """Few points can be the extreme ones, and the stretches of those alone are computed."""
+    space = Discretisation.of(box((3, 2, 2), (1.0, 1.0, 1.0)), "p2p0")
+    displacement = size * np.random.default_rng(5).normal(size=space.points.shape)
+    strain, jacobian = strain_at_stress_points(space, displacement)
+    stretches = principal_stretches(strain)
+    found = extremes_of(space, displacement, jacobian)
+    assert (found.min_stretch, found.max_stretch) == (stretches.min(), stretches.max())
+    centres = space.points[space.nodes[:, :4]].mean(axis=1)
+    np.testing.assert_array_equal(found.max_stretch_at, centres[stretches[..., 2].max(axis=1).argmax()])
+    np.testing.assert_array_equal(found.min_stretch_at, centres[stretches[..., 0].min(axis=1).argmin()])

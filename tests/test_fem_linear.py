@@ -59,6 +59,17 @@ def test_solution_and_inertia(kind: Callable[[], LinearSolver], size: int, negat
     assert solver.negative_pivots == negative
 
 
+@WITH_PARDISO
+def test_a_diagonal_of_zeros_takes_pairs_of_pivots() -> None:
+    """Single pivots from the diagonal, the first choice, do not exist here."""
+    swap = np.array([[0.0, 1.0], [1.0, 0.0]])
+    matrix = np.kron(np.eye(3), swap)
+    solver = factorized(Pardiso, matrix)
+    right = np.arange(1.0, 7.0)
+    np.testing.assert_allclose(solver.solve(right), matrix @ right, rtol=1e-12)
+    assert solver.negative_pivots == 3
+
+
 @pytest.mark.parametrize("kind", SOLVERS)
 def test_one_analysis_serves_many_values(kind: Callable[[], LinearSolver]) -> None:
     matrix = indefinite(30, 2, seed=1)
