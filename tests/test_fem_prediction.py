@@ -2,8 +2,11 @@
 
 import numpy as np
 import pytest
+from bodies import hollow_box
 
-from fem.prediction import FAR, Place, predicted
+from fem import Fixed, Model, Pressure, StVenantKirchhoff, kernels
+from fem.course import LoadCourse
+from fem.prediction import FAR, KICK, Place, Predictor, predicted
 from fem.system import State
 
 
@@ -44,3 +47,22 @@ def test_far_ahead_a_parabola_is_taken() -> None:
     assert cubic is not None
     assert parabola is not None
     np.testing.assert_array_equal(cubic.displacement, parabola.displacement)
+
+
+@pytest.mark.parametrize("formulation", ["p2p0", "mixed"])
+def test_the_first_start_strains_little_under_a_stress_that_balances_the_whole_load(formulation: str) -> None:
+    law, supports = StVenantKirchhoff(1.2, 0.49), [Fixed("clamp"), Fixed("sym", "z")]
+    model = Model(hollow_box(half=True, parts=2), law, supports, [Pressure("cavity", 1.0)], formulation)
+    system = model.system()
+    rest = Place(0.0, 0.0, system.start())
+    aim = Place(1.0, 1.0, rest.state)
+    (start, iterations), *others = Predictor(system, LoadCourse()).starts([rest], aim, system.terms)
+    assert iterations is None
+    assert not others
+    assert np.abs(start.strain).max() == pytest.approx(KICK)
+    assert np.abs(start.stress).max() > 2 * np.abs(law.shear_modulus * start.strain).max()
+    loads = system.loads(np.zeros_like(start.displacement), 1.0, system.terms)
+    forces, space = np.zeros_like(loads), system.space
+    elements = (space.colours, space.chunks, space.nodes, space.inverse, space.reference, space.weight)
+    kernels.internal_force(*elements, np.zeros_like(loads), start.stress, forces)
+    assert np.linalg.norm(system.free(forces + loads)) < 1e-9 * np.linalg.norm(system.free(loads))
