@@ -120,7 +120,7 @@ class Path:
         self.watch = watch
         rest = system.space.points
         self.terms = tuple(term for term in system.terms if term.wanted(rest))
-        self.places = [Place(course.rest, 0.0, system.start())]
+        self.places = [Place(course.rest, 0.0, system.start(), terms=tuple(term.at(0.0) for term in self.terms))]
         self.predictor = Predictor(system, course)
         self.misled = False  #: whether a predicted start has failed on the way to the asked value
         self.stricter: Terms | None = None  #: what acts on the rest of that way, once a state has been refused on it
@@ -133,7 +133,8 @@ class Path:
             # some perhaps since a state between two asked values, that is not among the steps
             acting = tuple(term for term, acts in zip(self.system.terms, step.acting, strict=True) if acts)
             self.terms = tuple(term for term in self.system.terms if term in acting or term.wanted(x))
-            place = Place(self.course.at(step), 1.0, state, self._touching(x))
+            terms = tuple(term.at(1.0) for term in self.terms)
+            place = Place(self.course.at(step), 1.0, state, self._touching(x), terms=terms)
             if step.rate is not None:
                 place = replace(place, rate=self.system.rate(state, self.system.assemble(state, ()), step.rate))
             self.places = [self.places[-1], place]
@@ -218,7 +219,8 @@ class Path:
     def _reached(self, origin: Place, value: float, share: float, found: Converged) -> Place:
         """The place where an attempt has led, with its rate where the factor at hand tells it."""
         place = self._place(origin, value, share, found.state, self._touching(self._positions(found)))
-        return replace(place, rate=self.predictor.rate(place, found, self._acting(place)))
+        place = replace(place, terms=tuple(term.at(place.share) for term in self._at_work))
+        return replace(place, rate=self.predictor.rate(place, found, place.terms))
 
     def _touching(self, x: Array) -> bool:
         """Whether walls are in contact at positions x (n, 3)."""
@@ -251,7 +253,7 @@ class Path:
     def _end(self, origin: Place, value: float, done: float, cutbacks: int, spent: int, failure: str) -> End:
         reached = self._place(origin, value, done, self.places[-1].state)
         last = self.places[-1]
-        limits = beyond_the_law(self.system, last.state), near_limit_point(self.system, last.state, self._acting(last))
+        limits = beyond_the_law(self.system, last.state), near_limit_point(self.system, last.state, last.terms)
         cause = failure + "".join(limits)
         return End(self.course.name, value, reached.value, reached.share, cutbacks, spent, cause)
 
@@ -268,7 +270,7 @@ class Path:
             extremes=extremes_of(self.system.space, displacement, found.assembly.jacobian),
             min_gap=min((term.gap(x) for term in self.system.terms), default=np.inf),
             negative_pivots=found.negative_pivots,
-            instability=instability(self.system, found, self._acting(self.places[-1])),
+            instability=instability(self.system, found, self.places[-1].terms),
             newton_iterations=factorizations,
             factorizations=factorizations,
             cutbacks=cutbacks,
@@ -277,9 +279,6 @@ class Path:
             seconds=seconds,
             spent=spent,
         )
-
-    def _acting(self, place: Place) -> Terms:
-        return tuple(term.at(place.share) for term in self.terms)
 
     def solution(self, steps: Sequence[Step], set_up: float) -> Solution:
         """What was reached, with the seconds spent."""

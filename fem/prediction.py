@@ -52,6 +52,7 @@ class Place:
     state: State
     touching: bool = False  #: whether walls are in contact there
     rate: State | None = None  #: change of the state per unit of the value; None where it is not known
+    terms: Terms = ()  #: what acts there, at that share
 
 
 @final

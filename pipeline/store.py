@@ -32,7 +32,10 @@ from pipeline.whole_file import left_over, write_whole
 __all__ = ["Store", "open_folder", "open_store"]
 
 _IDENTITY = "states/configuration.json"
-_SOURCES = ("geometry/*.py", "fem/*.py", "pipeline/cases.py", "pipeline/scene.py", "pipeline/simulate.py")
+_SOURCES = (
+    *("geometry/*.py", "fem/*.py", "pipeline/cases.py", "pipeline/scene.py", "pipeline/simulate.py"),
+    *("pipeline/accuracy_choice.py", "pipeline/mesh_law.py", "pipeline/indicator.py"),
+)
 _FOLDERS = ("states", "pictures", "fields", "rungs")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),

@@ -31,6 +31,7 @@ from fem.discretisation import Discretisation
 from fem.effects import Term
 from fem.facing import FacingTerm
 from fem.material import Material
+from fem.newton import NEAR
 from geometry import Body
 
 Array = NDArray[np.float64]
@@ -190,17 +191,37 @@ def test_a_crossing_that_facing_walls_do_not_see_is_solved_with_the_barrier(monk
 def test_walls_that_pass_through_a_soft_contact_are_held_by_a_firmer_one(monkeypatch, short: Body) -> None:
     """Contact of a 25th of the stiffness lets them, four times that still does, sixteen times that does not."""
     monkeypatch.setattr("fem.contact.STIFFNESS", 0.04 * STIFFNESS)
-    stricter, asked = FacingTerm.stricter, []
+    stricter, asked, stiffness = FacingTerm.stricter, [], []
 
     def told(self: FacingTerm, x: Array) -> Term:
         asked.append(self.gap(x))
+        stiffness.append(self.stiffness)
         return stricter(self, x)
 
     monkeypatch.setattr(FacingTerm, "stricter", told)
+    judged: list[tuple[Term, ...]] = []
+    monkeypatch.setattr("fem.loadpath.instability", lambda system, found, terms: judged.append(terms) or "")
     _, steps = bend(short, [SelfContact("gap", waits=True)], [37.0])
     assert len(asked) == 2
     assert asked[0] < asked[1] < 0 < steps[0].min_gap
+    firm = judged[-1][-1]  # whether the state is stable is asked of what holds it
+    assert isinstance(firm, FacingTerm)
+    assert firm.stiffness == pytest.approx(16 * stiffness[0])
     assert not crossings(steps[0])
+
+
+def test_contact_wakes_before_there_is_equilibrium_without_it(short: Body) -> None:
+    """A state that is nearly in equilibrium shows which walls meet; the iterations to the end of that are saved."""
+    model = Experiment.of("II", short, 0.0).model(
+        LAW, [Pressure("cavity", 0.037), SelfContact("gap", waits=True)], "p2p0"
+    )
+    seen: list[tuple[int, float]] = []
+    step = follow(model, [1.0], watch=lambda factor, iteration, residual: seen.append((iteration, residual))).steps[0]
+    assert step.acting[-1]
+    begins = [place for place, (iteration, _) in enumerate(seen) if iteration == 0]
+    last_without = [seen[place - 1][1] for place in begins[1:]]
+    assert all(NewtonOptions().tolerance < residual < NEAR for residual in last_without)
+    assert len(begins) == 2
 
 
 def test_contact_wakes_contact() -> None:
