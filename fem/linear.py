@@ -95,7 +95,7 @@ class Pardiso(LinearSolver):
         self._solver = PyPardisoSolver(mtype=-2)
         self._error = PyPardisoError
         self._finalizer = weakref.finalize(self, _release, self._solver)
-        for place, value in {1: 1, 8: 0, 10: -ZERO_PIVOT, 11: 0, 13: 0, PIVOTING: 0, 24: 0}.items():
+        for place, value in {1: 1, 8: 0, 10: -ZERO_PIVOT, 11: 0, 13: 0, 24: 0}.items():
             self._solver.set_iparm(place, value)
         self._memory = memory
         self._matrix = sp.csr_matrix((0, 0))
@@ -142,12 +142,13 @@ class Pardiso(LinearSolver):
         start = perf_counter()
         self._data = data
         self._matrix.data = data.astype(self._matrix.dtype, copy=False)
-        self._call(22, np.zeros(self._matrix.shape[0]))
-        if self._replaced_pivots and not self._solver.get_iparm(PIVOTING):
-            self._solver.set_iparm(PIVOTING, 1)
+        for pairs in (0, 1):
+            self._solver.set_iparm(PIVOTING, pairs)
             self._call(22, np.zeros(self._matrix.shape[0]))
+            self.times.factorizations += 1
+            if not self._replaced_pivots:
+                break
         self.times.factorization += perf_counter() - start
-        self.times.factorizations += 1
         if self._replaced_pivots:
             raise SingularMatrix(LOOSE)
 

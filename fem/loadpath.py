@@ -204,16 +204,21 @@ class Path:
         return self.system.space.points + found.state.displacement
 
     def _ahead(self, value: float, aim: Place) -> Converged:
-        """Equilibrium, or a state that wakes effects, from where the last places lead, or else from the last one."""
+        """Equilibrium, or a state that wakes effects, from the first start that leads to one."""
         failed = StepFailed("no start was tried")
-        for start, iterations in self.predictor.starts(self.places, aim, self.terms):
-            if iterations is not None and self.misled:
+        for start in self.predictor.starts(self.places, aim, self.terms):
+            if start.foretold and self.misled:
                 continue
+            newton_options = self.options.newton
+            if start.iterations is not None:
+                newton_options = replace(newton_options, iterations=min(start.iterations, newton_options.iterations))
+            if start.trial:
+                newton_options = replace(newton_options, limited=0)
             try:
-                return self._solve(value, aim, start, self.terms, iterations)
+                return self._solve(value, aim, start.state, start.terms, newton_options)
             except StepFailed as failure:
                 failed = failure
-                self.misled = self.misled or iterations is not None
+                self.misled = self.misled or start.foretold
         raise failed
 
     def _reached(self, origin: Place, value: float, share: float, found: Converged) -> Place:
@@ -226,17 +231,15 @@ class Path:
         """Whether walls are in contact at positions x (n, 3)."""
         return any(term.touching(x) for term in self.terms)
 
-    def _solve(self, value: float, aim: Place, start: State, terms: Terms, iterations: int | None = None) -> Converged:
-        newton_options = self.options.newton
-        if iterations is not None:
-            iterations = min(iterations, newton_options.iterations)
-            newton_options = replace(newton_options, iterations=iterations, limited=0)
+    def _solve(
+        self, value: float, aim: Place, start: State, terms: Terms, options: newton.NewtonOptions | None = None
+    ) -> Converged:
         return newton.solve(
             self.system,
             tuple(term.at(aim.share) for term in terms),
             start,
             self.course.control(self.system, aim.value, aim.share),
-            newton_options,
+            options or self.options.newton,
             lambda iteration, residual: self.watch(value, iteration, residual),
             self._asleep(),
         )

@@ -12,8 +12,10 @@ Where no such foresight holds - at rest, beyond a kink, too far ahead - Newton b
 last place, but under the whole load and the stress that goes with it to first order. A load that follows the surface
 and the stress that carries it turn with the body: together they make no stiffness against rotations. A load without its
 stress makes one, of either sign, and thin walls become unstable or turn the wrong way. Factorizations from rest to 45,
-55 and 65 kPa on the reference arm: 7, 7 and 8; with 0.85 of the stress 10, 12 and 12, with the stress of the little way
-alone 9, 10 and 11. From 10 to 60 kPa: 8, from the equilibrium at 10 kPa as it is 12.
+55 and 65 kPa on the reference arm: 7, 7 and 8; with 0.85 of the stress 10, 12 and 12. From 10 to 60 kPa: 8, from
+the equilibrium at 10 kPa as it is 12. A load that keeps its direction has no stiffness of its own, and its stress may
+make the body unstable at once: where the tangent limits the strain, this start is given up for one with no more stress
+than goes with the little way. A layer's stress is carried along.
 """
 
 from collections.abc import Iterator, Sequence
@@ -55,6 +57,17 @@ class Place:
     terms: Terms = ()  #: what acts there, at that share
 
 
+@dataclass(frozen=True)
+class Start:
+    """Where Newton's method begins, and how far it may go from there."""
+
+    state: State
+    terms: Terms  #: with the stress that goes with the state
+    foretold: bool = False  #: whether it is to be near the equilibrium
+    iterations: int | None = None  #: factorizations that it is worth, where that is less than for any other
+    trial: bool = False  #: whether it is given up as soon as the strain is limited, for another one follows
+
+
 @final
 class Predictor:
     """What the last places of a path say of the next one."""
@@ -67,9 +80,9 @@ class Predictor:
         #: whether something is whole from the first asked value on, so that the path has a kink there
         self.kinked = bool(system.constraints.constant.any() or any(term.at(0.5) is not term for term in system.terms))
 
-    def starts(self, places: Sequence[Place], aim: Place, terms: Terms) -> Iterator[tuple[State, int | None]]:
-        """Where Newton's method may start on the way to the aim, the most promising start first, and how many
-        iterations a predicted one is worth; places are the last two, or the one at rest."""
+    def starts(self, places: Sequence[Place], aim: Place, terms: Terms) -> Iterator[Start]:
+        """Where Newton's method may start on the way to the aim, the most promising start first; places are the last
+        two, or the one at rest."""
         before, last = places[0], places[-1]
         if len(places) == 1:
             last = replace(last, rate=self._rate_at_rest(last, aim, terms))
@@ -80,8 +93,13 @@ class Predictor:
             kink = kink or (before.share == 0.0 and float(np.abs(last.state.strain).max()) > STIFFENED)
             guess = predicted(None if kink or before.value == last.value else before, last, aim.value)
             if guess is not None:
-                yield guess, TOUCHING if last.touching else PREDICTED
-        yield _balanced(last, aim.value) or aim.state, None
+                yield Start(guess, terms, True, TOUCHING if last.touching else PREDICTED, True)
+        little, whole = _little(last, aim.value), predicted(None, last, aim.value)
+        if little is not None and whole is not None:
+            change, x = whole.displacement - last.state.displacement, self.system.space.points + last.state.displacement
+            balanced = replace(whole, displacement=little.displacement, strain=little.strain)
+            yield Start(balanced, tuple(term.advanced(x, change) for term in terms), trial=True)
+        yield Start(little if little is not None and len(places) == 1 else aim.state, terms)
 
     def rate(self, place: Place, found: Converged, terms: Terms) -> State | None:
         """Change of the state per unit of the value at a place just found, with the factor at hand."""
@@ -127,15 +145,12 @@ def predicted(before: Place | None, last: Place, value: float) -> State | None:
     )
 
 
-def _balanced(last: Place, value: float) -> State | None:
-    """A little way along the rate of the last place, under the load and the stress of the whole way to `value`; None
-    where the rate is not known or strains nothing."""
-    whole = predicted(None, last, value)
-    if last.rate is None or whole is None or not (strain := float(np.abs(last.rate.strain).max())) > 0.0:
+def _little(last: Place, value: float) -> State | None:
+    """The state a little way along the rate of the last place; None where that is not known or strains nothing."""
+    if last.rate is None or not (strain := float(np.abs(last.rate.strain).max())) > 0.0:
         return None
     ahead = value - last.value
-    led = predicted(None, last, last.value + float(np.sign(ahead)) * min(abs(ahead), KICK / strain))
-    return led and replace(whole, displacement=led.displacement, strain=led.strain)
+    return predicted(None, last, last.value + float(np.sign(ahead)) * min(abs(ahead), KICK / strain))
 
 
 def _sum(parts: Sequence[tuple[float, State]]) -> State:

@@ -28,11 +28,11 @@ def climb(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress)
         rungs = ladder(config, touching)
         files = {rung.folder: f"rungs/{rung.folder}.json" for rung in rungs}
         found = {name: store.read_json(file) for name, file in files.items()}
-        missing = [rung for rung in rungs if (found[rung.folder] or {}).get("key") != store.key]
+        missing = [rung for rung in rungs if (found[rung.folder] or {}).get("key") != store.numbers_key]
         progress.stage(f"ladder: {len(rungs)} rungs, {len(missing)} of them to be measured")
 
         def keep(rung: Rung, measured: dict[str, Any]) -> None:
-            found[rung.folder] = {"key": store.key, **measured}
+            found[rung.folder] = {"key": store.numbers_key, **measured}
             store.save_json(files[rung.folder], found[rung.folder])
             said = f"{measured['cpu_seconds']:.0f} s of CPU" if "cpu_seconds" in measured else measured["failure"]
             progress.stage(f"{rung.choice} {rung.value:g}: {said}")

@@ -138,12 +138,12 @@ def chosen(config: Config, store: Store, progress: Progress) -> tuple[Config, Ch
     if config.accuracy is None:
         return config, None
     known = store.read_json("states/choice.json")
-    if known is not None and known.pop("key") == store.key:
+    if known is not None and known.pop("key") == store.numbers_key:
         choice = Choice(**known)
     else:
         progress.stage("pilots for the asked accuracy")
         choice = _choose(config)
-        store.save_json("states/choice.json", {"key": store.key, **asdict(choice)})
+        store.save_json("states/choice.json", {"key": store.numbers_key, **asdict(choice)})
     mesh = replace(config.mesh, size_mm=choice.size_mm, formulation=choice.formulation, grading=choice.grading)
     return replace(
         config, mesh=mesh, newton_tolerance=choice.newton_tolerance, contact_dhat_mm=choice.contact_dhat_mm

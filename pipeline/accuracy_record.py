@@ -75,7 +75,11 @@ def _reference(
             _reference(axis, _of_end(lines, i), _of_end([distances], i)[0], touching_mm) for i, axis in enumerate(AXES)
         ]
         return None if None in ends else ends
-    known = [[(n, numbers[key]) for n, numbers in _of_one_law(key, line) if numbers[key] is not None] for line in lines]
+    if key in OF_THE_LAW:
+        slopes = _slopes(lines)
+        lines = [[rung for rung in line if _two_slopes(rung) == slopes] for line in lines]
+        distances = [rung for rung in distances if _two_slopes(rung) == slopes]
+    known = [[(n, numbers[key]) for n, numbers in line if numbers[key] is not None] for line in lines]
     found = limit(known)
     steps = [(mm, numbers[key]) for mm, numbers in distances if numbers[key] is not None]
     if found is None or touching_mm is None or len(steps) < 2 or touching_mm not in dict(steps):
@@ -83,13 +87,16 @@ def _reference(
     return shifted(found, steps, touching_mm)
 
 
-def _of_one_law(key: str, line: Sequence[tuple[float, Numbers]]) -> Sequence[tuple[float, Numbers]]:
-    """The rungs of a line whose law has as many slopes as that of the finest: a rigidity of one line and one of two are
-    different numbers."""
-    if key not in OF_THE_LAW or not line:
-        return line
-    _, finest = max(line, key=lambda rung: rung[0])
-    return [(n, numbers) for n, numbers in line if (numbers["d_mm"] is None) == (finest["d_mm"] is None)]
+def _two_slopes(rung: tuple[float, Numbers]) -> bool:
+    return rung[1]["d_mm"] is not None
+
+
+def _slopes(lines: Sequence[Sequence[tuple[float, Numbers]]]) -> bool:
+    """Whether most rungs of the lines found two slopes; the finest decides where as many found one. The rigidity of one
+    line and that of two are different numbers, so only the others of its kind say something about one."""
+    rungs = sorted((rung for line in lines for rung in line), key=lambda rung: rung[0])
+    votes = sum(1 if _two_slopes(rung) else -1 for rung in rungs)
+    return votes > 0 or (votes == 0 and bool(rungs) and _two_slopes(rungs[-1]))
 
 
 def _rows(

@@ -32,10 +32,8 @@ from pipeline.whole_file import left_over, write_whole
 __all__ = ["Store", "open_folder", "open_store"]
 
 _IDENTITY = "states/configuration.json"
-_SOURCES = (
-    *("geometry/*.py", "fem/*.py", "pipeline/cases.py", "pipeline/scene.py", "pipeline/simulate.py"),
-    *("pipeline/accuracy_choice.py", "pipeline/mesh_law.py", "pipeline/indicator.py"),
-)
+_SOURCES = ("geometry/*.py", "fem/*.py", "pipeline/cases.py", "pipeline/scene.py", "pipeline/simulate.py")
+_ALL_SOURCES = ("geometry/*.py", "fem/*.py", "rod/*.py", "pipeline/*.py")
 _FOLDERS = ("states", "pictures", "fields", "rungs")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),
@@ -50,6 +48,7 @@ class Store:
 
     directory: Path
     key: str  #: sha256 of the configuration, of the sources that decide a state, and of the packages' versions
+    numbers_key: str = ""  #: the same with the sources that decide the numbers read from states
 
     def path(self, name: str) -> Path:
         """Where the file `name` (relative, "/" between folders) stands; its folder is made."""
@@ -111,7 +110,7 @@ def open_store(directory: Path | str, config: Config, *, fresh: bool = False) ->
         if fresh:
             _clear(place)
         _check_owner(place, config)
-        store = Store(place, _key(config))
+        store = Store(place, _key(config, _SOURCES), _key(config, _ALL_SOURCES))
         store.save_json(_IDENTITY, {"config_hash": config.hash, "config": config.record()})
         yield store
 
@@ -178,10 +177,10 @@ def _state_name(experiment: str, pressure_kPa: float) -> str:
     return f"states/{experiment}_{pressure_kPa:.12g}kPa.npz"
 
 
-def _key(config: Config) -> str:
+def _key(config: Config, sources: Sequence[str]) -> str:
     digest = hashlib.sha256(config.hash.encode())
     rooms = Path(__file__).resolve().parent.parent
-    for pattern in _SOURCES:
+    for pattern in sources:
         for source in sorted(rooms.glob(pattern)):
             digest.update(source.read_bytes())
     digest.update(repr(sorted((name, installed(name)) for name in pinned())).encode())

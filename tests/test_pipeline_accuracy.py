@@ -146,6 +146,26 @@ def test_a_mesh_that_sees_one_slope_says_nothing_of_two(config: Config) -> None:
             assert found[key]["std"] < 0.011 * EXACT[key]  # what the contact distance leaves; with them 0.4
 
 
+@pytest.mark.parametrize(
+    "single", ["mixed at 3 and 2.4 mm", "the finest of both lines", "contact at 0.02 mm"], ids=lambda text: text
+)
+def test_the_reference_is_of_the_law_that_most_meshes_see(config: Config, single: str) -> None:
+    rungs = [(rung, made_up(rung)) for rung in ladder(config, TOUCHING)]
+    finest = {"mixed": (2.4,), "mixed, graded to walls": (1.3,)}
+    which = {
+        "mixed at 3 and 2.4 mm": lambda rung: rung.choice == "mixed" and rung.value in (3.0, 2.4),
+        "the finest of both lines": lambda rung: rung.value in finest.get(rung.choice, ()),
+        "contact at 0.02 mm": lambda rung: rung.choice == CONTACT and rung.value == 0.02,
+    }[single]
+    changed = [numbers for rung, found in rungs if which(rung) for numbers in found["numbers"]]
+    assert changed
+    for numbers in changed:
+        numbers.update(alpha1_N_mm2=250.0, alpha2_N_mm2=250.0, d_mm=None)
+    for found in accuracy_record(config, rungs, TOUCHING)["reference"]:
+        for key in ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm"):
+            assert found[key]["value"] == pytest.approx(EXACT[key], rel=5e-3)
+
+
 def test_rungs_that_failed_are_told_and_have_no_error(config: Config) -> None:
     found = [(rung, made_up(rung)) for rung in ladder(config, TOUCHING)]
     found[0] = (found[0][0], {"failure": "the body could not be meshed", "numbers": []})

@@ -110,12 +110,12 @@ def test_states_of_another_key_or_broken_ones_are_not_used(tmp_path: Path, confi
 
 
 def test_the_key_knows_the_sources(config: Config, other: Config, monkeypatch: pytest.MonkeyPatch) -> None:
-    key = store_module._key(config)
-    assert key == store_module._key(config)
-    assert key != store_module._key(other)
+    key = store_module._key(config, store_module._SOURCES)
+    assert key == store_module._key(config, store_module._SOURCES)
+    assert key != store_module._key(other, store_module._SOURCES)
     read = Path.read_bytes
     monkeypatch.setattr(Path, "read_bytes", lambda path: read(path) + b"# changed")
-    assert key != store_module._key(config)
+    assert key != store_module._key(config, store_module._SOURCES)
 
 
 def test_results_of_another_configuration_are_refused(tmp_path: Path, config: Config, other: Config) -> None:
