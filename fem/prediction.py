@@ -15,7 +15,8 @@ stress makes one, of either sign, and thin walls become unstable or turn the wro
 55 and 65 kPa on the reference arm: 7, 7 and 8; with 0.85 of the stress 10, 12 and 12. From 10 to 60 kPa: 8, from
 the equilibrium at 10 kPa as it is 12. A load that keeps its direction has no stiffness of its own, and its stress may
 make the body unstable at once: where the tangent limits the strain, this start is given up for one with no more stress
-than goes with the little way. A layer's stress is carried along.
+than goes with the little way. That holds at rest: a body that snaps later on (a half disc that collapses under a
+vacuum) does so only if the strain may be limited. A layer's stress is carried along.
 """
 
 from collections.abc import Iterator, Sequence
@@ -98,8 +99,12 @@ class Predictor:
         if little is not None and whole is not None:
             change, x = whole.displacement - last.state.displacement, self.system.space.points + last.state.displacement
             balanced = replace(whole, displacement=little.displacement, strain=little.strain)
-            yield Start(balanced, tuple(term.advanced(x, change) for term in terms), trial=True)
-        yield Start(little if little is not None and len(places) == 1 else aim.state, terms)
+            carrying = tuple(term.advanced(x, change) for term in terms)
+            if len(places) > 1:
+                yield Start(balanced, carrying)
+                return
+            yield Start(balanced, carrying, trial=True)
+        yield Start(little or aim.state, terms)
 
     def rate(self, place: Place, found: Converged, terms: Terms) -> State | None:
         """Change of the state per unit of the value at a place just found, with the factor at hand."""
