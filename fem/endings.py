@@ -14,8 +14,7 @@ NEARLY_UNSTABLE = 0.2
 
 def beyond_the_law(system: System, state: State) -> str:
     """A clause for a law that was driven out of its limits; empty otherwise."""
-    _, jacobian = strain_at_stress_points(system.space, state.displacement)
-    worst = extremes_of(system.space, state.displacement, jacobian)
+    worst = extremes_of(system.space, *strain_at_stress_points(system.space, state.displacement))
     clause = extremes.beyond_the_law(worst, system.material)
     return f"; there {clause}" if clause else ""
 

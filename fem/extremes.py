@@ -28,9 +28,9 @@ def principal_stretches(strain: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(c), 0.0)))
 
 
-def extremes_of(space: Discretisation, displacement: Array, jacobian: Array) -> Extremes:
-    """Extreme J and stretches over all stress points, with the element centres (mm) they belong to."""
-    strain, _ = strain_at_stress_points(space, displacement)
+def extremes_of(space: Discretisation, strain: Array, jacobian: Array) -> Extremes:
+    """Extreme J and stretches over all stress points, with the element centres (mm) they belong to, from the
+    Green-Lagrange strain (e, q, 6) and det F (e, q)."""
     low, high = _most_strained(strain)
     least, largest = principal_stretches(strain[low])[..., 0], principal_stretches(strain[high])[..., 2]
 

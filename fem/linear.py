@@ -145,10 +145,10 @@ class Pardiso(LinearSolver):
         for pairs in (0, 1):
             self._solver.set_iparm(PIVOTING, pairs)
             self._call(22, np.zeros(self._matrix.shape[0]))
-            self.times.factorizations += 1
             if not self._replaced_pivots:
                 break
         self.times.factorization += perf_counter() - start
+        self.times.factorizations += 1
         if self._replaced_pivots:
             raise SingularMatrix(LOOSE)
 

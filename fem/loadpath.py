@@ -120,7 +120,7 @@ class Path:
         self.watch = watch
         rest = system.space.points
         self.terms = tuple(term for term in system.terms if term.wanted(rest))
-        self.places = [Place(course.rest, 0.0, system.start(), terms=tuple(term.at(0.0) for term in self.terms))]
+        self.places = [Place(course.rest, 0.0, system.start(), terms=_at(self.terms, 0.0))]
         self.predictor = Predictor(system, course)
         self.misled = False  #: whether a predicted start has failed on the way to the asked value
         self.stricter: Terms | None = None  #: what acts on the rest of that way, once a state has been refused on it
@@ -133,8 +133,7 @@ class Path:
             # some perhaps since a state between two asked values, that is not among the steps
             acting = tuple(term for term, acts in zip(self.system.terms, step.acting, strict=True) if acts)
             self.terms = tuple(term for term in self.system.terms if term in acting or term.wanted(x))
-            terms = tuple(term.at(1.0) for term in self.terms)
-            place = Place(self.course.at(step), 1.0, state, self._touching(x), terms=terms)
+            place = Place(self.course.at(step), 1.0, state, self._touching(x), terms=_at(self.terms, 1.0))
             if step.rate is not None:
                 place = replace(place, rate=self.system.rate(state, self.system.assemble(state, ()), step.rate))
             self.places = [self.places[-1], place]
@@ -180,7 +179,7 @@ class Path:
             forgiving = all(term.forgiving for term in terms)
             found = self._awake(value, aim, self._solve(value, aim, found.state if forgiving else aim.state, terms))
         if found.assembly.jacobian.min() <= 0:
-            worst = extremes_of(self.system.space, found.state.displacement, found.assembly.jacobian)
+            worst = extremes_of(self.system.space, found.assembly.strain, found.assembly.jacobian)
             raise StepFailed(f"an element is turned inside out at {in_words(worst.min_J_at)} (J = {worst.min_J:.3g})")
         return found
 
@@ -207,7 +206,8 @@ class Path:
         """Equilibrium, or a state that wakes effects, from the first start that leads to one."""
         failed = StepFailed("no start was tried")
         for start in self.predictor.starts(self.places, aim, self.terms):
-            if start.foretold and self.misled:
+            foretold = start.iterations is not None
+            if foretold and self.misled:
                 continue
             newton_options = self.options.newton
             if start.iterations is not None:
@@ -218,13 +218,13 @@ class Path:
                 return self._solve(value, aim, start.state, start.terms, newton_options)
             except StepFailed as failure:
                 failed = failure
-                self.misled = self.misled or start.foretold
+                self.misled = self.misled or foretold
         raise failed
 
     def _reached(self, origin: Place, value: float, share: float, found: Converged) -> Place:
         """The place where an attempt has led, with its rate where the factor at hand tells it."""
         place = self._place(origin, value, share, found.state, self._touching(self._positions(found)))
-        place = replace(place, terms=tuple(term.at(place.share) for term in self._at_work))
+        place = replace(place, terms=_at(self._at_work, place.share))
         return replace(place, rate=self.predictor.rate(place, found, place.terms))
 
     def _touching(self, x: Array) -> bool:
@@ -236,7 +236,7 @@ class Path:
     ) -> Converged:
         return newton.solve(
             self.system,
-            tuple(term.at(aim.share) for term in terms),
+            _at(terms, aim.share),
             start,
             self.course.control(self.system, aim.value, aim.share),
             options or self.options.newton,
@@ -270,7 +270,7 @@ class Path:
             stress=found.state.stress,
             rate=None if (rate := self.places[-1].rate) is None else rate.change,
             gradient=np.where(self.system.constraints.fixed, found.assembly.gradient, 0.0),
-            extremes=extremes_of(self.system.space, displacement, found.assembly.jacobian),
+            extremes=extremes_of(self.system.space, found.assembly.strain, found.assembly.jacobian),
             min_gap=min((term.gap(x) for term in self.system.terms), default=np.inf),
             negative_pivots=found.negative_pivots,
             instability=instability(self.system, found, self.places[-1].terms),
@@ -300,3 +300,8 @@ class Path:
         times, effects = self.system.solver.times, dict(self.system.clock.seconds)
         assembly = effects.pop("assembly", 0.0)
         return Seconds(0.0, assembly, times.analysis, times.factorization, times.solve, effects)
+
+
+def _at(terms: Terms, share: float) -> Terms:
+    """The terms while what does not grow with the load factor has come to `share` of its size."""
+    return tuple(term.at(share) for term in terms)

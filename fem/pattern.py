@@ -11,6 +11,10 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 
+class NoPlace(ValueError):
+    """Node pairs that a pattern does not hold."""
+
+
 @dataclass(frozen=True)
 class Pattern:
     """Upper triangle (diagonal included) over the free components of all nodes, numbered node by node.
@@ -56,21 +60,17 @@ class Pattern:
         off = rows != columns
         return Pattern.of(self.node_dof < 0, np.union1d(self.keys, rows[off] * n + columns[off]))
 
-    def find(self, rows: Index, columns: Index) -> Index | None:
-        """Offset of each node pair rows <= columns, 0 for a pair of a node with itself; None where one has no place."""
+    def start_of(self, rows: Index, columns: Index) -> Index:
+        """Offset of each node pair rows <= columns, 0 for a pair of a node with itself.
+
+        Raises `NoPlace` where the pattern does not hold a pair.
+        """
         off = rows != columns
         wanted = rows * self.free.shape[0] + columns
         place = np.minimum(np.searchsorted(self.keys, wanted), self.keys.shape[0] - 1)
         if np.any(off & (self.keys[place] != wanted)):
-            return None
+            raise NoPlace("the pattern has no place for a pair of nodes")
         return np.where(off, self.offset[place], 0)
-
-    def start_of(self, rows: Index, columns: Index) -> Index:
-        """The same for pairs that are known to have a place; raises ValueError where one has none."""
-        found = self.find(rows, columns)
-        if found is None:
-            raise ValueError("the pattern has no place for a pair of nodes")
-        return found
 
     def place(self, data: Array, rows: Index, columns: Index, values: Array, offset: Index) -> None:
         """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); offset (m,) as `start_of` gives it."""

@@ -64,8 +64,7 @@ class Start:
 
     state: State
     terms: Terms  #: with the stress that goes with the state
-    foretold: bool = False  #: whether it is to be near the equilibrium
-    iterations: int | None = None  #: factorizations that it is worth, where that is less than for any other
+    iterations: int | None = None  #: factorizations that one foretold from places is worth; None for the others
     trial: bool = False  #: whether it is given up as soon as the strain is limited, for another one follows
 
 
@@ -94,17 +93,17 @@ class Predictor:
             kink = kink or (before.share == 0.0 and float(np.abs(last.state.strain).max()) > STIFFENED)
             guess = predicted(None if kink or before.value == last.value else before, last, aim.value)
             if guess is not None:
-                yield Start(guess, terms, True, TOUCHING if last.touching else PREDICTED, True)
+                yield Start(guess, terms, TOUCHING if last.touching else PREDICTED, trial=True)
         little, whole = _little(last, aim.value), predicted(None, last, aim.value)
-        if little is not None and whole is not None:
-            change, x = whole.displacement - last.state.displacement, self.system.space.points + last.state.displacement
-            balanced = replace(whole, displacement=little.displacement, strain=little.strain)
-            carrying = tuple(term.advanced(x, change) for term in terms)
-            if len(places) > 1:
-                yield Start(balanced, carrying)
-                return
-            yield Start(balanced, carrying, trial=True)
-        yield Start(little or aim.state, terms)
+        if little is None or whole is None:
+            yield Start(aim.state, terms)
+            return
+        change, x = whole.displacement - last.state.displacement, self.system.space.points + last.state.displacement
+        balanced = replace(whole, displacement=little.displacement, strain=little.strain)
+        at_rest = len(places) == 1
+        yield Start(balanced, tuple(term.advanced(x, change) for term in terms), trial=at_rest)
+        if at_rest:
+            yield Start(little, terms)
 
     def rate(self, place: Place, found: Converged, terms: Terms) -> State | None:
         """Change of the state per unit of the value at a place just found, with the factor at hand."""

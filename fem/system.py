@@ -16,7 +16,7 @@ from fem.effects import Blocks, Term
 from fem.formulation import Answer, formulation_of, lame_constants
 from fem.linear import LinearSolver
 from fem.material import Material
-from fem.pattern import Pattern, element_keys
+from fem.pattern import NoPlace, Pattern, element_keys
 from fem.supports import Constraints
 
 Array = NDArray[np.float64]
@@ -291,25 +291,19 @@ class System:
     def _room_for(self, hessians: list[Blocks]) -> list[Index]:
         """Where the blocks stand in the pattern. It takes up new node pairs (contact), and only ever grows, so this
         becomes rare."""
-        found = [self._offset_of(number, blocks) for number, blocks in enumerate(hessians)]
-        missing = [blocks for blocks, offset in zip(hessians, found, strict=True) if offset is None]
-        if missing:
-            rows = np.concatenate([blocks.rows for blocks in missing])
-            columns = np.concatenate([blocks.columns for blocks in missing])
+        try:
+            return [self._offset_of(number, blocks) for number, blocks in enumerate(hessians)]
+        except NoPlace:
+            rows = np.concatenate([blocks.rows for blocks in hessians])
+            columns = np.concatenate([blocks.columns for blocks in hessians])
             self._take_pattern(self.pattern.with_pairs(rows, columns))
-        return [
-            self.pattern.start_of(blocks.rows, blocks.columns) if missing or offset is None else offset
-            for blocks, offset in zip(hessians, found, strict=True)
-        ]
+            return [self._offset_of(number, blocks) for number, blocks in enumerate(hessians)]
 
-    def _offset_of(self, number: int, blocks: Blocks) -> Index | None:
-        """Where the blocks of a term stand, None where the pattern has no place; kept while its pairs are the same."""
-        pairs, offset = self._known.get(number, (None, None))
-        if pairs is not blocks.rows:
-            offset = self.pattern.find(blocks.rows, blocks.columns)
-            if offset is not None:
-                self._known[number] = blocks.rows, offset
-        return offset
+    def _offset_of(self, number: int, blocks: Blocks) -> Index:
+        """Where the blocks of a term stand, kept while its pairs are the same array; raises `NoPlace`."""
+        if number not in self._known or self._known[number][0] is not blocks.rows:
+            self._known[number] = blocks.rows, self.pattern.start_of(blocks.rows, blocks.columns)
+        return self._known[number][1]
 
 
 def _times(tangent: Array, strain: Array) -> Array:

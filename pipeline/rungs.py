@@ -8,11 +8,11 @@ __all__ = ["CONTACT", "POINTS", "TOLERANCE", "Rung", "ladder", "mesh_choice"]
 
 #: mesh sizes over that of the configuration by grading
 SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (1.5, 1.25, 1.0, 0.75, 0.5)}
-#: further ones of the line that converges best, for the limit that all others are held against
-FINEST = {("mixed", "walls"): (0.4, 0.325)}
 #: the same of elements that lock whatever the mesh: fewer and even ones. p1 has a sixth to a seventh of the unknowns of
 #: p2 on a mesh, and half the nodes on the material curve: at 1.5 they do not resolve the cells of the arms
 LOCKING: dict[str, tuple[float, ...]] = {"p2": (1.5, 1.0, 0.6), "p1": (1.0, 0.5, 0.25)}
+#: further sizes of the line that converges best, for the limit that all others are held against
+FINEST = {("mixed", "walls"): (0.4, 0.325)}
 #: lines beside those of the meshes; a rung of one has everything else as configured
 TOLERANCE, CONTACT, POINTS = "Newton tolerance", "contact distance", "points of the curve"
 TOLERANCES = (1e-3, 1e-4, 1e-8)

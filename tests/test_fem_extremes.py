@@ -39,7 +39,7 @@ def test_the_extremes_are_those_of_all_points(size: float) -> None:
     displacement = size * np.random.default_rng(5).normal(size=space.points.shape)
     strain, jacobian = strain_at_stress_points(space, displacement)
     stretches = principal_stretches(strain)
-    found = extremes_of(space, displacement, jacobian)
+    found = extremes_of(space, strain, jacobian)
     assert (found.min_stretch, found.max_stretch) == (stretches.min(), stretches.max())
     centres = space.points[space.nodes[:, :4]].mean(axis=1)
     np.testing.assert_array_equal(found.max_stretch_at, centres[stretches[..., 2].max(axis=1).argmax()])
