@@ -11,8 +11,9 @@ from .export import EXPORTS, Arm, export
 from .extension import Extension, extension
 from .extrapolation import Extrapolated, extrapolated
 from .fit import LoadedShape, RodFit, fit_rod, profile_over_break, rest_curvature
-from .identify import Identification, LineFit, identify, shortest_break
+from .identify import Identification, identify, shortest_break
 from .law import FiveParameters, RodError
+from .one_line import LineFit
 from .pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
 from .sampled import SampledMoments
 from .scaling import Reference, Scaled, scaled

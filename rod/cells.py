@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from geometry import Centreline
 
 from .curve import Curvature, chord_angles, mean_angle_weights
+from .errors import white_noise
 from .law import RodError
 
 Array = NDArray[np.float64]
@@ -48,11 +49,11 @@ def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
     difference = (ahead - behind) / pitch
     angle = chord_angles(centreline)
     kappa = difference @ angle
-    sideways = _sideways(s)
-    noise = _noise(difference @ sideways, kappa)
+    response = difference @ _sideways(s)
     centres = middle[starts] + 0.5 * pitch
     theta = np.interp(centres, middle, angle)
-    return Curvature(length, pitch, centres, kappa, theta, noise, difference @ mean_angle_weights(s, length))
+    resolution = difference @ mean_angle_weights(s, length)
+    return Curvature(length, pitch, centres, kappa, theta, white_noise(response, kappa), resolution, response)
 
 
 def _interpolation(x: Array, at: Array) -> Array:
@@ -72,15 +73,3 @@ def _sideways(s: Array) -> Array:
     weights[np.arange(len(h)), np.arange(len(h))] = -1.0 / h
     weights[np.arange(len(h)), np.arange(len(h)) + 1] = 1.0 / h
     return weights
-
-
-def _noise(response: Array, kappa: Array) -> Array:
-    """Covariance of kappa from white sideways noise of the nodes; response (m, n) is kappa by node displacements.
-
-    The variance of the noise is what explains the third differences of kappa along the curve, where a smooth curvature
-    leaves next to nothing.
-    """
-    rough = np.diff(np.eye(len(kappa)), 3, axis=0)
-    seen = rough @ kappa
-    variance = float(seen @ seen) / float(np.sum((rough @ response) ** 2))
-    return variance * response @ response.T

@@ -43,6 +43,8 @@ class Curvature:
     theta: Array  #: (n,) rad, tangent angle
     covariance: Array  #: (n, n) 1/mm2, of the error of kappa
     resolution: Array  #: (n, GRID_CELLS), weights of the true curvature on `fine_grid(length)`
+    #: (n, nodes) 1/mm2, kappa by sideways displacements of the nodes, where its error is white noise of these
+    response: Array | None = None
 
     def __post_init__(self) -> None:
         for name in ("s", "kappa", "theta", "covariance", "resolution"):

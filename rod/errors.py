@@ -34,6 +34,18 @@ def interval(value: float, drawn: Array) -> Interval:
     return Interval(float(value), float(0.5 * (above - below)), float(min(low, value)), float(max(high, value)))
 
 
+def white_noise(response: Array, kappa: Array) -> Array:
+    """Covariance of kappa from white sideways noise of the nodes; response (m, n) is kappa by node displacements.
+
+    The variance of the noise is what explains the third differences of kappa along the curve, where a smooth curvature
+    leaves next to nothing.
+    """
+    rough = np.diff(np.eye(len(kappa)), 3, axis=0)
+    seen = rough @ kappa
+    variance = float(seen @ seen) / float(np.sum((rough @ response) ** 2))
+    return variance * response @ response.T
+
+
 def shared_within(pitch: float, s: Array) -> Array:
     """(n, n) correlation of a misfit at the points s (n,) mm: shared within a cell, independent beyond a few."""
     return np.exp(-2.0 * ((s[:, None] - s[None, :]) / pitch) ** 2)

@@ -11,7 +11,8 @@ estimated Delta is not the line itself but what the estimate would have seen of 
 Errors: the covariance of both curvatures, and the misfit. Where the residual is larger than the covariance explains
 (the law is not the whole truth), the excess is added as an error that neighbouring points within a cell share. The
 intervals come from fits to draws of that error. The effective number of observations is that of this error, at least
-the number of cells: with white noise the number of points, with misfit alone the number of cells.
+the number of cells: with white noise the number of points, with misfit alone the number of cells. One line for the
+whole rod has an error of its own (`one_line`).
 """
 
 from __future__ import annotations
@@ -25,9 +26,10 @@ from scipy.optimize import minimize_scalar
 
 from .closing import Closing
 from .curve import Curvature, Moment
-from .errors import Interval, drawn_errors, effective_observations, interval, shared_within, total_error
+from .errors import Interval, drawn_errors, effective_observations, interval
 from .law import FiveParameters, RodError
-from .lines import HARMONICS, OFFSET, STIFFEST, Fit, Seen, Weights, solve, stiffened
+from .lines import HARMONICS, OFFSET, STIFFEST, Fit, Seen, Weights, explained, rows_of, solve, stiffened, weighed
+from .one_line import LineFit, one_line
 
 Array = NDArray[np.float64]
 
@@ -38,19 +40,8 @@ BREAKS = (0.05, 0.35)
 NEAREST, FIRST_CELL = 0.5, 0.6
 PROFILE_POINTS = 65
 DRAWS = 400
-#: relative error of Delta below which nothing is believed
-RESOLUTION_OF_DELTA = 1e-5
 #: relative error of Delta with which a simpler law is as good as a richer one
 GOOD_ENOUGH = 0.02
-
-
-@dataclass(frozen=True)
-class LineFit:
-    """One straight line M = alpha Delta + m0 for the whole rod."""
-
-    alpha: Interval  #: N mm2
-    m0: Interval  #: N mm
-    r2: float  #: share of the variance of Delta that is explained
 
 
 @dataclass(frozen=True)
@@ -97,11 +88,9 @@ def identify(
     """
     seen = Seen.of(kappa_0, kappa, moment, closing)
     grid = _grid(seen, breaks)
+    one = one_line(seen, draws, seed)
+    stiffest = STIFFEST * one.alpha.value
     weights, error = _weights(seen, grid)
-    one = solve(seen.whole, seen.delta, weights)
-    if one.numbers[0] <= 0.0:
-        raise RodError("Curvature falls where the moment grows: no positive rigidity fits these data.")
-    stiffest = STIFFEST / one.numbers[0]
     profile = [stiffened(solve(seen.columns(d), seen.delta, weights), seen.delta, weights, stiffest) for d in grid]
     d = _refined(seen, weights, grid, np.array([fit.objective for fit in profile]))
     two = stiffened(solve(seen.columns(d), seen.delta, weights), seen.delta, weights, stiffest)
@@ -120,11 +109,11 @@ def identify(
         m01=m01,
         m02=m02,
         d=place,
-        r2=_r2(seen, two),
-        one_line=_one_line(seen, one, weights, drawn_errors(error, draws, random), random),
+        r2=explained(seen, two),
+        one_line=one,
         observations=observations,
         criterion_two=_criterion(seen, two, 5, observations),
-        criterion_one=_criterion(seen, one, 2, observations),
+        criterion_one=_criterion(seen, solve(seen.whole, seen.delta, weights), 2, observations),
         profile=np.column_stack([grid, [_rms(seen, fit) for fit in profile]]),
         points=np.column_stack([seen.s, seen.delta, two.fitted, seen.whole.seen[0, :, 0]]),
     )
@@ -159,15 +148,13 @@ def _rms(seen: Seen, fit: Fit) -> float:
 
 
 def _weights(seen: Seen, grid: Array) -> tuple[Weights, Array]:
-    """Weights of the data and covariance of their errors, from the best fit with next to no prior knowledge."""
-    offset = OFFSET * float(np.abs(seen.delta).max())
-    least = RESOLUTION_OF_DELTA * math.sqrt(float(np.mean(seen.delta**2)))
-    eager = Weights(1.0 / least, offset, seen.closing)
-    objective = np.array([solve(seen.columns(d), seen.delta, eager).objective for d in grid])
-    fit = solve(seen.columns(_refined(seen, eager, grid, objective)), seen.delta, eager)
-    error = total_error(seen.delta - fit.fitted, fit.matrix, seen.covariance, shared_within(seen.pitch, seen.s), least)
-    deviation = math.sqrt(float(np.trace(error)) / len(seen.s))
-    return Weights(math.sqrt(effective_observations(error) / len(seen.s)) / deviation, offset, seen.closing), error
+    """Weights of the data and covariance of their errors for two lines with the break where it fits best."""
+
+    def best(eager: Weights) -> Fit:
+        objective = np.array([solve(seen.columns(d), seen.delta, eager).objective for d in grid])
+        return solve(seen.columns(_refined(seen, eager, grid, objective)), seen.delta, eager)
+
+    return weighed(seen, seen.covariance, OFFSET * float(np.abs(seen.delta).max()), seen.closing, best)
 
 
 def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> float:
@@ -183,13 +170,6 @@ def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> flo
     return float(found.x) if found.fun < objective[best] else float(grid[best])
 
 
-def _rows(weights: Weights, drawn: Array, fit: Fit, random: np.random.Generator) -> Array:
-    """Right-hand sides: weighted data above, draws of what is known around what the fit has of it below."""
-    closed = np.zeros((len(fit.known), 1))
-    closed[-1] = fit.known[-1] @ fit.numbers
-    return np.vstack([weights.data * drawn, closed + random.standard_normal((len(closed), drawn.shape[1]))])
-
-
 def _draws_two(
     seen: Seen,
     weights: Weights,
@@ -203,7 +183,7 @@ def _draws_two(
     """(draws, 5): alpha1, alpha2, m01, m02, d of fits to the fitted Delta plus drawn errors."""
     fitted = best_fit.fitted
     drawn = fitted[:, None] + error
-    right = _rows(weights, drawn, best_fit, random)
+    right = rows_of(weights, drawn, best_fit, random)
     count = drawn.shape[1]
     best, numbers, places = np.full(count, np.inf), np.zeros((4 + 2 * HARMONICS, count)), np.zeros(count)
     step = grid[1] - grid[0]
@@ -217,18 +197,6 @@ def _draws_two(
         best[better], numbers[:, better], places[better] = squares[better], solved[:, better], d
     a1, a2 = (np.maximum(numbers[i], 1.0 / stiffest) for i in (0, 2))
     return np.column_stack([1.0 / a1, 1.0 / a2, numbers[1] / a1, numbers[3] / a2, places])
-
-
-def _one_line(seen: Seen, fit: Fit, weights: Weights, error: Array, random: np.random.Generator) -> LineFit:
-    a, b = (fit.solution @ _rows(weights, fit.fitted[:, None] + error, fit, random))[:2]
-    a = np.maximum(a, fit.numbers[0] / STIFFEST)
-    return LineFit(
-        interval(1.0 / fit.numbers[0], 1.0 / a), interval(fit.numbers[1] / fit.numbers[0], b / a), _r2(seen, fit)
-    )
-
-
-def _r2(seen: Seen, fit: Fit) -> float:
-    return 1.0 - float(np.sum((seen.delta - fit.fitted) ** 2) / np.sum((seen.delta - seen.delta.mean()) ** 2))
 
 
 def _criterion(seen: Seen, fit: Fit, numbers: int, observations: float) -> float:

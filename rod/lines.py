@@ -16,6 +16,8 @@ about the lines alone, as a rod without wiggles has them.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +27,7 @@ from scipy.optimize import lsq_linear
 
 from .closing import Closing
 from .curve import Curvature, Moment, fine_grid
+from .errors import effective_observations, shared_within, total_error, white_noise
 from .law import RodError
 
 Array = NDArray[np.float64]
@@ -35,6 +38,8 @@ OFFSET = 0.15
 WIGGLE = 0.7
 #: harmonics of the pitch that the wiggle has
 HARMONICS = 2
+#: relative error of Delta below which nothing is believed
+RESOLUTION_OF_DELTA = 1e-5
 #: the stiffest line that is looked for, over the rigidity of one line for the whole rod
 STIFFEST = 50.0
 
@@ -55,7 +60,8 @@ class Seen:
 
     s: Array  #: (n,) mm
     delta: Array  #: (n,) 1/mm
-    covariance: Array  #: (n, n)
+    covariance: Array  #: (n, n) of Delta, as if both curvatures had their errors each for itself
+    noise: Array  #: (n, n) the same from Delta alone: what is rough in both curves alike is no error of Delta
     length: float  #: mm
     pitch: float  #: mm
     running: Array  #: (1 + 2 HARMONICS, n, GRID_CELLS + 1, 2): integrals over sigma of R (M, -1), alone and times waves
@@ -81,16 +87,18 @@ class Seen:
             raise RodError(
                 f"Five numbers need six cells; this curvature covers {np.ptp(kappa.s) / kappa.pitch + 1:.1f}."
             )
-        grid = fine_grid(length)
+        grid, delta = fine_grid(length), kappa.kappa - kappa_0.kappa
         resolution = 0.5 * (kappa.resolution + kappa_0.resolution)
         lines = np.column_stack([CubicSpline(moment.s, moment.value)(grid), -np.ones(len(grid))])
         inside = np.stack([np.ones(len(grid)), *waves(grid, kappa.pitch)])
         seen = resolution[None, :, :, None] * inside[:, None, :, None] * lines[None, None, :, :]
         closes = np.zeros_like(lines) if closing is None else closing.weights[:, None] * lines / closing.error
+        covariance = kappa.covariance + kappa_0.covariance
         return Seen(
             kappa.s,
-            kappa.kappa - kappa_0.kappa,
-            kappa.covariance + kappa_0.covariance,
+            delta,
+            covariance,
+            covariance if kappa.response is None else white_noise(kappa.response, delta),
             length,
             kappa.pitch,
             _running(seen, 2),
@@ -151,6 +159,20 @@ class Weights:
     closing: float  #: how far the end has moved, over the error of that; 0 where it is not known
 
 
+def weighed(
+    seen: Seen, covariance: Array, offset: float, closing: float, best: Callable[[Weights], Fit]
+) -> tuple[Weights, Array]:
+    """Weights of the data and covariance of their errors for a law, from its best fit with next to no prior knowledge.
+
+    covariance (n, n): of the noise; offset, closing: as in `Weights`. What the law cannot explain counts as an error.
+    """
+    least = RESOLUTION_OF_DELTA * math.sqrt(float(np.mean(seen.delta**2)))
+    fit = best(Weights(1.0 / least, offset, closing))
+    error = total_error(seen.delta - fit.fitted, fit.matrix, covariance, shared_within(seen.pitch, seen.s), least)
+    deviation = math.sqrt(float(np.trace(error)) / len(seen.s))
+    return Weights(math.sqrt(effective_observations(error) / len(seen.s)) / deviation, offset, closing), error
+
+
 @dataclass(frozen=True)
 class Fit:
     """Numbers a, b of each line and the wiggles; all that sampling needs."""
@@ -192,6 +214,21 @@ def stiffened(fit: Fit, delta: Array, weights: Weights, stiffest: float) -> Fit:
     rows = np.vstack([weights.data * fit.matrix, fit.known])
     found = lsq_linear(rows, _right(weights, delta, len(fit.known)), bounds=(low, np.inf), method="bvls")
     return replace(fit, numbers=found.x, fitted=fit.matrix @ found.x, objective=2.0 * float(found.cost))
+
+
+def rows_of(weights: Weights, drawn: Array, fit: Fit, random: np.random.Generator, closer: float = 1.0) -> Array:
+    """Right-hand sides: weighted data above, draws of what is known around what the fit has of it below.
+
+    closer: how many times its true weight the closing has in the fit.
+    """
+    closed, spread = np.zeros((len(fit.known), 1)), np.ones((len(fit.known), 1))
+    closed[-1], spread[-1] = fit.known[-1] @ fit.numbers, closer
+    return np.vstack([weights.data * drawn, closed + spread * random.standard_normal((len(closed), drawn.shape[1]))])
+
+
+def explained(seen: Seen, fit: Fit) -> float:
+    """Share of the variance of Delta that a fit explains."""
+    return 1.0 - float(np.sum((seen.delta - fit.fitted) ** 2) / np.sum((seen.delta - seen.delta.mean()) ** 2))
 
 
 def _known(columns: Columns, weights: Weights) -> Array:
