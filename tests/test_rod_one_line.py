@@ -73,7 +73,7 @@ def test_the_line_predicts_the_force_of_another_load() -> None:
 def test_what_is_rough_in_both_curves_is_no_error_of_their_difference() -> None:
     curvatures = [cell_averaged(curve, PITCH) for curve in (FREE, LOADED)]
     seen = Seen.of(*curvatures, *known(FREE, LOADED, (0.0, FORCE)))
-    assert np.trace(seen.noise) < 0.1 * np.trace(seen.covariance)
+    assert np.trace(seen.noise) < 0.01 * np.trace(seen.covariance)
     arm = SyntheticArm(FiveParameters(300.0, 300.0, 0.0, 0.0, 11.0), noise=0.005)
     free, loaded, force = arm.curves(0)
     seen = Seen.of(cell_averaged(free, PITCH), cell_averaged(loaded, PITCH), *known(free, loaded, force))
