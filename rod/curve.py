@@ -47,7 +47,9 @@ class Curvature:
     response: Array | None = None
 
     def __post_init__(self) -> None:
-        for name in ("s", "kappa", "theta", "covariance", "resolution"):
+        for name in ("s", "kappa", "theta", "covariance", "resolution", "response"):
+            if getattr(self, name) is None:
+                continue
             array = np.array(getattr(self, name), float)
             array.setflags(write=False)
             object.__setattr__(self, name, array)
