@@ -28,7 +28,7 @@ from .closing import Closing
 from .curve import Curvature, Moment
 from .errors import Interval, drawn_errors, effective_observations, interval
 from .law import FiveParameters, RodError
-from .lines import HARMONICS, OFFSET, STIFFEST, Fit, Seen, Weights, explained, rows_of, solve, stiffened, weighed
+from .lines import HARMONICS, OFFSET, STIFFEST, Fit, Seen, Weights, explained, solve, stiffened, weighed
 from .one_line import LineFit, one_line
 
 Array = NDArray[np.float64]
@@ -113,6 +113,7 @@ def identify(
         one_line=one,
         observations=observations,
         criterion_two=_criterion(seen, two, 5, observations),
+        # two lines are held against one with their own weights, not against the one that is reported
         criterion_one=_criterion(seen, solve(seen.whole, seen.delta, weights), 2, observations),
         profile=np.column_stack([grid, [_rms(seen, fit) for fit in profile]]),
         points=np.column_stack([seen.s, seen.delta, two.fitted, seen.whole.seen[0, :, 0]]),
@@ -170,6 +171,13 @@ def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> flo
     return float(found.x) if found.fun < objective[best] else float(grid[best])
 
 
+def _rows(weights: Weights, drawn: Array, fit: Fit, random: np.random.Generator) -> Array:
+    """Right-hand sides: weighted data above, draws of what is known around what the fit has of it below."""
+    closed = np.zeros((len(fit.known), 1))
+    closed[-1] = fit.known[-1] @ fit.numbers
+    return np.vstack([weights.data * drawn, closed + random.standard_normal((len(closed), drawn.shape[1]))])
+
+
 def _draws_two(
     seen: Seen,
     weights: Weights,
@@ -183,7 +191,7 @@ def _draws_two(
     """(draws, 5): alpha1, alpha2, m01, m02, d of fits to the fitted Delta plus drawn errors."""
     fitted = best_fit.fitted
     drawn = fitted[:, None] + error
-    right = rows_of(weights, drawn, best_fit, random)
+    right = _rows(weights, drawn, best_fit, random)
     count = drawn.shape[1]
     best, numbers, places = np.full(count, np.inf), np.zeros((4 + 2 * HARMONICS, count)), np.zeros(count)
     step = grid[1] - grid[0]

@@ -61,7 +61,7 @@ class Seen:
     s: Array  #: (n,) mm
     delta: Array  #: (n,) 1/mm
     covariance: Array  #: (n, n) of Delta, as if both curvatures had their errors each for itself
-    noise: Array  #: (n, n) the same from Delta alone: what is rough in both curves alike is no error of Delta
+    noise: Array  #: (n, n) where nodes make it, from Delta alone: what is rough in both curves alike is no error of it
     length: float  #: mm
     pitch: float  #: mm
     running: Array  #: (1 + 2 HARMONICS, n, GRID_CELLS + 1, 2): integrals over sigma of R (M, -1), alone and times waves
@@ -214,16 +214,6 @@ def stiffened(fit: Fit, delta: Array, weights: Weights, stiffest: float) -> Fit:
     rows = np.vstack([weights.data * fit.matrix, fit.known])
     found = lsq_linear(rows, _right(weights, delta, len(fit.known)), bounds=(low, np.inf), method="bvls")
     return replace(fit, numbers=found.x, fitted=fit.matrix @ found.x, objective=2.0 * float(found.cost))
-
-
-def rows_of(weights: Weights, drawn: Array, fit: Fit, random: np.random.Generator, closer: float = 1.0) -> Array:
-    """Right-hand sides: weighted data above, draws of what is known around what the fit has of it below.
-
-    closer: how many times its true weight the closing has in the fit.
-    """
-    closed, spread = np.zeros((len(fit.known), 1)), np.ones((len(fit.known), 1))
-    closed[-1], spread[-1] = fit.known[-1] @ fit.numbers, closer
-    return np.vstack([weights.data * drawn, closed + spread * random.standard_normal((len(closed), drawn.shape[1]))])
 
 
 def explained(seen: Seen, fit: Fit) -> float:
