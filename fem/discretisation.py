@@ -108,7 +108,7 @@ def _in_chunks(nodes: Index, vertices: Array) -> tuple[Index, Index, Index]:
     nodes = nodes[np.argsort(centre[:, np.ptp(vertices, axis=0).argmax()], kind="stable")]
     count = min(max(nodes.shape[0] // CHUNK, 1), CHUNKS)
     chunks = np.linspace(0, nodes.shape[0], count + 1).astype(np.int64)
-    colour = chunk_colours(chunks, nodes[:, :4], vertices.shape[0])
+    colour = chunk_colours(chunks, np.ascontiguousarray(nodes[:, :4]), vertices.shape[0])
     order = np.argsort(colour, kind="stable")
     parts = [np.arange(chunks[chunk], chunks[chunk + 1]) for chunk in order]
     begins = np.concatenate([[0], np.cumsum([part.shape[0] for part in parts])])
@@ -137,7 +137,7 @@ def _surfaces(mesh: Mesh, grid: skfem.MeshTet | None) -> dict[str, Faces]:
     derivative = np.stack([slope.T for _, slope in values], axis=1)
     surfaces = {}
     for name, triangles in mesh.faces.items():
-        nodes = np.asarray(triangles, dtype=np.int64)
+        nodes = np.array(triangles, dtype=np.int64)  # writable, as those of quadratic elements: one kernel for both
         if grid is not None:
             nodes = np.concatenate([nodes, mesh.points.shape[0] + _edges(grid, nodes)], axis=1)
         surfaces[name] = Faces(nodes, np.ascontiguousarray(shape), np.ascontiguousarray(derivative), weight)

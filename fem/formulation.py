@@ -59,7 +59,7 @@ def lame_constants(tangent: Array, points: int) -> Array:
     isotropic += second[:, None, None] * np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
     if not np.array_equal(isotropic, tangent[0]):
         return NOT_ISOTROPIC
-    return np.ascontiguousarray(np.broadcast_to(np.column_stack([first, second]), (points, 2)))
+    return np.array(np.broadcast_to(np.column_stack([first, second]), (points, 2)), order="C")
 
 
 class Formulation(ABC):
@@ -132,12 +132,14 @@ class DisplacementOnly(Formulation):
         if self.space.formulation != "p2p0":
             shear, volumetric = self.material.shear(strain), self.material.volumetric(strain)
             energy, stress = shear.energy + volumetric.energy, shear.stress + volumetric.stress
-            tangent = np.ascontiguousarray(shear.tangent + volumetric.tangent)
+            tangent = shear.tangent + volumetric.tangent
         else:
             shear, volumetric = self.material.shear(strain[:, :4]), self.material.volumetric(strain[:, 4:])
             energy = np.concatenate([shear.energy, volumetric.energy], axis=1)
             stress = np.concatenate([shear.stress, volumetric.stress], axis=1)
             tangent = np.concatenate([_per_point(shear, 4), _per_point(volumetric, 1)], axis=1)
+        # in one layout whatever the law: the kernels are compiled once for each
+        stress, tangent = np.ascontiguousarray(stress), np.ascontiguousarray(tangent)
         return Answer(energy, stress, tangent, np.empty((0, 0)), np.empty((0, 0, 6)))
 
     def pressure_of(self, strain: Array) -> Array:

@@ -73,8 +73,10 @@ def recovered(space: Discretisation, values: Array) -> Array:
 
     Quadratic fields are given back as they are. q is 4, or 1 in linear elements.
     """
-    vertices, shape = space.nodes[:, :4], space.vertex_shape[: values.shape[1]]
-    places = np.einsum("qa,eai->eqi", shape, space.points[vertices])
+    shape = space.vertex_shape[: values.shape[1]]
+    # in one layout for all elements and laws: the kernels are compiled once
+    vertices, values = np.ascontiguousarray(space.nodes[:, :4]), np.ascontiguousarray(values)
+    places = np.ascontiguousarray(np.einsum("qa,eai->eqi", shape, space.points[vertices]))
     begin, members = _patches(vertices, values.shape[1])
     count, terms = begin.shape[0] - 1, recovery_kernels.TERMS
     origin = space.points[:count]

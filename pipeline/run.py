@@ -41,7 +41,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
         with _stage("mesh", progress, seconds):
             body = meshed_body(config)
         with _stage("kernels (compiled once)", progress, seconds):
-            compile_kernels()
+            compile_kernels(config.mesh.formulation)
         with _stage("experiments", progress, seconds):
             outcomes = simulate(config, body, store, jobs, progress)
             store.save_json("experiments.json", _experiment_rows(outcomes))

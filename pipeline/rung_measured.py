@@ -36,7 +36,7 @@ def measured_apart(rungs: Sequence[Rung], jobs: int, keep: Any) -> None:
 
 def measure(rung: Rung) -> dict[str, Any]:
     """II and III of a rung: seconds, size and what users take home, by stride and pressure."""
-    compile_kernels()
+    compile_kernels(rung.config.mesh.formulation)
     start, cpu = perf_counter(), _cpu_seconds()
     try:
         body = meshed_body(rung.config)

@@ -1,0 +1,34 @@
+"""The kernels are compiled before they are needed, each once."""
+
+from types import ModuleType
+
+import pytest
+from bodies import box
+
+import fem
+from fem import kernels, mixed_kernels, recovery_kernels, surface_kernels, tangent_kernels
+from fem.recovery import stress_error
+
+LAWS = (fem.StVenantKirchhoff(1.2, 0.3), fem.Hencky(1.2, 0.3), fem.NeoHooke(1.2, 0.3))
+
+
+def signatures() -> set[tuple[str, str]]:
+    """Of all kernels that have been compiled or loaded in this process."""
+    modules: tuple[ModuleType, ...] = (kernels, mixed_kernels, recovery_kernels, surface_kernels, tangent_kernels)
+    found = {
+        name: kernel for module in modules for name, kernel in vars(module).items() if hasattr(kernel, "signatures")
+    }
+    return {(name, str(signature)) for name, kernel in found.items() for signature in kernel.signatures}
+
+
+@pytest.mark.parametrize("formulation", ["p1", "p2", "p2p0", "mixed"])
+def test_nothing_is_compiled_once_a_run_has_begun(formulation: str) -> None:
+    """Another law or element with other memory layouts would compile the tangent again, twenty seconds and silently."""
+    fem.compile_kernels("mixed" if formulation == "mixed" else "p2p0")
+    before = signatures()
+    mesh = box((2, 1, 1), (2.0, 1.0, 1.0))
+    for law in LAWS[:2] if formulation == "mixed" else LAWS:
+        supports = [fem.Fixed("left"), fem.Prescribed("right", "x", 0.01)]
+        model = fem.Model(mesh, law, supports, [fem.Pressure("top", 1e-3)], formulation)
+        stress_error(fem.follow(model, [1.0]).steps[0], law)
+    assert signatures() == before
