@@ -99,7 +99,7 @@ DESIGNS = (
         base="3 mm",
     ),
     asked(
-        *("single_6", "semicircular, one cavity, radius 6.5, wall 1.3 mm", SINGLE, 5.0, ROUND),
+        *("single_6", "semicircular, one cavity, radius 6.5, wall 1.3 mm", SINGLE, 5.0, "37 kPa"),  # straight at 20
         radius="6.5 mm",
         wall="1.3 mm",
     ),

@@ -47,7 +47,9 @@ def one_line(seen: Seen, draws: int, seed: int) -> LineFit:
     """The line, with intervals from so many draws. Raises `RodError` where curvature falls as the moment grows."""
     (a, b), drawn, r2 = _line(seen, OFFSET, 1.0, draws, seed)
     if abs(b) < SHOWN * float(drawn[1].std()):
-        (a, b), drawn, r2 = _line(seen, NO_OFFSET, CLOSER, draws, seed)
+        closed = _line(seen, NO_OFFSET, CLOSER, draws, seed)
+        if a <= 0.0 or closed[0][0] > 0.0:  # an arm that hardly bends may close the wrong way
+            (a, b), drawn, r2 = closed
     if a <= 0.0:
         raise RodError("Curvature falls where the moment grows: no positive rigidity fits these data.")
     compliances = np.maximum(drawn[0], a / STIFFEST)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -83,6 +84,16 @@ def test_the_line_predicts_the_force_of_another_load() -> None:
     assert rod.solve(end_y=float(LOADED.y[-1]), moment=COUPLE).force[1] == pytest.approx(FORCE, rel=0.015)
     higher = rod.solve(end_y=HIGHER["end_y"], moment=HIGHER["moment"])
     assert higher.force[1] == pytest.approx(HIGHER["force"], rel=0.05)
+
+
+def test_an_arm_that_closes_the_wrong_way_keeps_the_line_of_its_cells() -> None:
+    """Where the arm hardly bends the end may move against the moment, within the error of that."""
+    moment = moment_from_force(without_stretch(LOADED), (0.0, FORCE), COUPLE)
+    moved = closing(FREE, LOADED, (0.0, FORCE))
+    wrong = replace(moved, value=-0.3 * moved.value, error=0.1 * abs(moved.value))
+    line = identify(*(cell_averaged(curve, PITCH) for curve in (FREE, LOADED)), moment, wrong, draws=50).one_line
+    assert 1500.0 < line.alpha.value < 10_000.0
+    assert line.alpha.low < line.alpha.value < line.alpha.high
 
 
 def test_what_is_rough_in_both_curves_is_no_error_of_their_difference() -> None:
