@@ -47,7 +47,7 @@ accuracy: $(READY)  ## what accuracy costs: the ladder of the four coarse arms, 
 	$(BIN)/pneurod accuracy configs/pneunet_coarse.yaml --set "pressures=[17 kPa, 20 kPa]" --out results/pneunet_accuracy
 	$(BIN)/python benchmarks/accuracy.py results
 
-asked-accuracy: $(READY)  ## accuracy asked for ten other arms: believed and true, the table of docs/accuracy.md (half an hour)
+asked-accuracy: $(READY)  ## accuracy asked for nine other arms: believed and true, the table of docs/accuracy.md (an hour)
 	@$(BIN)/python benchmarks/asked_accuracy.py results/asked_accuracy
 
 scaling: $(READY)  ## arms of 7, 11 and 20 cells from one parameterization, against their own finite elements
