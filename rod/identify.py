@@ -155,7 +155,7 @@ def _weights(seen: Seen, grid: Array) -> tuple[Weights, Array]:
         objective = np.array([solve(seen.columns(d), seen.delta, eager).objective for d in grid])
         return solve(seen.columns(_refined(seen, eager, grid, objective)), seen.delta, eager)
 
-    return weighed(seen, seen.covariance, OFFSET * float(np.abs(seen.delta).max()), seen.closing, best)
+    return weighed(seen, seen.covariance, OFFSET, seen.closing, best)
 
 
 def _refined(seen: Seen, weights: Weights, grid: Array, objective: Array) -> float:

@@ -164,8 +164,10 @@ def weighed(
 ) -> tuple[Weights, Array]:
     """Weights of the data and covariance of their errors for a law, from its best fit with next to no prior knowledge.
 
-    covariance (n, n): of the noise; offset, closing: as in `Weights`. What the law cannot explain counts as an error.
+    covariance (n, n): of the noise; offset: over the largest Delta; closing: as in `Weights`. What the law cannot
+    explain counts as an error.
     """
+    offset *= float(np.abs(seen.delta).max())
     least = RESOLUTION_OF_DELTA * math.sqrt(float(np.mean(seen.delta**2)))
     fit = best(Weights(1.0 / least, offset, closing))
     error = total_error(seen.delta - fit.fitted, fit.matrix, covariance, shared_within(seen.pitch, seen.s), least)

@@ -48,7 +48,8 @@ def one_line(seen: Seen, draws: int, seed: int) -> LineFit:
     (a, b), drawn, r2 = _line(seen, OFFSET, 1.0, draws, seed)
     if abs(b) < SHOWN * float(drawn[1].std()):
         closed = _line(seen, NO_OFFSET, CLOSER, draws, seed)
-        if a <= 0.0 or closed[0][0] > 0.0:  # an arm that hardly bends may close the wrong way
+        compliance = closed[0][0]
+        if compliance > 0.0:  # an arm that hardly bends may close the wrong way
             (a, b), drawn, r2 = closed
     if a <= 0.0:
         raise RodError("Curvature falls where the moment grows: no positive rigidity fits these data.")
@@ -59,9 +60,8 @@ def one_line(seen: Seen, draws: int, seed: int) -> LineFit:
 def _line(seen: Seen, offset: float, closer: float, draws: int, seed: int) -> tuple[Array, Array, float]:
     """Compliance and offset of Delta = a M - b (2,), draws of them (2, draws), and the explained share of Delta."""
     columns = Columns(seen.whole.seen, closer * seen.whole.closing)
-    prior = offset * float(np.abs(seen.delta).max())
     weights, error = weighed(
-        seen, seen.noise, prior, closer * seen.closing, lambda eager: solve(columns, seen.delta, eager)
+        seen, seen.noise, offset, closer * seen.closing, lambda eager: solve(columns, seen.delta, eager)
     )
     fit = solve(columns, seen.delta, weights)
     random = np.random.default_rng(seed)

@@ -23,9 +23,9 @@ NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 PITCH = 10.0
 
 
-def known(free, loaded, force):
+def known(free, loaded, force, couple=0.0):
     """Moment and movement of the end, as the pipeline takes them."""
-    return moment_from_force(without_stretch(loaded), force), closing(free, loaded, force)
+    return moment_from_force(without_stretch(loaded), force, couple), closing(free, loaded, force)
 
 
 def by_cells(free, loaded, force, seed):

@@ -16,11 +16,8 @@ from rod import (
     Rod,
     SyntheticArm,
     cell_averaged,
-    closing,
     identify,
-    moment_from_force,
     rest_curvature,
-    without_stretch,
 )
 from rod.curve import chord_angles
 from rod.lines import Seen
@@ -54,8 +51,7 @@ def rough(curve: Centreline, noise: float) -> Centreline:
 def identified(every: int = 1, noise: float = 0.0) -> Identification:
     free, loaded = (rough(thinned(curve, every), noise) for curve in (FREE, LOADED))
     curvatures = (cell_averaged(curve, PITCH) for curve in (free, loaded))
-    moment = moment_from_force(without_stretch(loaded), (0.0, FORCE), COUPLE)
-    return identify(*curvatures, moment, closing(free, loaded, (0.0, FORCE)), draws=100)
+    return identify(*curvatures, *known(free, loaded, (0.0, FORCE), COUPLE), draws=100)
 
 
 def rod_of(found: Identification) -> Rod:
@@ -88,8 +84,7 @@ def test_the_line_predicts_the_force_of_another_load() -> None:
 
 def test_an_arm_that_closes_the_wrong_way_keeps_the_line_of_its_cells() -> None:
     """Where the arm hardly bends the end may move against the moment, within the error of that."""
-    moment = moment_from_force(without_stretch(LOADED), (0.0, FORCE), COUPLE)
-    moved = closing(FREE, LOADED, (0.0, FORCE))
+    moment, moved = known(FREE, LOADED, (0.0, FORCE), COUPLE)
     wrong = replace(moved, value=-0.3 * moved.value, error=0.1 * abs(moved.value))
     line = identify(*(cell_averaged(curve, PITCH) for curve in (FREE, LOADED)), moment, wrong, draws=50).one_line
     assert 1500.0 < line.alpha.value < 10_000.0
