@@ -32,8 +32,9 @@ from pipeline.whole_file import left_over, write_whole
 __all__ = ["Store", "open_folder", "open_store"]
 
 _IDENTITY = "states/configuration.json"
-_SOURCES = ("geometry/*.py", "fem/*.py", "pipeline/cases.py", "pipeline/scene.py", "pipeline/simulate.py")
-_ALL_SOURCES = ("geometry/*.py", "fem/*.py", "rod/*.py", "pipeline/*.py")
+#: what decides a converged state, and what decides the numbers read from states: folders with all below, or single files
+_SOURCES = ("geometry", "fem", "pipeline/cases.py", "pipeline/scene.py", "pipeline/simulate.py")
+_ALL_SOURCES = ("geometry", "fem", "rod", "pipeline")
 _FOLDERS = ("states", "pictures", "fields", "rungs")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),
@@ -177,12 +178,25 @@ def _state_name(experiment: str, pressure_kPa: float) -> str:
     return f"states/{experiment}_{pressure_kPa:.12g}kPa.npz"
 
 
+def source_files(names: Sequence[str]) -> list[Path]:
+    """The Python files of the named folders (with all folders below) and files, relative to the folder of the rooms.
+
+    Raises FileNotFoundError for a name without any: a key that forgets sources would use states of other sources.
+    """
+    rooms = Path(__file__).resolve().parent.parent
+    found: list[Path] = []
+    for name in names:
+        below = sorted((rooms / name).rglob("*.py")) if (rooms / name).is_dir() else [rooms / name]
+        if not below or not all(path.is_file() for path in below):
+            raise FileNotFoundError(f"no Python source at {rooms / name}")
+        found += below
+    return found
+
+
 def _key(config: Config, sources: Sequence[str]) -> str:
     digest = hashlib.sha256(config.hash.encode())
-    rooms = Path(__file__).resolve().parent.parent
-    for pattern in sources:
-        for source in sorted(rooms.glob(pattern)):
-            digest.update(source.read_bytes())
+    for source in source_files(sources):
+        digest.update(source.read_bytes())
     digest.update(repr(sorted((name, installed(name)) for name in pinned())).encode())
     return digest.hexdigest()
 

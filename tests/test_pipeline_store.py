@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +16,9 @@ from pipeline.config import Config, load_config
 from pipeline.failure import InputError
 from pipeline.provenance import pinned, provenance
 from pipeline.store import Store, open_store
+
+
+ROOMS = ("geometry", "fem", "rod", "pipeline")
 
 
 @pytest.fixture
@@ -109,6 +113,23 @@ def test_states_of_another_key_or_broken_ones_are_not_used(tmp_path: Path, confi
         assert store.load_state("II", 17.0) is None
 
 
+def test_the_keys_take_every_source_file() -> None:
+    """A file that the key forgets would let states of other sources be used again."""
+    root = Path(store_module.__file__).resolve().parents[1]
+    while not (root / "pyproject.toml").is_file():
+        root = root.parent
+    deciding = {str(path.relative_to(root)) for path in store_module.source_files(store_module._SOURCES)}
+    every = {str(path.relative_to(root)) for path in store_module.source_files(store_module._ALL_SOURCES)}
+    rooms = {room: {str(path.relative_to(root)) for path in (root / room).rglob("*.py")} for room in ROOMS}
+    assert all(len(sources) > 10 for sources in rooms.values())
+    assert deciding >= rooms["geometry"] | rooms["fem"]
+    assert any(name.startswith("pipeline/") and name.endswith("simulate.py") for name in deciding)
+    assert any(name.startswith("pipeline/") and name.endswith("scene.py") for name in deciding)
+    assert every == set().union(*rooms.values())
+    with pytest.raises(FileNotFoundError, match="no Python source"):
+        store_module.source_files(["fem", "fem/nowhere"])
+
+
 def test_the_key_knows_the_sources(config: Config, other: Config, monkeypatch: pytest.MonkeyPatch) -> None:
     key = store_module._key(config, store_module._SOURCES)
     assert key == store_module._key(config, store_module._SOURCES)
@@ -167,6 +188,8 @@ def test_a_folder_that_cannot_be_written_is_refused(tmp_path: Path, config: Conf
 def test_provenance_names_what_the_results_were_made_with() -> None:
     found = provenance()
     assert json.loads(json.dumps(found)) == found
+    if (Path(__file__).resolve().parent.parent / ".git").exists():
+        assert re.fullmatch(r"[0-9a-f]{40}\+?", found["commit"])
     assert found["packages"]["numpy"] == np.__version__
     assert {"gmsh", "ipctk", "scikit-fem"} <= set(pinned())
     assert "pytest" not in pinned()
