@@ -15,7 +15,7 @@ HERE = Path(__file__).resolve().parent.parent
 # beside this file stands another with the name of a room; the room must be found, not the file
 sys.path.insert(0, str(HERE))
 
-from pipeline.accuracy_table import markdown, reference_sentences  # noqa: E402
+from pipeline.accuracy.table import markdown, reference_sentences  # noqa: E402
 
 DOCS = HERE / "docs" / "accuracy.md"
 

@@ -23,14 +23,14 @@ sys.path.insert(0, str(HERE))
 
 import numpy as np  # noqa: E402
 
-from pipeline.accuracy_errors import HEADLINE  # noqa: E402
-from pipeline.config import Config, load_config  # noqa: E402
+from pipeline.accuracy.ladder import Rung, mesh_choice  # noqa: E402
+from pipeline.accuracy.measure import measure  # noqa: E402
+from pipeline.accuracy.reference import HEADLINE  # noqa: E402
+from pipeline.config.config import Config, load_config  # noqa: E402
 from pipeline.progress import Silent  # noqa: E402
+from pipeline.richardson import extrapolated  # noqa: E402
 from pipeline.run import run  # noqa: E402
-from pipeline.rung_measured import measure  # noqa: E402
-from pipeline.rungs import Rung, mesh_choice  # noqa: E402
-from pipeline.whole_file import write_whole  # noqa: E402
-from rod import extrapolated  # noqa: E402
+from pipeline.store.atomic_file import write_whole  # noqa: E402
 
 DOCS = HERE / "docs" / "accuracy.md"
 MARKS = "<!-- asked-accuracy -->", "<!-- end of asked-accuracy -->"

@@ -21,8 +21,8 @@ import scipy.sparse as sp  # noqa: E402
 from scipy.sparse.linalg import LinearOperator, gmres  # noqa: E402
 
 from fem import Experiment, Pressure, StVenantKirchhoff, linear, newton  # noqa: E402
-from fem.control import LoadControl  # noqa: E402
-from fem.linear import Pardiso  # noqa: E402
+from fem.equations.linear import Pardiso  # noqa: E402
+from fem.path.control import LoadControl  # noqa: E402
 from geometry import PneuNet  # noqa: E402
 
 TOLERANCE = 1e-9

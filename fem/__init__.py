@@ -1,26 +1,26 @@
 """What the body does: hyperelastic finite elements under follower pressure and contact."""
 
 from fem.archive import step_from_arrays, step_to_arrays
-from fem.compiling import compile_kernels
-from fem.contact import ACTIVATION, BEHIND, ContactError, SelfContact
-from fem.crossing import crossing
 from fem.discretisation import Discretisation
-from fem.effects import Effect, Gravity, LineForce, Pressure
+from fem.effects.contact import ACTIVATION, BEHIND, ContactError, SelfContact
+from fem.effects.effect import Effect, Gravity, LineForce, Pressure
+from fem.effects.membrane import LayerError, StrainLimitingLayer
+from fem.equations.linear import available_solver
 from fem.experiments import Experiment
-from fem.extremes import beyond_the_law, in_words
-from fem.fields import element_fields
-from fem.layer import LayerError, StrainLimitingLayer
-from fem.linear import available_solver
-from fem.loadpath import PathOptions, follow, follow_volume
-from fem.material import Material, MaterialError, StVenantKirchhoff
-from fem.material_hencky import Hencky
-from fem.material_rubber import MooneyRivlin, NeoHooke, Yeoh
+from fem.materials.hencky import Hencky
+from fem.materials.material import Material, MaterialError, StVenantKirchhoff
+from fem.materials.rubber import MooneyRivlin, NeoHooke, Yeoh
+from fem.materials.uniaxial import Uniaxial, uniaxial, uniaxial_terms
 from fem.model import Model
-from fem.newton import NewtonOptions
-from fem.recovery import StressError, stress_error
+from fem.path.loadpath import PathOptions, follow, follow_volume
+from fem.path.newton import NewtonOptions
+from fem.post.extremes import beyond_the_law, in_words
+from fem.post.fields import element_fields
+from fem.post.recovery import StressError, stress_error
+from fem.post.self_intersection import crossing
 from fem.solution import End, NotConverged, Seconds, Solution, Step
 from fem.supports import Fixed, Prescribed, SupportError
-from fem.uniaxial import Uniaxial, uniaxial, uniaxial_terms
+from fem.warm_up import compile_kernels
 
 __all__ = [
     "ACTIVATION",

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
+from fem.equations.system import Change
 from fem.solution import Extremes, Seconds, Step
-from fem.system import Change
 
 ArrayMap = Mapping[str, NDArray[Any]]
 

@@ -8,7 +8,7 @@ import numpy as np
 import skfem
 from numpy.typing import NDArray
 
-from fem.kernels import chunk_colours
+from fem.kernels.element import chunk_colours
 from geometry import Mesh
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ class Discretisation:
     """Tetrahedra with straight edges, their stress points and their surfaces; a = 10 nodes, 4 with `p1`.
 
     Stress points: with `p2p0` four points carry the shear part of the law and the centroid the volumetric part; with
-    `p2` and `mixed` four points carry the whole law, with `p1` the centroid does (`fem.formulation`).
+    `p2` and `mixed` four points carry the whole law, with `p1` the centroid does (`fem.equations.formulation`).
     """
 
     points: Array  #: (n, 3) reference positions of all nodes, vertices first, mm

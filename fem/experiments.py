@@ -8,8 +8,8 @@ from typing import final
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.effects import Effect, LineForce
-from fem.material import Material
+from fem.effects.effect import Effect, LineForce
+from fem.materials.material import Material
 from fem.model import Model
 from fem.solution import Step
 from fem.supports import Fixed, Line, Prescribed, Support, nodes_at

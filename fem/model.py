@@ -6,11 +6,11 @@ from functools import cached_property
 from typing import final
 
 from fem.discretisation import FORMULATIONS, Discretisation
-from fem.effects import Effect
-from fem.linear import LinearSolver, available_solver
-from fem.material import Material
+from fem.effects.effect import Effect
+from fem.equations.linear import LinearSolver, available_solver
+from fem.equations.system import System
+from fem.materials.material import Material
 from fem.supports import Constraints, Support
-from fem.system import System
 from geometry import Mesh
 
 

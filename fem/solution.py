@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
-from fem.effects import enclosed_volume
+from fem.effects.effect import enclosed_volume
+from fem.equations.system import Change
 from fem.supports import Where, nodes_at
-from fem.system import Change
 
 Array = NDArray[np.float64]
 

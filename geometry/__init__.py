@@ -1,15 +1,15 @@
 """What the body is: designs, solids, meshes and the material curve."""
 
-from geometry.bisected_circle import BisectedCircle
 from geometry.centreline import Centreline
 from geometry.design import Body, Design, DesignError
+from geometry.families.bisected_circle import BisectedCircle
+from geometry.families.cad_file import OwnSolid
+from geometry.families.mesh_file import OwnMesh
+from geometry.families.pneunet import PneuNet
+from geometry.families.semicircular import Semicircular
+from geometry.families.semicircular_single import SemicircularSingle
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, MeshError, Quality
-from geometry.own_mesh import OwnMesh
-from geometry.own_solid import OwnSolid
-from geometry.pneunet import PneuNet
-from geometry.semicircular import Semicircular
-from geometry.semicircular_single import SemicircularSingle
 
 FAMILIES: dict[str, type[Design]] = {
     design.family: design for design in (PneuNet, Semicircular, SemicircularSingle, BisectedCircle)

@@ -1,7 +1,8 @@
 """Elements that grow smaller towards re-entrant edges, where stresses are singular, or towards the thinnest walls,
 which bend most.
 
-Works in the Gmsh session of `geometry.solid` on what is meshed: a half body, or the piece of one that is repeated.
+Works in the Gmsh session of `geometry.meshing.solid` on what is meshed: a half body, or the piece of one that is
+repeated.
 """
 
 from __future__ import annotations

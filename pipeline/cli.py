@@ -16,7 +16,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from pipeline.failure import InputError, RunFailed
+from pipeline.errors import InputError, RunFailed
 
 if TYPE_CHECKING:
     from geometry import Body, Design
@@ -61,7 +61,7 @@ def run(
 ) -> None:
     """The whole story: mesh, experiments I, II and III, the five parameters, the rod, the report."""
     with _plain_endings():
-        from pipeline.config import load_config
+        from pipeline.config.config import load_config
         from pipeline.progress import progress_for
 
         design = load_config(config, [*(settings or ()), *([f"accuracy={accuracy}"] if accuracy else [])])
@@ -84,13 +84,13 @@ def run(
 def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -> None:
     """Only the body: DIR/mesh.vtu, volumes and the quality of the elements. [default DIR: results/NAME_mesh]"""
     with _plain_endings():
-        from pipeline.config import load_config
+        from pipeline.config.config import load_config
 
         design = load_config(config, settings or ())
         folder = out or Path("results") / f"{design.name}_mesh"
 
-        from pipeline.scene import meshed_body
-        from pipeline.whole_file import beside
+        from pipeline.simulation.scene import meshed_body
+        from pipeline.store.atomic_file import beside
 
         body = meshed_body(design)
         try:
@@ -108,14 +108,14 @@ def effects(
 ) -> None:
     """Each effect on and off: what it changes, what it costs. [default DIR: results/NAME_effects]"""
     with _plain_endings():
-        from pipeline.config import load_config
+        from pipeline.config.config import load_config
         from pipeline.progress import progress_for
 
         design = load_config(config, settings or ())
         folder = out or Path("results") / f"{design.name}_effects"
 
-        from pipeline.effects_table import about_contact, compare_effects
-        from pipeline.tables import comparison
+        from pipeline.effects_study import about_contact, compare_effects
+        from pipeline.terminal import comparison
 
         console = Console()
         progress = progress_for(console)
@@ -140,15 +140,15 @@ def accuracy(
     """What accuracy costs: error against seconds over meshes, elements and tolerances. [default DIR:
     results/NAME_accuracy]"""
     with _plain_endings():
-        from pipeline.config import load_config
+        from pipeline.config.config import load_config
         from pipeline.progress import progress_for
 
         design = load_config(config, settings or ())
         folder = out or Path("results") / f"{design.name}_accuracy"
 
-        from pipeline.accuracy import climb
-        from pipeline.accuracy_table import reference_sentences
-        from pipeline.tables import costs
+        from pipeline.accuracy.study import climb
+        from pipeline.accuracy.table import reference_sentences
+        from pipeline.terminal import costs
 
         console = Console()
         progress = progress_for(console)
@@ -178,8 +178,8 @@ def rod(
 ) -> None:
     """The rod alone, in milliseconds: its shape under loads."""
     with _plain_endings():
-        from pipeline.rod_alone import equilibrium, rod_at, shape_table
-        from pipeline.whole_file import write_whole
+        from pipeline.saved_rod import equilibrium, rod_at, shape_table
+        from pipeline.store.atomic_file import write_whole
 
         chosen = rod_at(parameters, pressure, extrapolate, sixth)
         shape = equilibrium(chosen.rod, force=force, moment=moment, end_y=end_y, end=end)
@@ -207,10 +207,10 @@ def material(
 ) -> None:
     """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
     with _plain_endings():
-        from pipeline.material import fit_material
-        from pipeline.material_fits import ALL, WIDEST, Asked
-        from pipeline.material_words import about_moduli, block, sentences
-        from pipeline.tables import laws
+        from pipeline.material.fits import ALL, WIDEST, Asked
+        from pipeline.material.sentences import about_moduli, block, sentences
+        from pipeline.material.study import fit_material
+        from pipeline.terminal import laws
 
         fits = fit_material(tests, Asked.of(nu, density, break_strain, up_to, within), out)
         console = Console()
@@ -234,7 +234,7 @@ def export(
 ) -> None:
     """The identified rod as a file for another rod code."""
     with _plain_endings():
-        from pipeline.rod_alone import exported
+        from pipeline.saved_rod import exported
 
         Console().print(f"written: {exported(folder, to, pressure)}", highlight=False, soft_wrap=True)
 
@@ -309,7 +309,7 @@ def _say_effects(console: Console, folder: Path) -> None:
     """Which effects were simulated, and why."""
     file = folder / "effects.json"
     if file.is_file():
-        from pipeline.tables import sentences
+        from pipeline.terminal import sentences
 
         console.print(sentences(json.loads(file.read_text(encoding="utf-8"))), highlight=False)
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.provenance import installed, pinned
+from pipeline.store.provenance import installed, pinned
 
 __all__ = ["Finding", "examine", "remedy", "system_packages"]
 
@@ -111,7 +111,7 @@ def _try_pictures() -> str:
 def _try_linear_solver() -> str:
     import numpy as np
 
-    from fem.linear import available_solver
+    from fem.equations.linear import available_solver
 
     solver = available_solver()()
     solver.analyse(np.array([0, 2, 3]), np.array([0, 1, 1]))

@@ -15,7 +15,7 @@ import numpy as np
 import pyvista
 from numpy.typing import NDArray
 
-from pipeline.whole_file import write_whole
+from pipeline.store.atomic_file import write_whole
 
 __all__ = ["Colour", "draw_body", "draw_deformed", "write_fields", "write_series"]
 

@@ -7,24 +7,24 @@ from time import perf_counter
 from typing import Any
 
 from fem import compile_kernels
-from pipeline.accuracy_choice import afterwards, chosen
-from pipeline.compare import CURVE_COLUMNS, compare, curve_rows
-from pipeline.config import Config
-from pipeline.drawings import draw_all
-from pipeline.effects import effect_rows
-from pipeline.failure import RunFailed
-from pipeline.indicator import largest_indicator
-from pipeline.mesh_error import with_mesh_error
-from pipeline.parameters import identify_all
-from pipeline.parameters_file import parameters_record
+from pipeline.accuracy.plan import afterwards, chosen
+from pipeline.config.config import Config
+from pipeline.errors import RunFailed
+from pipeline.identification.added_pressures import with_added_pressures
+from pipeline.identification.mesh_error import with_mesh_error
+from pipeline.identification.parameters import identify_all
+from pipeline.identification.record import parameters_record
 from pipeline.progress import Progress
-from pipeline.provenance import provenance
-from pipeline.regimes import with_added_pressures
-from pipeline.report import render_report
-from pipeline.scene import meshed_body
-from pipeline.simulate import Outcome, simulate
-from pipeline.store import Store, open_store
-from pipeline.validation import validate
+from pipeline.report.page import render_report
+from pipeline.simulation.effects_record import effect_rows
+from pipeline.simulation.indicator import largest_indicator
+from pipeline.simulation.pictures import draw_all
+from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.store.provenance import provenance
+from pipeline.store.store import Store, open_store
+from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
+from pipeline.validation.validate import validate
 
 __all__ = ["run"]
 

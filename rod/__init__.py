@@ -1,23 +1,22 @@
 """The actuator as one line: curvature, the five-parameter law, the rod in equilibrium."""
 
-from .alternatives import Candidate, Observation, compare_laws, simplest
-from .cells import cell_averaged
-from .closing import Closing, closing
-from .curvature import Smoothing, gaussian_process, shared_smoothing
-from .curve import Curvature, Moment, moment_from_force, without_stretch
-from .equilibrium import Rod, RodSolution
-from .errors import Interval
-from .export import EXPORTS, Arm, export
-from .extension import Extension, extension
-from .extrapolation import Extrapolated, extrapolated
-from .fit import LoadedShape, RodFit, fit_rod, profile_over_break, rest_curvature
-from .identify import Identification, identify, shortest_break
-from .law import FiveParameters, RodError
-from .one_line import LineFit
-from .pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
-from .sampled import SampledMoments
-from .scaling import Reference, Scaled, scaled
-from .synthetic import SyntheticArm
+from rod.curves.cell_average import cell_averaged
+from rod.curves.closure import Closing, closing
+from rod.curves.curve import Curvature, Moment, moment_from_force, without_stretch
+from rod.curves.extension import Extension, extension
+from rod.curves.gaussian_process import Smoothing, gaussian_process, shared_smoothing
+from rod.curves.uncertainty import Interval
+from rod.export.formats import EXPORTS, Arm, export
+from rod.identification.alternatives import Candidate, Observation, compare_laws, simplest
+from rod.identification.moment_range import SampledMoments
+from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, profile_over_break, rest_curvature
+from rod.identification.single_line import LineFit
+from rod.identification.two_lines import Identification, identify, shortest_break
+from rod.law import FiveParameters, RodError
+from rod.mechanics.equilibrium import Rod, RodSolution
+from rod.pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
+from rod.scaling import Reference, Scaled, scaled
+from rod.synthetic import SyntheticArm
 
 __all__ = [
     "EXPORTS",
@@ -26,7 +25,6 @@ __all__ = [
     "Closing",
     "Curvature",
     "Extension",
-    "Extrapolated",
     "FiveParameters",
     "Identification",
     "Interval",
@@ -51,7 +49,6 @@ __all__ = [
     "compare_laws",
     "export",
     "extension",
-    "extrapolated",
     "fit_rod",
     "gaussian_process",
     "identify",

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .equilibrium import Rod
-from .extension import Extension
-from .law import FiveParameters, RodError
-from .sampled import SampledMoments
+from rod.curves.extension import Extension
+from rod.identification.moment_range import SampledMoments
+from rod.law import FiveParameters, RodError
+from rod.mechanics.equilibrium import Rod
 
 Array = NDArray[np.float64]
 #: by name: values and standard deviations, one of each per pressure

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from .law import FiveParameters, RodError
+from rod.law import FiveParameters, RodError
 
 
 @dataclass(frozen=True)

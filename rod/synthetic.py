@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import Centreline
-
-from .equilibrium import Rod
-from .law import FiveParameters
+from rod.law import FiveParameters
+from rod.mechanics.equilibrium import Rod
 
 Array = NDArray[np.float64]
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fem import Effect, Material
 from fem.discretisation import Discretisation
-from fem.effects import DeadForceTerm, Term
+from fem.effects.effect import DeadForceTerm, Term
 
 Array = NDArray[np.float64]
 

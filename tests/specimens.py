@@ -3,7 +3,7 @@
 import numpy as np
 
 from fem import Yeoh, uniaxial_terms
-from pipeline.tensile import TensileTest
+from pipeline.material.tensile import TensileTest
 
 #: the example that is shipped: C10, C20 of Elastosil M4601 in MPa, 0 to 700 % in steps of 2.5 %, five specimens
 CONSTANTS = {"c10": 0.11, "c20": 0.02, "c30": 0.0}

@@ -6,8 +6,12 @@ import pytest
 from bodies import box
 
 import fem
-from fem import kernels, mixed_kernels, recovery_kernels, surface_kernels, tangent_kernels
-from fem.recovery import stress_error
+from fem.kernels import element as kernels
+from fem.kernels import mixed as mixed_kernels
+from fem.kernels import recovery as recovery_kernels
+from fem.kernels import surface as surface_kernels
+from fem.kernels import tangent as tangent_kernels
+from fem.post.recovery import stress_error
 
 LAWS = (fem.StVenantKirchhoff(1.2, 0.3), fem.Hencky(1.2, 0.3), fem.NeoHooke(1.2, 0.3))
 

@@ -26,12 +26,12 @@ from fem import (
     StVenantKirchhoff,
     follow,
 )
-from fem.contact import STIFFNESS, BarrierTerm
 from fem.discretisation import Discretisation
-from fem.effects import Term
-from fem.facing import FacingTerm
-from fem.material import Material
-from fem.newton import NEAR
+from fem.effects.barrier import FacingTerm
+from fem.effects.contact import STIFFNESS, BarrierTerm
+from fem.effects.effect import Term
+from fem.materials.material import Material
+from fem.path.newton import NEAR
 from geometry import Body
 
 Array = NDArray[np.float64]
@@ -190,7 +190,7 @@ def test_a_crossing_that_facing_walls_do_not_see_is_solved_with_the_barrier(monk
 
 def test_walls_that_pass_through_a_soft_contact_are_held_by_a_firmer_one(monkeypatch, short: Body) -> None:
     """Contact of a 25th of the stiffness lets them, four times that still does, sixteen times that does not."""
-    monkeypatch.setattr("fem.contact.STIFFNESS", 0.04 * STIFFNESS)
+    monkeypatch.setattr("fem.effects.contact.STIFFNESS", 0.04 * STIFFNESS)
     stricter, asked, stiffness = FacingTerm.stricter, [], []
 
     def told(self: FacingTerm, x: Array) -> Term:
@@ -200,7 +200,7 @@ def test_walls_that_pass_through_a_soft_contact_are_held_by_a_firmer_one(monkeyp
 
     monkeypatch.setattr(FacingTerm, "stricter", told)
     judged: list[tuple[Term, ...]] = []
-    monkeypatch.setattr("fem.loadpath.instability", lambda system, found, terms: judged.append(terms) or "")
+    monkeypatch.setattr("fem.path.loadpath.instability", lambda system, found, terms: judged.append(terms) or "")
     _, steps = bend(short, [SelfContact("gap", waits=True)], [37.0])
     assert len(asked) == 2
     assert asked[0] < asked[1] < 0 < steps[0].min_gap

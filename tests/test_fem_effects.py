@@ -8,11 +8,11 @@ from bodies import box, bricks, difference, fork, hollow_box, named
 from numpy.typing import NDArray
 
 from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StVenantKirchhoff
-from fem.contact import BarrierTerm
 from fem.discretisation import Discretisation
-from fem.effects import Blocks, Term
-from fem.facing import CONTINUED, FacingTerm, continued_barrier
-from fem.surface import FacingPairs
+from fem.effects.barrier import CONTINUED, FacingTerm, continued_barrier
+from fem.effects.contact import BarrierTerm
+from fem.effects.effect import Blocks, Term
+from fem.effects.facing_pairs import FacingPairs
 from geometry import Mesh
 
 Array = NDArray[np.float64]

@@ -22,7 +22,7 @@ from fem import (
     StVenantKirchhoff,
     follow,
 )
-from fem.linear import SuperLU
+from fem.equations.linear import SuperLU
 from geometry import Body, PneuNet
 
 Array = NDArray[np.float64]

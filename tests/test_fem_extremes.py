@@ -8,7 +8,7 @@ from bodies import box
 
 from fem import NeoHooke, StVenantKirchhoff, beyond_the_law
 from fem.discretisation import Discretisation
-from fem.extremes import extremes_of, principal_stretches, strain_at_stress_points
+from fem.post.extremes import extremes_of, principal_stretches, strain_at_stress_points
 from fem.solution import Extremes
 
 LAW = StVenantKirchhoff(1.2, 0.495)

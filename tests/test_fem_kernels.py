@@ -10,12 +10,14 @@ from bodies import box, difference, hollow_box
 from numpy.typing import NDArray
 from skfem.helpers import ddot, det, grad, identity, inv, mul, trace, transpose
 
-from fem import Fixed, Model, StVenantKirchhoff, kernels, tangent_kernels
+from fem import Fixed, Model, StVenantKirchhoff
 from fem.discretisation import CHUNK, CHUNKS, FORMULATIONS, Discretisation
-from fem.effects import Blocks, Pressure, enclosed_volume
-from fem.formulation import lame_constants
-from fem.linear import SuperLU
-from fem.system import System
+from fem.effects.effect import Blocks, Pressure, enclosed_volume
+from fem.equations.formulation import lame_constants
+from fem.equations.linear import SuperLU
+from fem.equations.system import System
+from fem.kernels import element as kernels
+from fem.kernels import tangent as tangent_kernels
 from geometry import Mesh, PneuNet
 
 Array = NDArray[np.float64]
@@ -292,7 +294,7 @@ def test_an_isotropic_tangent_takes_a_shorter_way_to_the_same_matrix(formulation
     jump = np.where(system.constraints.fixed, noise(system, 1.0), 0.0)
     assert lame_constants(assembly.answer.tangent, state.stress.shape[1]).shape == (state.stress.shape[1], 2)
     short, coupling = system.tangent(state, assembly, (), jump, convex=False)
-    monkeypatch.setattr("fem.system.lame_constants", lambda tangent, points: np.empty((0, 2)))
+    monkeypatch.setattr("fem.equations.system.lame_constants", lambda tangent, points: np.empty((0, 2)))
     long, swept = system.tangent(state, assembly, (), jump, convex=False)
     np.testing.assert_allclose(short, long, atol=1e-13 * np.abs(long).max())
     np.testing.assert_allclose(coupling.displacement, swept.displacement, atol=1e-13 * np.abs(long).max())

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 import fem
 from fem.discretisation import FORMULATIONS, Discretisation
-from fem.layer import LayerError, LayerTerm, StrainLimitingLayer
+from fem.effects.membrane import LayerError, LayerTerm, StrainLimitingLayer
 from geometry import Mesh
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ from bodies import hollow_box
 from numpy.typing import NDArray
 
 from fem import Fixed, Model, NewtonOptions, PathOptions, Pressure, StVenantKirchhoff, follow
-from fem.linear import LinearSolver, Pardiso, SingularMatrix, SuperLU, available_solver
+from fem.equations.linear import LinearSolver, Pardiso, SingularMatrix, SuperLU, available_solver
 
 Array = NDArray[np.float64]
 

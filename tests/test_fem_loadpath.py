@@ -7,7 +7,7 @@ import pytest
 from bodies import box
 from numpy.typing import NDArray
 
-import fem.newton
+import fem.path.newton
 from fem import (
     Experiment,
     Fixed,
@@ -25,8 +25,8 @@ from fem import (
     step_from_arrays,
     step_to_arrays,
 )
-from fem.newton import StepFailed
-from fem.prediction import Predictor, Start, predicted
+from fem.path.newton import StepFailed
+from fem.path.predictor import Predictor, Start, predicted
 from geometry import Body, PneuNet
 
 Array = NDArray[np.float64]
@@ -63,7 +63,7 @@ def test_what_newton_does_can_be_watched() -> None:
 def test_failed_attempts_are_cut(monkeypatch) -> None:
     """Attempts over more than a third of the way fail here; the end state must not know of it."""
     plain = follow(beam([WEIGHT]), [1.0])
-    real, starts, reached = fem.newton.solve, [], [0.0]
+    real, starts, reached = fem.path.newton.solve, [], [0.0]
 
     def fails_far_out(system, terms, start, control, *rest):
         starts.append((control.factor, start.displacement.copy()))
@@ -73,7 +73,7 @@ def test_failed_attempts_are_cut(monkeypatch) -> None:
         reached.append(control.factor)
         return found
 
-    monkeypatch.setattr(fem.newton, "solve", fails_far_out)
+    monkeypatch.setattr(fem.path.newton, "solve", fails_far_out)
     step = follow(beam([WEIGHT]), [1.0]).steps[0]
     assert step.cutbacks >= 2
     assert reached == sorted(reached)

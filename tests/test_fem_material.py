@@ -20,9 +20,9 @@ from fem import (
     Yeoh,
     follow,
 )
-from fem.material_hencky import divided_difference
-from fem.material_rubber import stable_range
-from fem.material_tensors import COLUMN, ROW, CauchyGreen, voigt
+from fem.materials.hencky import divided_difference
+from fem.materials.rubber import stable_range
+from fem.materials.tensors import COLUMN, ROW, CauchyGreen, voigt
 
 Array = NDArray[np.float64]
 

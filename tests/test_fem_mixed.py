@@ -22,8 +22,8 @@ from fem import (
     element_fields,
     follow,
 )
-from fem.linear import Pardiso, SuperLU
-from fem.system import State, System
+from fem.equations.linear import Pardiso, SuperLU
+from fem.equations.system import State, System
 
 Array = NDArray[np.float64]
 

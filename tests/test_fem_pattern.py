@@ -6,7 +6,7 @@ from bodies import box
 from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
-from fem.pattern import NoPlace, Pattern, element_keys
+from fem.equations.pattern import NoPlace, Pattern, element_keys
 
 Array = NDArray[np.float64]
 

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from bodies import hollow_box
 
-from fem import Fixed, Model, Pressure, StVenantKirchhoff, kernels
-from fem.course import LoadCourse
-from fem.prediction import FAR, KICK, Place, Predictor, predicted
-from fem.system import State
+from fem import Fixed, Model, Pressure, StVenantKirchhoff
+from fem.equations.system import State
+from fem.kernels import element as kernels
+from fem.path.course import LoadCourse
+from fem.path.predictor import FAR, KICK, Place, Predictor, predicted
 
 
 def state(value: float) -> State:

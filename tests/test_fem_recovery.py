@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from fem import Fixed, Model, NeoHooke, Prescribed, Pressure, StVenantKirchhoff, follow, stress_error
 from fem.discretisation import FORMULATIONS, Discretisation
-from fem.recovery import recovered
+from fem.post.recovery import recovered
 from geometry import Mesh
 
 Array = NDArray[np.float64]

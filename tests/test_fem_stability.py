@@ -6,9 +6,9 @@ from bodies import box
 from loads import Traction
 
 from fem import Fixed, Model, PathOptions, StVenantKirchhoff
-from fem.course import LoadCourse
-from fem.loadpath import Path
-from fem.stability import most_softened
+from fem.path.course import LoadCourse
+from fem.path.loadpath import Path
+from fem.path.modes import most_softened
 
 LENGTH = 16.0
 #: Euler's load of a clamped column whose other end is free, E = 1 MPa, over its section of 1 mm2

@@ -21,8 +21,8 @@ from fem import (
     follow,
 )
 from fem.discretisation import FORMULATIONS
-from fem.linear import SuperLU
-from fem.system import System
+from fem.equations.linear import SuperLU
+from fem.equations.system import System
 from geometry import Mesh
 
 Array = NDArray[np.float64]

@@ -9,7 +9,7 @@ import pytest
 
 from geometry import DesignError, Mesh, MeshError, OwnMesh, OwnSolid, PneuNet
 from geometry.manifold import count_pieces
-from geometry.solid import session
+from geometry.meshing.solid import session
 
 Draw = Callable[[Any], Any]
 

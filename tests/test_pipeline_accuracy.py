@@ -6,16 +6,17 @@ from typing import Any
 
 import pytest
 
-from pipeline import accuracy, rungs
-from pipeline.accuracy import climb
-from pipeline.accuracy_errors import Reference, errors, headline, limit, pareto_front, shifted
-from pipeline.accuracy_figure import html_page, svg_picture
-from pipeline.accuracy_record import accuracy_record
-from pipeline.accuracy_table import COLUMNS_OF_RUNGS, markdown, reference_sentences
-from pipeline.config import Config, load_config
-from pipeline.failure import RunFailed
+from pipeline.accuracy import ladder as rungs
+from pipeline.accuracy import study as accuracy
+from pipeline.accuracy.figure import html_page, svg_picture
+from pipeline.accuracy.ladder import CONTACT, LOCKING, POINTS, TOLERANCE, Rung, ladder, mesh_choice
+from pipeline.accuracy.record import accuracy_record
+from pipeline.accuracy.reference import Reference, errors, headline, limit, pareto_front, shifted
+from pipeline.accuracy.study import climb
+from pipeline.accuracy.table import COLUMNS_OF_RUNGS, markdown, reference_sentences
+from pipeline.config.config import Config, load_config
+from pipeline.errors import RunFailed
 from pipeline.progress import Silent
-from pipeline.rungs import CONTACT, LOCKING, POINTS, TOLERANCE, Rung, ladder, mesh_choice
 
 TOUCHING = 0.04
 EXACT = {"kappa_0_per_mm": -0.016, "alpha1_N_mm2": 50.0, "alpha2_N_mm2": 400.0, "d_mm": 12.0, "force_N": 0.03}

@@ -5,8 +5,9 @@ from typing import Any
 
 import pytest
 
-from pipeline import accuracy_choice
-from pipeline.accuracy_choice import (
+from pipeline.accuracy import plan as accuracy_choice
+from pipeline.accuracy.ladder import Rung
+from pipeline.accuracy.plan import (
     FINEST,
     FORMULATION,
     GRADING,
@@ -17,12 +18,11 @@ from pipeline.accuracy_choice import (
     afterwards,
     chosen,
 )
-from pipeline.config import Config, load_config
-from pipeline.failure import InputError, RunFailed
-from pipeline.indicator import Indicator
+from pipeline.config.config import Config, load_config
+from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
-from pipeline.rungs import Rung
-from pipeline.store import open_store
+from pipeline.simulation.indicator import Indicator
+from pipeline.store.store import open_store
 
 EXACT = {"kappa_0_per_mm": -0.016, "alpha2_N_mm2": 400.0, "force_N": 0.03}
 #: power of the size with which the made-up errors and indicators fall

@@ -13,7 +13,7 @@ from typer.testing import CliRunner, Result
 from pipeline import doctor
 from pipeline.cli import app
 from pipeline.doctor import Finding
-from pipeline.failure import RunFailed
+from pipeline.errors import RunFailed
 from pipeline.progress import Progress
 
 Story = Callable[[object, Path, int, bool, Progress], None]

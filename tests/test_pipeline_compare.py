@@ -7,8 +7,8 @@ import pytest
 
 from fem import Seconds
 from geometry import Centreline
-from pipeline.compare import CURVE_COLUMNS, Rods, held_against, rows_of
-from pipeline.simulate import Record
+from pipeline.simulation.simulate import Record
+from pipeline.validation.compare import CURVE_COLUMNS, Rods, held_against, rows_of
 from rod import Extension, FiveParameters, Rod, SampledMoments
 
 LENGTH, PITCH = 112.0, 10.0

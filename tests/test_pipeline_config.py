@@ -10,9 +10,9 @@ import pytest
 import fem
 import fem.discretisation
 from geometry import FAMILIES, PneuNet
-from pipeline.config import EFFECTS, FORMULATIONS, LAWS, Config, Validation, load_config
-from pipeline.failure import InputError
-from pipeline.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
+from pipeline.config.config import EFFECTS, FORMULATIONS, LAWS, Config, Validation, load_config
+from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
+from pipeline.errors import InputError
 
 
 def refusal(path: Path, *overrides: str) -> str:

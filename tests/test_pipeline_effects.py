@@ -13,14 +13,14 @@ import pytest
 from rich.console import Console
 
 import fem
-from pipeline.config import load_config
-from pipeline.effects import effect_rows
-from pipeline.effects_table import BASE, about_contact, compare_effects, variants
+from pipeline.config.config import load_config
+from pipeline.effects_study import BASE, about_contact, compare_effects, variants
 from pipeline.progress import Silent
-from pipeline.scene import effects_of, meshed_body
-from pipeline.simulate import Outcome, simulate
-from pipeline.store import open_store
-from pipeline.tables import comparison
+from pipeline.simulation.effects_record import effect_rows
+from pipeline.simulation.scene import effects_of, meshed_body
+from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.store.store import open_store
+from pipeline.terminal import comparison
 
 HERE = Path(__file__).resolve().parent.parent
 SHORT = ("geometry.chambers=3", "mesh.size=4 mm")

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.store import Store
+from pipeline.store.store import Store
 
 HERE = Path(__file__).resolve().parent.parent
 SHORT = """

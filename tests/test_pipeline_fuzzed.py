@@ -12,9 +12,9 @@ import pytest
 from hypothesis import HealthCheck, event, given, settings
 
 from geometry.design import expected_tets
-from pipeline.config import load_config
-from pipeline.failure import InputError
-from pipeline.scene import meshed_body
+from pipeline.config.config import load_config
+from pipeline.errors import InputError
+from pipeline.simulation.scene import meshed_body
 from tests.bodies import DATA
 from tests.fuzzed import Written, configurations
 

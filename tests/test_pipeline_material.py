@@ -12,15 +12,15 @@ from typer.testing import CliRunner, Result
 
 import fem
 from pipeline.cli import app
-from pipeline.config import LAWS, load_config
-from pipeline.failure import InputError
-from pipeline.law_fit import LawFit, Refused, fit_all, fit_widest
-from pipeline.material_fits import ALL, WIDEST, Asked, Fits, fitted
-from pipeline.material_words import block, sentences, with_error
-from pipeline.moduli import PAPER, choice, moduli
-from pipeline.regression import TooFewPoints, regress
-from pipeline.tensile import TensileTest
-from pipeline.tensile_curve import MeanCurve, noise
+from pipeline.config.config import LAWS, load_config
+from pipeline.errors import InputError
+from pipeline.material.fits import ALL, WIDEST, Asked, Fits, fitted
+from pipeline.material.law_fit import LawFit, Refused, fit_all, fit_widest
+from pipeline.material.mean_curve import MeanCurve, noise
+from pipeline.material.moduli import PAPER, choice, moduli
+from pipeline.material.regression import TooFewPoints, regress
+from pipeline.material.sentences import block, sentences, with_error
+from pipeline.material.tensile import TensileTest
 
 Array = NDArray[np.float64]
 

@@ -6,14 +6,15 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config import load_config
-from pipeline.failure import InputError
-from pipeline.mesh_error import mesh_deviations
+from pipeline.config.config import load_config
+from pipeline.errors import InputError
+from pipeline.identification.mesh_error import mesh_deviations
 from pipeline.progress import Silent
-from pipeline.report_data import read_results
-from pipeline.report_numbers import mesh_error
+from pipeline.report.numbers import mesh_error
+from pipeline.report.results import read_results
+from pipeline.richardson import extrapolated
 from pipeline.run import run
-from rod import Interval, extrapolated
+from rod import Interval
 
 SHORT = """
 name: seven

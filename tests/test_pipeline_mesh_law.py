@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from pipeline.accuracy_errors import HEADLINE
-from pipeline.mesh_law import FASTEST, LEAST, RIGIDITY, SLOWEST, MeshLaw
+from pipeline.accuracy.error_model import FASTEST, LEAST, RIGIDITY, SLOWEST, MeshLaw
+from pipeline.accuracy.reference import HEADLINE
 
 #: error over the indicator
 SHARES = {"kappa_0_per_mm": 0.4, "alpha2_N_mm2": -0.7, "force_N": 0.6}

@@ -12,15 +12,15 @@ import pytest
 from typer.testing import CliRunner
 
 from geometry import OwnMesh, OwnSolid
-from geometry.solid import session
+from geometry.meshing.solid import session
 from pipeline.cli import app
-from pipeline.config import load_config
-from pipeline.effects import effect_rows
-from pipeline.failure import InputError
+from pipeline.config.config import load_config
+from pipeline.errors import InputError
 from pipeline.progress import Silent
-from pipeline.scene import meshed_body
-from pipeline.simulate import simulate
-from pipeline.store import open_store
+from pipeline.simulation.effects_record import effect_rows
+from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.simulate import simulate
+from pipeline.store.store import open_store
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 

@@ -3,8 +3,8 @@
 from dataclasses import replace
 
 from fem import End
-from pipeline.cases import Case
-from pipeline.simulate import in_kPa
+from pipeline.simulation.loadcase import Case
+from pipeline.simulation.simulate import in_kPa
 
 
 def test_where_a_path_ended_in_the_units_of_the_configuration() -> None:

@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.report import render_report
-from pipeline.report_data import read_results
-from pipeline.report_words import agreement_of_rod, difference_of_rest_curvatures, number, share_of_factorization
+from pipeline.report.page import render_report
+from pipeline.report.results import read_results
+from pipeline.report.sentences import agreement_of_rod, difference_of_rest_curvatures, number, share_of_factorization
 
 LENGTH, CUT = 112.0, 15.0
 PRESSURES = (17.0, 37.0)

@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.compare import CURVE_COLUMNS
-from pipeline.report_compared import validation_shapes
-from pipeline.report_data import Results, read_results
-from pipeline.report_figures import curvatures, shapes
+from pipeline.report.compared import validation_shapes
+from pipeline.report.figures import curvatures, shapes
+from pipeline.report.results import Results, read_results
+from pipeline.validation.compare import CURVE_COLUMNS
 
 S = np.linspace(0.0, 100.0, 21)
 

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.report_data import Results, read_results
-from pipeline.report_numbers import Cell, estimators, observations, regimes, sixth_number, with_spread
-from pipeline.report_validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
+from pipeline.report.numbers import Cell, estimators, observations, regimes, sixth_number, with_spread
+from pipeline.report.results import Results, read_results
+from pipeline.report.validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
 
 
 def results(folder: Path, **files: object) -> Results:

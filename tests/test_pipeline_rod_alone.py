@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from pipeline.cli import app
-from pipeline.rod_alone import rod_at
+from pipeline.saved_rod import rod_at
 from rod import FiveParameters, Rod
 
 LENGTH = 112.0

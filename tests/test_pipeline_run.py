@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.config import load_config
-from pipeline.failure import RunFailed
+from pipeline.config.config import load_config
+from pipeline.errors import RunFailed
 from pipeline.progress import Silent
 from pipeline.run import run
 

@@ -6,9 +6,9 @@ import pytest
 
 import fem
 from geometry import Body
-from pipeline.config import CavityPressure, Config, Layer, load_config
-from pipeline.failure import InputError
-from pipeline.scene import contact_faces, effects_of, material_of, meshed_body
+from pipeline.config.config import CavityPressure, Config, Layer, load_config
+from pipeline.errors import InputError
+from pipeline.simulation.scene import contact_faces, effects_of, material_of, meshed_body
 
 BISECTED = ("geometry.length=30 mm", "mesh.size=5 mm")
 

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pipeline.failure import InputError
-from pipeline.tensile import read_tensile, up_to
+from pipeline.errors import InputError
+from pipeline.material.tensile import read_tensile, up_to
 
 STRAINS = [0.0, 0.1, 0.2, 0.3, 0.4]
 STRESSES = [0.0, 0.06, 0.11, 0.15, 0.19]

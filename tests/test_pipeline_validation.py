@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cases import Case, up_to, validation_cases
-from pipeline.config import Config, load_config
+from pipeline.config.config import Config, load_config
 from pipeline.progress import Silent
 from pipeline.run import run
+from pipeline.simulation.loadcase import Case, up_to, validation_cases
 
 SHORT = """
 name: seven

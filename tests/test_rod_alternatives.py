@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from rod import Curvature, FiveParameters, Moment, Rod, RodError, cell_averaged, moment_from_force
-from rod.alternatives import AS_GOOD, Candidate, Observation, compare_laws, simplest
-from rod.fit import rest_curvature
+from rod.identification.alternatives import AS_GOOD, Candidate, Observation, compare_laws, simplest
+from rod.identification.shape_fit import rest_curvature
 from rod.synthetic import SyntheticArm
 
 S = np.linspace(0.125, 111.875, 448)

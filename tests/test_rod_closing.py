@@ -19,8 +19,8 @@ from rod import (
     rest_curvature,
     without_stretch,
 )
-from rod.closing import ERROR
-from rod.curve import fine_grid
+from rod.curves.closure import ERROR
+from rod.curves.curve import fine_grid
 
 STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
 

@@ -9,8 +9,8 @@ import pytest
 
 from geometry import Centreline
 from rod import Curvature, RodError, Smoothing, SyntheticArm, cell_averaged, gaussian_process, shared_smoothing
-from rod.curvature import _posterior
-from rod.curve import chord_angles, fine_grid, mean_angle_weights, moment_from_force
+from rod.curves.curve import chord_angles, fine_grid, mean_angle_weights, moment_from_force
+from rod.curves.gaussian_process import _posterior
 from rod.law import FiveParameters
 
 PITCH = 10.0

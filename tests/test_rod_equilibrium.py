@@ -14,8 +14,8 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from rod import FiveParameters, Rod, RodError
-from rod.profile import cut_into_steps
-from rod.shooting import sweep
+from rod.mechanics.profile import cut_into_steps
+from rod.mechanics.shooting import sweep
 
 PLAIN = FiveParameters(1.0, 1.0, 0.0, 0.0, 0.13)
 TWO_LINES = FiveParameters(2.0, 1.0, 0.1, -0.05, 0.13)

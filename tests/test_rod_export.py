@@ -10,8 +10,8 @@ import pytest
 from scipy.io import loadmat
 
 from rod import FiveParameters, Rod, RodError
-from rod.export import EXPORTS, Arm, export, table
-from rod.lumped import joints
+from rod.export.formats import EXPORTS, Arm, export, table
+from rod.export.lumped import joints
 
 LAW = FiveParameters(150.0, 400.0, -0.8, 0.1, 14.0)
 S = np.linspace(0.0, 112.0, 225)

@@ -9,8 +9,8 @@ import pytest
 
 from geometry import Centreline
 from rod import FiveParameters, RodError, SyntheticArm
-from rod.curve import without_stretch
-from rod.fit import LoadedShape, fit_rod, profile_over_break, rest_curvature
+from rod.curves.curve import without_stretch
+from rod.identification.shape_fit import LoadedShape, fit_rod, profile_over_break, rest_curvature
 
 GAP = FiveParameters(190.0, 400.0, -0.1, 0.5, 7.0)
 STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)

@@ -19,8 +19,8 @@ from rod import (
     identify,
     rest_curvature,
 )
-from rod.curve import chord_angles
-from rod.lines import Seen
+from rod.curves.curve import chord_angles
+from rod.identification.regression import Seen
 
 #: the arm with one semicircular chamber at 37 kPa, from finite elements (the file's head says what)
 TABLE = np.loadtxt(

@@ -9,13 +9,13 @@ import numpy as np
 from cases import CONFIGS, Check, HardCase, Scene
 
 from geometry import Body
-from pipeline.cases import Case
-from pipeline.config import Config, load_config
-from pipeline.failure import InputError, RunFailed
+from pipeline.config.config import Config, load_config
+from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
-from pipeline.scene import meshed_body
-from pipeline.simulate import Outcome, simulate
-from pipeline.store import open_store
+from pipeline.simulation.loadcase import Case
+from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.store.store import open_store
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,10 @@
 """Contact against closed forms: a wall before a rigid plane is a wall before its mirror image.
 
 The barrier is that of M. Li et al., "Incremental potential contact", ACM Trans. Graph. 39 (2020), in the form of
-`fem.facing.contact_potential`, dhat f(g / dhat): a wall g from the plane with dhat, and one 2 g from its mirror image
-with 2 dhat, feel the same pressure. A bar pressed against the plane is one-dimensional (St. Venant-Kirchhoff,
-P = E s (s^2 - 1) / 2): the barrier's pressure at the gap that is left must be P. Without the barrier the gap would be
-zero; with it the error is of first order in dhat.
+`fem.effects.barrier.contact_potential`, dhat f(g / dhat): a wall g from the plane with dhat, and one 2 g from its
+mirror image with 2 dhat, feel the same pressure. A bar pressed against the plane is one-dimensional (St.
+Venant-Kirchhoff, P = E s (s^2 - 1) / 2): the barrier's pressure at the gap that is left must be P. Without the barrier
+the gap would be zero; with it the error is of first order in dhat.
 """
 
 import numpy as np
@@ -25,9 +25,9 @@ from fem import (
     StVenantKirchhoff,
     follow,
 )
-from fem.contact import STIFFNESS
 from fem.discretisation import FORMULATIONS
-from fem.facing import WEIGHT, contact_potential
+from fem.effects.barrier import WEIGHT, contact_potential
+from fem.effects.contact import STIFFNESS
 from geometry import Mesh
 
 Array = NDArray[np.float64]

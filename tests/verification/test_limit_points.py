@@ -25,7 +25,7 @@ from fem import (
     follow,
     follow_volume,
 )
-from fem.effects import enclosed_volume
+from fem.effects.effect import enclosed_volume
 from geometry import Mesh
 
 Array = NDArray[np.float64]

@@ -11,7 +11,7 @@ from test_manufactured import CASES, ONE, Case, solve
 
 from fem import Step, stress_error
 from fem.discretisation import FORMULATIONS
-from fem.extremes import strain_at_stress_points
+from fem.post.extremes import strain_at_stress_points
 
 Array = NDArray[np.float64]
 

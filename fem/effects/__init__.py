@@ -1,0 +1,1 @@
+"""What acts on the body besides its elasticity: loads, a strain-limiting layer, self-contact."""

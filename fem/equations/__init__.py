@@ -1,0 +1,1 @@
+"""The assembled equations: element formulations, sparsity pattern, factorization, constraints."""

@@ -1,0 +1,281 @@
+"""How the volumetric part of a law enters the potential: through the displacement alone, or through a pressure.
+
+In the mixed formulation the hydrostatic pressure is a field of its own, linear in each tetrahedron and continuous
+(C. Taylor, P. Hood, "A numerical solution of the Navier-Stokes equations using the finite element technique", Comput.
+Fluids 1 (1973), for rubber e.g. T. Sussman, K.-J. Bathe, Comput. Struct. 26 (1987)). For a volumetric energy
+m/2 theta(E)^2 the potential is
+
+    Pi(u, p) = int W_shear(E) + p theta(E) - p^2 / (2 m) dX - ...,
+
+stationary in p where p is m times the projection of theta on the linear fields: a displacement determines its
+pressure. The unknowns are the nodal p over the shear modulus, which keeps both kinds of rows of one size in any unit.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.linalg import SuperLU, splu
+
+from fem.discretisation import Discretisation
+from fem.equations.pattern import Pattern
+from fem.kernels import mixed as mixed_kernels
+from fem.materials.material import Material, MaterialError, Response
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+#: where the columns of each element's pressures begin in the rows of its nodes, (e, 4 or 10, 0 or 4), and where the
+#: pairs of pressures stand, (m,)
+Places = tuple[Index, Index]
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the law answers at all stress points of a body."""
+
+    energy: Array  #: (e, q), MPa
+    stress: Array  #: (e, q, 6), second Piola-Kirchhoff, each point's share of the law, MPa
+    tangent: Array  #: (e, q, 6, 6) dS/dE, MPa; (1, q or 1, 6, 6) where it is the same everywhere
+    dilatation: Array  #: (e, q) theta; (0, 0) where the pressure is not an unknown
+    slope: Array  #: (e, q, 6) d theta / d E, (1, 1, 6) where it is the same everywhere; (0, 0, 6) without pressures
+
+
+NOT_ISOTROPIC = np.empty((0, 2))
+
+
+def lame_constants(tangent: Array, points: int) -> Array:
+    """(q, 2) lambda and mu at the stress points of a tangent (1, q or 1, 6, 6) that is isotropic and the same in all
+    elements; (0, 2) for others."""
+    if tangent.shape[0] > 1:
+        return NOT_ISOTROPIC
+    first, second = tangent[0, :, 0, 1], tangent[0, :, 3, 3]
+    isotropic = np.zeros_like(tangent[0])
+    isotropic[:, :3, :3] = first[:, None, None]
+    isotropic += second[:, None, None] * np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
+    if not np.array_equal(isotropic, tangent[0]):
+        return NOT_ISOTROPIC
+    return np.array(np.broadcast_to(np.column_stack([first, second]), (points, 2)), order="C")
+
+
+class Formulation(ABC):
+    """A law on a discretisation."""
+
+    @property
+    @abstractmethod
+    def unknowns(self) -> int:
+        """Number of pressure unknowns v."""
+
+    @property
+    @abstractmethod
+    def element_unknowns(self) -> Index:
+        """(e, 4, 10 or 14) nodes of each element, the pressures counted on as n, n + 1, ..."""
+
+    @abstractmethod
+    def respond(self, strain: Array, pressure: Array) -> Answer:
+        """The law at strains (e, q, 6) and pressures (v,)."""
+
+    @abstractmethod
+    def pressure_of(self, strain: Array) -> Array:
+        """The pressures (v,) that belong to the strains (e, q, 6) of a displacement."""
+
+    @abstractmethod
+    def imbalance(self, answer: Answer, change: Array, pressure: Array) -> Array:
+        """d Pi / d p (v,), theta to first order at strains that differ by change (e, q, 6) from the answered ones."""
+
+    @abstractmethod
+    def stress_change(self, answer: Answer, pressure: Array) -> Array | float:
+        """Change of the stress (e, q, 6) with a change of the pressures (v,)."""
+
+    @abstractmethod
+    def places(self, pattern: Pattern) -> Places:
+        """Where in the pattern the columns of the pressures begin."""
+
+    @abstractmethod
+    def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
+        """Add the rows and columns of the pressures to the reduced upper triangle data (nnz,)."""
+
+    @abstractmethod
+    def swept(self, answer: Answer, change: Array) -> Array:
+        """Change of d Pi / d p (v,) with a change of the strains (e, q, 6)."""
+
+
+def formulation_of(space: Discretisation, material: Material) -> Formulation:
+    """The one the discretisation was made for."""
+    return Mixed(space, material) if space.formulation == "mixed" else DisplacementOnly(space, material)
+
+
+NO_PRESSURE = np.empty(0)
+
+
+@final
+@dataclass(frozen=True)
+class DisplacementOnly(Formulation):
+    """The volumetric part is taken at the stress points: "p2" at four, "p2p0" at one; "p1" has one for all."""
+
+    space: Discretisation
+    material: Material
+
+    @property
+    def unknowns(self) -> int:
+        return 0
+
+    @property
+    def element_unknowns(self) -> Index:
+        return self.space.nodes
+
+    def respond(self, strain: Array, pressure: Array) -> Answer:
+        if self.space.formulation != "p2p0":
+            shear, volumetric = self.material.shear(strain), self.material.volumetric(strain)
+            energy, stress = shear.energy + volumetric.energy, shear.stress + volumetric.stress
+            tangent = shear.tangent + volumetric.tangent
+        else:
+            shear, volumetric = self.material.shear(strain[:, :4]), self.material.volumetric(strain[:, 4:])
+            energy = np.concatenate([shear.energy, volumetric.energy], axis=1)
+            stress = np.concatenate([shear.stress, volumetric.stress], axis=1)
+            tangent = np.concatenate([_per_point(shear, 4), _per_point(volumetric, 1)], axis=1)
+        # in one layout whatever the law: the kernels are compiled once for each
+        stress, tangent = np.ascontiguousarray(stress), np.ascontiguousarray(tangent)
+        return Answer(energy, stress, tangent, np.empty((0, 0)), np.empty((0, 0, 6)))
+
+    def pressure_of(self, strain: Array) -> Array:
+        return NO_PRESSURE
+
+    def imbalance(self, answer: Answer, change: Array, pressure: Array) -> Array:
+        return NO_PRESSURE
+
+    def stress_change(self, answer: Answer, pressure: Array) -> Array | float:
+        return 0.0
+
+    def places(self, pattern: Pattern) -> Places:
+        return np.empty((*self.space.nodes.shape, 0), dtype=np.int64), np.empty(0, dtype=np.int64)
+
+    def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
+        pass
+
+    def swept(self, answer: Answer, change: Array) -> Array:
+        return NO_PRESSURE
+
+
+def _per_point(response: Response, points: int) -> Array:
+    tangent = response.tangent
+    return np.broadcast_to(tangent, (tangent.shape[0], points, 6, 6))
+
+
+@final
+@dataclass(frozen=True)
+class Mixed(Formulation):
+    """Continuous linear pressure beside the quadratic displacement. Raises `MaterialError`."""
+
+    space: Discretisation
+    material: Material
+
+    def __post_init__(self) -> None:
+        if not self.material.volumetric_modulus > 0:
+            raise MaterialError(
+                f"the mixed formulation needs a positive volumetric modulus, this law has "
+                f"{self.material.volumetric_modulus:g} MPa; take p2 or p2p0"
+            )
+
+    @cached_property
+    def unknowns(self) -> int:
+        return int(self.space.nodes[:, :4].max()) + 1
+
+    @cached_property
+    def element_unknowns(self) -> Index:
+        vertices = self.space.nodes[:, :4] + self.space.points.shape[0]
+        return np.concatenate([self.space.nodes, vertices], axis=1)
+
+    def respond(self, strain: Array, pressure: Array) -> Answer:
+        shear, theta = self.material.shear(strain), self.material.dilatation(strain)
+        at_points = self._at_points(pressure)
+        modulus = self.material.volumetric_modulus
+        return Answer(
+            shear.energy + at_points * (theta.value - 0.5 * at_points / modulus),
+            shear.stress + at_points[..., None] * theta.slope,
+            np.ascontiguousarray(shear.tangent + at_points[..., None, None] * theta.bend)
+            if theta.bend.any()
+            else shear.tangent,
+            theta.value,
+            np.ascontiguousarray(theta.slope),
+        )
+
+    def pressure_of(self, strain: Array) -> Array:
+        theta = self.material.dilatation(strain).value
+        scale = self.material.volumetric_modulus / self.material.shear_modulus
+        return np.asarray(scale * self._mass_factor.solve(self._tested(theta)))
+
+    def imbalance(self, answer: Answer, change: Array, pressure: Array) -> Array:
+        theta = answer.dilatation + np.sum(answer.slope * change, axis=-1)
+        return self._tested(theta - self._at_points(pressure) / self.material.volumetric_modulus) * self._unit
+
+    def stress_change(self, answer: Answer, pressure: Array) -> Array | float:
+        return self._at_points(pressure)[..., None] * answer.slope
+
+    def places(self, pattern: Pattern) -> Places:
+        nodes, pressures = self.element_unknowns[:, :10, None], self.element_unknowns[:, None, 10:]
+        rows, columns, _ = self._compressibility
+        return pattern.start_of(*np.broadcast_arrays(nodes, pressures)), pattern.start_of(rows, columns)
+
+    def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
+        space = self.space
+        mixed_kernels.pressure_columns(
+            space.colours,
+            space.chunks,
+            space.nodes,
+            space.inverse,
+            space.reference,
+            self._unit * space.weight,
+            space.vertex_shape,
+            displacement,
+            answer.slope,
+            places[0],
+            pattern.node_dof,
+            pattern.indptr,
+            pattern.free,
+            data,
+        )
+        pattern.place(data, *self._compressibility, places[1])
+
+    def swept(self, answer: Answer, change: Array) -> Array:
+        return self._tested(np.sum(answer.slope * change, axis=-1)) * self._unit
+
+    @property
+    def _unit(self) -> float:
+        """MPa per unit of the pressure unknowns."""
+        return self.material.shear_modulus
+
+    def _at_points(self, pressure: Array) -> Array:
+        """(e, q) MPa."""
+        return self._unit * np.asarray(pressure[self.space.nodes[:, :4]] @ self.space.vertex_shape.T)
+
+    def _tested(self, values: Array) -> Array:
+        """int N_v values dX (v,) of values (e, q)."""
+        shares = (values * self.space.weight) @ self.space.vertex_shape
+        tested = np.bincount(self.space.nodes[:, :4].ravel(), shares.ravel(), minlength=self.unknowns)
+        return np.asarray(tested, dtype=float)
+
+    @cached_property
+    def _mass(self) -> sp.csr_matrix:
+        """(v, v) int N_v N_w dX, mm3."""
+        shape, vertices = self.space.vertex_shape, self.space.nodes[:, :4]
+        local = np.einsum("eq,qa,qb->eab", self.space.weight, shape, shape)
+        rows, columns = np.repeat(vertices, 4, axis=1), np.tile(vertices, (1, 4))
+        return sp.csr_matrix((local.ravel(), (rows.ravel(), columns.ravel())), shape=(self.unknowns,) * 2)
+
+    @cached_property
+    def _compressibility(self) -> tuple[Index, Index, Array]:
+        """Second derivative by the pressures, which is constant, as blocks of pairs of unknowns."""
+        mass = sp.triu(self._mass, format="coo")
+        blocks = np.zeros((mass.nnz, 3, 3))
+        blocks[:, 0, 0] = -(self._unit**2) / self.material.volumetric_modulus * mass.data
+        first = self.space.points.shape[0]
+        return mass.row.astype(np.int64) + first, mass.col.astype(np.int64) + first, blocks
+
+    @cached_property
+    def _mass_factor(self) -> SuperLU:
+        return splu(self._mass.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})

@@ -1,0 +1,109 @@
+"""Sparsity pattern of the reduced upper triangle, kept by node pairs and made once per model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.kernels import element as kernels
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+class NoPlace(ValueError):
+    """Node pairs that a pattern does not hold."""
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """Upper triangle (diagonal included) over the free components of all nodes, numbered node by node.
+
+    Row r of node a holds first the components of a from r on, then all free components of the neighbours b > a in
+    order; `start_of(pairs)` therefore has one number per node pair.
+    """
+
+    node_dof: Index  #: (n, 3) reduced dof of each component, -1 where it is prescribed
+    free: Index  #: (n,) free components per node
+    keys: Index  #: (k,) node pairs a < b as a n + b, sorted
+    offset: Index  #: (k,) where the columns of b begin after those of a itself
+    indptr: Index  #: (d + 1,)
+    indices: NDArray[np.int32]  #: (nnz,)
+
+    @classmethod
+    def of(cls, fixed: NDArray[np.bool_], keys: Index) -> "Pattern":
+        """Pattern for the prescribed components fixed (n, 3) and the sorted unique node-pair keys."""
+        n = fixed.shape[0]
+        node_dof = np.full((n, 3), -1, dtype=np.int64)
+        node_dof[~fixed] = np.arange(np.count_nonzero(~fixed))
+        free = np.count_nonzero(~fixed, axis=1).astype(np.int64)
+        low, high = keys // n, keys % n
+        before = np.concatenate([[0], np.cumsum(free[high])])
+        first = np.searchsorted(low, np.arange(n + 1))
+        offset = before[:-1] - before[first[low]]
+        neighbours = before[first[1:]] - before[first[:-1]]
+        owner = np.repeat(np.arange(n), free)
+        rank = node_dof[~fixed] - node_dof[~fixed][np.cumsum(free)[owner] - free[owner]]
+        counts = free[owner] - rank + neighbours[owner]
+        indptr = np.concatenate([[0], np.cumsum(counts)])
+        indices = _columns(free, first, high, indptr)
+        return cls(node_dof, free, keys, offset, indptr, indices)
+
+    @property
+    def size(self) -> int:
+        """Number of free dofs."""
+        return self.indptr.shape[0] - 1
+
+    def with_pairs(self, rows: Index, columns: Index) -> "Pattern":
+        """The pattern that holds the node pairs rows <= columns as well."""
+        n = self.free.shape[0]
+        off = rows != columns
+        return Pattern.of(self.node_dof < 0, np.union1d(self.keys, rows[off] * n + columns[off]))
+
+    def start_of(self, rows: Index, columns: Index) -> Index:
+        """Offset of each node pair rows <= columns, 0 for a pair of a node with itself.
+
+        Raises `NoPlace` where the pattern does not hold a pair.
+        """
+        off = rows != columns
+        wanted = rows * self.free.shape[0] + columns
+        place = np.minimum(np.searchsorted(self.keys, wanted), self.keys.shape[0] - 1)
+        if np.any(off & (self.keys[place] != wanted)):
+            raise NoPlace("the pattern has no place for a pair of nodes")
+        return np.where(off, self.offset[place], 0)
+
+    def place(self, data: Array, rows: Index, columns: Index, values: Array, offset: Index) -> None:
+        """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); offset (m,) as `start_of` gives it."""
+        kernels.place_blocks(rows, columns, values, offset, self.node_dof, self.indptr, self.free, data)
+
+
+def element_keys(nodes: Index, points: int) -> Index:
+    """Sorted unique keys of all node pairs that share an element; nodes (e, a)."""
+    a, b = np.triu_indices(nodes.shape[1], 1)
+    low = np.minimum(nodes[:, a], nodes[:, b])
+    high = np.maximum(nodes[:, a], nodes[:, b])
+    return np.unique((low * points + high).ravel())
+
+
+def _columns(free: Index, first: Index, high: Index, indptr: Index) -> NDArray[np.int32]:
+    """Column indices row by row: own components from the diagonal on, then the neighbours' free components."""
+    start = np.concatenate([[0], np.cumsum(free)])
+    indices = np.empty(indptr[-1], dtype=np.int32)
+    lengths = free[high]
+    begin = np.concatenate([[0], np.cumsum(lengths)])
+    inner = np.arange(begin[-1]) - np.repeat(begin[:-1], lengths)
+    spread = (np.repeat(start[high], lengths) + inner).astype(np.int32)
+    rows = np.flatnonzero(free)
+    for rank in range(3):
+        here = rows[free[rows] > rank]
+        own = free[here] - rank
+        total = own + begin[first[here + 1]] - begin[first[here]]
+        place = np.repeat(indptr[start[here] + rank], total)
+        step = np.arange(total.sum()) - np.repeat(np.cumsum(total) - total, total)
+        mine = step < np.repeat(own, total)
+        value = np.empty(step.shape[0], dtype=np.int32)
+        value[mine] = (np.repeat(start[here] + rank, total) + step)[mine]
+        source = np.repeat(begin[first[here]], total) + step - np.repeat(own, total)
+        value[~mine] = spread[source[~mine]]
+        indices[place + step] = value
+    return indices

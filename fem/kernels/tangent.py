@@ -1,0 +1,201 @@
+"""The tangent of the body, compiled by numba: most of what an iteration costs beside the factorization.
+
+Axes and addressing as in `fem.kernels.element`. The tangent of one element is k (i, a, j, b), the last axis contiguous,
+so that the inner loops run over nodes and can be vectorised by the compiler.
+"""
+
+import numpy as np
+from numba import njit, prange
+from numpy.typing import NDArray
+
+from fem.kernels.element import FAST, at_nodes, deformation_gradient, gradients, place
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+
+@njit(cache=True)
+def _element_tangent(
+    nodes: Index, inverse: Array, reference: Array, weight: Array, u: Array, stress: Array, tangent: Array, k: Array
+) -> None:
+    """sum_q w (B^T C B + G(S)) into k (3 n, 3 n), components before nodes.
+
+    The strain matrices of all points stand below each other, so that each of the two parts is one matrix product.
+    """
+    n, points = nodes.shape[0], reference.shape[0]
+    f = np.empty((3, 3))
+    b = np.empty((6 * points, 3 * n))
+    cb = np.empty((6 * points, 3 * n))
+    g = np.empty((3 * points, n))
+    sg = np.empty((3 * points, n))
+    slope = np.empty((n, 3))
+    values = np.empty((n, 3))
+    at_nodes(nodes, u, values)
+    for q in range(points):
+        w = weight[q]
+        gradients(inverse, reference[q], slope)
+        deformation_gradient(inverse, reference[q], values, f)
+        s = stress[q]
+        for a in range(n):
+            g0, g1, g2 = slope[a, 0], slope[a, 1], slope[a, 2]
+            for i in range(3):
+                r = i * n + a
+                b[6 * q, r] = f[i, 0] * g0
+                b[6 * q + 1, r] = f[i, 1] * g1
+                b[6 * q + 2, r] = f[i, 2] * g2
+                b[6 * q + 3, r] = f[i, 0] * g1 + f[i, 1] * g0
+                b[6 * q + 4, r] = f[i, 1] * g2 + f[i, 2] * g1
+                b[6 * q + 5, r] = f[i, 0] * g2 + f[i, 2] * g0
+                g[3 * q + i, a] = slope[a, i]
+            sg[3 * q, a] = w * (s[0] * g0 + s[3] * g1 + s[5] * g2)
+            sg[3 * q + 1, a] = w * (s[3] * g0 + s[1] * g1 + s[4] * g2)
+            sg[3 * q + 2, a] = w * (s[5] * g0 + s[4] * g1 + s[2] * g2)
+        c = tangent[q if tangent.shape[0] > 1 else 0]
+        for v in range(6):
+            cb[6 * q + v] = 0.0
+            for m in range(6):
+                cvm = c[v, m] * w
+                if cvm != 0.0:
+                    cb[6 * q + v] += cvm * b[6 * q + m]
+    np.dot(b.T, cb, k)
+    geometric = np.dot(g.T, sg)
+    for i in range(3):
+        for a in range(n):
+            for bb in range(n):
+                k[i * n + a, i * n + bb] += geometric[a, bb]
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _isotropic_element_tangent(
+    nodes: Index, inverse: Array, reference: Array, weight: Array, u: Array, stress: Array, lame: Array, k: Array
+) -> None:
+    """The same for C = lambda 1 x 1 + 2 mu I, constant at each point: lame (q, 2).
+
+    With h_a = F grad N_a the block of two nodes is lambda h_a h_b^T + mu h_b h_a^T + mu (grad N_a . grad N_b) F F^T.
+    Blocks above the diagonal and on it are computed, the others are their mirror images.
+    """
+    n = nodes.shape[0]
+    f = np.empty((3, 3))
+    ff = np.empty((3, 3))
+    slope = np.empty((n, 3))
+    values = np.empty((n, 3))
+    g = np.empty((3, n))
+    h = np.empty((3, n))
+    sg = np.empty((3, n))
+    k[:] = 0.0
+    at_nodes(nodes, u, values)
+    for q in range(reference.shape[0]):
+        w = weight[q]
+        lam, mu = lame[q, 0] * w, lame[q, 1] * w
+        gradients(inverse, reference[q], slope)
+        deformation_gradient(inverse, reference[q], values, f)
+        for i in range(3):
+            for a in range(n):
+                g[i, a] = slope[a, i]
+        s = stress[q]
+        for i in range(3):
+            for a in range(n):
+                h[i, a] = f[i, 0] * g[0, a] + f[i, 1] * g[1, a] + f[i, 2] * g[2, a]
+            for j in range(3):
+                ff[i, j] = mu * (f[i, 0] * f[j, 0] + f[i, 1] * f[j, 1] + f[i, 2] * f[j, 2])
+        for a in range(n):
+            sg[0, a] = w * (s[0] * g[0, a] + s[3] * g[1, a] + s[5] * g[2, a])
+            sg[1, a] = w * (s[3] * g[0, a] + s[1] * g[1, a] + s[4] * g[2, a])
+            sg[2, a] = w * (s[5] * g[0, a] + s[4] * g[1, a] + s[2] * g[2, a])
+        for a in range(n):
+            g0, g1, g2 = g[0, a], g[1, a], g[2, a]
+            h0, h1, h2 = h[0, a], h[1, a], h[2, a]
+            for b in range(n):
+                product = g0 * g[0, b] + g1 * g[1, b] + g2 * g[2, b]
+                geometric = g0 * sg[0, b] + g1 * sg[1, b] + g2 * sg[2, b]
+                k[a, b] += (lam + mu) * h0 * h[0, b] + ff[0, 0] * product + geometric
+                k[n + a, n + b] += (lam + mu) * h1 * h[1, b] + ff[1, 1] * product + geometric
+                k[2 * n + a, 2 * n + b] += (lam + mu) * h2 * h[2, b] + ff[2, 2] * product + geometric
+                k[a, n + b] += lam * h0 * h[1, b] + mu * h1 * h[0, b] + ff[0, 1] * product
+                k[a, 2 * n + b] += lam * h0 * h[2, b] + mu * h2 * h[0, b] + ff[0, 2] * product
+                k[n + a, 2 * n + b] += lam * h1 * h[2, b] + mu * h2 * h[1, b] + ff[1, 2] * product
+    for i in range(1, 3):
+        for j in range(i):
+            for a in range(n):
+                for b in range(n):
+                    k[i * n + a, j * n + b] = k[j * n + b, i * n + a]
+
+
+@njit(cache=True, inline="always")
+def _scatter(
+    nodes: Index, k: Array, offset: Index, node_dof: Index, row_start: Index, free: Index, data: Array, block: Array
+) -> None:
+    """Add k (3 n, 3 n) to the reduced upper triangle `data`; offset (pair,), block (3, 3) is work space."""
+    n = nodes.shape[0]
+    pair = 0
+    for a in range(n):
+        for b in range(a, n):
+            swap = nodes[b] < nodes[a]
+            first, second = (b, a) if swap else (a, b)
+            low, high = nodes[first], nodes[second]
+            if a != b and free[low] == 3 and free[high] == 3:
+                for i in range(3):
+                    start = row_start[node_dof[low, 0] + i] + 3 - i + offset[pair]
+                    data[start] += k[i * n + first, second]
+                    data[start + 1] += k[i * n + first, n + second]
+                    data[start + 2] += k[i * n + first, 2 * n + second]
+            else:
+                for i in range(3):
+                    for j in range(3):
+                        block[i, j] = k[i * n + first, j * n + second]
+                place(data, block, low, high, offset[pair], node_dof, row_start, free)
+            pair += 1
+
+
+@njit(cache=True, inline="always")
+def _times(nodes: Index, k: Array, du: Array, force: Array) -> None:
+    """Add k du to force (n, 3)."""
+    n = nodes.shape[0]
+    for a in range(n):
+        for i in range(3):
+            value = 0.0
+            for b in range(n):
+                for j in range(3):
+                    value += k[i * n + a, j * n + b] * du[nodes[b], j]
+            force[nodes[a], i] += value
+
+
+@njit(cache=True, parallel=True)
+def tangent_matrix(
+    colours: Index,
+    chunks: Index,
+    nodes: Index,
+    inverse: Array,
+    reference: Array,
+    weight: Array,
+    u: Array,
+    stress: Array,
+    tangent: Array,
+    lame: Array,
+    offset: Index,
+    node_dof: Index,
+    row_start: Index,
+    free: Index,
+    data: Array,
+    du: Array,
+    force: Array,
+) -> None:
+    """Add the tangent to the reduced upper triangle `data`, and K du to force (n, 3) where du (n, 3) is not empty.
+
+    stress (e, q, v) is the one of the geometric term, tangent dS/dE (e, q, v, v) or (1, q or 1, v, v) where constant.
+    Where lame (q, 2) is not empty the tangent is lambda 1 x 1 + 2 mu I with these constants.
+    """
+    n = nodes.shape[1]
+    for c in range(colours.shape[0] - 1):
+        for chunk in prange(colours[c], colours[c + 1]):
+            k = np.empty((3 * n, 3 * n))
+            block = np.empty((3, 3))
+            for e in range(chunks[chunk], chunks[chunk + 1]):
+                if lame.shape[0] > 0:
+                    _isotropic_element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], lame, k)
+                else:
+                    law = tangent[e if tangent.shape[0] > 1 else 0]
+                    _element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], law, k)
+                _scatter(nodes[e], k, offset[e], node_dof, row_start, free, data, block)
+                if du.shape[0] > 0:
+                    _times(nodes[e], k, du, force)

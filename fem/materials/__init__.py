@@ -1,0 +1,1 @@
+"""Hyperelastic laws: energy, stress and tangent."""

@@ -1,0 +1,75 @@
+"""Hencky's law: linear elasticity in the logarithmic strain."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.materials.material import Dilatation, Response, TwoModuli, quadratic
+from fem.materials.tensors import FLAT, CauchyGreen, voigt
+
+Array = NDArray[np.float64]
+
+#: eigenvalues of C closer than this are treated as one in divided differences (error 1e-13 there)
+CLOSE = 1e-3
+PAIRS = ((0, 1), (1, 2), (0, 2))
+
+
+@final
+@dataclass(frozen=True)
+class Hencky(TwoModuli):
+    """W = lambda/2 (ln J)^2 + mu h:h with the logarithmic strain h = ln(C)/2; Kirchhoff stress linear in h.
+
+    E in MPa, 0 < E; -1 < nu < 0.5. Raises `MaterialError` outside. In uniaxial tension P = E ln(stretch) / stretch,
+    which has a maximum at stretch e. What commercial codes do with a linear elastic material in large displacements.
+    """
+
+    @property
+    def stretch_limits(self) -> tuple[float, float]:
+        return 0.0, float(np.e)
+
+    def shear(self, strain: Array) -> Response:
+        mu = self.lame[1]
+        value, axes = np.linalg.eigh(CauchyGreen.of(strain).tensor)
+        value = np.maximum(value, FLAT)
+        log = np.log(value)
+        principal = mu * log / value
+        # S = sum_a S_a N_a N_a^T; dS follows from the principal stresses and their divided differences (Ogden 1984)
+        normal = np.stack([voigt(outer3(axes[..., a], axes[..., a])) for a in range(3)], axis=-2)
+        mixed = np.stack(
+            [voigt(outer3(axes[..., a], axes[..., b]) + outer3(axes[..., b], axes[..., a])) for a, b in PAIRS], axis=-2
+        )
+        own = 2 * mu * (1 - log) / value**2
+        turn = np.stack([mu * divided_difference(value[..., a], value[..., b]) for a, b in PAIRS], axis=-1)
+        basis = np.concatenate([normal, mixed], axis=-2)
+        weight = np.concatenate([own, turn], axis=-1)
+        return Response(
+            0.25 * mu * np.sum(log**2, axis=-1),
+            np.einsum("...a,...av->...v", principal, normal),
+            np.matmul(np.swapaxes(basis, -1, -2), weight[..., None] * basis),
+        )
+
+    def volumetric(self, strain: Array) -> Response:
+        return quadratic(self.lame[0], self.dilatation(strain))
+
+    def dilatation(self, strain: Array) -> Dilatation:
+        c = CauchyGreen.of(strain)
+        return Dilatation(0.5 * np.log(c.determinant), c.inverse, -2 * c.inverse_slope)
+
+
+def outer3(first: Array, second: Array) -> Array:
+    """first x second (..., 3, 3) of vectors (..., 3)."""
+    return first[..., :, None] * second[..., None, :]
+
+
+def divided_difference(first: Array, second: Array) -> Array:
+    """(f(x) - f(y)) / (x - y) of f(x) = ln(x) / x; by its Taylor series where x and y are close."""
+    gap = first - second
+    close = np.abs(gap) < CLOSE * (first + second)
+    apart = np.where(close, 1.0, gap)
+    middle = 0.5 * (first + second)
+    log = np.log(middle)
+    slope, third = (1 - log) / middle**2, (11 - 6 * log) / middle**4
+    far = (np.log(first) / first - np.log(second) / second) / apart
+    return np.where(close, slope + third * gap**2 / 24, far)

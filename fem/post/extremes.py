@@ -1,0 +1,86 @@
+"""The extreme stretches of a state, where they sit, and what the law makes of them."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.discretisation import Discretisation
+from fem.kernels import element as kernels
+from fem.materials.material import Material
+from fem.solution import Extremes
+
+Array = NDArray[np.float64]
+Index = NDArray[np.intp]
+
+
+def strain_at_stress_points(space: Discretisation, displacement: Array) -> tuple[Array, Array]:
+    """Green-Lagrange strain (e, q, 6) and det F (e, q) for displacements (n, 3)."""
+    strain = np.empty((*space.weight.shape, 6))
+    jacobian = np.empty(space.weight.shape)
+    kernels.green_lagrange(space.nodes, space.inverse, space.reference, displacement, strain, jacobian)
+    return strain, jacobian
+
+
+def principal_stretches(strain: Array) -> Array:
+    """Ascending principal stretches (..., 3) of Green-Lagrange strains (..., 6)."""
+    c = np.empty((*strain.shape[:-1], 3, 3))
+    for v, (i, j) in enumerate(kernels.VOIGT):
+        c[..., i, j] = c[..., j, i] = 2 * strain[..., v] + 1 if v < 3 else strain[..., v]
+    return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(c), 0.0)))
+
+
+def extremes_of(space: Discretisation, strain: Array, jacobian: Array) -> Extremes:
+    """Extreme J and stretches over all stress points, with the element centres (mm) they belong to, from the
+    Green-Lagrange strain (e, q, 6) and det F (e, q)."""
+    low, high = _most_strained(strain)
+    least, largest = principal_stretches(strain[low])[..., 0], principal_stretches(strain[high])[..., 2]
+
+    def centre(element: int) -> tuple[float, float, float]:
+        x, y, z = space.points[space.nodes[element, :4]].mean(axis=0)
+        return float(x), float(y), float(z)
+
+    return Extremes(
+        min_J=float(jacobian.min()),
+        max_stretch=float(largest.max()),
+        min_stretch=float(least.min()),
+        min_J_at=centre(int(np.argmin(jacobian.min(axis=1)))),
+        max_stretch_at=centre(int(high[0][np.argmax(largest)])),
+        min_stretch_at=centre(int(low[0][np.argmin(least)])),
+    )
+
+
+def _most_strained(strain: Array) -> tuple[tuple[Index, ...], tuple[Index, ...]]:
+    """Elements and stress points where the smallest and where the largest principal stretch may be.
+
+    The eigenvalues of C are m + 2 s cos(phi), m + 2 s cos(phi -+ 2 pi / 3) with 0 <= phi <= pi / 3, where m is their
+    mean and 6 s^2 = |C - m I|^2: the largest lies between m + s and m + 2 s, the smallest between m - 2 s and m - s.
+    """
+    diagonal, shear = 2 * strain[..., :3] + 1, strain[..., 3:]
+    mean = diagonal.mean(axis=-1)
+    away = np.sum((diagonal - mean[..., None]) ** 2, axis=-1) + 2 * np.sum(shear**2, axis=-1)
+    size = np.sqrt(away / 6)
+    slack = 1e-12 * np.abs(mean).max()
+    low, high = mean - 2 * size <= (mean - size).min() + slack, mean + 2 * size >= (mean + size).max() - slack
+    return np.nonzero(low), np.nonzero(high)
+
+
+def beyond_the_law(extremes: Extremes, material: Material) -> str:
+    """A clause for stretches outside those between which the law can be trusted; empty where all are inside."""
+    lowest, highest = material.stretch_limits
+    law = type(material).__name__
+    volume = f"the smallest J is {extremes.min_J:.3g} at {in_words(extremes.min_J_at)}"
+    if extremes.min_stretch < lowest:
+        return (
+            f"a stretch of {extremes.min_stretch:.3g} at {in_words(extremes.min_stretch_at)} is below {lowest:.3g}, "
+            f"where {law} in compression is no longer stable; {volume}"
+        )
+    if extremes.max_stretch > highest:
+        return (
+            f"a stretch of {extremes.max_stretch:.3g} at {in_words(extremes.max_stretch_at)} is above {highest:.3g}, "
+            f"the largest that {law} can be trusted at; {volume}"
+        )
+    return ""
+
+
+def in_words(place: tuple[float, float, float] | Array) -> str:
+    """A position (3,) in mm, to a tenth."""
+    return f"({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm"

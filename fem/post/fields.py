@@ -1,0 +1,38 @@
+"""What a state looks like per element: stretch, J and Cauchy stress, for pictures."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem.equations.formulation import formulation_of
+from fem.kernels.element import VOIGT
+from fem.materials.material import Material
+from fem.post.extremes import principal_stretches, strain_at_stress_points
+from fem.solution import Step
+
+Array = NDArray[np.float64]
+
+
+def element_fields(step: Step, material: Material) -> dict[str, Array]:
+    """Largest principal stretch (e,), J (e,) and Cauchy stress (e, 6; xx, yy, zz, xy, yz, xz; MPa), element means."""
+    space = step.space
+    strain, jacobian = strain_at_stress_points(space, step.displacement)
+    law = formulation_of(space, material)
+    stress = law.respond(strain, law.pressure_of(strain)).stress
+    second = stress[:, :4].mean(axis=1) + stress[:, 4:].sum(axis=1)
+    gradient = _mean_deformation_gradient(step)
+    matrix = np.empty((second.shape[0], 3, 3))
+    for v, (i, j) in enumerate(VOIGT):
+        matrix[:, i, j] = matrix[:, j, i] = second[:, v]
+    cauchy = np.einsum("eij,ejk,elk->eil", gradient, matrix, gradient) / np.linalg.det(gradient)[:, None, None]
+    return {
+        "stretch": principal_stretches(strain)[..., 2].max(axis=1),
+        "J": jacobian[:, :4].mean(axis=1),
+        "cauchy_stress_MPa": np.stack([cauchy[:, i, j] for i, j in VOIGT], axis=1),
+    }
+
+
+def _mean_deformation_gradient(step: Step) -> Array:
+    """(e, 3, 3), mean over the four points of the full rule."""
+    space = step.space
+    slopes = np.einsum("ak,eki->eai", space.reference[:4].mean(axis=0), space.inverse)
+    return np.eye(3) + np.einsum("eai,eaj->eij", step.displacement[space.nodes], slopes)

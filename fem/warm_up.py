@@ -1,0 +1,26 @@
+"""The kernels compiled before they are needed, so that the first run does not compile them in every process."""
+
+import numpy as np
+
+from fem.effects.effect import Pressure
+from fem.materials.material import StVenantKirchhoff
+from fem.model import Model
+from fem.path.loadpath import follow
+from fem.post.recovery import stress_error
+from fem.supports import Fixed, Prescribed, Support
+from geometry import Mesh
+
+
+def compile_kernels(formulation: str = "p2p0") -> None:
+    """Solve one element; some twenty seconds once, then a second: the compiled kernels stay on disk.
+
+    They serve all laws and all formulations; mixed elements need one more, which is compiled where they are asked for,
+    and a strain-limiting layer small ones of its own.
+    """
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    faces = {"clamp": np.array([[0, 1, 2]]), "cavity": np.array([[1, 2, 3]])}
+    mesh = Mesh(points, np.array([[0, 1, 2, 3]]), faces)
+    law = StVenantKirchhoff(1.0, 0.3)
+    supports: list[Support] = [Fixed("clamp"), Prescribed(points[3:], "z", 1e-3)]
+    solution = follow(Model(mesh, law, supports, [Pressure("cavity", 1e-3)], formulation), [1.0])
+    stress_error(solution.steps[0], law)

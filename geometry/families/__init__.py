@@ -1,0 +1,1 @@
+"""Body families: one module each, and bodies read from files."""

@@ -1,0 +1,95 @@
+"""Design (d): a round bar with two D-shaped cavities, parted by a flat wall across its middle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import acos, pi, sqrt
+from typing import ClassVar, final
+
+import numpy as np
+
+from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
+from geometry.grading import Grading
+from geometry.mesh import Mesh
+from geometry.meshing.mirror import repeat, slices
+from geometry.meshing.solid import RoundBar, Solid, mesh_solid
+from geometry.topology import Array
+
+
+@final
+@dataclass(frozen=True)
+class BisectedCircle(SymmetricDesign):
+    """A disc extruded along x with a dividing wall in the plane y = 0 and a cavity on each side; all lengths in mm.
+
+    Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity (the upper one, which is pressurised), cavity_lower,
+    outer. All dimensions are choices. A cell is nominal: as many equal cells as fit the cavity best, each about 4/3 of
+    the radius long.
+    """
+
+    family: ClassVar[str] = "bisected_circle"
+
+    length: float = 112.0
+    radius: float = 7.5  #: outer
+    end_wall: float = 2.0  #: thickness of the solid at each end
+    wall: float = 1.0  #: thickness of the round wall
+    divider: float = 1.5  #: thickness of the dividing wall; the material curve runs at half of it
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        check_less(self, "wall", "radius", because="the wall leaves no cavity")
+        check_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
+        across = 2 * (self.radius - self.wall)
+        if not self.divider < across:
+            raise DesignError(
+                ("divider", "radius", "wall"),
+                f"divider {self.divider:g} mm must be less than the inner diameter, {across:g} mm",
+            )
+
+    @property
+    def cavities(self) -> tuple[str, ...]:
+        return ("cavity", "cavity_lower")
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        return (self.length, 2 * self.radius, 2 * self.radius)
+
+    @property
+    def curve_y(self) -> float:
+        return 0.0
+
+    @property
+    def pitch(self) -> float:
+        return slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)[1]
+
+    @property
+    def cells(self) -> Array:
+        count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
+        return self.end_wall + pitch * np.arange(count + 1)
+
+    @property
+    def solid_volume(self) -> float:
+        return pi * self.radius**2 * self.length - 2 * self.cavity_volume
+
+    @property
+    def cavity_volume(self) -> float:
+        """Of the upper cavity alone: a segment of the inner circle times the length between the end walls, mm3."""
+        inner, height = self.radius - self.wall, self.divider / 2
+        segment = inner**2 * acos(height / inner) - height * sqrt(inner**2 - height**2)
+        return segment * (self.length - 2 * self.end_wall)
+
+    def half_mesh(self, size: float, grading: Grading) -> Mesh:
+        count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
+        middle = self.end_wall + pitch / 2
+        edge = middle + pitch / 2
+        material = {"end": self._halves(0, middle, self.radius, 0)}
+        hollow = [self._halves(self.end_wall, middle, self.radius - self.wall, self.divider / 2)]
+        if count > 1:
+            material["cell"] = self._halves(middle, edge, self.radius, 0)
+            hollow.append(self._halves(middle, edge, self.radius - self.wall, self.divider / 2))
+        air = {name: [halves[k][0] for halves in hollow] for k, name in enumerate(self.cavities)}
+        return repeat(mesh_solid(Solid(material, air), size, grading), middle, edge, 2 * (count - 1))
+
+    @staticmethod
+    def _halves(start: float, stop: float, radius: float, height: float) -> list[list[RoundBar]]:
+        """The parts y >= height and y <= -height of a round bar."""
+        return [[RoundBar(start, stop, 0, radius, bottom=height)], [RoundBar(start, stop, 0, radius, top=-height)]]

@@ -1,0 +1,115 @@
+"""A user's own body, drawn with a CAD program and saved as STEP or BREP."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from math import isfinite
+from pathlib import Path
+from typing import ClassVar, final
+
+import numpy as np
+
+from geometry.design import Body, Design, DesignError, check_size
+from geometry.grading import OFF, Grading
+from geometry.manifold import check_manifold
+from geometry.meshing.cad import SUFFIXES, CadBody, Findings, Point, examine, mesh_cad
+from geometry.meshing.mirror import slices
+from geometry.topology import Array
+
+
+@final
+@dataclass(frozen=True)
+class OwnSolid(Design):
+    """One solid from a STEP or BREP file; all lengths in mm.
+
+    It is drawn in the frame of all bodies: x along the length, y up, z across, and symmetric about z = 0 (or the half
+    z >= 0) unless `symmetric` is false. The file is read and checked on birth; `DesignError` names the key that is
+    wrong. Faces: clamp, tip, sym, the cavities by their names, outer. A cell is nominal, near `pitch` long.
+    """
+
+    family: ClassVar[str] = "own_solid"
+
+    file: str  #: path of the .step, .stp, .brep or .brp file
+    clamp: float  #: x of the clamped end face
+    tip: float  #: x of the other end face
+    curve: float  #: y of the material curve
+    air: Mapping[str, Point]  #: name of a cavity -> a point (x, y, z) in it; the first is pressurised
+    symmetric: bool = True  #: mesh only z >= 0
+    cell: float = 10.0  #: length over which curvature is averaged, nominal
+    unit: float = 1.0  #: mm per unit of length in a BREP file, which does not say it
+
+    def __post_init__(self) -> None:
+        path = Path(self.file)
+        if path.suffix.lower() not in SUFFIXES:
+            raise DesignError("file", f"{path.name} is not a CAD file that can be read ({', '.join(SUFFIXES)})")
+        if not path.is_file():
+            raise DesignError("file", f"{path} does not exist")
+        for key in ("cell", "unit"):
+            if not (isfinite(getattr(self, key)) and getattr(self, key) > 0):
+                raise DesignError(key, f"must be a positive length, not {getattr(self, key)!r}")
+        if not self.tip > self.clamp:
+            raise DesignError(
+                ("clamp", "tip"), f"the tip x = {self.tip:g} mm must lie beyond the clamp, {self.clamp:g} mm"
+            )
+        if not self.air:
+            raise DesignError(
+                "air", "name at least one cavity by a point in it, for example cavity: [50 mm, 8 mm, 0 mm]"
+            )
+        object.__setattr__(self, "air", dict(self.air))
+        _ = self.findings
+
+    @cached_property
+    def findings(self) -> Findings:
+        """What the file holds: bounds (mm) and volumes (mm3) of the whole body."""
+        return examine(self._cad)
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the file, so that results can be told from those of an older file of the same name."""
+        return sha256(Path(self.file).read_bytes()).hexdigest()
+
+    @property
+    def _cad(self) -> CadBody:
+        return CadBody(Path(self.file), self.unit, self.clamp, self.tip, self.curve, self.symmetric, self.air)
+
+    @property
+    def cavities(self) -> tuple[str, ...]:
+        return tuple(self.air)
+
+    @property
+    def length(self) -> float:
+        return self.tip - self.clamp
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        x, y, z = (float(side) for side in np.subtract(self.findings.high, self.findings.low))
+        return (x, y, z)
+
+    @property
+    def curve_y(self) -> float:
+        return self.curve
+
+    @property
+    def pitch(self) -> float:
+        return slices(self.length, self.cell)[1]
+
+    @property
+    def cells(self) -> Array:
+        return np.linspace(0, self.length, slices(self.length, self.cell)[0] + 1)
+
+    @property
+    def solid_volume(self) -> float:
+        return self.findings.solid_volume
+
+    @property
+    def cavity_volume(self) -> float:
+        return self.findings.air_volumes[self.cavities[0]]
+
+    def body(self, size: float, grading: Grading = OFF) -> Body:
+        check_size(size, self.extent, self.solid_volume / (2 if self.symmetric else 1))
+        mesh = mesh_cad(self._cad, size, grading)
+        check_manifold(mesh)
+        return Body(mesh, self.family, self.length, self.pitch, self.curve, self.symmetric, self.cavities)

@@ -1,0 +1,129 @@
+"""Design (a): gapped chambers on a strip, the "fast" pneu-net."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, final
+
+import numpy as np
+
+from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
+from geometry.grading import Grading
+from geometry.mesh import Mesh
+from geometry.meshing.mirror import repeat
+from geometry.meshing.solid import Box, Solid, mesh_solid
+from geometry.topology import Array
+
+
+@final
+@dataclass(frozen=True)
+class PneuNet(SymmetricDesign):
+    """A row of chambers with gaps between them, on a strip, on a base plate; all lengths in mm.
+
+    Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, gap (the facing walls of neighbouring chambers and the
+    strip between them), outer. Width, height, strip, gap and chamber length are those of the paper (w, H, t, t1, t2);
+    all others are choices.
+    """
+
+    family: ClassVar[str] = "pneunet"
+
+    chambers: int = 11
+    width: float = 15.0  #: across, w
+    chamber_length: float = 8.0  #: outer, along x, t2
+    gap: float = 2.0  #: between chambers, and the slab at each end, t1
+    chamber_height: float = 12.0  #: above the strip, outer, H
+    strip: float = 3.0  #: thickness of the strip, t
+    base: float = 2.0  #: thickness of the base plate under it, b; the material curve runs at half of it
+    wall: float = 1.0  #: thickness of chamber walls across x
+    side_wall: float = 2.0  #: thickness of chamber walls across z
+    roof: float = 2.0  #: thickness of chamber roofs
+    channel: float = 2.0  #: width and height of the air channel
+
+    def __post_init__(self) -> None:
+        check_numbers(self, counts=["chambers"])
+        check_less(self, "wall", "chamber_length", 0.5, "the two walls leave no cavity")
+        check_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
+        check_less(self, "roof", "chamber_height", because="the cavity must rise above the strip")
+        check_less(self, "channel", "strip", because="a channel as high as the strip would open into the gaps")
+        across = self.width - 2 * self.side_wall
+        if not self.channel < across:
+            raise DesignError(
+                ("channel", "width", "side_wall"),
+                f"channel {self.channel:g} mm must be less than the width of the cavity, "
+                f"width - 2 side_wall = {across:g} mm",
+            )
+
+    @property
+    def cavities(self) -> tuple[str, ...]:
+        return ("cavity",)
+
+    @property
+    def length(self) -> float:
+        return self.chambers * self.chamber_length + (self.chambers + 1) * self.gap
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        return (self.length, self.base + self.strip + self.chamber_height, self.width)
+
+    @property
+    def curve_y(self) -> float:
+        return self.base / 2
+
+    @property
+    def pitch(self) -> float:
+        return self.gap + self.chamber_length
+
+    @property
+    def cells(self) -> Array:
+        """From the middle of one gap to the middle of the next; the slabs at the ends count as gaps."""
+        return self.gap / 2 + self.pitch * np.arange(self.chambers + 1)
+
+    @property
+    def solid_volume(self) -> float:
+        plates = self.length * self.width * (self.base + self.strip)
+        blocks = self.chambers * self.chamber_length * self.width * self.chamber_height
+        return plates + blocks - self.cavity_volume
+
+    @property
+    def cavity_volume(self) -> float:
+        inside = self.chamber_length - 2 * self.wall
+        across = self.width - 2 * self.side_wall
+        cavities = self.chambers * inside * across * (self.strip + self.chamber_height - self.roof)
+        channels = (self.chambers - 1) * (self.gap + 2 * self.wall) * self.channel**2
+        return cavities + channels
+
+    def half_mesh(self, size: float, grading: Grading) -> Mesh:
+        middle = self.gap + self.chamber_length / 2
+        edge = 1.5 * self.gap + self.chamber_length
+        return repeat(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
+
+    def _drawing(self, middle: float, edge: float) -> Solid:
+        """The end piece with half a chamber and, with a neighbour, the other half up to the middle of the gap."""
+        z, ceiling = self.width / 2, self.base + self.strip + self.chamber_height
+        near, far = self.gap, self.gap + self.chamber_length
+
+        def plates_and_block(start: float, stop: float, chamber: tuple[float, float]) -> list[list[Box]]:
+            low, half = (start, 0.0, 0.0), self.base / 2
+            return [
+                [Box(low, (stop, half, z))],
+                [
+                    Box((start, half, 0), (stop, self.base + self.strip, z)),
+                    Box((chamber[0], half, 0), (chamber[1], ceiling, z)),
+                ],
+            ]
+
+        def cavity(start: float, stop: float) -> Box:
+            return Box((start, self.base, 0), (stop, ceiling - self.roof, z - self.side_wall))
+
+        end = plates_and_block(0, middle, (near, middle))
+        if self.chambers == 1:
+            return Solid({"end": end}, {"cavity": [cavity(near + self.wall, middle)]})
+        inner = far - self.wall
+        channel = Box((inner, self.base, 0), (edge, self.base + self.channel, self.channel / 2))
+        return Solid(
+            material={"end": end, "cell": plates_and_block(middle, edge, (middle, far))},
+            air={
+                "cavity": [cavity(near + self.wall, middle), cavity(middle, inner), channel],
+                "gap": [Box((far, self.base + self.strip, 0), (edge, ceiling, z))],
+            },
+        )

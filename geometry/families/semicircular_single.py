@@ -1,0 +1,83 @@
+"""Design (c): a half disc on a base plate, with one cavity along its whole length."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import pi
+from typing import ClassVar, final
+
+import numpy as np
+
+from geometry.design import SymmetricDesign, check_less, check_numbers
+from geometry.families.semicircular import cavity, dome
+from geometry.grading import Grading
+from geometry.mesh import Mesh
+from geometry.meshing.mirror import repeat, slices
+from geometry.meshing.solid import Solid, mesh_solid
+from geometry.topology import Array
+
+
+@final
+@dataclass(frozen=True)
+class SemicircularSingle(SymmetricDesign):
+    """A half disc extruded along x on a base plate of the same width, with a single cavity; all lengths in mm.
+
+    Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. All dimensions are choices, those of the
+    semicircular body with chambers. Without chambers a cell is nominal: as many equal cells as fit the cavity best,
+    each about 4/3 of the radius long.
+    """
+
+    family: ClassVar[str] = "semicircular_single"
+
+    length: float = 112.0
+    radius: float = 7.5  #: outer, of the half disc; the base plate is twice as wide
+    end_wall: float = 2.0  #: thickness of the solid at each end
+    base: float = 2.0  #: thickness of the base plate; the material curve runs at half of it
+    wall: float = 1.0  #: thickness of the round wall
+
+    def __post_init__(self) -> None:
+        check_numbers(self)
+        check_less(self, "wall", "radius", because="the wall leaves no cavity")
+        check_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
+
+    @property
+    def cavities(self) -> tuple[str, ...]:
+        return ("cavity",)
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        return (self.length, self.base + self.radius, 2 * self.radius)
+
+    @property
+    def curve_y(self) -> float:
+        return self.base / 2
+
+    @property
+    def pitch(self) -> float:
+        return slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)[1]
+
+    @property
+    def cells(self) -> Array:
+        count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
+        return self.end_wall + pitch * np.arange(count + 1)
+
+    @property
+    def solid_volume(self) -> float:
+        section = 2 * self.radius * self.base + pi / 2 * self.radius**2
+        return section * self.length - self.cavity_volume
+
+    @property
+    def cavity_volume(self) -> float:
+        return pi / 2 * (self.radius - self.wall) ** 2 * (self.length - 2 * self.end_wall)
+
+    def half_mesh(self, size: float, grading: Grading) -> Mesh:
+        count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
+        middle = self.end_wall + pitch / 2
+        edge = middle + pitch / 2
+        inner = self.radius - self.wall
+        material = {"end": dome(0, middle, self.radius, self.base)}
+        hollow = [cavity(self.end_wall, middle, inner, self.base)]
+        if count > 1:
+            material["cell"] = dome(middle, edge, self.radius, self.base)
+            hollow.append(cavity(middle, edge, inner, self.base))
+        return repeat(mesh_solid(Solid(material, {"cavity": hollow}), size, grading), middle, edge, 2 * (count - 1))

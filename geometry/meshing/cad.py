@@ -1,0 +1,246 @@
+"""A solid from a CAD file: what it is found to be, and its mesh. Works in the Gmsh session of `geometry.meshing.solid`.
+
+The body is drawn in its frame: x along the length, y up, z across. The air is what remains of a box around the body;
+the piece of it around the outside touches the box, every other piece is a cavity and must be named by a point in it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from geometry.design import DesignError
+from geometry.grading import Grading, grade
+from geometry.mesh import Mesh
+from geometry.meshing.face_names import name_faces
+from geometry.meshing.solid import SolidMesh, Volume, collected, mend, session, walls_between
+
+Point: TypeAlias = tuple[float, float, float]
+
+SUFFIXES = (".step", ".stp", ".brep", ".brp")
+SMALLEST, LARGEST = 1.0, 3000.0
+"""A soft actuator shorter or longer than this (mm) is taken for a file in another unit."""
+
+FLAT = 0.05
+"""A tetrahedron whose radius ratio is less than this is mended."""
+
+
+@dataclass(frozen=True)
+class CadBody:
+    """Where to find a solid and how to read it; lengths in mm."""
+
+    path: Path
+    unit: float  #: mm per unit of length of the file (STEP files carry their unit, so 1 for them)
+    clamp: float  #: x of the clamped face
+    tip: float  #: x of the other end
+    curve: float  #: y of the material curve
+    half: bool  #: mesh z >= 0 only
+    air: Mapping[str, Point]  #: name of a cavity -> a point in it
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What the file holds, whether or not half of it is meshed; mm and mm3."""
+
+    low: Point  #: least x, y, z of the whole body
+    high: Point
+    solid_volume: float  #: of the whole body
+    air_volumes: Mapping[str, float]  #: of the whole cavities
+
+
+def examine(body: CadBody) -> Findings:
+    """Read the file and check all that can be checked without a mesh. Raises `DesignError` naming the key."""
+    with _read(body) as (gmsh, blocks, air):
+        occ = gmsh.model.occ
+        whole = 2 if body.half else 1
+        volumes = {name: whole * float(occ.getMass(*volume)) for volume, name in air.items()}
+        low, high = _bounds(gmsh, blocks)
+        if body.half:
+            low = (low[0], low[1], -high[2])
+        return Findings(low, high, whole * sum(float(occ.getMass(*block)) for block in blocks), volumes)
+
+
+def mesh_cad(body: CadBody, size: float, grading: Grading) -> Mesh:
+    """Mesh the body with element edges of about `size` mm at most, moved along x so that it is clamped at x = 0.
+
+    Faces: clamp, tip, sym (of a half), the cavities by their names, outer.
+    """
+    with _read(body) as (gmsh, blocks, air):
+        material = dict.fromkeys(blocks, "body")
+        walls = walls_between(gmsh, material, air)
+        gmsh.model.occ.remove([v for v in gmsh.model.getEntities(3) if v not in material], recursive=True)
+        gmsh.model.occ.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8, as in the round families
+        gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
+        grade(gmsh, size, grading, half=body.half, piece=False)
+        gmsh.model.mesh.generate(3)
+        mend(gmsh, FLAT)
+        mesh = collected(gmsh, material, walls, ["body"], list(body.air))
+    return _finished(body, mesh)
+
+
+def _finished(body: CadBody, mesh: SolidMesh) -> Mesh:
+    points = mesh.points - [body.clamp, 0, 0]
+    length = body.tip - body.clamp
+    scale = 1e-6 * length
+    for axis, position in ((0, 0.0), (0, length), (1, body.curve), (2, 0.0)):
+        near = np.abs(points[:, axis] - position) < scale  # files carry about seven digits
+        points[near, axis] = position
+    planes = {"clamp": (0, 0.0), "tip": (0, length)} | ({"sym": (2, 0.0)} if body.half else {})
+    named = name_faces(points, mesh.regions["body"], mesh.walls, planes)
+    for name in ("clamp", "tip"):
+        if name not in named.faces:
+            raise DesignError(name, f"the body has no face in the plane x = {getattr(body, name):g} mm")
+    return named
+
+
+@contextmanager
+def _read(body: CadBody) -> Iterator[tuple[Any, list[Volume], dict[Volume, str]]]:
+    """The body in a session: its blocks, cut at the planes of the material curve, and the named air."""
+    with session() as gmsh:
+        solid = _single_solid(gmsh, body)
+        low, high = _bounds(gmsh, [solid])
+        _check_place(body, low, high)
+        if body.half and low[2] < -1e-6 * (high[0] - low[0]):
+            _check_symmetric(gmsh, solid)
+            low = (low[0], low[1], 0.0)
+        blocks, air = _fragments(gmsh, body, solid, low, high)
+        yield gmsh, blocks, _named_air(gmsh, body, blocks, air, low, high)
+
+
+def _single_solid(gmsh: Any, body: CadBody) -> Volume:
+    occ = gmsh.model.occ
+    gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+    try:
+        occ.importShapes(str(body.path))
+    except Exception as error:
+        raise DesignError("file", f"{body.path} cannot be read as STEP or BREP: {error}") from error
+    occ.synchronize()
+    solids = gmsh.model.getEntities(3)
+    if not solids:
+        raise DesignError("file", f"{body.path} holds no solid, only surfaces or curves; close them to one solid")
+    if len(solids) > 1:
+        raise DesignError("file", f"{body.path} holds {len(solids)} solids; unite them to one")
+    if body.unit != 1:
+        occ.dilate(solids, 0, 0, 0, body.unit, body.unit, body.unit)
+        occ.synchronize()
+    return solids[0]
+
+
+def _bounds(gmsh: Any, volumes: list[Volume]) -> tuple[Point, Point]:
+    """Corners of the box around some volumes, mm, rounded to get rid of the margin of 1e-7 that the CAD kernel adds."""
+    boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in volumes])
+    left, bottom, near = (round(float(x), 6) + 0.0 for x in boxes[:, :3].min(axis=0))
+    right, top, far = (round(float(x), 6) + 0.0 for x in boxes[:, 3:].max(axis=0))
+    return (left, bottom, near), (right, top, far)
+
+
+def _check_place(body: CadBody, low: Point, high: Point) -> None:
+    sides = np.subtract(high, low)
+    measures = " x ".join(f"{side:.4g}" for side in sides)
+    if not SMALLEST <= sides.max() <= LARGEST:
+        raise DesignError(
+            ("file", "unit"), f"the body measures {measures} mm; is its file in another unit than {body.unit:g} mm?"
+        )
+    tolerance = 1e-6 * sides.max()
+    for key, axis in (("clamp", 0), ("tip", 0), ("curve", 1)):
+        position = getattr(body, key)
+        if not low[axis] - tolerance <= position <= high[axis] + tolerance:
+            raise DesignError(
+                key,
+                f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
+                f"which reaches from {low[axis]:.4g} to {high[axis]:.4g} mm",
+            )
+    if body.half and abs(low[2]) > tolerance and abs(low[2] + high[2]) > tolerance:
+        raise DesignError(
+            "symmetric",
+            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm: it is neither one half that ends at z = 0 "
+            "nor symmetric about z = 0; move it or write false",
+        )
+
+
+def _check_symmetric(gmsh: Any, solid: Volume) -> None:
+    """The body and its mirror image at z = 0 must fill the same space."""
+    occ = gmsh.model.occ
+    image = occ.copy([solid])
+    occ.mirror(image, 0, 0, 1, 0)
+    left, _ = occ.cut([solid], image, removeObject=False, removeTool=True)
+    beyond = sum(float(occ.getMass(*volume)) for volume in left if volume[0] == 3)
+    share = beyond / float(occ.getMass(*solid))
+    if left:
+        occ.remove(left, recursive=True)
+    occ.synchronize()
+    if share > 1e-6:
+        raise DesignError(
+            "symmetric", f"the halves of the body about z = 0 differ ({100 * share:.2g} % of its volume); write false"
+        )
+
+
+def _fragments(gmsh: Any, body: CadBody, solid: Volume, low: Point, high: Point) -> tuple[list[Volume], list[Volume]]:
+    """The body cut along its material curve, and the pieces of air in a box around it."""
+    occ = gmsh.model.occ
+    margin = 0.1 * max(np.subtract(high, low))
+    start, stop = np.subtract(low, margin), np.add(high, margin)
+    if body.half:
+        start[2] = 0.0
+    air, _ = occ.cut([(3, _box(occ, start, stop))], [solid], removeObject=True, removeTool=False)
+    cuts_y = [start[1], body.curve, stop[1]]
+    cuts_z = [0.0, stop[2]] if body.half else [start[2], 0.0, stop[2]]
+    windows = [
+        (3, _box(occ, (start[0], y, z), (stop[0], cuts_y[i + 1], cuts_z[k + 1])))
+        for i, y in enumerate(cuts_y[:-1])
+        for k, z in enumerate(cuts_z[:-1])
+    ]
+    blocks = []
+    for window in windows:
+        found, _ = occ.intersect([solid], [window], removeObject=False, removeTool=True)
+        blocks += [volume for volume in found if volume[0] == 3]
+    occ.remove([solid], recursive=True)
+    _, children = occ.fragment(blocks + air, [])
+    occ.synchronize()
+    inside = {child for found in children[: len(blocks)] for child in found if child[0] == 3}
+    around = {child for found in children[len(blocks) :] for child in found if child[0] == 3} - inside
+    return sorted(inside), sorted(around)
+
+
+def _box(occ: Any, low: Any, high: Any) -> int:
+    return int(occ.addBox(*low, *np.subtract(high, low)))
+
+
+def _named_air(
+    gmsh: Any, body: CadBody, blocks: list[Volume], air: list[Volume], low: Point, high: Point
+) -> dict[Volume, str]:
+    """The piece of air each point lies in; all pieces but the outside must have a name."""
+    corner = np.add(high, 0.05 * max(np.subtract(high, low)))
+    outside = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(corner))]
+    named: dict[Volume, str] = {}
+    for name, point in body.air.items():
+        place = "(" + ", ".join(f"{x:g}" for x in point) + ") mm"
+        if body.half:
+            point = (point[0], point[1], max(abs(point[2]), 1e-5 * (high[2] - low[2])))
+        holders = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(point))]
+        if not holders:
+            in_solid = any(gmsh.model.isInside(3, volume[1], list(point)) for volume in blocks)
+            where = "in the material" if in_solid else "away from the body"
+            raise DesignError(f"air.{name}", f"the point {place} lies {where}; give a point in the cavity")
+        if holders[0] in outside:
+            raise DesignError(
+                f"air.{name}",
+                f"the point {place} lies outside the body or in a cavity that is open to the outside; close its inlet",
+            )
+        if holders[0] in named:
+            raise DesignError(
+                f"air.{name}", f"the point {place} lies in the same cavity as that of {named[holders[0]]}"
+            )
+        named[holders[0]] = name
+    for volume in air:
+        if volume not in named and volume not in outside:
+            place = ", ".join(f"{x:.4g}" for x in gmsh.model.occ.getCenterOfMass(*volume))
+            raise DesignError("air", f"the body has one more cavity, around ({place}) mm; name it by a point in it")
+    return named

@@ -1,0 +1,1 @@
+"""The convergence study: error against seconds."""

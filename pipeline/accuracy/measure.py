@@ -1,0 +1,139 @@
+"""One rung of the ladder of accuracy, measured in a process of its own so that its peak of memory is its own."""
+
+import resource
+from collections.abc import Mapping, Sequence
+from concurrent.futures import as_completed
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from fem import compile_kernels
+from geometry import Body, Centreline
+from pipeline.accuracy.ladder import Rung
+from pipeline.errors import InputError, RunFailed
+from pipeline.identification.parameters import Parameters, identify_all
+from pipeline.processes import side_by_side
+from pipeline.progress import Silent
+from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.store.store import open_store
+
+__all__ = ["measure", "measured_apart", "numbers_of"]
+
+
+def measured_apart(rungs: Sequence[Rung], jobs: int, keep: Any) -> None:
+    """Measure rungs in processes of one thread and one rung each, `jobs` at a time; `keep(rung, record)` gets each as
+    soon as it is finished."""
+    with side_by_side(jobs, 1, max_tasks_per_child=1) as pool:
+        asked = {pool.submit(measure, rung): rung for rung in rungs}
+        for future in as_completed(asked):
+            keep(asked[future], future.result())
+
+
+def measure(rung: Rung) -> dict[str, Any]:
+    """II and III of a rung: seconds, size and what users take home, by stride and pressure."""
+    compile_kernels(rung.config.mesh.formulation)
+    start, cpu = perf_counter(), _cpu_seconds()
+    try:
+        body = meshed_body(rung.config)
+        meshed = perf_counter() - start
+        with TemporaryDirectory() as folder, open_store(Path(folder), rung.config) as store:
+            outcomes = simulate(rung.config, body, store, 1, Silent(), ("III", "II"))
+    except (InputError, RunFailed) as failure:
+        return {"failure": str(failure), "numbers": []}
+    begin = perf_counter()
+    found, refused = identify_all(outcomes, body.pitch)
+    fit = perf_counter() - begin
+    wall, spent = perf_counter() - start, _cpu_seconds() - cpu
+    stopped = [f"{one.experiment}: {one.failure}" for one in outcomes.values() if one.failure]
+    numbers = [numbers_of(one, 1, fit) for one in found]
+    for stride in rung.strides[1:]:
+        begin = perf_counter()
+        thinner, without = identify_all(_thinned(outcomes, stride), body.pitch)
+        numbers += [numbers_of(one, stride, perf_counter() - begin) for one in thinner]
+        refused += tuple(f"every {stride} points: {sentence}" for sentence in without)
+    return {
+        "failure": "; ".join([*stopped, *refused]),
+        "wall_seconds": wall,
+        "cpu_seconds": spent,
+        "seconds": {"mesh": meshed, **_stages(outcomes), "fit": fit},
+        "peak_memory_MB": _peak_memory_MB(),
+        **_size(body, outcomes),
+        "numbers": numbers,
+    }
+
+
+def numbers_of(found: Parameters, stride: int = 1, fit: float = 0.0) -> dict[str, Any]:
+    """What users take home at one pressure; `null` for the break of a single line."""
+    numbers = found.numbers
+    return {
+        "pressure_kPa": found.pressure_kPa,
+        "stride": stride,
+        "fit_seconds": fit,
+        "points": len(found.free.centreline.s),
+        "kappa_0_per_mm": float(np.interp(found.kappa_0.length / 2, found.kappa_0.s, found.kappa_0.kappa)),
+        "alpha1_N_mm2": numbers["alpha1"].value,
+        "alpha2_N_mm2": numbers["alpha2"].value,
+        "d_mm": numbers["d"].value if found.by_cells.two_lines else None,
+        "force_N": found.loaded.end_force[1],
+        "end_mm": [found.free.row["end_x_mm"], found.free.row["end_y_mm"]],
+        "alpha2_std_N_mm2": numbers["alpha2"].std,
+        "stress_error": max(found.free.row["stress_error"], found.loaded.row["stress_error"]),
+    }
+
+
+def _size(body: Body, outcomes: Mapping[str, Outcome]) -> dict[str, Any]:
+    return {
+        "degrees_of_freedom": max(outcome.degrees_of_freedom for outcome in outcomes.values()),
+        "tetrahedra": len(body.mesh.tets),
+        "radius_ratio": body.mesh.quality.minimum,
+        "factorizations": sum(outcome.factorizations for outcome in outcomes.values()),
+    }
+
+
+def _stages(outcomes: Mapping[str, Outcome]) -> dict[str, float]:
+    """Seconds of the solver by what they were spent on."""
+    spent = [outcome.seconds for outcome in outcomes.values()]
+    contact = sum(one.effects.get("self_contact", 0.0) for one in spent)
+    effects = sum(sum(one.effects.values()) for one in spent) - contact
+    return {
+        "set_up": sum(one.set_up + one.analysis for one in spent),
+        "assembly": sum(one.assembly for one in spent) + effects,
+        "factorization": sum(one.factorization + one.solve for one in spent),
+        "contact": contact,
+    }
+
+
+def _thinned(outcomes: Mapping[str, Outcome], stride: int) -> dict[str, Outcome]:
+    """The outcomes with every so many-th node of their material curves, the last one always."""
+    return {
+        name: replace(
+            outcome,
+            records=tuple(replace(one, centreline=_every(one.centreline, stride)) for one in outcome.records),
+        )
+        for name, outcome in outcomes.items()
+    }
+
+
+def _every(curve: Centreline, stride: int) -> Centreline:
+    chosen = np.unique(np.append(np.arange(0, len(curve.s), stride), len(curve.s) - 1))
+    return Centreline(curve.s[chosen], curve.x[chosen], curve.y[chosen])
+
+
+def _cpu_seconds() -> float:
+    """User and system seconds of this process."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
+
+
+def _peak_memory_MB() -> float:
+    """The most memory this process has held."""
+    status = Path("/proc/self/status")
+    if status.is_file():  # ru_maxrss of a started process begins with that of its parent
+        peak = next(line for line in status.read_text().splitlines() if line.startswith("VmHWM"))
+        return round(int(peak.split()[1]) / 1024.0, 1)
+    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, 1)

@@ -1,0 +1,1 @@
+"""From simulated curves to the five parameters."""

@@ -1,0 +1,191 @@
+"""From centrelines to the five numbers per pressure, by three estimators side by side.
+
+Cell averages, a Gaussian process, and the rod that comes closest to shape and force. The rod is given the numbers of
+the cell averages, or their one line where that suffices: docs/identification.md says why.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from pipeline.simulation.simulate import Outcome, Record
+from rod import (
+    Closing,
+    Curvature,
+    Extension,
+    FiveParameters,
+    Identification,
+    Interval,
+    LoadedShape,
+    Moment,
+    Observation,
+    Rod,
+    RodError,
+    RodFit,
+    SampledMoments,
+    cell_averaged,
+    closing,
+    extension,
+    fit_rod,
+    gaussian_process,
+    identify,
+    moment_from_force,
+    rest_curvature,
+    shared_smoothing,
+    shortest_break,
+    without_stretch,
+)
+
+__all__ = ["DEFAULT", "NAMES", "Parameters", "identify_all", "numbers_of_cells", "observed"]
+
+Array = NDArray[np.float64]
+
+NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
+DEFAULT = "cell_averaged"
+"""The estimator whose numbers the rod is given."""
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """What one pressure gives: curvatures with and without load, moment, and the numbers of three estimators."""
+
+    pressure_kPa: float
+    free: Record  #: experiment II
+    loaded: Record  #: experiment III
+    kappa_0: Curvature  #: cell-averaged, of II
+    kappa: Curvature  #: cell-averaged, of III
+    moment: Moment  #: of III without its stretch
+    by_cells: Identification
+    by_process: Identification  #: the same from a Gaussian process, for comparison
+    extended: Identification  #: the same from cell averages with the levers of the curve as it is, for the longer rod
+    extension: Extension  #: how the curve stretches, with the sixth number
+    by_rod: RodFit | None  #: the same from the closest rod; None where none is in equilibrium near the others
+    #: what the mesh adds to the deviations of the rod's numbers; empty where it is not known
+    mesh_std: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def estimates(self) -> dict[str, Identification | RodFit]:
+        """The numbers by the name of their estimator, the default first."""
+        found: dict[str, Identification | RodFit] = {DEFAULT: self.by_cells, "gaussian_process": self.by_process}
+        return found if self.by_rod is None else {**found, "rod_fit": self.by_rod}
+
+    @property
+    def shortest_break(self) -> float:
+        """The lower end of the range of d, mm; a d there means "at most that"."""
+        return shortest_break(self.kappa.length, self.kappa.pitch)
+
+    @property
+    def numbers(self) -> dict[str, Interval]:
+        """alpha1, alpha2, m01, m02, d of the rod, with the error of the mesh where it is known."""
+        return self._with_mesh(self.numbers_without_mesh)
+
+    @property
+    def numbers_without_mesh(self) -> dict[str, Interval]:
+        """The same without it: over the pressures, which share their mesh, that error is no scatter."""
+        return self._of_rod(self.by_cells)
+
+    @property
+    def extended_numbers(self) -> dict[str, Interval]:
+        """The same of the rod whose curve stretches."""
+        return self._with_mesh(self._of_rod(self.extended))
+
+    def _of_rod(self, found: Identification) -> dict[str, Interval]:
+        """The numbers of two lines, or twice those of one line where that suffices.
+
+        The place of a change that is none is put where the range of d begins.
+        """
+        one = found.one_line
+        d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
+        if found.two_lines:
+            return {name: getattr(found, name) for name in NAMES}
+        return {"alpha1": one.alpha, "alpha2": one.alpha, "m01": one.m0, "m02": one.m0, "d": d}
+
+    def _with_mesh(self, numbers: Mapping[str, Interval]) -> dict[str, Interval]:
+        return {name: one.widened(self.mesh_std.get(name, 0.0)) for name, one in numbers.items()}
+
+    @property
+    def rod(self) -> Rod:
+        """The inextensible rod with the five numbers, clamped as the material curve begins in II."""
+        return self._rod(self.numbers, None)
+
+    @property
+    def extended_rod(self) -> Rod:
+        """The rod with the sixth number."""
+        return self._rod(self.extended_numbers, self.extension)
+
+    def _rod(self, numbers: Mapping[str, Interval], longer: Extension | None) -> Rod:
+        theta0, profile = rest_curvature(self.free.centreline)
+        curve = self.free.centreline
+        law = FiveParameters(**{name: one.value for name, one in numbers.items()})
+        start = (float(curve.x[0]), float(curve.y[0]))
+        return Rod(curve.length, profile, law, theta0, start, extension=longer)
+
+    @property
+    def sampled(self) -> SampledMoments:
+        """The moments behind the numbers."""
+        return SampledMoments.of(self.moment)
+
+
+def observed(parameters: Parameters, record: Record) -> Observation:
+    """A loaded record at the pressure of the parameters as laws are compared on it. Raises RodError."""
+    moment = moment_from_force(record.centreline, record.end_force, record.end_couple)
+    return Observation(parameters.kappa_0, cell_averaged(record.centreline, parameters.kappa.pitch), moment)
+
+
+def identify_all(outcomes: Mapping[str, Outcome], pitch: float) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
+    """The numbers at every pressure reached in both II and III, and a sentence for each where there are none."""
+    free = {record.pressure_kPa: record for record in outcomes["II"].records}
+    loaded = {record.pressure_kPa: record for record in outcomes["III"].records}
+    found, refused = [], []
+    for pressure in sorted(free.keys() & loaded.keys()):
+        try:
+            found.append(_identified(pressure, free[pressure], loaded[pressure], pitch))
+        except RodError as failure:
+            refused.append(f"no five numbers at {pressure:g} kPa: {failure}")
+    return tuple(found), tuple(refused)
+
+
+def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> Parameters:
+    curves = (free.centreline, loaded.centreline)
+    moment, moved = _moment_and_closing(free, loaded)
+    kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
+    smoothing = shared_smoothing(curves, pitch)
+    smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
+    by_cells = identify(kappa_0, kappa, moment, moved)
+    by_process = identify(smooth_0, smooth, moment, moved)
+    as_it_is = moment_from_force(loaded.centreline, loaded.end_force, loaded.end_couple)
+    return Parameters(
+        pressure_kPa=pressure,
+        free=free,
+        loaded=loaded,
+        kappa_0=kappa_0,
+        kappa=kappa,
+        moment=moment,
+        by_cells=by_cells,
+        by_process=by_process,
+        extended=identify(kappa_0, kappa, as_it_is, moved),
+        extension=extension(*curves, pitch),
+        by_rod=_closest_rod(LoadedShape(*curves, loaded.end_force, pitch, loaded.end_couple), by_cells, by_process),
+    )
+
+
+def numbers_of_cells(free: Record, loaded: Record, pitch: float) -> Identification:
+    """The numbers of the default estimator alone. Raises RodError."""
+    kappa_0, kappa = (cell_averaged(record.centreline, pitch) for record in (free, loaded))
+    moment, moved = _moment_and_closing(free, loaded)
+    return identify(kappa_0, kappa, moment, moved)
+
+
+def _moment_and_closing(free: Record, loaded: Record) -> tuple[Moment, Closing]:
+    # levers of the curve without its stretch, for the rod that takes the numbers has none
+    moment = moment_from_force(without_stretch(loaded.centreline), loaded.end_force, loaded.end_couple)
+    return moment, closing(free.centreline, loaded.centreline, loaded.end_force)
+
+
+def _closest_rod(shape: LoadedShape, *starts: Identification) -> RodFit | None:
+    try:
+        return fit_rod(shape, [start.law for start in starts])
+    except RodError:  # the other two estimators do not need an equilibrium
+        return None

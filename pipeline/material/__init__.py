@@ -1,0 +1,1 @@
+"""Tensile tests: which law, which constants."""

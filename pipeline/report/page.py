@@ -1,0 +1,181 @@
+"""The report: one HTML file that opens offline, made from the result files of a run and from nothing else."""
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import jinja2
+from plotly.offline import get_plotlyjs
+
+from pipeline.report import figures
+from pipeline.report.compared import end_forces, validation_shapes
+from pipeline.report.numbers import NUMBERS, estimators, mesh_error, observations, regimes, sixth_number, with_spread
+from pipeline.report.results import Results, read_results
+from pipeline.report.sentences import (
+    agreement_of_rod,
+    difference_of_rest_curvatures,
+    limits_met,
+    lines_needed,
+    number,
+    opening,
+    share_of_factorization,
+)
+from pipeline.report.validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
+
+__all__ = ["render_report"]
+
+_EXPERIMENT_COLUMNS = (
+    ("experiment", ""),
+    ("pressure_kPa", "p (kPa)"),
+    ("end_x_mm", "end x (mm)"),
+    ("end_y_mm", "end y (mm)"),
+    ("reaction_N", "reaction (N)"),
+    ("stretch_of_curve", "stretch of curve"),
+    ("min_stretch", "least stretch"),
+    ("max_stretch", "largest stretch"),
+    ("min_J", "least J"),
+    ("min_gap_mm", "least gap (mm)"),
+    ("newton_iterations", "Newton iterations"),
+    ("factorizations", "factorizations"),
+    ("seconds", "seconds"),
+    ("status", "status"),
+)
+_SOLVER_PARTS = {
+    "set_up": "set-up",
+    "assembly": "assembly",
+    "contact": "contact",
+    "analysis": "symbolic analysis",
+    "factorization": "numeric factorization",
+    "solve": "triangular solves",
+}
+
+
+@dataclass(frozen=True)
+class _Picture:
+    title: str
+    data: str  #: PNG, base64
+
+
+def render_report(directory: Path) -> str:
+    """The report on the result files in `directory`, as HTML. Files that are missing are named in it."""
+    results = read_results(directory)
+    environment = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+        autoescape=True,
+        undefined=jinja2.ChainableUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    return environment.get_template("report.html.j2").render(
+        name=results.run.get("config", {}).get("name", directory.name),
+        opening=opening(results),
+        failures=results.failures,
+        five=_five_numbers(results),
+        betas=_betas(results),
+        lines=lines_needed(results),
+        regimes=regimes(results),
+        estimators=estimators(results),
+        observations=observations(results),
+        mesh_error=mesh_error(results),
+        agreement=[*agreement_of_rod(results), *out_of_sample(results)],
+        validation=validation_rows(results),
+        beyond=beyond_identified(results),
+        sixth=sixth_number(results),
+        laws=laws_by_pressure(results),
+        body=[_picture(results, name, title) for name, title in _BODY if name in results.pictures],
+        deformed=_deformed(results),
+        figures=_figures(results),
+        rest_curvatures=difference_of_rest_curvatures(results),
+        experiment_titles=[title for _, title in _EXPERIMENT_COLUMNS],
+        experiments=[[_cell(row.get(key)) for key, _ in _EXPERIMENT_COLUMNS] for row in results.experiments],
+        stages=results.run.get("seconds", {}),
+        factorization=share_of_factorization(results),
+        effects=results.effects,
+        limits=limits_met(results),
+        run=results.run,
+        number=number,
+        plotly=get_plotlyjs(),
+    )
+
+
+_BODY = (("body", "at rest"), ("body_open", "cut open at z = 0"))
+
+
+def _five_numbers(results: Results) -> list[list[str]]:
+    rows = []
+    for pressure in results.parameters.get("pressures_kPa", ()):
+        cells = [f"{pressure:g}"]
+        for key, _, _ in NUMBERS:
+            cells.append(_with_spread(results.at(key, pressure), results.at(f"{key}_std", pressure)))
+        if results.at("d_is_at_most", pressure):
+            cells[-1] = f"at most {number(results.at('d_mm', pressure))}"
+        cut, length = results.at("d_mm", pressure), results.length
+        cells.append("" if cut is None else f"{cut / length:.3f}")
+        rows.append(cells)
+    return rows
+
+
+def _betas(results: Results) -> list[str]:
+    found = []
+    for which, symbol in ((1, "β₁"), (2, "β₂")):
+        key = f"beta{which}_N_mm2_per_kPa"
+        if results.parameters.get(key) is not None:
+            spread = results.parameters.get(f"{key}_std")
+            found.append(f"{symbol} = {_with_spread(results.parameters[key], spread)} N mm²/kPa")
+    return found
+
+
+def _figures(results: Results) -> dict[str, str]:
+    """The figures for which there is something to draw, as HTML."""
+    drawn: dict[str, Any] = {}
+    if any(curve.experiment in ("II", "III") for curve in results.curves):
+        drawn["shapes"] = figures.shapes(results)
+    if results.curves:
+        drawn["curvatures"] = figures.curvatures(results)
+    if any(curve.experiment == "III" for curve in results.curves):
+        drawn["moments"] = figures.moments(results)
+    if results.validation_curves:
+        drawn["validation"] = validation_shapes(results)
+    if any(row.get("force_N") is not None for row in results.validation):
+        drawn["forces"] = end_forces(results)
+    if results.parameters.get("alpha1_N_mm2"):
+        drawn["alphas"] = figures.alphas_over_pressure(results)
+    parts = results.run.get("solver_seconds") or {}
+    if parts:
+        drawn["times"] = figures.times([(title, parts[key]) for key, title in _SOLVER_PARTS.items() if key in parts])
+    options = {"displaylogo": False, "responsive": True, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
+    return {
+        name: figure.to_html(full_html=False, include_plotlyjs=False, config=options, div_id=f"figure-{name}")
+        for name, figure in drawn.items()
+    }
+
+
+def _deformed(results: Results) -> list[tuple[str, list[_Picture]]]:
+    """For each pressure the pictures of I, II and III that are there."""
+    rows = []
+    for pressure in results.pressures:
+        names = [(f"{experiment}_{pressure:g}kPa", experiment) for experiment in ("I", "II", "III")]
+        found = [_picture(results, name, title) for name, title in names if name in results.pictures]
+        if found:
+            rows.append((f"{pressure:g} kPa", found))
+    return rows
+
+
+def _picture(results: Results, name: str, title: str) -> _Picture:
+    return _Picture(title, base64.b64encode(results.pictures[name].read_bytes()).decode())
+
+
+def _with_spread(value: float | None, spread: float | None) -> str:
+    return with_spread(value, spread, number(value))
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return ", ".join(_cell(item) for item in value)
+    if isinstance(value, float):
+        return number(value)
+    return "" if isinstance(value, Mapping) else str(value)

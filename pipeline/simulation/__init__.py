@@ -1,0 +1,1 @@
+"""The scene and the experiments that are simulated in it."""

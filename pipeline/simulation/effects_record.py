@@ -1,0 +1,114 @@
+"""Which effects took part in a run, and why."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from geometry import Body
+from pipeline.config.config import FULLY_INTEGRATED, CavityPressure, Config, poisson_ratio
+from pipeline.simulation.scene import is_on, pulls_aside
+from pipeline.simulation.simulate import Outcome
+
+__all__ = ["effect_rows"]
+
+
+def effect_rows(config: Config, body: Body, outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
+    """Rows of effects.json: effect, state, reason, share of the solver's time (null where it has none of its own)."""
+    found = {
+        "pressure": _pressure(config),
+        "self_contact": _contact(config, body, outcomes),
+        "symmetry": _symmetry(config, body),
+        "incompressibility": _incompressibility(config),
+        "gravity": _gravity(config),
+        "strain_limiting_layer": _layer(config, body),
+    }
+    timeless = ("symmetry", "incompressibility")
+    return [
+        {
+            "effect": effect,
+            "state": state,
+            "reason": reason,
+            "share_of_time": None if effect in timeless else _share(effect, outcomes),
+        }
+        for effect, (state, reason) in found.items()
+    ]
+
+
+def _share(effect: str, outcomes: Mapping[str, Outcome]) -> float:
+    total = sum(outcome.seconds.total for outcome in outcomes.values())
+    spent = sum(outcome.seconds.effects.get(effect, 0.0) for outcome in outcomes.values())
+    return spent / total if total > 0 else 0.0
+
+
+def _pressure(config: Config) -> tuple[str, str]:
+    if config.effects["pressure"] == "off":
+        return "off", "switched off in the config"
+    parts = [f"{name} {_inside(pressure)}" for name, pressure in config.cavities.items()]
+    return "on", f"the pressure follows the walls; {', '.join(parts)}"
+
+
+def _inside(pressure: CavityPressure) -> str:
+    if pressure.held_kPa:
+        return f"holds {pressure.held_kPa:g} kPa at every pressure of the run"
+    if pressure.share == 1.0:
+        return "holds the pressure of the run"
+    return f"holds {pressure.share:g} of the pressure of the run" if pressure.share else "holds none"
+
+
+def _contact(config: Config, body: Body, outcomes: Mapping[str, Outcome]) -> tuple[str, str]:
+    asked = config.effects["self_contact"]
+    if asked == "off":
+        return "off", "switched off in the config"
+    if asked == "on":
+        return "on", "switched on in the config"
+    touched = [
+        f"{name} from {min(first):g} kPa"
+        for name, outcome in outcomes.items()
+        if (first := [record.pressure_kPa for record in outcome.records if "self_contact" in record.effects])
+    ]
+    if touched:
+        return "on", f"walls came within reach of each other: {', '.join(touched)}"
+    nearest = min(
+        (record.row["min_gap_mm"] for outcome in outcomes.values() for record in outcome.records), default=0.0
+    )
+    return "off", f"no walls came within reach of each other; the smallest gap was {nearest:.2g} mm"
+
+
+def _symmetry(config: Config, body: Body) -> tuple[str, str]:
+    if body.half:
+        return "on", "body, pressure and loads are mirror images about z = 0: one half is solved"
+    if config.effects["symmetry"] == "off":
+        return "off", "switched off in the config: the whole body is solved"
+    if pulls_aside(config):
+        return "off", "gravity acts across the plane z = 0: the whole body is solved"
+    return "off", "the body is not known to be symmetric about z = 0: the whole body is solved"
+
+
+def _incompressibility(config: Config) -> tuple[str, str]:
+    formulation, nu = config.mesh.formulation, poisson_ratio(config.material.constants)
+    how = {
+        "p2": "the whole law is taken at four points per element",
+        "p2p0": "the volumetric part of the law is taken at one point per element",
+        "mixed": "the pressure is an unknown of its own, linear in each element and continuous",
+        "p1": "the whole law is taken at the one point of a linear element",
+    }
+    return "off" if formulation in FULLY_INTEGRATED else "on", f"nu = {nu:.5g}: {how[formulation]}"
+
+
+def _gravity(config: Config) -> tuple[str, str]:
+    if not is_on(config, "gravity"):
+        return "off", "not asked for: the arm lies on its side in the paper's experiments"
+    x, y, z = (component / 1000 for component in config.gravity_mm_s2)
+    return "on", (
+        f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod has no weight, so the five numbers carry the moment of "
+        "the weight as an error"
+    )
+
+
+def _layer(config: Config, body: Body) -> tuple[str, str]:
+    if not is_on(config, "strain_limiting_layer"):
+        return "off", "not asked for"
+    layer = config.layer
+    return "on", (
+        f"{layer.thickness_mm:g} mm thick, E = {layer.E_MPa:g} MPa, nu = {layer.nu:g}, "
+        f"in the plane y = {body.curve_y:g} mm of the material curve"
+    )

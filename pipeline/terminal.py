@@ -1,0 +1,93 @@
+"""Tables on the terminal: what effects change and cost, the laws of a material, and what accuracy costs."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rich.table import Table
+from rich.text import Text
+
+from pipeline.accuracy.table import COLUMNS_OF_RUNGS, cells
+from pipeline.effects_study import BASE, COLUMNS
+from pipeline.material.fits import Fits
+from pipeline.material.law_fit import LawFit, Refused
+from pipeline.material.sentences import with_error
+
+__all__ = ["comparison", "costs", "laws", "sentences"]
+
+Row = Mapping[str, Any]
+
+
+def comparison(rows: Sequence[Row]) -> Table:
+    """Rows of effects_table.json: every number above its change against the configuration, and the cost; it fits into
+    80 columns."""
+    heads = [name.replace(" ", "\n", 1) for name in COLUMNS.values()]
+    table = Table("effect", "p\nkPa", *heads, "one\nline", "s", "factori-\nzations", box=None, padding=(0, 1, 0, 0))
+    table.caption = "one line: whether one slope describes the arm as well as two"
+    for column in table.columns[1:]:
+        column.justify = "right"
+        column.no_wrap = True
+    before = ""
+    for row in rows:
+        name = f"{row['effect']} {row['state']}".strip().replace("_", " ")
+        first, before = name != before, name
+        numbers = [_number(row, key) for key in COLUMNS]
+        cost = (f"{row['seconds']:.0f}", str(row["factorizations"])) if first else ("", "")
+        suffices = "yes" if row["one_line_suffices"] else "no"
+        table.add_row(name if first else "", f"{row['pressure_kPa']:g}", *numbers, suffices, *cost)
+    return table
+
+
+def sentences(rows: Sequence[Row]) -> Table:
+    """Rows of effects.json: which effects were simulated, and why."""
+    table = Table.grid(padding=(0, 2))
+    for row in rows:
+        state = Text(row["state"], style="green" if row["state"] == "on" else "dim")
+        table.add_row(row["effect"], state, Text(row["reason"]))
+    return table
+
+
+def laws(fits: Fits, name: str) -> Table:
+    """Every law as fitted to `name` of `pipeline.material.fits`; those that are refused are named below it."""
+    columns = ("law", "constants, MPa", "rms MPa", "holds for", "ended by", "stable for")
+    refused = [fit for both in fits.laws.values() if isinstance(fit := both[name], Refused)]
+    below = "\n".join(f"{fit.law} {fit.reason}" for fit in refused) or None
+    table = Table(*columns, box=None, pad_edge=False, title=f"fitted to {name}", caption=below)
+    table.title_justify = table.caption_justify = "left"
+    for column in table.columns:
+        column.no_wrap = True
+    for column in (table.columns[place] for place in (2, 3, 5)):
+        column.justify = "right"
+    for both in fits.laws.values():
+        fit = both[name]
+        if isinstance(fit, LawFit):
+            stable, holds = fit.solved.stretch_limits, "nowhere" if fit.holds is None else _stretches(*fit.holds)
+            table.add_row(fit.law, _constants(fit), f"{fit.rms:.2g}", holds, fit.ends, _stretches(*stable))
+    return table
+
+
+def _constants(fit: LawFit) -> str:
+    return "\n".join(f"{name} {with_error(value, fit.errors[name])}" for name, value in fit.constants.items())
+
+
+def _stretches(low: float, high: float) -> str:
+    return f"{low:.3g} - {high:.3g}".replace("inf", "∞")
+
+
+def costs(record: Mapping[str, Any]) -> Table:
+    """The rungs of accuracy.json; those that nothing beats are marked."""
+    table = Table(*COLUMNS_OF_RUNGS, box=None)
+    for column in table.columns[1:]:
+        column.justify = "right"
+    for row in record["rungs"]:
+        table.add_row(*cells(row), style="bold" if row["on_front"] else "")
+    return table
+
+
+def _number(row: Row, key: str) -> str:
+    value, change = row[key], row["relative_change"][key]
+    if value is None:
+        return ""
+    shown = f"{value:.4g}"
+    if row["effect"] == BASE or change is None:
+        return shown
+    return f"{shown}\n{100 * change:+.{1 if abs(change) < 0.0995 else 0}f} %"

@@ -1,0 +1,1 @@
+"""The rod held against the finite elements."""

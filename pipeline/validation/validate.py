@@ -1,0 +1,129 @@
+"""The rod under loads that its numbers were not fitted to, and the laws that such loads tell apart."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from geometry import Body
+from pipeline.config.config import Config
+from pipeline.identification.parameters import Parameters, observed
+from pipeline.progress import Progress
+from pipeline.simulation.loadcase import Case, validation_cases
+from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.store.store import Store
+from pipeline.validation.compare import CURVE_COLUMNS, Comparison, Rods, held_against, rows_of
+from rod import PressurisedRod, Rod, RodError, compare_laws, simplest
+
+__all__ = ["VALIDATION_COLUMNS", "Validated", "rods_between", "validate"]
+
+VALIDATION_COLUMNS = ("load", *CURVE_COLUMNS)
+
+
+@dataclass(frozen=True)
+class Validated:
+    """What the loads out of sample say."""
+
+    comparisons: tuple[Comparison, ...]
+    failures: tuple[str, ...]  #: a sentence for each load that was not solved
+    laws: tuple[Mapping[str, Any], ...]  #: rows: pressure, law, its numbers, errors, whether it is the simplest
+
+    def save(self, store: Store, in_sample: Sequence[Comparison]) -> None:
+        """Write validation.json (what is in sample first), laws.json and validation_curves.csv."""
+        store.save_json("validation.json", [one.row() for one in (*in_sample, *self.comparisons)])
+        store.save_json("laws.json", self.laws)
+        rows = [(one.load, *row) for one in self.comparisons for row in rows_of(one.record, one.shape, one.pitch)]
+        store.save_rows("validation_curves.csv", VALIDATION_COLUMNS, rows)
+
+
+def validate(
+    config: Config, body: Body, store: Store, jobs: int, progress: Progress, found: Sequence[Parameters]
+) -> Validated:
+    """Solve the loads of `config.validation` and hold the rod against them; nothing where none is asked for.
+
+    Raises RunFailed as `simulate` does.
+    """
+    cases = {case.name: case for case in validation_cases(config)}
+    if not cases or not found:
+        return Validated((), (), ())
+    outcomes = simulate(config, body, store, jobs, progress, list(cases.values()))
+    failures = tuple(
+        f"validation {cases[name].load or name} stopped before {outcome.failed_kPa:g} kPa: {outcome.failure}"
+        for name, outcome in outcomes.items()
+        if outcome.failure
+    )
+    comparisons = _comparisons(config, body, cases, outcomes, found)
+    return Validated(comparisons, failures, _laws(found, comparisons))
+
+
+def rods_between(found: Sequence[Parameters], pressure: float) -> Rods:
+    """The identified rods at a pressure (kPa), between the identified ones by straight lines. Raises RodError."""
+    plain = _between(found, [one.rod for one in found])
+    longer = _between(found, [one.extended_rod for one in found])
+    pressures, first = plain.pressures, found[0].rod
+    theta0 = float(np.interp(pressure, pressures, [one.rod.theta0 for one in found]))
+    rods = [replace(rod.at(pressure), theta0=theta0, start=first.start) for rod in (plain, longer)]
+    sampled = plain.sampled_at(pressure)
+    if sampled is None:
+        raise RodError("It is not known which moments the numbers were identified from.")
+    return Rods(rods[0], rods[1], sampled)
+
+
+def _between(found: Sequence[Parameters], rods: Sequence[Rod]) -> PressurisedRod:
+    return PressurisedRod(
+        rods[0].length,
+        np.array([one.pressure_kPa for one in found]),
+        tuple(rod.law for rod in rods),
+        np.asarray(rods[0].kappa_0)[:, 0],
+        np.array([np.asarray(rod.kappa_0)[:, 1] for rod in rods]),
+        tuple(rod.extension for rod in rods if rod.extension is not None),
+        tuple(one.sampled for one in found),
+    )
+
+
+def _comparisons(
+    config: Config,
+    body: Body,
+    cases: Mapping[str, Case],
+    outcomes: Mapping[str, Outcome],
+    found: Sequence[Parameters],
+) -> tuple[Comparison, ...]:
+    rows = []
+    for name, outcome in outcomes.items():
+        for record in outcome.records:
+            if not cases[name].load and record.pressure_kPa not in config.validation.pressures_kPa:
+                continue  # the way to a pressure between
+            if not cases[name].load and record.pressure_kPa in {one.pressure_kPa for one in found}:
+                continue  # added by bisection: in sample
+            try:
+                rods = rods_between(found, record.pressure_kPa)
+            except RodError as failure:
+                load = cases[name].load
+                rows.append(Comparison(record, None, str(failure), body.pitch, load=load, in_sample=False))
+                continue
+            rows.append(held_against(rods, record, body.pitch, cases[name].load, in_sample=False))
+    return tuple(sorted(rows, key=lambda one: (one.record.pressure_kPa, one.load)))
+
+
+def _laws(found: Sequence[Parameters], comparisons: Sequence[Comparison]) -> tuple[Mapping[str, Any], ...]:
+    """Simpler and richer laws fitted to III and asked for the other loads at the same pressure."""
+    rows: list[Mapping[str, Any]] = []
+    for one in found:
+        others = [c.record for c in comparisons if c.load and c.record.pressure_kPa == one.pressure_kPa]
+        if not others:
+            continue
+        candidates = compare_laws(observed(one, one.loaded), [observed(one, record) for record in others])
+        best = simplest(candidates)
+        rows.extend(
+            {
+                "pressure_kPa": one.pressure_kPa,
+                "law": candidate.name,
+                "numbers": candidate.numbers,
+                "in_sample": candidate.in_sample,
+                "out_of_sample": candidate.out_of_sample,
+                "simplest": candidate is best,
+            }
+            for candidate in candidates
+        )
+    return tuple(rows)

@@ -1,0 +1,1 @@
+"""Measured curves and their curvature."""

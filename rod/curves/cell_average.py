@@ -1,0 +1,74 @@
+"""Cell-averaged curvature: no smoothing parameter at all (design notes, "Curvature").
+
+The chambers of an arm repeat with the pitch p. Within a cell the material curve wiggles; between equivalent points of
+neighbouring cells the wiggle cancels, so that
+
+    kappa(t) = (theta(t + p/2) - theta(t - p/2)) / p
+
+is the mean curvature over one pitch around t, whatever happens inside. theta is the chord angle between neighbouring
+nodes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import Centreline
+from rod.curves.curve import Curvature, chord_angles, mean_angle_weights
+from rod.curves.uncertainty import white_noise
+from rod.law import RodError
+
+Array = NDArray[np.float64]
+
+
+def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
+    """Mean curvature over one pitch (mm) around points that are as dense as the nodes of the curve.
+
+    theta and kappa belong to rest arc length. The end points lie about half a pitch inside the curve: an end cell has
+    one neighbour. The error's covariance follows from a noise of the node positions that is white and is itself
+    estimated from the roughness of kappa. Raises `RodError` for a pitch that is not positive or leaves less than three
+    cells, and for nodes farther apart than half a pitch.
+    """
+    s = centreline.s - centreline.s[0]
+    length = float(s[-1])
+    if not (np.isfinite(pitch) and pitch > 0.0):
+        raise RodError(f"The pitch of the cells must be positive, not {pitch} mm.")
+    if length < 3.0 * pitch:
+        raise RodError(
+            f"Cell-averaged curvature needs three cells; a curve of {length:g} mm has no three of {pitch:g} mm."
+        )
+    if np.diff(s).max() > 0.5 * pitch:
+        raise RodError(f"Nodes {np.diff(s).max():g} mm apart cannot resolve cells of {pitch:g} mm; refine the mesh.")
+    middle = 0.5 * (s[:-1] + s[1:])
+    # what holds the end bends its last half cell by itself
+    starts = np.flatnonzero(middle + pitch <= length - 0.5 * pitch)
+    ahead = _interpolation(middle, middle[starts] + pitch)
+    behind = np.eye(len(middle))[starts]
+    difference = (ahead - behind) / pitch
+    angle = chord_angles(centreline)
+    kappa = difference @ angle
+    response = difference @ _sideways(s)
+    centres = middle[starts] + 0.5 * pitch
+    theta = np.interp(centres, middle, angle)
+    resolution = difference @ mean_angle_weights(s, length)
+    return Curvature(length, pitch, centres, kappa, theta, white_noise(response, kappa), resolution, response)
+
+
+def _interpolation(x: Array, at: Array) -> Array:
+    """(m, n) weights of linear interpolation at the points `at` (m,) between x (n,)."""
+    left = np.clip(np.searchsorted(x, at) - 1, 0, len(x) - 2)
+    share = np.clip((at - x[left]) / (x[left + 1] - x[left]), 0.0, 1.0)
+    weights = np.zeros((len(at), len(x)))
+    weights[np.arange(len(at)), left] = 1.0 - share
+    weights[np.arange(len(at)), left + 1] += share
+    return weights
+
+
+def _sideways(s: Array) -> Array:
+    """(n - 1, n): chord angles from sideways displacements of the nodes."""
+    h = np.diff(s)
+    weights = np.zeros((len(h), len(s)))
+    weights[np.arange(len(h)), np.arange(len(h))] = -1.0 / h
+    weights[np.arange(len(h)), np.arange(len(h)) + 1] = 1.0 / h
+    return weights

@@ -1,0 +1,58 @@
+"""The closing of a loaded curve: how far its end has moved is what all its changes of curvature add up to.
+
+Averages over cells say little about the ends of an arm: what bends between the clamp and the middle of the first cell
+is seen by few of them, and yet it turns the whole arm. The end sees it. With delta(s) the turn of the tangent between
+Tests II and III, zero at the clamp, and e the direction of the end force,
+
+    e . (r_III(l) - r_II(l)) = integral of w delta ds,    w = sin(delta/2)/(delta/2) e . (-sin theta_m, cos theta_m)
+
+theta_m being the mean angle of both, exactly and for turns of any size, when both curves are taken without their
+stretch. delta is the integral of Delta, so the movement is a weighted mean of Delta, with weights that fall from the
+clamp to the end: one more observation. It is what decides the end force of a rod whose end is held.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import Centreline
+from rod.curves.curve import chord_angles, mean_angle_weights
+from rod.law import RodError
+
+Array = NDArray[np.float64]
+
+#: relative error of the movement that five numbers explain: what wiggles within cells, which a rod has not, add to it
+#: where they do not average out, at the clamp and at d
+ERROR = 0.03
+
+
+@dataclass(frozen=True)
+class Closing:
+    """value = sum over the grid of weights times Delta. The weights are read-only."""
+
+    value: float  #: mm, movement of the end along the end force, without stretch
+    weights: Array  #: (GRID_CELLS,) mm2 on `curve.fine_grid`
+    error: float  #: mm, standard deviation
+
+
+def closing(free: Centreline, loaded: Centreline, force: tuple[float, float]) -> Closing:
+    """How the end of Test III has moved from where it is in Test II, along its end force (N).
+
+    Raises `RodError` where there is no force or the end has not moved.
+    """
+    s, size = free.s - free.s[0], float(np.hypot(*force))
+    if not size > 0.0:
+        raise RodError("Without an end force there is no direction in which the end could be closed.")
+    ex, ey = force[0] / size, force[1] / size
+    before, after = chord_angles(free), chord_angles(loaded)
+    turn, mean = after - before, 0.5 * (before + after)
+    lever = np.diff(s) * np.sinc(turn / (2.0 * np.pi)) * (ey * np.cos(mean) - ex * np.sin(mean))
+    weights = lever @ mean_angle_weights(s, float(s[-1]))
+    weights.setflags(write=False)
+    value = float(lever @ turn)
+    if value == 0.0:
+        raise RodError("The end force has not moved the end; nothing can be learnt from where it is.")
+    return Closing(value, weights, ERROR * abs(value))

@@ -1,0 +1,135 @@
+"""Curvature and moment along a material curve, with what an estimate of curvature can resolve.
+
+No estimate sees curvature at a point: differences of angles see its mean over a cell, a smoother sees a weighted mean
+over its length scale. Both are linear in the true curvature, so each estimate carries the weights of its means, the
+*resolution* R:
+
+    kappa_estimated(s_i) = sum_j R_ij kappa(sigma_j) + error
+
+With R known, a law can be fitted to what the estimate would have seen of it, so that a step in the rigidity is found
+where it is, not where smoothing has spread it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry import Centreline
+from rod.law import RodError
+
+Array = NDArray[np.float64]
+
+#: intervals per length of the grid on which resolutions are expressed
+GRID_CELLS = 448
+
+
+def fine_grid(length: float) -> Array:
+    """(GRID_CELLS,) midpoints of equal intervals from 0 to length, mm."""
+    return np.linspace(0.5, GRID_CELLS - 0.5, GRID_CELLS) * (length / GRID_CELLS)
+
+
+@dataclass(frozen=True)
+class Curvature:
+    """An estimate of curvature along a material curve of rest length `length`. Arrays are read-only."""
+
+    length: float  #: mm
+    pitch: float  #: mm, the length over which neighbouring errors are related
+    s: Array  #: (n,) mm, rest arc length
+    kappa: Array  #: (n,) 1/mm
+    theta: Array  #: (n,) rad, tangent angle
+    covariance: Array  #: (n, n) 1/mm2, of the error of kappa
+    resolution: Array  #: (n, GRID_CELLS), weights of the true curvature on `fine_grid(length)`
+    #: (n, nodes) 1/mm2, kappa by sideways displacements of the nodes, where its error is white noise of these
+    response: Array | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("s", "kappa", "theta", "covariance", "resolution", "response"):
+            if getattr(self, name) is None:
+                continue
+            array = np.array(getattr(self, name), float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if len(self.s) < 6:
+            raise RodError(f"A curvature needs at least 6 points along the curve; there are {len(self.s)}.")
+
+    @property
+    def kappa_std(self) -> Array:
+        """(n,) 1/mm, standard deviation of kappa."""
+        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+
+    @property
+    def profile(self) -> Array:
+        """(m, 2) columns s and kappa from 0 to length, as `Rod` takes kappa_0; the ends repeat the nearest value."""
+        s = np.concatenate([[0.0], self.s, [self.length]])
+        kappa = np.concatenate([self.kappa[:1], self.kappa, self.kappa[-1:]])
+        inner = np.concatenate([[self.s[0] > 1e-9], np.ones(len(self.s), bool), [self.s[-1] < self.length - 1e-9]])
+        return np.column_stack([s[inner], kappa[inner]])
+
+    @staticmethod
+    def at_points(s: Array, kappa: Array, *, length: float, pitch: float, theta: Array) -> Curvature:
+        """Curvature known without error at the points s, (n,) mm; its resolution is linear interpolation."""
+        grid = fine_grid(length)
+        place = np.clip((np.asarray(s) - grid[0]) / (grid[1] - grid[0]), 0.0, GRID_CELLS - 1.0)
+        left = np.minimum(place.astype(int), GRID_CELLS - 2)
+        resolution = np.zeros((len(s), GRID_CELLS))
+        resolution[np.arange(len(s)), left] = 1.0 - (place - left)
+        resolution[np.arange(len(s)), left + 1] += place - left
+        return Curvature(length, pitch, s, kappa, theta, np.zeros((len(s), len(s))), resolution)
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Bending moment along the material curve. Arrays are read-only."""
+
+    s: Array  #: (n,) mm, rest arc length
+    value: Array  #: (n,) N mm
+
+    def __post_init__(self) -> None:
+        for name in ("s", "value"):
+            array = np.array(getattr(self, name), float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+
+def moment_from_force(centreline: Centreline, force: tuple[float, float], end_moment: float = 0.0) -> Moment:
+    """M(s) = (r(l) - r(s)) x F + M(l) (paper, equation (7)) at the nodes of the curve.
+
+    force: (F_x, F_y) N of the full body on the end s = l; end_moment: N mm. It holds whatever the law of the rod.
+    """
+    fx, fy = force
+    moment = (centreline.x[-1] - centreline.x) * fy - (centreline.y[-1] - centreline.y) * fx
+    return Moment(centreline.s - centreline.s[0], moment + end_moment)
+
+
+def chord_angles(centreline: Centreline) -> Array:
+    """(n - 1,) rad: continuous angles of the chords between neighbouring nodes, the mean tangent angles there."""
+    return np.unwrap(np.arctan2(np.diff(centreline.y), np.diff(centreline.x)))
+
+
+def without_stretch(curve: Centreline) -> Centreline:
+    """The curve with the same tangent angles and its rest length: what an inextensible rod can be at best."""
+    angle, h = chord_angles(curve), np.diff(curve.s)
+    # the chord of an arc that turns by t is shorter than the arc by sin(t/2)/(t/2)
+    chord = h * np.sinc(np.gradient(angle) / (2.0 * np.pi))
+    x, y = (np.concatenate([[0.0], np.cumsum(chord * f(angle))]) for f in (np.cos, np.sin))
+    return Centreline(curve.s, curve.x[0] + x, curve.y[0] + y)
+
+
+def mean_angle_weights(s: Array, length: float) -> Array:
+    """(n - 1, GRID_CELLS): mean tangent angle between neighbouring nodes s (n,), less the angle at s = 0, from
+    curvature.
+
+    Row j holds the weights w with mean theta over [s_j, s_j+1] = theta(0) + sum w kappa: the integral of the share of
+    the interval that lies beyond sigma.
+    """
+    edges = np.linspace(0.0, length, GRID_CELLS + 1)
+
+    def beyond(sigma: Array) -> Array:  # integral from 0 to sigma of the share of [a, b] beyond, one row per interval
+        a, b = s[:-1, None], s[1:, None]
+        inside = np.clip(sigma, a, b) - a
+        return np.minimum(sigma, a) + inside - inside**2 / (2.0 * (b - a))
+
+    return np.diff(beyond(edges[None, :]), axis=1)

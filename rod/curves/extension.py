@@ -1,0 +1,89 @@
+"""The sixth number: how the material curve of a loaded arm stretches.
+
+The neutral axis of an arm under pressure does not lie on its material curve. Where the arm is bent by Delta, a fibre at
+the distance e from the neutral axis gets longer by e Delta:
+
+    lambda(s) = lambda_0(s) + e Delta(s),    Delta = kappa - kappa_0
+
+lambda_0 is the stretch of the curve without load (Test II), a profile like kappa_0; the eccentricity e is one number
+per pressure, read from Test III. With it the position of the rod at every s is right, not only its angle. Lengthening
+by the normal force (F/EA, a tenth of a per cent on design (a)) is left out.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from geometry import Centreline
+from rod.curves.cell_average import cell_averaged
+from rod.curves.curve import chord_angles
+from rod.law import RodError
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Extension:
+    """lambda_0 and e. Arrays are read-only.
+
+    Raises `RodError` unless s rises, every rest stretch is positive and e is a finite number.
+    """
+
+    s: Array  #: (n,) mm
+    rest_stretch: Array  #: (n,) lambda_0 at s, joined by straight lines
+    eccentricity: float  #: mm, positive where the curve gets longer with Delta
+    eccentricity_std: float = 0.0  #: mm
+
+    def __post_init__(self) -> None:
+        for name in ("s", "rest_stretch"):
+            array = np.array(getattr(self, name), float)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        if (
+            self.s.ndim != 1
+            or len(self.s) < 2
+            or self.s.shape != self.rest_stretch.shape
+            or np.any(np.diff(self.s) <= 0)
+        ):
+            raise RodError("The rest stretch is given at two or more points s that rise.")
+        if not np.all(self.rest_stretch > 0.0):
+            raise RodError("A rest stretch is a length over another and must be positive.")
+        if not math.isfinite(self.eccentricity):
+            raise RodError(f"The eccentricity must be a finite number, not {self.eccentricity} mm.")
+
+    def at(self, s: Array) -> Array:
+        """lambda_0 at s, mm, any shape."""
+        return np.interp(s, self.s, self.rest_stretch)
+
+
+def stretches(curve: Centreline) -> Array:
+    """(n - 1,) arc length over rest length between neighbouring nodes; the chord of an arc is shorter than the arc."""
+    return curve.chords / (np.diff(curve.s) * np.sinc(np.gradient(chord_angles(curve)) / (2.0 * np.pi)))
+
+
+def extension(free: Centreline, loaded: Centreline, pitch: float) -> Extension:
+    """lambda_0 from Test II and e from Test III, both curves with the same points s.
+
+    e minimises the squares of (lambda_III - lambda_II) - e Delta, both averaged over a pitch (mm): within a cell the
+    one follows the other only on average. Its deviation is that of a regression with as many observations as cells.
+    Raises `RodError` as `cell_averaged` does, and where nothing bends.
+    """
+    s = free.s - free.s[0]
+    lengths = [np.concatenate([[0.0], np.cumsum(stretches(c) * np.diff(s))]) for c in (free, loaded)]
+    rest = CubicSpline(s, lengths[0])(s, 1)
+    unloaded, bent = cell_averaged(free, pitch), cell_averaged(loaded, pitch)
+    delta = bent.kappa - unloaded.kappa
+    if not np.any(delta):
+        raise RodError("Where nothing bends the neutral axis cannot be found.")
+    ahead, behind = bent.s + 0.5 * pitch, bent.s - 0.5 * pitch
+    longer = (np.interp(ahead, s, lengths[1] - lengths[0]) - np.interp(behind, s, lengths[1] - lengths[0])) / pitch
+    eccentricity = float(delta @ longer / (delta @ delta))
+    cells = max(2.0, float(np.ptp(bent.s)) / pitch + 1.0)
+    misfit = float(np.mean((longer - eccentricity * delta) ** 2)) * cells / (cells - 1.0)
+    std = math.sqrt(misfit / cells / float(np.mean(delta**2)))
+    return Extension(s, rest, eccentricity, std)

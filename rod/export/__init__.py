@@ -1,0 +1,1 @@
+"""The rod for other codes."""

@@ -1,0 +1,1 @@
+"""Moment and curvature to five parameters."""

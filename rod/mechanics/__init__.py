@@ -1,0 +1,1 @@
+"""Equilibrium of the rod."""

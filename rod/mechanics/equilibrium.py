@@ -1,0 +1,240 @@
+"""The planar rod in equilibrium (paper, section 2.1; design notes, "The rod").
+
+    theta' = kappa,                          x' = cos theta,  y' = sin theta,
+    kappa = kappa_0 + (M - m0_i)/alpha_i,    M' = n_x sin theta - n_y cos theta
+
+(times the stretch lambda where the rod has an `extension`; without one it is inextensible, lambda = 1)
+
+clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity). Known
+are F or components of the end position, in which case the force components that hold them are found. The unknowns, M(0)
+and those components, are found by shooting (`shooting`), large loads by continuation (`path`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rod.curves.extension import Extension
+from rod.law import FiveParameters, RodError
+from rod.mechanics.continuation import Point, Problem, follow
+from rod.mechanics.profile import Profile, Steps, cut_into_steps
+from rod.mechanics.shooting import ABSCISSAE
+
+Array = NDArray[np.float64]
+Order = Literal["as tested", "together", "pressure first"]
+
+
+@dataclass(frozen=True)
+class RodSolution:
+    """A rod in equilibrium. All arrays are read-only; at s = d kappa is that of the piece beyond d."""
+
+    s: Array  #: (n,) mm, arc length
+    x: Array  #: (n,) mm
+    y: Array  #: (n,) mm
+    theta: Array  #: (n,) rad, tangent angle
+    kappa: Array  #: (n,) 1/mm
+    moment: Array  #: (n,) N mm
+    stretch: Array  #: (n,), 1 on an inextensible rod
+    force: Array  #: (2,) N, F_x and F_y on the end s = l
+    load_steps: int  #: steps of the continuation
+
+    def positions(self, s: Array) -> Array:
+        """(m, 2) mm: x and y at the arc lengths s (m,), by cubic Hermite interpolation with the tangents.
+
+        Raises `RodError` for an s off the rod.
+        """
+        s = np.asarray(s, float)
+        if s.size and (s.min() < -1e-9 * self.s[-1] or s.max() > (1 + 1e-9) * self.s[-1]):
+            raise RodError(
+                f"The rod goes from s = 0 to {self.s[-1]:g} mm; it has no point at s = {s.min():g} ... {s.max():g}."
+            )
+        i = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
+        h = self.s[i + 1] - self.s[i]
+        t = (s - self.s[i]) / h
+        begin, end = h * self.stretch[i], h * self.stretch[i + 1]
+        a, b = (1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2
+        c, e = t * t * (3 - 2 * t), t * t * (t - 1)
+        b, e = b * begin, e * end
+        x = a * self.x[i] + c * self.x[i + 1] + b * np.cos(self.theta[i]) + e * np.cos(self.theta[i + 1])
+        y = a * self.y[i] + c * self.y[i + 1] + b * np.sin(self.theta[i]) + e * np.sin(self.theta[i + 1])
+        return np.column_stack([x, y])
+
+
+@dataclass(frozen=True)
+class Rod:
+    """A clamped planar rod with the five-parameter law.
+
+    kappa_0 (1/mm) is a number, an array (n,) of values at equally spaced points from 0 to length, an array (n, 2) of
+    columns s and kappa_0, or a function of s; samples are joined by straight lines. Raises `RodError` for a length
+    that is not positive, a kappa_0 that does not fit it, or a break d off the rod.
+    """
+
+    length: float  #: mm
+    kappa_0: Profile  #: 1/mm
+    law: FiveParameters
+    theta0: float = 0.0  #: rad, tangent angle at the clamp
+    start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
+    fade: float = 0.0  #: N mm, below this |M| the intercepts fade to zero (see `law`)
+    extension: Extension | None = None  #: how its curve stretches; None: it does not
+    steps: Steps = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.length) and self.length > 0.0):
+            raise RodError(f"The length of a rod must be positive, not {self.length} mm.")
+        if not 0.0 < self.law.d < self.length:
+            raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
+        if not (math.isfinite(self.fade) and self.fade >= 0.0):
+            raise RodError(f"fade is a moment of at least 0 N mm, not {self.fade}.")
+        object.__setattr__(self, "steps", cut_into_steps(self.length, self.kappa_0, self.law))
+
+    def solve(
+        self,
+        force: Sequence[float] | None = None,
+        *,
+        end: Sequence[float] | None = None,
+        end_x: float | None = None,
+        end_y: float | None = None,
+        moment: float = 0.0,
+        weight: Sequence[float] = (0.0, 0.0),
+        order: Order = "as tested",
+    ) -> RodSolution:
+        """The equilibrium that is reached when the loads grow from nothing.
+
+        force: dead end force (F_x, F_y) in N; or end = (x, y), end_x or end_y in mm, the position of the end (the
+        other force component is zero: end_y alone is Test III). Either may be combined with moment, M(l) in N mm, and
+        weight, a dead load (q_x, q_y) per length in N/mm.
+
+        order says which of several equilibria is meant. "pressure first": the loads grow on the rod that already has
+        its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
+        end_y is prescribed, because in Test III the end is held while the pressure rises, else pressure first.
+
+        Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is long,
+        and when the path ends before the whole load is applied.
+        """
+        if end is not None and (end_x is not None or end_y is not None):
+            raise RodError("Give either end = (x, y) or one of end_x and end_y, not both.")
+        if end is not None:
+            end_x, end_y = _pair(end, "end")
+        if force is not None and (end_x is not None or end_y is not None):
+            raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
+        if not math.isfinite(moment):
+            raise RodError("The end moment must be a finite number.")
+        loads = _Loads(
+            _pair((0.0, 0.0) if force is None else force, "force"),
+            (end_x, end_y),
+            float(moment),
+            _pair(weight, "weight"),
+            _grow_together(order, end_x, end_y, loaded=force is not None or moment != 0.0 or any(weight)),
+        )
+        solution = self._solved(self.steps, loads)
+        refinement = _refinement(self, solution, loads)
+        if refinement > 1.0:
+            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.law, refinement), loads)
+        return solution
+
+    def _solved(self, steps: Steps, loads: _Loads) -> RodSolution:
+        problem = _problem(self, steps, loads)
+        return _solution(self, problem, *follow(problem))
+
+
+@dataclass(frozen=True)
+class _Loads:
+    """What acts on the rod, in mm and N."""
+
+    force: tuple[float, float]
+    end: tuple[float | None, float | None]
+    moment: float
+    weight: tuple[float, float]
+    together: bool
+
+
+def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, loaded: bool) -> bool:
+    if order not in get_args(Order):
+        raise RodError(f"order is one of {', '.join(get_args(Order))}; {order!r} is not.")
+    if order == "as tested":
+        return end_x is None and end_y is not None
+    # on a rod that nothing acts on nothing can grow together
+    return order == "together" and (loaded or end_x is not None or end_y is not None)
+
+
+def _pair(values: Sequence[float], name: str) -> tuple[float, float]:
+    pair = tuple(float(v) for v in values)
+    if len(pair) != 2 or not all(math.isfinite(v) for v in pair):
+        raise RodError(f"{name} is a pair of finite numbers, x and y; {values!r} is not.")
+    return pair
+
+
+def _refinement(rod: Rod, solution: RodSolution, loads: _Loads) -> float:
+    """How much finer than the usual the steps must be: at large forces errors grow like exp(s sqrt(F/alpha))."""
+    softest = min(rod.law.alpha1, rod.law.alpha2)
+    force = np.hypot(*solution.force) + rod.length * math.hypot(*loads.weight)
+    growth = rod.length * math.sqrt(force / softest)
+    return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
+
+
+def _problem(rod: Rod, steps: Steps, loads: _Loads) -> Problem:
+    """The loads on the rod in units of its length l and rigidity B = alpha2: moments B/l, forces B/l^2."""
+    law, length = rod.law, rod.length
+    base = law.alpha2
+    place = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(loads.end)]
+    reach = math.hypot(*place)
+    if not reach < 1.0 and rod.extension is None:
+        raise RodError(
+            f"The end cannot be {reach * length:g} mm from the clamp: the rod of {length:g} mm is inextensible."
+        )
+    unit = length**2 / base
+    stages = steps.s[:-1, None] + np.diff(steps.s)[:, None] * ABSCISSAE
+    extension = rod.extension
+    return Problem(
+        steps=steps,
+        stretch=np.ones(stages.shape) if extension is None else extension.at(stages * length),
+        eccentricity=0.0 if extension is None else extension.eccentricity / length,
+        alpha=np.where(steps.first, law.alpha1 / base, 1.0),
+        m0=np.where(steps.first, law.m01, law.m02) * (length / base),
+        fade=rod.fade * length / base,
+        theta0=rod.theta0,
+        free=np.array([True, loads.end[0] is not None, loads.end[1] is not None]),
+        force=np.array(loads.force) * unit,
+        weight=np.array(loads.weight) * (unit * length),
+        moment=loads.moment * length / base,
+        place=np.array(place),
+        together=loads.together,
+    )
+
+
+def _solution(rod: Rod, problem: Problem, point: Point, count: int) -> RodSolution:
+    """The dimensionless point in mm and N."""
+    law, steps, length = rod.law, problem.steps, rod.length
+    moment = point.states[:, 1] * (law.alpha2 / length)
+    share = np.full(len(moment), 1.0 if count else 0.0)
+    if rod.fade > 0.0:
+        share *= np.minimum(1.0, np.abs(moment) / rod.fade)
+    first = np.append(steps.first, False)
+    kappa_0 = np.append(steps.kappa_0[:, 0], steps.kappa_0[-1, 1]) / length
+    deviation = (moment - share * np.where(first, law.m01, law.m02)) / np.where(first, law.alpha1, law.alpha2)
+    arrays = {
+        "s": steps.s * length,
+        "x": rod.start[0] + length * point.states[:, 2],
+        "y": rod.start[1] + length * point.states[:, 3],
+        "theta": point.states[:, 0].copy(),
+        "kappa": kappa_0 + deviation,
+        "moment": moment,
+        "stretch": _stretch(rod, steps.s * length, deviation),
+        "force": np.where(problem.free[1:], point.unknowns[1:], problem.force) * (law.alpha2 / length**2),
+    }
+    for array in arrays.values():
+        array.setflags(write=False)
+    return RodSolution(**arrays, load_steps=count)
+
+
+def _stretch(rod: Rod, s: Array, deviation: Array) -> Array:
+    """(n,) lambda at s (mm) for Delta (1/mm)."""
+    if rod.extension is None:
+        return np.ones(len(s))
+    return rod.extension.at(s) + rod.extension.eccentricity * deviation
