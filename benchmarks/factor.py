@@ -6,8 +6,6 @@ Experiment II of design (a) straight to 17 kPa without contact; every tangent of
 each way, to a residual of 1e-9 of the right-hand side, which Newton needs no better. Processor seconds, one thread.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 from pathlib import Path

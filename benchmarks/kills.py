@@ -8,8 +8,6 @@ random in each part, so that mesh, experiments, identification, pictures and rep
 has to end well and to leave the results of the undisturbed run: equal to the last bit, seconds apart.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import os
@@ -71,7 +69,7 @@ class Running:
     log: Path
 
     @classmethod
-    def start(cls, config: Path, out: Path) -> Running:
+    def start(cls, config: Path, out: Path) -> "Running":
         out.mkdir(exist_ok=True)
         log = out.with_suffix(".log")
         command = [sys.executable, "-m", "pipeline", "run", str(config), "--out", str(out), "--jobs", "2"]

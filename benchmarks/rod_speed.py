@@ -6,8 +6,6 @@ All three hold the same arm: design (a) at about 31 kPa, five numbers, a dead en
 until the arm hardly moves; it is not made for statics, and the figure only says what one would pay for using it so.
 """
 
-from __future__ import annotations
-
 import sys
 import tempfile
 import time

@@ -7,8 +7,6 @@ own, so that its peak memory is its own. Seconds are processor seconds of one th
 single precision whatever memory there is.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import resource

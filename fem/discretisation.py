@@ -6,13 +6,10 @@ from functools import cached_property
 
 import numpy as np
 import skfem
-from numpy.typing import NDArray
 
 from fem.kernels.element import chunk_colours
 from geometry import Mesh
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 #: the elements: linear with "p1", quadratic with the others
 FORMULATIONS = ("p2p0", "p2", "mixed", "p1")

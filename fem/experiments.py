@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.effects.effect import Effect, LineForce
 from fem.materials.material import Material
@@ -14,8 +13,7 @@ from fem.model import Model
 from fem.solution import Step
 from fem.supports import Fixed, Line, Prescribed, Support, nodes_at
 from geometry import Body, Centreline
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 NAMES = ("I", "II", "III", "dead")
 

@@ -4,14 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.effects.effect import enclosed_volume
 from fem.equations.system import Change
 from fem.supports import Where, nodes_at
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 @dataclass(frozen=True)

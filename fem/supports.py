@@ -5,12 +5,10 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fem.discretisation import Discretisation
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array, Index, Mask
 
 COMPONENTS = "xyz"
 
@@ -80,7 +78,7 @@ Support = Fixed | Prescribed
 class Constraints:
     """All supports of a model, resolved to nodes."""
 
-    fixed: NDArray[np.bool_]  #: (n, 3) components that are prescribed
+    fixed: Mask  #: (n, 3) components that are prescribed
     ramped: Array  #: (n, 3) prescribed values that grow with the load factor, mm
     constant: Array  #: (n, 3) prescribed values that are whole from the first step, mm
 
@@ -105,7 +103,7 @@ class Constraints:
         return cls(fixed, ramped, constant)
 
 
-def nodes_at(where: Where, space: Discretisation) -> NDArray[np.int64]:
+def nodes_at(where: Where, space: Discretisation) -> Index:
     """Node numbers (k,) of a face, of the common edge of two faces, at given positions (n, 3), or along a line.
 
     Raises `SupportError` where there is none, and ValueError for a face that does not exist.

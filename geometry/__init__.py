@@ -11,10 +11,10 @@ from geometry.families.semicircular_single import SemicircularSingle
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, MeshError, Quality
 
+#: The designs by the name that a config gives them.
 FAMILIES: dict[str, type[Design]] = {
     design.family: design for design in (PneuNet, Semicircular, SemicircularSingle, BisectedCircle)
 }
-"""The designs by the name that a config gives them."""
 
 __all__ = [
     "FAMILIES",

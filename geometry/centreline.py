@@ -1,7 +1,5 @@
 """The material curve of a body, as both the finite elements and the rod speak of it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

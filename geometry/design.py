@@ -1,7 +1,5 @@
 """Designs: dimensions that are checked on birth, and the meshed body they give."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
@@ -15,17 +13,17 @@ from geometry.grading import OFF, Grading
 from geometry.mesh import Mesh, MeshError
 from geometry.topology import Array
 
+#: A mesh with more elements than this does not fit the memory of the machines this program is written for.
 MOST_TETS = 3_000_000
-"""A mesh with more elements than this does not fit the memory of the machines this program is written for."""
+#: Volume of a regular tetrahedron over the cube of its edge.
 REGULAR_TET = 1 / (6 * 2**0.5)
-"""Volume of a regular tetrahedron over the cube of its edge."""
+#: Tetrahedra that walls thinner than the elements cost, over half the surface of the box around the body in squares of
+#: the element size: 10 to 38 in bodies of all four families with elements of 2.5 to 8 mm.
 TETS_PER_SQUARE = 15.0
-"""Tetrahedra that walls thinner than the elements cost, over half the surface of the box around the body in squares of
-the element size: 10 to 38 in bodies of all four families with elements of 2.5 to 8 mm."""
+#: Dimensions in mm between which Gmsh is known to draw these bodies: a micrometre and a kilometre.
 SHORTEST, LONGEST = 1e-3, 1e6
-"""Dimensions in mm between which Gmsh is known to draw these bodies: a micrometre and a kilometre."""
+#: A chamber has 140 elements at least (measured), so twice as many cannot be meshed with elements of any size.
 MOST_CHAMBERS = 10_000
-"""A chamber has 140 elements at least (measured), so twice as many cannot be meshed with elements of any size."""
 
 
 class DesignError(ValueError):
@@ -85,7 +83,7 @@ class Body:
         found.setflags(write=False)
         return found
 
-    def full(self) -> Body:
+    def full(self) -> "Body":
         """The whole body, mirrored at z = 0 (itself when it is whole already)."""
         if not self.half:
             return self

@@ -5,8 +5,6 @@ Works in the Gmsh session of `geometry.meshing.solid` on what is meshed: a half 
 repeated.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
@@ -18,16 +16,16 @@ from geometry.topology import Array
 #: whether a point (3,) lies in the material
 Inside: TypeAlias = Callable[[Array], bool]
 
+#: Places around an edge at which it is asked whether there is material.
 AROUND = 8
-"""Places around an edge at which it is asked whether there is material."""
+#: Their distance from the edge, and that of places just under a face, over the length of what is meshed.
 NEAR = 1e-3
-"""Their distance from the edge, and that of places just under a face, over the length of what is meshed."""
+#: How deep the far side of a wall is looked for, over the smallest side of what is meshed, and in how many steps.
 DEEPEST, STEPS = 0.25, 40
-"""How deep the far side of a wall is looked for, over the smallest side of what is meshed, and in how many steps."""
+#: Walls up to so many times as thick as the thinnest one are thin.
 THIN = 1.6
-"""Walls up to so many times as thick as the thinnest one are thin."""
+#: Into how many pieces Gmsh divides a curve, or the side of a face, to measure the distance from it.
 PIECES = 40
-"""Into how many pieces Gmsh divides a curve, or the side of a face, to measure the distance from it."""
 
 
 @dataclass(frozen=True)
@@ -41,12 +39,12 @@ class Grading:
 
 OFF = Grading()
 
+#: The gradings by the name that a config gives them.
 GRADINGS: dict[str, Grading] = {
     "off": OFF,
     "edges": Grading("edges", share=0.5, growth=0.5),
     "walls": Grading("walls", share=0.6),
 }
-"""The gradings by the name that a config gives them."""
 
 
 def grade(gmsh: Any, size: float, grading: Grading, half: bool = True, piece: bool = True) -> None:

@@ -1,7 +1,5 @@
 """Whether a mesh is one body with a proper surface."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from geometry.mesh import Mesh, MeshError

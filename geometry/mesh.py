@@ -1,7 +1,5 @@
 """A mesh: points, tetrahedra and named boundary triangles, as one frozen value; and its files (the door to meshio)."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 from collections.abc import Iterable, Mapping
@@ -71,7 +69,7 @@ class Mesh:
         return self.boundary[row]
 
     @classmethod
-    def read(cls, path: str | Path) -> Mesh:
+    def read(cls, path: str | Path) -> "Mesh":
         """Read a mesh file whose physical groups of triangles name the faces (Gmsh .msh; lengths in mm).
 
         Raises `MeshError` when the file is missing or unreadable, or has no tetrahedra or no named faces.
@@ -151,7 +149,7 @@ class Mesh:
         """Shape of the elements."""
         return measure_quality(self.points, self.tets)
 
-    def mirrored(self) -> Mesh:
+    def mirrored(self) -> "Mesh":
         """The whole body from its half z >= 0: mirrored at z = 0, the face `sym` gone, the other faces completed.
 
         Vertices on `sym` are shared by both halves; the first half keeps its numbering. Raises `MeshError` when there

@@ -1,7 +1,5 @@
 """How well tetrahedra are shaped."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

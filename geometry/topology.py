@@ -1,7 +1,5 @@
 """Vertices, edges and faces of tetrahedra as arrays of vertex indices."""
 
-from __future__ import annotations
-
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -9,10 +7,10 @@ from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[Any]
 
+#: Local vertices of the four faces of a positively oriented tetrahedron, each with its normal pointing out of it.
 OUTWARD = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
-"""Local vertices of the four faces of a positively oriented tetrahedron, each with its normal pointing out of it."""
+#: Local vertices of the six edges of a tetrahedron.
 EDGES = np.array([[0, 1], [1, 2], [0, 2], [0, 3], [1, 3], [2, 3]])
-"""Local vertices of the six edges of a tetrahedron."""
 
 
 def find_rows(wanted: Array, rows: Array, count: int) -> Array:

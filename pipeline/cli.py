@@ -21,8 +21,6 @@ from pipeline.errors import InputError, RunFailed
 if TYPE_CHECKING:
     from geometry import Body, Design
 
-__all__ = ["app", "main"]
-
 app = typer.Typer(
     help="From the drawing of a pneumatic soft actuator to a rod model that can be trusted.",
     no_args_is_help=True,

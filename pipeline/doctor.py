@@ -14,8 +14,6 @@ from pathlib import Path
 
 from pipeline.store.provenance import installed, pinned
 
-__all__ = ["Finding", "examine", "remedy", "system_packages"]
-
 
 @dataclass(frozen=True)
 class Finding:

@@ -14,8 +14,6 @@ from pipeline.simulation.scene import GAP, is_on, meshed_body
 from pipeline.simulation.simulate import Outcome, simulate
 from pipeline.store.store import Store, open_store
 
-__all__ = ["BASE", "COLUMNS", "about_contact", "compare_effects", "variants"]
-
 BASE = "as configured"
 #: key of a row -> how its column is called
 COLUMNS = {

@@ -3,10 +3,8 @@
 import reprlib
 from typing import Any, final
 
-__all__ = ["InputError", "RunFailed", "quoted", "shortened"]
-
+#: Characters of a user's value that a sentence repeats.
 LONGEST = 60
-"""Characters of a user's value that a sentence repeats."""
 
 
 class _Sentence(Exception):

@@ -17,8 +17,6 @@ from numpy.typing import NDArray
 
 from pipeline.store.atomic_file import write_whole
 
-__all__ = ["Colour", "draw_body", "draw_deformed", "write_fields", "write_series"]
-
 Array = NDArray[Any]
 
 _WIDTH, _TALLEST = 1400, 900  # pixels of the body in a picture

@@ -7,10 +7,8 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["SPAWN", "side_by_side"]
-
+#: Workers begin afresh: the libraries they load read the number of threads then.
 SPAWN = multiprocessing.get_context("spawn")
-"""Workers begin afresh: the libraries they load read the number of threads then."""
 THREADS = ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
 
 

@@ -16,8 +16,6 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
-__all__ = ["Lines", "Message", "Progress", "Silent", "Terminal", "ToQueue", "progress_for", "relayed"]
-
 
 class Progress(Protocol):
     """Listens to a run. Pressures in kPa, residuals relative, seconds of wall time."""

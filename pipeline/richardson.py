@@ -18,18 +18,14 @@ factor of safety see W. L. Oberkampf and C. J. Roy, Verification and Validation 
 chapter 8.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from rod.law import RodError
-
-Array = NDArray[np.float64]
 
 #: orders that are assumed where two sizes say nothing about them
 ASSUMED = (1.0, 2.0)

@@ -26,8 +26,6 @@ from pipeline.store.store import Store, open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.validation.validate import validate
 
-__all__ = ["run"]
-
 
 def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> None:
     """From a config to `out`/report.html.

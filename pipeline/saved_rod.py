@@ -23,9 +23,6 @@ from rod import (
     export,
 )
 
-__all__ = ["Chosen", "equilibrium", "exported", "read_rod", "rod_at", "shape_table"]
-
-
 _LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
 
 

@@ -12,8 +12,6 @@ from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit, Refused
 from pipeline.material.sentences import with_error
 
-__all__ = ["comparison", "costs", "laws", "sentences"]
-
 Row = Mapping[str, Any]
 
 

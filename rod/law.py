@@ -15,15 +15,13 @@ so it follows the plain lines. A finite `fade` (N mm) makes the law continuous f
 `tests/test_rod_equilibrium.py` shows that the loaded shapes do not depend on it.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 class RodError(ValueError):

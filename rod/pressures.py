@@ -1,21 +1,18 @@
 """The five numbers over pressure: slopes, where they are straight, and the rod at a pressure between (paper, 4.1)."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from rod.curves.extension import Extension
 from rod.identification.moment_range import SampledMoments
 from rod.law import FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
 
-Array = NDArray[np.float64]
 #: by name: values and standard deviations, one of each per pressure
 Quantities = Mapping[str, tuple[Sequence[float], Sequence[float]]]
 
@@ -74,7 +71,7 @@ class LinearRange:
         return all(line.tested for line in self.lines.values())
 
     @staticmethod
-    def over(pressures: Sequence[float], quantities: Quantities) -> LinearRange:
+    def over(pressures: Sequence[float], quantities: Quantities) -> "LinearRange":
         """The lines over all pressures (kPa), straight or not. Raises `RodError` below two pressures."""
         lines = {name: straightness(pressures, values, stds) for name, (values, stds) in quantities.items()}
         return LinearRange(pressures[0], pressures[-1], lines)

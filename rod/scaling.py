@@ -13,8 +13,6 @@ kappa_0(p) bends. The soft zone at the clamp is a matter of the first cells, so 
 stay in N mm.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from rod.law import FiveParameters, RodError

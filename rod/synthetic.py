@@ -5,18 +5,13 @@ An arm like design (a): a curvature that wiggles within each cell, in the rest s
 nodes as a mesh spaces them, and measured positions with white noise.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Centreline
 from rod.law import FiveParameters
 from rod.mechanics.equilibrium import Rod
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

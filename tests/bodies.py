@@ -5,13 +5,12 @@ from itertools import permutations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.discretisation import FORMULATIONS
 from geometry import Mesh
+from geometry.arrays import Array, Mask
 
-Array = NDArray[np.float64]
-Grid = NDArray[np.bool_]
+Grid = Mask
 
 #: those with quadratic displacements, which bend on coarse meshes
 QUADRATIC = tuple(name for name in FORMULATIONS if name != "p1")

@@ -10,7 +10,7 @@ import yaml
 from hypothesis import strategies as st
 
 from geometry import FAMILIES, GRADINGS
-from pipeline.config.config import EFFECTS, FORMULATIONS, LAWS
+from pipeline.config.schema import EFFECTS, FORMULATIONS, LAWS
 
 #: a drawing and a mesh that stand beside the configuration, and files that are not what their names say
 SOUND_FILES = ("finger.step", "ready.msh")

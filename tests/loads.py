@@ -6,13 +6,11 @@ from typing import final
 
 import numpy as np
 import skfem
-from numpy.typing import NDArray
 
 from fem import Effect, Material
 from fem.discretisation import Discretisation
 from fem.effects.effect import DeadForceTerm, Term
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 #: maps positions (..., 3) at rest in mm to forces (..., 3) per volume or area
 Density = Callable[[Array], Array]

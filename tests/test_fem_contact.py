@@ -10,7 +10,6 @@ import ipctk
 import numpy as np
 import pytest
 from bodies import bricks, fork, named, on_plane
-from numpy.typing import NDArray
 
 from fem import (
     Effect,
@@ -33,8 +32,7 @@ from fem.effects.effect import Term
 from fem.materials.material import Material
 from fem.path.newton import NEAR
 from geometry import Body
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.495)
 GAP = 2.0

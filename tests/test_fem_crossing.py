@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 from bodies import box, fork, hollow_box
-from numpy.typing import NDArray
 
 from fem import crossing
 from fem.discretisation import Discretisation
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 LENGTH = 24.0
 

@@ -5,7 +5,6 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from bodies import box, bricks, difference, fork, hollow_box, named
-from numpy.typing import NDArray
 
 from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StVenantKirchhoff
 from fem.discretisation import Discretisation
@@ -14,8 +13,7 @@ from fem.effects.contact import BarrierTerm
 from fem.effects.effect import Blocks, Term
 from fem.effects.facing_pairs import FacingPairs
 from geometry import Mesh
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.4)
 GAP = 0.4

@@ -7,7 +7,6 @@ prototype, which agree to eight digits.
 import numpy as np
 import pytest
 from bodies import hollow_box, reference_arm
-from numpy.typing import NDArray
 
 from fem import (
     Experiment,
@@ -24,8 +23,6 @@ from fem import (
 )
 from fem.equations.linear import SuperLU
 from geometry import Body, PneuNet
-
-Array = NDArray[np.float64]
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.495)
 

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import skfem
 from bodies import box, difference, hollow_box
-from numpy.typing import NDArray
 from skfem.helpers import ddot, det, grad, identity, inv, mul, trace, transpose
 
 from fem import Fixed, Model, StVenantKirchhoff
@@ -19,8 +18,7 @@ from fem.equations.system import System
 from fem.kernels import element as kernels
 from fem.kernels import tangent as tangent_kernels
 from geometry import Mesh, PneuNet
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.4)
 LAMBDA, MU = LAW.lame

@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 from bodies import QUADRATIC, difference
-from numpy.typing import NDArray
 
 import fem
 from fem.discretisation import FORMULATIONS, Discretisation
 from fem.effects.membrane import LayerError, LayerTerm, StrainLimitingLayer
 from geometry import Mesh
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 LENGTH, HEIGHT, WIDTH = 20.0, 1.0, 2.0
 SOFT, STIFF, THICKNESS = 1.2, 600.0, 0.01

@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from bodies import hollow_box
-from numpy.typing import NDArray
 
 from fem import Fixed, Model, NewtonOptions, PathOptions, Pressure, StVenantKirchhoff, follow
 from fem.equations.linear import LinearSolver, Pardiso, SingularMatrix, SuperLU, available_solver
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 WITH_PARDISO = pytest.mark.skipif(available_solver() is not Pardiso, reason="no PARDISO here")
 

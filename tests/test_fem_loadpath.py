@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import box
-from numpy.typing import NDArray
 
 import fem.path.newton
 from fem import (
@@ -28,8 +27,6 @@ from fem import (
 from fem.path.newton import StepFailed
 from fem.path.predictor import Predictor, Start, predicted
 from geometry import Body, PneuNet
-
-Array = NDArray[np.float64]
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.495)
 

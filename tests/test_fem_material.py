@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from bodies import box, difference
 from laws import LAWS
-from numpy.typing import NDArray
 
 from fem import (
     Fixed,
@@ -23,8 +22,7 @@ from fem import (
 from fem.materials.hencky import divided_difference
 from fem.materials.rubber import stable_range
 from fem.materials.tensors import COLUMN, ROW, CauchyGreen, voigt
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 PARTS = [(name, part) for name in LAWS for part in ("shear", "volumetric")]
 

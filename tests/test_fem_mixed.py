@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import box, difference, hollow_box
-from numpy.typing import NDArray
 from test_fem_kernels import dense, noise
 
 from fem import (
@@ -24,8 +23,7 @@ from fem import (
 )
 from fem.equations.linear import Pardiso, SuperLU
 from fem.equations.system import State, System
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 LAWS = [
     StVenantKirchhoff(1.2, 0.495),

@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 from bodies import box
-from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.equations.pattern import NoPlace, Pattern, element_keys
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array, Mask
 
 
 def random_pairs(nodes: int, count: int, seed: int) -> tuple[Array, Array]:
@@ -17,7 +15,7 @@ def random_pairs(nodes: int, count: int, seed: int) -> tuple[Array, Array]:
     return pairs[:, 0], pairs[:, 1]
 
 
-def held_components(nodes: int, share: float, seed: int) -> NDArray[np.bool_]:
+def held_components(nodes: int, share: float, seed: int) -> Mask:
     return np.random.default_rng(seed).random((nodes, 3)) < share
 
 

@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 from bodies import box, bricks, fork, hollow_box, named, on_plane
-from numpy.typing import NDArray
 
 from fem import Fixed, Model, NeoHooke, Prescribed, Pressure, StVenantKirchhoff, follow, stress_error
 from fem.discretisation import FORMULATIONS, Discretisation
 from fem.post.recovery import recovered
 from geometry import Mesh
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.495)
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from bodies import difference, fork, hollow_box
 from laws import LAWS
-from numpy.typing import NDArray
 
 from fem import (
     Fixed,
@@ -24,8 +23,7 @@ from fem.discretisation import FORMULATIONS
 from fem.equations.linear import SuperLU
 from fem.equations.system import System
 from geometry import Mesh
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 def layer(mesh: Mesh) -> StrainLimitingLayer:

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from bodies import difference
-from numpy.typing import NDArray
 
 from fem import (
     Hencky,
@@ -15,8 +14,7 @@ from fem import (
     uniaxial,
     uniaxial_terms,
 )
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 LAWS: dict[str, Material] = {
     "svk": StVenantKirchhoff(E=1.2, nu=0.495),

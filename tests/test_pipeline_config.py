@@ -10,7 +10,8 @@ import pytest
 import fem
 import fem.discretisation
 from geometry import FAMILIES, PneuNet
-from pipeline.config.config import EFFECTS, FORMULATIONS, LAWS, Config, Validation, load_config
+from pipeline.config.config import Config, Validation, load_config
+from pipeline.config.schema import EFFECTS, FORMULATIONS, LAWS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
 

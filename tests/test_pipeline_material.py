@@ -6,13 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from specimens import CONSTANTS, NOISE, SEED, drawn, example
 from typer.testing import CliRunner, Result
 
 import fem
+from geometry.arrays import Array
 from pipeline.cli import app
-from pipeline.config.config import LAWS, load_config
+from pipeline.config.config import load_config
+from pipeline.config.schema import LAWS
 from pipeline.errors import InputError
 from pipeline.material.fits import ALL, WIDEST, Asked, Fits, fitted
 from pipeline.material.law_fit import LawFit, Refused, fit_all, fit_widest
@@ -21,8 +22,6 @@ from pipeline.material.moduli import PAPER, choice, moduli
 from pipeline.material.regression import TooFewPoints, regress
 from pipeline.material.sentences import block, sentences, with_error
 from pipeline.material.tensile import TensileTest
-
-Array = NDArray[np.float64]
 
 SHARE = 0.1
 

@@ -1,7 +1,5 @@
 """Simpler and richer laws, by what they say of loads they have not seen."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Are the intervals true? Arms with known numbers, noise and cell wiggle drawn anew (table: docs/identification.md)."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """How far the end moves is what the changes of curvature add up to."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline

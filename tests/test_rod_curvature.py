@@ -1,7 +1,5 @@
 """Curvature of a material curve: cell averages and Gaussian process (paper, equation (6))."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -3,8 +3,6 @@
 Known answers: design notes, "The rod"; those of the elastica are K. E. Bisshopp and D. C. Drucker (1945).
 """
 
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import math

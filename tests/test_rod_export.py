@@ -1,7 +1,5 @@
 """The five numbers in the files of other codes: loaded, settled under a dead force, compared with our rod."""
 
-from __future__ import annotations
-
 import importlib.util
 import json
 

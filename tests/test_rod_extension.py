@@ -1,7 +1,5 @@
 """The rod whose curve stretches: against a boundary-value solver, and its number read back."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The rod that comes closest to a loaded shape and its force."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

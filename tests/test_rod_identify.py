@@ -1,7 +1,5 @@
 """Five numbers from two curves and a force: what a rod with known numbers must give back."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

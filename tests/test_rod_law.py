@@ -1,7 +1,5 @@
 """The five-parameter law: paper, equations (4) and (8)."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One line for the whole rod: what bends at held ends, and how finely a curve is sampled, must not matter to it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Numbers over pressure and over length: paper, section 4.1, equations (9) and (10)."""
 
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The rod says when a load leaves the moments that its numbers were identified from."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

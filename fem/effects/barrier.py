@@ -15,13 +15,10 @@ from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.effects.effect import Blocks, Term
 from fem.effects.facing_pairs import FacingPairs, LocalPairs
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array
 
 #: part of the barrier's width that lies behind the wall: without it walls rest at nine tenths of the width; with 0.75
 #: they cross on the coarse arm (a), test III, 37 kPa, and a firmer contact must help (`fem.effects.contact.STIFFNESS`)

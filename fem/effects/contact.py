@@ -12,16 +12,13 @@ from functools import cache
 from typing import Any, final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation, Faces
 from fem.effects.barrier import BEHIND, FacingTerm
 from fem.effects.effect import Blocks, Effect, Term
 from fem.effects.facing_pairs import FacingPairs
 from fem.materials.material import Material
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 #: stiffness of the barrier over Young's modulus, for which 3 mu stands (near incompressibility), where a part of it
 #: lies behind the wall, and where none does. With dhat = 0.04 mm, before contact woke early, on the coarse arm (a):

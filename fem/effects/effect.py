@@ -9,15 +9,12 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation, Faces
 from fem.kernels import surface as surface_kernels
 from fem.materials.material import Material
 from fem.supports import Line, nodes_at
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index, Mask
 
 
 @dataclass(frozen=True)
@@ -159,7 +156,7 @@ class PressureTerm(Acting):
     value: float
     rows: Index  #: (m f,), of the m = 21 or 6 pairs of nodes of each face
     columns: Index  #: (m f,)
-    swapped: NDArray[np.bool_]  #: (m f,) pairs whose first node has the larger number
+    swapped: Mask  #: (m f,) pairs whose first node has the larger number
     held: float | None  #: share of the value reached so far; None where it grows with the load factor
 
     def energy(self, x: Array, factor: float) -> float:

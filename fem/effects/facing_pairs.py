@@ -3,13 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fem.discretisation import Faces
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 #: difference of two distances, over the size of a triangle, that is rounding
 EQUALLY_NEAR = 1e-6

@@ -11,15 +11,12 @@ from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.effects.effect import Acting, Blocks, Effect, Term
 from fem.kernels import membrane as layer_kernels
 from fem.materials.material import Material, check_moduli
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 #: Barycentric coordinates (q, 3) of the stress points of a triangle, all of equal weight. One point, for the reason
 #: that gives the volumetric part of the solid one: three strains at three points are more conditions than a triangle

@@ -18,16 +18,13 @@ from typing import final
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU, splu
 
 from fem.discretisation import Discretisation
 from fem.equations.pattern import Pattern
 from fem.kernels import mixed as mixed_kernels
 from fem.materials.material import Material, MaterialError, Response
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 #: where the columns of each element's pressures begin in the rows of its nodes, (e, 4 or 10, 0 or 4), and where the
 #: pairs of pressures stand, (m,)

@@ -16,7 +16,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, gmres, splu
 
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 class SingularMatrix(ArithmeticError):

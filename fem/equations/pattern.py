@@ -6,9 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.kernels import element as kernels
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index, Mask
 
 
 class NoPlace(ValueError):
@@ -31,7 +29,7 @@ class Pattern:
     indices: NDArray[np.int32]  #: (nnz,)
 
     @classmethod
-    def of(cls, fixed: NDArray[np.bool_], keys: Index) -> "Pattern":
+    def of(cls, fixed: Mask, keys: Index) -> "Pattern":
         """Pattern for the prescribed components fixed (n, 3) and the sorted unique node-pair keys."""
         n = fixed.shape[0]
         node_dof = np.full((n, 3), -1, dtype=np.int64)

@@ -8,7 +8,6 @@ from time import perf_counter
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.effects.effect import Blocks, Term
@@ -19,9 +18,7 @@ from fem.kernels import element as kernels
 from fem.kernels import tangent as tangent_kernels
 from fem.materials.material import Material
 from fem.supports import Constraints
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 Terms = tuple[Term, ...]
 

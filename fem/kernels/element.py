@@ -13,10 +13,8 @@ are processed in parallel, always with the same sums. `chunks` (k + 1,) says whe
 import numba
 import numpy as np
 from numba import njit, prange
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 # numba's OpenMP layer brings libgomp beside the Intel OpenMP of PARDISO: with both in one process the first
 # factorization of a matrix came out wrong (measured: thousands of negative pivots, not a number in the solution); its

@@ -6,10 +6,8 @@ Array axes: ``f`` triangle, ``q`` stress point, ``a``/``b`` node of the triangle
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 PLANE = np.array([[0, 0], [1, 1], [0, 1]])
 

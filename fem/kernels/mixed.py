@@ -2,12 +2,9 @@
 
 import numpy as np
 from numba import njit, prange
-from numpy.typing import NDArray
 
 from fem.kernels.element import at_nodes, deformation_gradient, gradients, place, symmetric
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 
 @njit(cache=True, parallel=True)

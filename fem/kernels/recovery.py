@@ -5,10 +5,8 @@
 
 import numpy as np
 from numba import njit, prange
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 #: terms of a quadratic polynomial: 1, x, y, z, x^2, y^2, z^2, xy, yz, xz
 TERMS = 10

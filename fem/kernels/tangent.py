@@ -6,12 +6,9 @@ so that the inner loops run over nodes and can be vectorised by the compiler.
 
 import numpy as np
 from numba import njit, prange
-from numpy.typing import NDArray
 
 from fem.kernels.element import FAST, at_nodes, deformation_gradient, gradients, place
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 
 @njit(cache=True)

@@ -4,12 +4,10 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.materials.material import Dilatation, Response, TwoModuli, quadratic
 from fem.materials.tensors import FLAT, CauchyGreen, voigt
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 #: eigenvalues of C closer than this are treated as one in divided differences (error 1e-13 there)
 CLOSE = 1e-3

@@ -10,12 +10,10 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.materials.material import Dilatation, Material, MaterialError, Response, quadratic
 from fem.materials.tensors import IDENTITY, SYMMETRIC, CauchyGreen, outer, scaled, voigt
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 class IsochoricLaw(Material):

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 ROW = np.array([0, 1, 2, 0, 1, 0])
 COLUMN = np.array([0, 1, 2, 1, 2, 2])

@@ -12,16 +12,12 @@ incompressible bar (R. S. Rivlin, D. W. Saunders, Phil. Trans. R. Soc. A 243 (19
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
 from fem.materials.hencky import Hencky
 from fem.materials.material import Material, StVenantKirchhoff
 from fem.materials.rubber import IsochoricLaw, MooneyRivlin, NeoHooke, Yeoh
-
-__all__ = ["Uniaxial", "uniaxial", "uniaxial_terms"]
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 @dataclass(frozen=True)

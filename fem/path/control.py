@@ -11,14 +11,12 @@ from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.discretisation import Faces
 from fem.effects.effect import enclosed_volume, volume_gradient
 from fem.equations.linear import SingularMatrix
 from fem.equations.system import Assembly, Change, State, System, Terms
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,6 @@ from time import perf_counter
 from typing import final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.equations.linear import LinearSolver
 from fem.equations.system import State, System, Terms
@@ -18,8 +17,7 @@ from fem.path.newton import Converged, NewtonOptions, StepFailed
 from fem.path.predictor import Place, Predictor
 from fem.post.extremes import extremes_of, in_words
 from fem.solution import End, NotConverged, Seconds, Solution, Step
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 @dataclass(frozen=True)

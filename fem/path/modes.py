@@ -4,11 +4,9 @@ taken most of the elastic stiffness; and the motions that belong to them."""
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.equations.system import State, System, Terms
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 ITERATIONS = 30
 #: iterations for the share of the elastic stiffness: nearly all motions keep all of it, so that standing still is no

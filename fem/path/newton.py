@@ -18,14 +18,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.effects.effect import Term
 from fem.equations.linear import SingularMatrix
 from fem.equations.system import Assembly, State, System
 from fem.path.control import Control
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 #: relative residual below which a state shows which walls meet. Factorizations of I, II and III on the coarse arm (a)
 #: at 17 and 37 kPa: 51, and 54 where equilibrium without contact is found first

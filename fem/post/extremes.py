@@ -7,8 +7,8 @@ from fem.discretisation import Discretisation
 from fem.kernels import element as kernels
 from fem.materials.material import Material
 from fem.solution import Extremes
+from geometry.arrays import Array
 
-Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 

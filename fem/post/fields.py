@@ -1,15 +1,13 @@
 """What a state looks like per element: stretch, J and Cauchy stress, for pictures."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.equations.formulation import formulation_of
 from fem.kernels.element import VOIGT
 from fem.materials.material import Material
 from fem.post.extremes import principal_stretches, strain_at_stress_points
 from fem.solution import Step
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 def element_fields(step: Step, material: Material) -> dict[str, Array]:

@@ -15,16 +15,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.kernels import recovery as recovery_kernels
 from fem.materials.material import Material
 from fem.post.extremes import strain_at_stress_points
 from fem.solution import Step
-
-Array = NDArray[np.float64]
-Index = NDArray[np.int64]
+from geometry.arrays import Array, Index
 
 #: stress points of a patch over the terms of its polynomial, below which the elements around are taken in
 LEAST = 2

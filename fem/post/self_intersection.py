@@ -1,14 +1,12 @@
 """Whether a state passes through itself where no contact was looked for: a curled arm that meets its own clamp."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fem.discretisation import Discretisation
 from fem.effects.contact import triangles_cross
 from fem.post.extremes import in_words
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 #: edges of the surface within which a node of each lies where two triangles cross
 REACH = 1.1

@@ -1,7 +1,5 @@
 """Design (d): a round bar with two D-shaped cavities, parted by a flat wall across its middle."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import acos, pi, sqrt
 from typing import ClassVar, final

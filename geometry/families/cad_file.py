@@ -1,7 +1,5 @@
 """A user's own body, drawn with a CAD program and saved as STEP or BREP."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property

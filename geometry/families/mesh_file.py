@@ -1,7 +1,5 @@
 """A user's own body as a ready mesh with named faces."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256

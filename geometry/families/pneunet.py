@@ -1,7 +1,5 @@
 """Design (a): gapped chambers on a strip, the "fast" pneu-net."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import ClassVar, final
 

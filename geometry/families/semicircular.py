@@ -1,7 +1,5 @@
 """Design (b): a half disc on a base plate, with chambers parted by solid partitions and a smooth outside."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import hypot, pi
 from typing import ClassVar, final

@@ -1,7 +1,5 @@
 """Design (c): a half disc on a base plate, with one cavity along its whole length."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 from typing import ClassVar, final

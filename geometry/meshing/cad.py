@@ -4,8 +4,6 @@ The body is drawn in its frame: x along the length, y up, z across. The air is w
 the piece of it around the outside touches the box, every other piece is a cavity and must be named by a point in it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -23,11 +21,11 @@ from geometry.meshing.solid import SolidMesh, Volume, collected, mend, session, 
 Point: TypeAlias = tuple[float, float, float]
 
 SUFFIXES = (".step", ".stp", ".brep", ".brp")
+#: A soft actuator shorter or longer than this (mm) is taken for a file in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
-"""A soft actuator shorter or longer than this (mm) is taken for a file in another unit."""
 
+#: A tetrahedron whose radius ratio is less than this is mended.
 FLAT = 0.05
-"""A tetrahedron whose radius ratio is less than this is mended."""
 
 
 @dataclass(frozen=True)

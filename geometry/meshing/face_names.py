@@ -1,7 +1,5 @@
 """Every boundary triangle of a body under exactly one name."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A body from one end piece and one half cell, repeated as mirror images so that equal cells have equal meshes."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Solids described as data and meshed by Gmsh; this module is the only door to Gmsh."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import signal
@@ -18,11 +16,11 @@ from geometry.grading import OFF, Grading, grade
 from geometry.mesh import MeshError
 from geometry.topology import Array
 
+#: No chord of a circle spans more than this angle, rad: it cuts the radius by 2 % at most.
 LARGEST_ARC = np.pi / 8
-"""No chord of a circle spans more than this angle, rad: it cuts the radius by 2 % at most."""
 
+#: A graded mesh with a tetrahedron whose radius ratio is less than this is mended.
 POOR = 0.1
-"""A graded mesh with a tetrahedron whose radius ratio is less than this is mended."""
 
 _ONE_SESSION = threading.Lock()  # Gmsh has one global state per process
 

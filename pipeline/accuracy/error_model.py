@@ -17,8 +17,6 @@ import numpy as np
 
 from pipeline.accuracy.reference import HEADLINE
 
-__all__ = ["RIGIDITY", "MeshLaw"]
-
 #: the number that its identification may leave less sure than the mesh does
 RIGIDITY = "alpha2_N_mm2"
 #: powers of the size between which the energy of the error falls: at a re-entrant edge stresses grow at most as

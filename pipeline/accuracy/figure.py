@@ -10,8 +10,6 @@ from plotly.colors import qualitative
 from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE
 from pipeline.report.figures import styled
 
-__all__ = ["html_page", "svg_picture"]
-
 Row = Mapping[str, Any]
 Record = Mapping[str, Any]
 

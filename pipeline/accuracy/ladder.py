@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass, replace
 
-from pipeline.config.config import FORMULATIONS, Config
-
-__all__ = ["CONTACT", "POINTS", "TOLERANCE", "Rung", "ladder", "mesh_choice"]
+from pipeline.config.config import Config
+from pipeline.config.schema import FORMULATIONS
 
 #: mesh sizes over that of the configuration by grading
 SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (1.5, 1.25, 1.0, 0.75, 0.5)}

@@ -22,8 +22,6 @@ from pipeline.simulation.scene import meshed_body
 from pipeline.simulation.simulate import Outcome, simulate
 from pipeline.store.store import open_store
 
-__all__ = ["measure", "measured_apart", "numbers_of"]
-
 
 def measured_apart(rungs: Sequence[Rung], jobs: int, keep: Any) -> None:
     """Measure rungs in processes of one thread and one rung each, `jobs` at a time; `keep(rung, record)` gets each as

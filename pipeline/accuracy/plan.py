@@ -26,8 +26,6 @@ from pipeline.simulation.scene import meshed_body
 from pipeline.simulation.simulate import Outcome
 from pipeline.store.store import Store
 
-__all__ = ["Afterwards", "Choice", "afterwards", "chosen"]
-
 #: elements and grading that reach an accuracy with the fewest degrees of freedom
 FORMULATION, GRADING = "mixed", "walls"
 #: sizes of the pilots over the smallest side of the body

@@ -6,11 +6,10 @@ from typing import Any
 
 from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, mesh_choice
 from pipeline.accuracy.reference import HEADLINE, NUMBERS, errors, headline, limit, pareto_front, shifted
-from pipeline.config.config import FORMULATIONS, Config
+from pipeline.config.config import Config
+from pipeline.config.schema import FORMULATIONS
 from pipeline.errors import RunFailed
 from pipeline.store.provenance import provenance
-
-__all__ = ["accuracy_record"]
 
 AXES = ("x", "y")
 

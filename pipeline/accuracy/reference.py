@@ -11,8 +11,6 @@ from typing import Any
 
 from pipeline.richardson import extrapolated
 
-__all__ = ["HEADLINE", "NUMBERS", "Reference", "errors", "headline", "limit", "pareto_front", "shifted"]
-
 #: key of a number that users take home -> how it is called
 NUMBERS = {
     "kappa_0_per_mm": "κ₀(l/2)",

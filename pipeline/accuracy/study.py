@@ -14,8 +14,6 @@ from pipeline.progress import Progress
 from pipeline.simulation.scene import GAP, contact_faces, meshed_body
 from pipeline.store.store import open_store
 
-__all__ = ["climb", "touching_distance"]
-
 
 def climb(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> dict[str, Any]:
     """Measure every rung that `out` does not hold yet; the content of `out`/accuracy.json.

@@ -6,8 +6,6 @@ from typing import Any
 from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE
 from pipeline.accuracy.reference import NUMBERS
 
-__all__ = ["COLUMNS_OF_RUNGS", "cells", "markdown", "reference_sentences"]
-
 #: stages of a rung, in the order of its column
 STAGES = ("mesh", "set_up", "assembly", "factorization", "contact", "fit")
 COLUMNS_OF_RUNGS = (

@@ -13,22 +13,7 @@ from typing import Any
 from geometry import FAMILIES, Design, DesignError, OwnMesh, OwnSolid
 from geometry.design import check_size
 from pipeline.config.document import Document, read_document
-from pipeline.config.schema import EFFECTS, FORMULATIONS, FULLY_INTEGRATED, LAWS, OWN, checked
-
-__all__ = [
-    "EFFECTS",
-    "FORMULATIONS",
-    "FULLY_INTEGRATED",
-    "LAWS",
-    "CavityPressure",
-    "Config",
-    "Layer",
-    "Material",
-    "MeshChoice",
-    "Validation",
-    "load_config",
-    "poisson_ratio",
-]
+from pipeline.config.schema import EFFECTS, FULLY_INTEGRATED, LAWS, OWN, checked
 
 #: Poisson's ratio from which the volumetric part of the law is integrated by a rule of its own
 NEARLY_INCOMPRESSIBLE = 0.4

@@ -10,8 +10,6 @@ import yaml
 
 from pipeline.errors import InputError, quoted, shortened
 
-__all__ = ["Document", "read_document"]
-
 Key = tuple[str | int, ...]
 
 

@@ -14,8 +14,6 @@ from pipeline.config.document import Document
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import quoted
 
-__all__ = ["EFFECTS", "FORMULATIONS", "FULLY_INTEGRATED", "LAWS", "OWN", "STATES", "checked"]
-
 
 def _in(dimension: Dimension) -> BeforeValidator:
     return BeforeValidator(lambda value: convert(value, dimension))
@@ -161,8 +159,8 @@ LAWS: dict[str, tuple[str, dict[str, Any]]] = {
     "mooney_rivlin": ("MooneyRivlin", {"c10": Stress, "c01": Stress, "kappa": PositiveStress}),
     "yeoh": ("Yeoh", {"c10": Stress, "c20": Stress, "c30": Stress, "kappa": PositiveStress}),
 }
+#: The family of a body that the user has drawn.
 OWN = "own"
-"""The family of a body that the user has drawn."""
 
 
 class _Section(pydantic.BaseModel):

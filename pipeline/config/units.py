@@ -11,19 +11,6 @@ import pint
 
 from pipeline.errors import quoted
 
-__all__ = [
-    "ACCELERATION",
-    "DENSITY",
-    "FORCE",
-    "LENGTH",
-    "MOMENT",
-    "PRESSURE",
-    "STRAIN",
-    "STRESS",
-    "Dimension",
-    "convert",
-]
-
 
 @dataclass(frozen=True)
 class Dimension:
@@ -44,15 +31,15 @@ STRAIN = Dimension("a strain", "dimensionless", "150 %")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
+#: The power of one unit: kg/m^3, s**-2.
 _EXPONENT = re.compile(r"(?:\^|\*\*)\s*[+-]?\d(?!\d|\s*(?:\^|\*\*))")
-"""The power of one unit: kg/m^3, s**-2."""
+#: Any other number in a unit. Pint would evaluate it, and 9**9**9**9 never ends.
 _CALCULATION = re.compile(r"(?<![\w.])\.?\d")
-"""Any other number in a unit. Pint would evaluate it, and 9**9**9**9 never ends."""
+#: What pint raises for texts that are no units.
 _NO_UNIT = (
     *(pint.PintError, ValueError, TypeError, AttributeError, AssertionError),
     *(ArithmeticError, RecursionError, MemoryError, TokenError, SyntaxError),
 )
-"""What pint raises for texts that are no units."""
 
 
 @cache

@@ -13,8 +13,6 @@ from pipeline.simulation.simulate import EXPERIMENTS, Outcome, simulate
 from pipeline.store.store import Store
 from rod import LinearRange, linear_range, next_pressure
 
-__all__ = ["covered_range", "merged", "quantities_of", "with_added_pressures"]
-
 Quantities = dict[str, tuple[list[float], list[float]]]
 
 

@@ -15,8 +15,6 @@ from pipeline.simulation.simulate import Record, simulate
 from pipeline.store.store import Store
 from rod import Identification, RodError
 
-__all__ = ["mesh_deviations", "with_mesh_error"]
-
 
 def with_mesh_error(
     config: Config, store: Store, jobs: int, progress: Progress, found: tuple[Parameters, ...]

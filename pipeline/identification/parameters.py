@@ -7,9 +7,6 @@ the cell averages, or their one line where that suffices: docs/identification.md
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-from numpy.typing import NDArray
-
 from pipeline.simulation.simulate import Outcome, Record
 from rod import (
     Closing,
@@ -38,13 +35,9 @@ from rod import (
     without_stretch,
 )
 
-__all__ = ["DEFAULT", "NAMES", "Parameters", "identify_all", "numbers_of_cells", "observed"]
-
-Array = NDArray[np.float64]
-
 NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
+#: The estimator whose numbers the rod is given.
 DEFAULT = "cell_averaged"
-"""The estimator whose numbers the rod is given."""
 
 
 @dataclass(frozen=True)

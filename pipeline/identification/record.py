@@ -10,8 +10,6 @@ from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.parameters import DEFAULT, Parameters
 from rod import Identification, Interval, LinearRange, rest_curvature
 
-__all__ = ["ESTIMATORS", "parameters_record"]
-
 ESTIMATORS = (DEFAULT, "gaussian_process", "rod_fit")
 
 _NUMBERS = {"alpha1": "N_mm2", "alpha2": "N_mm2", "m01": "N_mm", "m02": "N_mm", "d": "mm"}

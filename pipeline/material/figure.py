@@ -3,18 +3,14 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from plotly.colors import qualitative
 
 import fem
+from geometry.arrays import Array
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
 from pipeline.material.moduli import Moduli
 from pipeline.report.figures import side_by_side
-
-__all__ = ["tensile_page"]
-
-Array = NDArray[np.float64]
 
 #: largest strain of the second panel; the four arms of the paper reach stretches of 1.22 to 1.33 (docs/materials.md)
 NEAR = 0.5

@@ -14,8 +14,6 @@ from pipeline.material.mean_curve import MeanCurve
 from pipeline.material.moduli import Moduli, moduli
 from pipeline.material.tensile import TensileTest, up_to
 
-__all__ = ["ALL", "WIDEST", "Asked", "Fits", "fitted"]
-
 #: how the two fits of a law are called
 ALL, WIDEST = "all data", "the widest range it holds for"
 

@@ -8,17 +8,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 import fem
+from geometry.arrays import Array, Mask
 from pipeline.config.config import LAWS
 from pipeline.material.mean_curve import MeanCurve
 from pipeline.material.regression import TooFewPoints, regress, solve
-
-__all__ = ["LawFit", "Refused", "fit_all", "fit_widest"]
-
-Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
@@ -70,7 +65,7 @@ def fit_widest(law: str, curve: MeanCurve, nu: float, share: float) -> LawFit | 
     return Refused(law, f"is nowhere within {100 * share:g} % of the data")
 
 
-def _fit(law: str, curve: MeanCurve, chosen: Marks, nu: float, share: float) -> LawFit | Refused:
+def _fit(law: str, curve: MeanCurve, chosen: Mask, nu: float, share: float) -> LawFit | Refused:
     columns, stretch = _columns(law, curve.stretch), curve.stretch[chosen]
     try:
         found = regress(columns[chosen], curve.stress[chosen], curve.tests[chosen])
@@ -119,13 +114,13 @@ def _holds(
     return (min(1.0, *ends_at.tolist()), max(1.0, *ends_at.tolist())), ends
 
 
-def _good(solved: fem.Material, curve: MeanCurve, share: float) -> Marks:
+def _good(solved: fem.Material, curve: MeanCurve, share: float) -> Mask:
     """(m,) nodes at which the law is stable and near enough to the data."""
     near = curve.within(fem.uniaxial(solved, curve.nodes).nominal, share)
     return near & _stable(solved, curve) if near.any() else near
 
 
-def _stable(solved: fem.Material, curve: MeanCurve) -> Marks:
+def _stable(solved: fem.Material, curve: MeanCurve) -> Mask:
     low, high = solved.stretch_limits
     return np.asarray((curve.nodes > low) & (curve.nodes < high))
 

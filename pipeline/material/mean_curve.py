@@ -11,14 +11,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, Index, Mask
 from pipeline.material.tensile import TensileTest
-
-__all__ = ["MeanCurve"]
-
-Array = NDArray[np.float64]
-Marks = NDArray[np.bool_]
 
 #: distance of the nodes in ln(stretch); without data farther than this from rest a side has no nodes
 WIDTH = 0.02
@@ -43,7 +38,7 @@ class MeanCurve:
 
     stretch: Array  #: (n,) of the points
     stress: Array  #: (n,) MPa
-    tests: NDArray[np.int64]  #: (n,) to which test a point belongs
+    tests: Index  #: (n,) to which test a point belongs
     nodes: Array  #: (m,) stretches, without 1
     mean: Array  #: (m,) MPa
     doubt: Array  #: (m,) MPa, below which a difference from the mean says nothing
@@ -58,11 +53,11 @@ class MeanCurve:
         mean, error = _smooth(stretch, stress, max(noise(tests), 1e-9 * float(np.abs(stress).max())), nodes)
         return MeanCurve(stretch, stress, owner, nodes, mean, DOUBT * error)
 
-    def within(self, nominal: Array, share: float) -> Marks:
+    def within(self, nominal: Array, share: float) -> Mask:
         """(m,) where `nominal` (m,), in MPa at the nodes, is off by no more than `share` of the mean. NaN never is."""
         return np.asarray(np.abs(nominal - self.mean) <= share * np.abs(self.mean) + self.doubt)
 
-    def tells(self, share: float) -> Marks:
+    def tells(self, share: float) -> Mask:
         """(m,) where the curve is known to `share` of its stress or better."""
         return np.asarray(self.doubt <= share * np.abs(self.mean))
 

@@ -10,15 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem import Hencky, StVenantKirchhoff, uniaxial
+from geometry.arrays import Array, Index, Mask
 from pipeline.material.regression import Regression, TooFewPoints, regress
 from pipeline.material.tensile import TensileTest
-
-__all__ = ["PAPER", "Choice", "Moduli", "choice", "moduli"]
-
-Array = NDArray[np.float64]
 
 #: lines 111-113 and 118 of the paper: E_L, E_H in MPa, nu
 PAPER = (0.65, 1.2, 0.495)
@@ -103,7 +99,7 @@ def choice(low: float, high: float, nu: float) -> Choice | None:
     )
 
 
-def _line(columns: Sequence[Array], stress: Array, groups: NDArray[np.int64], chosen: NDArray[np.bool_]) -> Regression:
+def _line(columns: Sequence[Array], stress: Array, groups: Index, chosen: Mask) -> Regression:
     """The best numbers for the chosen points; NaN where there are too few."""
     matrix = np.column_stack(columns)[chosen]
     try:

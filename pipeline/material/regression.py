@@ -8,11 +8,8 @@ scatter of the points, as if each erred for itself, which is all that one specim
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Regression", "TooFewPoints", "regress", "solve"]
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array, Index
 
 #: tests from which on the differences between them are an estimate of the error
 ENOUGH_TESTS = 3
@@ -32,7 +29,7 @@ class Regression:
     rms: float  #: root mean square of what is left
 
 
-def regress(columns: Array, values: Array, groups: NDArray[np.int64]) -> Regression:
+def regress(columns: Array, values: Array, groups: Index) -> Regression:
     """The numbers (k,) for columns (n, k) and values (n,); groups (n,) says to which test a point belongs.
 
     Raises `TooFewPoints`.

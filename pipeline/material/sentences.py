@@ -9,8 +9,6 @@ from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
 from pipeline.material.moduli import PAPER, choice
 
-__all__ = ["about_moduli", "block", "sentences", "with_error"]
-
 #: distance from rest, as a stretch, below which it need not be said that the points scatter
 NEAR_REST = 0.02
 

@@ -17,8 +17,6 @@ from pipeline.material.tensile import read_tensile
 from pipeline.store.provenance import provenance
 from pipeline.store.store import open_folder
 
-__all__ = ["CURVE_COLUMNS", "fit_material"]
-
 CURVE_COLUMNS = (
     *("law", "fitted_to", "stretch", "strain", "nominal_stress_MPa", "lateral_stretch", "J"),
     *("measured_nominal_stress_MPa", "holds"),

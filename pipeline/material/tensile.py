@@ -16,14 +16,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from pipeline.config.units import STRAIN, STRESS, Dimension, convert
 from pipeline.errors import InputError
-
-__all__ = ["LEAST_POINTS", "TensileTest", "read_tensile", "up_to"]
-
-Array = NDArray[np.float64]
 
 #: points that a test must have: the law of most constants has three, and its scatter shows in what is left
 LEAST_POINTS = 5

@@ -8,8 +8,6 @@ from plotly.colors import qualitative
 from pipeline.report.figures import legend_only, line, scaled_alike, shade, side_by_side, styled
 from pipeline.report.results import Results
 
-__all__ = ["end_forces", "validation_shapes"]
-
 
 def validation_shapes(results: Results) -> Any:
     """The material curve under each load, finite elements against the rod: the end held elsewhere, and dead forces."""

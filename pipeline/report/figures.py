@@ -8,21 +8,8 @@ import plotly.graph_objects as go
 from plotly.colors import sample_colorscale
 from plotly.subplots import make_subplots
 
-from pipeline.report.results import Array, Curve, Results
-
-__all__ = [
-    "alphas_over_pressure",
-    "curvatures",
-    "legend_only",
-    "line",
-    "moments",
-    "scaled_alike",
-    "shade",
-    "shapes",
-    "side_by_side",
-    "styled",
-    "times",
-]
+from geometry.arrays import Array
+from pipeline.report.results import Curve, Results
 
 _DASHES = {"I": "dot", "II": "solid", "III": "solid"}
 #: height over width of a shape that is drawn with a larger scale for y

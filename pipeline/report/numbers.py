@@ -8,8 +8,6 @@ import numpy as np
 
 from pipeline.report.results import Results
 
-__all__ = ["NUMBERS", "Cell", "estimators", "mesh_error", "observations", "regimes", "sixth_number", "with_spread"]
-
 #: key in parameters.json, symbol, unit
 NUMBERS = (
     ("alpha1_N_mm2", "α₁", "N mm²"),

@@ -24,8 +24,6 @@ from pipeline.report.sentences import (
 )
 from pipeline.report.validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
 
-__all__ = ["render_report"]
-
 _EXPERIMENT_COLUMNS = (
     ("experiment", ""),
     ("pressure_kPa", "p (kPa)"),

@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["SOLVED", "Curve", "Results", "read_results"]
+from geometry.arrays import Array
 
-Array = NDArray[np.float64]
 Rows = Sequence[Mapping[str, Any]]
 
 #: the `status` of a row of experiments.json whose pressure was reached

@@ -7,16 +7,6 @@ import numpy as np
 
 from pipeline.report.results import SOLVED, Results
 
-__all__ = [
-    "agreement_of_rod",
-    "difference_of_rest_curvatures",
-    "limits_met",
-    "lines_needed",
-    "number",
-    "opening",
-    "share_of_factorization",
-]
-
 
 def number(value: Any) -> str:
     """A number in four digits, without an exponent where it can be read without."""

@@ -6,8 +6,6 @@ from typing import Any
 from pipeline.report.results import Results
 from pipeline.report.sentences import number
 
-__all__ = ["beyond_identified", "laws_by_pressure", "out_of_sample", "validation_rows"]
-
 #: over the length and relative: what the rod may be off by under a load it has not seen
 SHAPE_LIMIT, FORCE_LIMIT = 0.03, 0.10
 

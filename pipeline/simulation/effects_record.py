@@ -8,8 +8,6 @@ from pipeline.config.config import FULLY_INTEGRATED, CavityPressure, Config, poi
 from pipeline.simulation.scene import is_on, pulls_aside
 from pipeline.simulation.simulate import Outcome
 
-__all__ = ["effect_rows"]
-
 
 def effect_rows(config: Config, body: Body, outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
     """Rows of effects.json: effect, state, reason, share of the solver's time (null where it has none of its own)."""

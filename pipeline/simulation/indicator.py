@@ -7,8 +7,6 @@ from typing import Any
 import fem
 from pipeline.simulation.simulate import Outcome
 
-__all__ = ["Indicator", "largest_indicator"]
-
 
 @dataclass(frozen=True)
 class Indicator:

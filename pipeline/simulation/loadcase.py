@@ -4,8 +4,6 @@ from dataclasses import dataclass
 
 from pipeline.config.config import Config
 
-__all__ = ["Case", "up_to", "validation_cases"]
-
 
 @dataclass(frozen=True)
 class Case:

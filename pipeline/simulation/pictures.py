@@ -7,8 +7,6 @@ from pipeline.pictures import Colour, draw_body, draw_deformed, write_fields, wr
 from pipeline.simulation.simulate import Outcome
 from pipeline.store.store import Store
 
-__all__ = ["draw_all"]
-
 
 def draw_all(body: Body, outcomes: Mapping[str, Outcome], store: Store) -> None:
     """The body whole and cut open, each state as a picture and as a file for ParaView, a series per experiment."""

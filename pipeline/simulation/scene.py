@@ -5,10 +5,8 @@ from geometry import GRADINGS, Body, DesignError, MeshError
 from pipeline.config.config import Config
 from pipeline.errors import InputError
 
-__all__ = ["GAP", "contact_faces", "effects_of", "is_on", "material_of", "meshed_body", "pulls_aside"]
-
+#: The name of outer faces that can meet, where the user names no others.
 GAP = "gap"
-"""The name of outer faces that can meet, where the user names no others."""
 
 
 def meshed_body(config: Config) -> Body:

@@ -8,11 +8,9 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 import fem
 from geometry import Body, Centreline
+from geometry.arrays import Array, Index
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.processes import SPAWN, side_by_side
@@ -20,10 +18,6 @@ from pipeline.progress import Progress, ToQueue, relayed
 from pipeline.simulation.loadcase import Case
 from pipeline.simulation.scene import effects_of, material_of
 from pipeline.store.store import Store
-
-__all__ = ["EXPERIMENTS", "Outcome", "Record", "in_kPa", "simulate"]
-
-Array = NDArray[np.float64]
 
 #: the loaded one first, for it takes longest
 EXPERIMENTS = ("III", "II", "I")
@@ -59,7 +53,7 @@ class Outcome:
     degrees_of_freedom: int
     solver: str
     points: Array = field(repr=False)  #: (n, 3) all nodes at rest, mm
-    nodes: NDArray[np.int64] = field(repr=False)  #: (e, 10), (e, 4) with linear elements
+    nodes: Index = field(repr=False)  #: (e, 10), (e, 4) with linear elements
 
 
 def simulate(

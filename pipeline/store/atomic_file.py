@@ -6,8 +6,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-__all__ = ["beside", "left_over", "write_whole"]
-
 _PREFIX = ".pneurod-part-"
 
 

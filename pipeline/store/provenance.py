@@ -9,8 +9,6 @@ from typing import Any
 
 from packaging.requirements import Requirement
 
-__all__ = ["installed", "pinned", "provenance"]
-
 
 def pinned() -> dict[str, str]:
     """The direct dependencies of pneurod that this machine needs, each with the version it is pinned to."""

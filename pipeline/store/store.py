@@ -29,8 +29,6 @@ from pipeline.errors import InputError
 from pipeline.store.atomic_file import left_over, write_whole
 from pipeline.store.provenance import installed, pinned
 
-__all__ = ["Store", "open_folder", "open_store"]
-
 _IDENTITY = "states/configuration.json"
 #: what decides a converged state, and what decides the numbers read from states: folders with all that is below them
 _SOURCES = ("geometry", "fem", "pipeline/simulation")

@@ -5,16 +5,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Centreline
+from geometry.arrays import Array
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.simulate import Outcome, Record
 from rod import Rod, RodError, RodSolution, SampledMoments, cell_averaged, moment_from_force, without_stretch
-
-__all__ = ["CURVE_COLUMNS", "Comparison", "Rods", "compare", "curve_rows", "held_against", "rows_of"]
-
-Array = NDArray[np.float64]
 
 CURVE_COLUMNS = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),

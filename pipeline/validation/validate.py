@@ -16,8 +16,6 @@ from pipeline.store.store import Store
 from pipeline.validation.compare import CURVE_COLUMNS, Comparison, Rods, held_against, rows_of
 from rod import PressurisedRod, Rod, RodError, compare_laws, simplest
 
-__all__ = ["VALIDATION_COLUMNS", "Validated", "rods_between", "validate"]
-
 VALIDATION_COLUMNS = ("load", *CURVE_COLUMNS)
 
 

@@ -9,17 +9,13 @@ is the mean curvature over one pitch around t, whatever happens inside. theta is
 nodes.
 """
 
-from __future__ import annotations
-
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Centreline
+from geometry.arrays import Array
 from rod.curves.curve import Curvature, chord_angles, mean_angle_weights
 from rod.curves.uncertainty import white_noise
 from rod.law import RodError
-
-Array = NDArray[np.float64]
 
 
 def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:

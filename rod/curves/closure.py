@@ -11,18 +11,14 @@ stretch. delta is the integral of Delta, so the movement is a weighted mean of D
 clamp to the end: one more observation. It is what decides the end force of a rod whose end is held.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Centreline
+from geometry.arrays import Array
 from rod.curves.curve import chord_angles, mean_angle_weights
 from rod.law import RodError
-
-Array = NDArray[np.float64]
 
 #: relative error of the movement that five numbers explain: what wiggles within cells, which a rod has not, add to it
 #: where they do not average out, at the clamp and at d

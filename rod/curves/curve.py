@@ -10,17 +10,13 @@ With R known, a law can be fitted to what the estimate would have seen of it, so
 where it is, not where smoothing has spread it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Centreline
+from geometry.arrays import Array
 from rod.law import RodError
-
-Array = NDArray[np.float64]
 
 #: intervals per length of the grid on which resolutions are expressed
 GRID_CELLS = 448
@@ -69,7 +65,7 @@ class Curvature:
         return np.column_stack([s[inner], kappa[inner]])
 
     @staticmethod
-    def at_points(s: Array, kappa: Array, *, length: float, pitch: float, theta: Array) -> Curvature:
+    def at_points(s: Array, kappa: Array, *, length: float, pitch: float, theta: Array) -> "Curvature":
         """Curvature known without error at the points s, (n,) mm; its resolution is linear interpolation."""
         grid = fine_grid(length)
         place = np.clip((np.asarray(s) - grid[0]) / (grid[1] - grid[0]), 0.0, GRID_CELLS - 1.0)

@@ -10,21 +10,17 @@ per pressure, read from Test III. With it the position of the rod at every s is 
 by the normal force (F/EA, a tenth of a per cent on design (a)) is left out.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from geometry import Centreline
+from geometry.arrays import Array
 from rod.curves.cell_average import cell_averaged
 from rod.curves.curve import chord_angles
 from rod.law import RodError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

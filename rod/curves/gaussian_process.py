@@ -15,21 +15,17 @@ wiggle the process follows it in one test and not in the other, or takes it for 
 clamp.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from geometry import Centreline
+from geometry.arrays import Array
 from rod.curves.curve import GRID_CELLS, Curvature, chord_angles, fine_grid, without_stretch
 from rod.law import RodError
-
-Array = NDArray[np.float64]
 
 #: the smallest and the largest length scale over the pitch
 SHORTEST, LONGEST = 1.5, 3.0

@@ -1,14 +1,11 @@
 """Errors of fitted numbers: what noise explains, what misfit adds, and intervals from draws."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -20,7 +17,7 @@ class Interval:
     low: float  #: 2.5 % of the draws lie below
     high: float  #: 2.5 % of the draws lie above
 
-    def widened(self, std: float) -> Interval:
+    def widened(self, std: float) -> "Interval":
         """With a further error, independent of the one it has."""
         further = 1.96 * std
         low, high = (math.hypot(self.value - end, further) for end in (self.low, self.high))

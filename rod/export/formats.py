@@ -6,8 +6,6 @@ and JSON are in mm and N like everything here; the files of other codes are in m
 in the plane x, y, clamped at the origin, and bends about z.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable
@@ -15,14 +13,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.io import savemat
 
+from geometry.arrays import Array
 from rod.export.lumped import joints
 from rod.law import RodError
 from rod.mechanics.equilibrium import Rod
-
-Array = NDArray[np.float64]
 
 #: N mm rad in N m rad, N mm2 in N m2
 NEWTON_METRE, NEWTON_METRE2 = 1e-3, 1e-6

@@ -8,18 +8,14 @@ so a joint with the spring 1/compliance and the neutral angle `rest rotation` ca
 in the interval; the error of a chain of n joints is of order 1/n^2.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicHermiteSpline
 
+from geometry.arrays import Array
 from rod.law import RodError
 from rod.mechanics.equilibrium import Rod
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -13,19 +13,15 @@ measured moment:
 Where a simpler law predicts as well as a richer one, it is the better.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from geometry.arrays import Array
 from rod.curves.curve import Curvature, Moment, fine_grid
 from rod.law import RodError
-
-Array = NDArray[np.float64]
 
 #: over the length, the zone at the clamp that stands for a spring
 SPRING = 0.02

@@ -5,17 +5,13 @@ a load bends the arm with moments that III hardly holds - next to nothing, or th
 secant with an offset bends there although nothing acts.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, Mask
 from rod.curves.curve import Moment
 from rod.mechanics.equilibrium import RodSolution
-
-Array = NDArray[np.float64]
 
 #: share of the arm that holds the smallest moments and does not count as sampled: near the end M falls to zero
 TAIL = 0.05
@@ -31,7 +27,7 @@ class SampledMoments:
     high: float  #: N mm
 
     @staticmethod
-    def of(moment: Moment) -> SampledMoments:
+    def of(moment: Moment) -> "SampledMoments":
         """All moments of a loaded curve but the smallest on TAIL of its length."""
         s = np.linspace(moment.s[0], moment.s[-1], 401)
         values = np.interp(s, moment.s, moment.value)
@@ -39,7 +35,7 @@ class SampledMoments:
         ends = sorted(sign * edge for edge in (np.quantile(sign * values, TAIL), np.max(sign * values)))
         return SampledMoments(float(ends[0]), float(ends[1]))
 
-    def between(self, other: SampledMoments, share: float) -> SampledMoments:
+    def between(self, other: "SampledMoments", share: float) -> "SampledMoments":
         """The range at a pressure between this one's (share 0) and another's (share 1)."""
         low, high = ((1.0 - share) * a + share * b for a, b in ((self.low, other.low), (self.high, other.high)))
         return SampledMoments(low, high)
@@ -66,7 +62,7 @@ class SampledMoments:
         )
 
 
-def _places(s: Array, outside: NDArray[np.bool_]) -> str:
+def _places(s: Array, outside: Mask) -> str:
     """Where along the rod, in words."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], outside.astype(int), [0]])))
     runs = zip(s[edges[::2]], s[edges[1::2] - 1], strict=True)

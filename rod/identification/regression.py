@@ -14,23 +14,19 @@ One more row closes the curve (`closing`): what the lines add up to at the end m
 about the lines alone, as a rod without wiggles has them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import lsq_linear
 
+from geometry.arrays import Array
 from rod.curves.closure import Closing
 from rod.curves.curve import Curvature, Moment, fine_grid
 from rod.curves.uncertainty import effective_observations, shared_within, total_error, white_noise
 from rod.law import RodError
-
-Array = NDArray[np.float64]
 
 #: prior standard deviation of an offset, over the largest Delta
 OFFSET = 0.15
@@ -71,7 +67,7 @@ class Seen:
     )
 
     @staticmethod
-    def of(kappa_0: Curvature, kappa: Curvature, moment: Moment, closing: Closing | None) -> Seen:
+    def of(kappa_0: Curvature, kappa: Curvature, moment: Moment, closing: Closing | None) -> "Seen":
         """What belongs together, checked. Of both resolutions the mean is right to second order in Delta."""
         if kappa_0.s.shape != kappa.s.shape or np.max(np.abs(kappa_0.s - kappa.s)) > 1e-6 * kappa.length:
             raise RodError("The intrinsic and the loaded curvature must be given at the same points of the same curve.")
@@ -106,12 +102,12 @@ class Seen:
             _running(closes, 0),
         )
 
-    def columns(self, d: float) -> Columns:
+    def columns(self, d: float) -> "Columns":
         """What a_1, b_1, a_2, b_2 bring for a break at d."""
         return Columns(_parted(self.running, 2, d / self.length), _parted(self.closing_running, 0, d / self.length))
 
     @property
-    def whole(self) -> Columns:
+    def whole(self) -> "Columns":
         """The same for one line."""
         return Columns(self.running[:, :, -1], self.closing_running[-1])
 
@@ -160,7 +156,7 @@ class Weights:
 
 
 def weighed(
-    seen: Seen, covariance: Array, offset: float, closing: float, best: Callable[[Weights], Fit]
+    seen: Seen, covariance: Array, offset: float, closing: float, best: Callable[[Weights], "Fit"]
 ) -> tuple[Weights, Array]:
     """Weights of the data and covariance of their errors for a law, from its best fit with next to no prior knowledge.
 

@@ -12,26 +12,22 @@ little. The errors follow from the linearised fit: white noise of both shapes, a
 within a cell share.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import OptimizeResult, least_squares
 
 from geometry import Centreline
+from geometry.arrays import Array
 from rod.curves.curve import Moment, chord_angles, moment_from_force, without_stretch
 from rod.curves.uncertainty import Interval, drawn_errors, effective_observations, interval, shared_within, total_error
 from rod.identification.regression import HARMONICS, OFFSET, WIGGLE, waves
 from rod.identification.two_lines import NEAREST, default_breaks
 from rod.law import FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod, RodSolution
-
-Array = NDArray[np.float64]
 
 #: relative error of the end force that is always assumed
 FORCE_ERROR = 1e-3
@@ -175,7 +171,7 @@ class _Task:
     misfit: Array  #: (n, n) mm2, covariance of what the law leaves, in each coordinate
 
     @staticmethod
-    def of(shape: LoadedShape, breaks: tuple[float, float] | None, starts: Sequence[FiveParameters]) -> _Task:
+    def of(shape: LoadedShape, breaks: tuple[float, float] | None, starts: Sequence[FiveParameters]) -> "_Task":
         low, high = breaks or default_breaks(shape.length, shape.pitch)
         if not 0.0 < low <= high < 1.0:
             raise RodError(f"The range of d over the length must lie between 0 and 1; {low:g} ... {high:g} does not.")
@@ -257,7 +253,7 @@ class _Task:
         jac[:, free] = found.jac
         return OptimizeResult(x=whole(found.x), cost=found.cost, fun=found.fun, jac=jac)
 
-    def weighted(self, found: OptimizeResult) -> _Task:
+    def weighted(self, found: OptimizeResult) -> "_Task":
         """The same task with the weights that its residual suggests."""
         n = len(self.shape.s)
         parts = found.fun[: 2 * n].reshape(2, n) / self.weight
@@ -285,7 +281,7 @@ class _Task:
         d = np.clip(z[4], *self.breaks) * self.shape.length
         return np.column_stack([1 / a1, 1 / a2, z[1] * self.offset / a1, z[3] * self.offset / a2, d])
 
-    def _with_noise(self, random: np.random.Generator) -> _Task:
+    def _with_noise(self, random: np.random.Generator) -> "_Task":
         free, loaded = (
             Centreline(
                 c.s,

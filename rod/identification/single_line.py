@@ -10,18 +10,14 @@ knowledge of two lines: 2.1 / 7.9, 2.7 / 9.8, 0.6 / 4.0 %, and alpha of (c) grew
 the curve. It is then, but for a few per cent, the rigidity that closes the curve.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from rod.curves.uncertainty import Interval, drawn_errors, interval
 from rod.identification.regression import OFFSET, STIFFEST, Columns, Seen, explained, solve, weighed
 from rod.law import RodError
-
-Array = NDArray[np.float64]
 
 #: standard deviations beyond which the data show an offset. Free offsets of (b) to (d) are within 1.6, those of (a)
 #: without contact within 1

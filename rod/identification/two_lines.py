@@ -15,15 +15,13 @@ the number of cells: with white noise the number of points, with misfit alone th
 whole rod has an error of its own (`one_line`).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
+from geometry.arrays import Array
 from rod.curves.closure import Closing
 from rod.curves.curve import Curvature, Moment
 from rod.curves.uncertainty import Interval, drawn_errors, effective_observations, interval
@@ -41,8 +39,6 @@ from rod.identification.regression import (
 )
 from rod.identification.single_line import LineFit, one_line
 from rod.law import FiveParameters, RodError
-
-Array = NDArray[np.float64]
 
 #: range of d over the length in which the break is looked for
 BREAKS = (0.05, 0.35)

@@ -5,20 +5,16 @@ that is reached. A path that folds or splits is reported, not stepped over: the 
 sign of its determinant as long as neither happens.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, Mask
 from rod.law import RodError
 from rod.mechanics.profile import Steps
 from rod.mechanics.shooting import converge, sweep
-
-Array = NDArray[np.float64]
 
 #: rad, the largest change of a tangent angle in one step of the load; keeps Newton's method on its branch
 LARGEST_TURN = 1.0
@@ -38,7 +34,7 @@ class Problem:
     stretch: Array  #: (n, 6) of the rod without load, at the stages of every step
     eccentricity: float
     theta0: float  #: rad
-    free: NDArray[np.bool_]  #: (3,): M(0), F_x, F_y are unknown
+    free: Mask  #: (3,): M(0), F_x, F_y are unknown
     force: Array  #: (2,) given components, zero where unknown
     weight: Array  #: (2,)
     moment: float  #: at the tip
@@ -46,7 +42,7 @@ class Problem:
     together: bool  #: kappa_0 and the rest stretch grow with the loads, from the straight rod
 
     @cached_property
-    def start(self) -> Point:
+    def start(self) -> "Point":
         """The rod before any load: straight, or with the shape of kappa_0."""
         states, end = np.empty((len(self.steps.s), 4)), np.empty(16)
         nothing = np.zeros(3)

@@ -10,23 +10,20 @@ are F or components of the end position, in which case the force components that
 and those components, are found by shooting (`shooting`), large loads by continuation (`path`).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from rod.curves.extension import Extension
 from rod.law import FiveParameters, RodError
 from rod.mechanics.continuation import Point, Problem, follow
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.mechanics.shooting import ABSCISSAE
 
-Array = NDArray[np.float64]
 Order = Literal["as tested", "together", "pressure first"]
 
 
@@ -138,7 +135,7 @@ class Rod:
             solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.law, refinement), loads)
         return solution
 
-    def _solved(self, steps: Steps, loads: _Loads) -> RodSolution:
+    def _solved(self, steps: Steps, loads: "_Loads") -> RodSolution:
         problem = _problem(self, steps, loads)
         return _solution(self, problem, *follow(problem))
 

@@ -1,17 +1,14 @@
 """The intrinsic curvature of a rod, in the forms a caller may give it, cut into smooth steps for the integrator."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, Mask
 from rod.law import FiveParameters, RodError
 from rod.mechanics.shooting import ABSCISSAE
 
-Array = NDArray[np.float64]
 Profile = float | Array | Callable[[Array], Array]
 
 #: steps on the rod's length, at least: constant kappa_0 and sampled kappa_0 (smooth between its samples)
@@ -26,7 +23,7 @@ class Steps:
 
     s: Array  #: (n + 1,) step boundaries from 0 to 1
     kappa_0: Array  #: (n, 6) kappa_0 times length at the stages of every step
-    first: NDArray[np.bool_]  #: (n,), the steps before d
+    first: Mask  #: (n,), the steps before d
 
 
 def cut_into_steps(length: float, kappa_0: Profile, law: FiveParameters, refinement: float = 1.0) -> Steps:

@@ -13,15 +13,12 @@ chosen by the caller so that every break (d, the samples of kappa_0) lies on a s
 step. This is the one module of the room where speed may cost clarity (numba).
 """
 
-from __future__ import annotations
-
 import math
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 ROOT = math.sqrt(21.0)
 #: where a step of length 1 asks for kappa_0

@@ -15,13 +15,11 @@ import numpy as np
 import pytest
 from bodies import QUADRATIC, box
 from loads import Traction
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 from fem import Fixed, Model, NewtonOptions, PathOptions, Step, StVenantKirchhoff, follow
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 HEIGHT = 1.0
 INERTIA = HEIGHT**3 / 12  #: of a beam 1 mm wide

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from bodies import box
 from loads import Traction
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from fem import (
@@ -29,8 +28,7 @@ from fem.discretisation import FORMULATIONS
 from fem.effects.barrier import WEIGHT, contact_potential
 from fem.effects.contact import STIFFNESS
 from geometry import Mesh
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 GAP = 0.1
 LAW = StVenantKirchhoff(E=1.2, nu=0.3)

@@ -9,7 +9,6 @@ the energy of shallow-arch theory (S. P. Timoshenko, J. M. Gere, "Theory of elas
 import numpy as np
 import pytest
 from bodies import box
-from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize
 from test_thick_walls import SPHERE, sphere
@@ -27,8 +26,7 @@ from fem import (
 )
 from fem.effects.effect import enclosed_volume
 from geometry import Mesh
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 RUBBER = NeoHooke(1.0, 1000.0)
 

@@ -17,12 +17,11 @@ import numpy as np
 import pytest
 from bodies import box, difference
 from loads import BodyForce, Traction, tetrahedron_rule
-from numpy.typing import NDArray
 
 from fem import Effect, Fixed, Material, Model, NeoHooke, NewtonOptions, PathOptions, Step, StVenantKirchhoff, follow
 from fem.discretisation import FORMULATIONS
+from geometry.arrays import Array
 
-Array = NDArray[np.float64]
 Field = Callable[[Array], Array]
 
 STEP = 1e-30

@@ -9,13 +9,10 @@ import numpy as np
 import pytest
 from bodies import box
 from laws import LAWS
-from numpy.typing import NDArray
 
 from fem import Model, NewtonOptions, PathOptions, Prescribed, element_fields, follow
 from fem.discretisation import FORMULATIONS, Discretisation
 from geometry import Mesh
-
-Array = NDArray[np.float64]
 
 GRADIENT = np.array([[0.15, 0.1, -0.05], [0.0, -0.1, 0.2], [0.05, 0.0, 0.05]])
 

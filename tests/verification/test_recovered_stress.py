@@ -6,14 +6,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from loads import tetrahedron_rule
-from numpy.typing import NDArray
 from test_manufactured import CASES, ONE, Case, solve
 
 from fem import Step, stress_error
 from fem.discretisation import FORMULATIONS
 from fem.post.extremes import strain_at_stress_points
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 SIZES = (2, 4, 6)
 

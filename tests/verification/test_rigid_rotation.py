@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 from bodies import box
 from laws import LAWS
-from numpy.typing import NDArray
 
 from fem import Model, NewtonOptions, PathOptions, Prescribed, follow
 from fem.discretisation import FORMULATIONS, Discretisation
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 AXIS = np.array([1.0, 2.0, -1.0]) / np.sqrt(6)
 ANGLE = 1.0

@@ -9,7 +9,6 @@ The meshes have straight edges, so the error is of second order in their size, w
 import numpy as np
 import pytest
 from bodies import QUADRATIC, box
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from fem import (
@@ -27,8 +26,7 @@ from fem import (
 )
 from fem.discretisation import Discretisation
 from geometry import Mesh
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 def cylinder(n: int) -> Mesh:
