@@ -328,7 +328,7 @@ def test_the_command(configs: Path, tmp_path: Path) -> None:
     rows = (tmp_path / "out" / "material_curves.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) == 1 + 105 * sum(not row["reason"] for row in record["laws"])
     page = (tmp_path / "out" / "material.html").read_text(encoding="utf-8")
-    assert "holds to stretch" in page
+    assert "valid to stretch" in page
     assert "cdn.plot.ly/plotly" not in page.partition("<script")[0]
 
 

@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.report.compared import validation_shapes
-from pipeline.report.figures import curvatures, shapes
+from pipeline.report.figures import curvatures, shapes, validation_shapes
 from pipeline.report.results import Results, read_results
 from pipeline.validation.compare import CURVE_COLUMNS
 

@@ -56,13 +56,7 @@ DOORS: dict[str, set[str]] = {
     "rich": {"pipeline/cli.py", "pipeline/progress.py", "pipeline/terminal.py"},
     "jinja2": {"pipeline/report/page.py"},
     "matplotlib": {"pipeline/accuracy/figure.py"},
-    "plotly": {
-        "pipeline/accuracy/figure.py",
-        "pipeline/material/figure.py",
-        "pipeline/report/page.py",
-        "pipeline/report/compared.py",
-        "pipeline/report/figures.py",
-    },
+    "plotly": {"pipeline/plots.py"},
 }
 
 #: what `pneurod --help` must not wait for

@@ -1,14 +1,11 @@
 """Error over seconds, one line per choice, and the front that nothing beats: a page that can be zoomed, and an SVG."""
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
-import plotly.graph_objects as go
-from plotly.colors import qualitative
-
 from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE
-from pipeline.report.figures import styled
+from pipeline.plots import COLOURS, GREY, GRID, INK, single_panel, standalone_page, styled
 
 Row = Mapping[str, Any]
 Record = Mapping[str, Any]
@@ -22,8 +19,8 @@ _ERROR = "largest error of κ₀(l/2), α₂ and F (%)"
 
 def html_page(record: Record) -> str:
     """The figure alone on a page that opens offline."""
-    figure = go.Figure()
-    for colour, (choice, rows) in zip(_colours(), _lines(record).items(), strict=False):
+    figure = single_panel(_SECONDS, _ERROR)
+    for colour, (choice, rows) in zip(COLOURS, _lines(record).items(), strict=False):
         figure.add_scatter(
             x=[row["cpu_seconds"] for row in rows],
             y=[100 * row["headline"] for row in rows],
@@ -36,15 +33,12 @@ def html_page(record: Record) -> str:
     front = _front(record)
     figure.add_scatter(
         x=[x for x, _ in front], y=[y for _, y in front], mode="lines", name="nothing is better",
-        line={"color": "#1f2933", "width": 6}, opacity=0.2, hoverinfo="skip",
+        line={"color": INK, "width": 6}, opacity=0.2, hoverinfo="skip",
     )  # fmt: skip
-    figure.add_hline(
-        y=100 * record["reference_error"], line={"dash": "dash", "color": "#7b8794"}, annotation_text=_UNSURE
-    )
-    figure.update_xaxes(title=_SECONDS, type="log")
-    figure.update_yaxes(title=_ERROR, type="log")
-    page = styled(figure, 620).to_html(full_html=True, include_plotlyjs=True, config={"displaylogo": False})
-    return str(page)
+    figure.add_hline(y=100 * record["reference_error"], line={"dash": "dash", "color": GREY}, annotation_text=_UNSURE)
+    figure.update_xaxes(type="log")
+    figure.update_yaxes(type="log")
+    return standalone_page(styled(figure, 620))
 
 
 def svg_picture(record: Record) -> str:
@@ -55,19 +49,19 @@ def svg_picture(record: Record) -> str:
 
     figure = Figure(figsize=(9.0, 5.4), layout="constrained")
     axes = figure.subplots()
-    for colour, (choice, rows) in zip(_colours(), _lines(record).items(), strict=False):
+    for colour, (choice, rows) in zip(COLOURS, _lines(record).items(), strict=False):
         seconds, error = [row["cpu_seconds"] for row in rows], [100 * row["headline"] for row in rows]
         form = "o:" if choice in _VARIES else "o-"
         axes.plot(seconds, error, form, color=colour, label=choice, markersize=4.5, linewidth=1.4)
     front = _front(record)
-    axes.plot([x for x, _ in front], [y for _, y in front], color="#1f2933", alpha=0.18, linewidth=8, zorder=0)
-    axes.axhline(100 * record["reference_error"], color="#7b8794", linestyle="--", linewidth=1, label=_UNSURE)
+    axes.plot([x for x, _ in front], [y for _, y in front], color=INK, alpha=0.18, linewidth=8, zorder=0)
+    axes.axhline(100 * record["reference_error"], color=GREY, linestyle="--", linewidth=1, label=_UNSURE)
     axes.set(xscale="log", yscale="log", xlabel=_SECONDS, ylabel=_ERROR, title=record["config"]["name"])
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_formatter(ScalarFormatter())
         axis.set_minor_formatter(ScalarFormatter())
     axes.tick_params(which="both", labelsize=8)
-    axes.grid(True, which="both", color="#eceff2")
+    axes.grid(True, which="both", color=GRID)
     axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0))
     text = io.StringIO()
     with rc_context({"svg.hashsalt": record["config_hash"]}):  # the same file for the same record
@@ -92,7 +86,3 @@ def _front(record: Record) -> list[tuple[float, float]]:
 def _label(row: Row) -> str:
     varies = _VARIES.get(row["choice"], "mesh {:g} mm").format(row["value"])
     return f"{row['choice']}: {varies}, {row['degrees_of_freedom']} degrees of freedom"
-
-
-def _colours() -> Sequence[str]:
-    return tuple(qualitative.D3)

@@ -1,93 +1,78 @@
-"""The tensile tests and the laws in one figure: all of it, and the strains at which arms work."""
-
-from typing import Any
+"""The tensile tests and the laws in one figure: all strains, and the strains at which arms work."""
 
 import numpy as np
-from plotly.colors import qualitative
 
 import fem
-from geometry.arrays import Array
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
-from pipeline.material.moduli import Moduli
-from pipeline.report.figures import side_by_side
+from pipeline.plots import INK, Panel, Stroke, series_colour, standalone_page, two_panels
 
-#: largest strain of the second panel; the four arms of the paper reach stretches of 1.22 to 1.33 (docs/materials.md)
-NEAR = 0.5
+#: largest strain of the second panel; soft arms reach stretches of 1.2 to 1.35 (docs/materials.md)
+WORKING_STRAIN = 0.5
 #: points of a drawn line
-FINE = 400
-_INK, _GREY = "#1f2933", "#9aa5b1"
+POINTS_OF_A_LINE = 400
+_MEASURED = {"color": "#9aa5b1", "size": 4, "opacity": 0.6}
 
 
 def tensile_page(fits: Fits) -> str:
-    """An HTML page that opens offline: points, E_L and E_H, and each law, solid as far as it holds and then dotted."""
-    far = max(abs(float(np.log(end))) for end in (fits.curve.nodes[0], fits.curve.nodes[-1]))
-    near = min(NEAR, float(np.exp(far)) - 1)
-    figure = side_by_side(("all strains", f"strains up to {100 * near:g} %"), "strain", "nominal stress (MPa)")
-    for column in (1, 2):
-        _points(figure, fits, column)
-        _lines(figure, fits.moduli, fits, column)
-        for place, (law, fit) in enumerate(fits.usable.items()):
-            _law(figure, fits, fit, law, qualitative.Safe[place % len(qualitative.Safe)], column)
+    """An HTML page that opens offline: measured points, E_L and E_H, and each law, solid within its range of validity
+    and dotted outside."""
+    largest = max(abs(float(np.log(end))) for end in (fits.curve.nodes[0], fits.curve.nodes[-1]))
+    working = min(WORKING_STRAIN, float(np.exp(largest)) - 1)
+    panels = two_panels(("all strains", f"strains up to {100 * working:g} %"), "nominal strain", "nominal stress (MPa)")
+    for panel, limit in zip(panels, (np.inf, working), strict=True):
+        _points(panel, fits)
+        _modulus_lines(panel, fits)
+        for number, (law, fit) in enumerate(fits.usable.items()):
+            _law(panel, fits, fit, f"{law}, valid to stretch {(fit.holds or (1.0, 1.0))[1]:.3g}", series_colour(number))
+        _fit_axes(panel, fits, limit)
+    figure = panels[0].figure
     figure.update_xaxes(tickformat=".0%")
-    for column, reach in ((1, np.inf), (2, near)):
-        _cut(figure, fits, reach, column)
     figure.update_layout(height=560, title={"text": "Tensile tests and laws", "font": {"size": 15}}, margin={"t": 80})
-    page: str = figure.to_html(full_html=True, include_plotlyjs=True, config={"displaylogo": False})
-    return page
+    return standalone_page(figure)
 
 
-def _points(figure: Any, fits: Fits, column: int) -> None:
-    marker = {"color": _GREY, "size": 4, "opacity": 0.6}
-    for place, test in enumerate(fits.tests):
-        figure.add_scattergl(
-            x=test.strain, y=test.stress, mode="markers", marker=marker, name="measured", legendgroup="measured",
-            showlegend=column == 1 and place == 0, hovertemplate=f"{test.name}<br>%{{x:.1%}}, %{{y:.4g}} MPa",
-            row=1, col=column,
+def _points(panel: Panel, fits: Fits) -> None:
+    for number, test in enumerate(fits.tests):
+        panel.figure.add_scattergl(
+            x=test.strain, y=test.stress, mode="markers", marker=_MEASURED, name="measured", legendgroup="measured",
+            showlegend=panel.column == 1 and number == 0, hovertemplate=f"{test.name}<br>%{{x:.1%}}, %{{y:.4g}} MPa",
+            row=1, col=panel.column,
         )  # fmt: skip
 
 
-def _lines(figure: Any, found: Moduli, fits: Fits, column: int) -> None:
-    """E_L from rest to the break, E_H beyond it."""
-    last = float(fits.curve.nodes[-1]) - 1
-    ends = {"E_L": (0.0, min(found.break_strain, last)), "E_H": (found.break_strain, last)}
-    heights = {"E_L": (found.low, 0.0), "E_H": (found.high, found.high_at_rest)}
-    for name, (begin, end) in ends.items():
-        slope, height = heights[name]
+def _modulus_lines(panel: Panel, fits: Fits) -> None:
+    """E_L from rest to the break strain, E_H beyond it."""
+    moduli, last = fits.moduli, float(fits.curve.nodes[-1]) - 1
+    lines = (
+        ("E_L", moduli.low, 0.0, 0.0, min(moduli.break_strain, last)),
+        ("E_H", moduli.high, moduli.high_at_rest, moduli.break_strain, last),
+    )
+    for name, slope, height, begin, end in lines:
         if np.isfinite(slope) and end > begin:
             x = np.array([begin, end])
             title = f"{name} = {slope:.3g} MPa"
-            _add(
-                figure, x, slope * x + height, {"color": _INK, "width": 1.5, "dash": "dash"}, title, column, column == 1
-            )
+            panel.line(x, slope * x + height, Stroke(INK, "dash", 1.5), title, legend=panel.column == 1)
 
 
-def _law(figure: Any, fits: Fits, fit: LawFit, law: str, colour: str, column: int) -> None:
+def _law(panel: Panel, fits: Fits, fit: LawFit, title: str, colour: str) -> None:
     """The law as the solver has it."""
-    reach = (float(fits.curve.nodes[0]), float(fits.curve.nodes[-1]))
-    stretch = np.geomspace(min(reach[0], 1.0), max(reach[1], 1.0), FINE)
+    low_end, high_end = (float(fits.curve.nodes[end]) for end in (0, -1))
+    stretch = np.geomspace(min(low_end, 1.0), max(high_end, 1.0), POINTS_OF_A_LINE)
     nominal = fem.uniaxial(fit.solved, stretch).nominal
     low, high = fit.holds or (1.0, 1.0)
-    inside = (stretch >= low) & (stretch <= high)
-    title = f"{law}, holds to stretch {high:.3g}"
-    stroke = {"color": colour, "width": 2.5}
-    _add(figure, stretch - 1, np.where(inside, nominal, np.nan), stroke, title, column, column == 1)
-    beyond = {"color": colour, "width": 1.2, "dash": "dot"}
-    _add(figure, stretch - 1, np.where(inside, np.nan, nominal), beyond, title, column, False)
+    valid = (stretch >= low) & (stretch <= high)
+    inside, outside = np.where(valid, nominal, np.nan), np.where(valid, np.nan, nominal)
+    panel.line(stretch - 1, inside, Stroke(colour, width=2.5), title, legend=panel.column == 1)
+    panel.line(stretch - 1, outside, Stroke(colour, "dot", 1.2), title)
 
 
-def _add(figure: Any, x: Array, y: Array, stroke: dict[str, Any], title: str, column: int, legend: bool) -> None:
-    figure.add_scatter(
-        x=x, y=y, mode="lines", line=stroke, name=title, legendgroup=title, showlegend=legend, row=1, col=column
-    )
-
-
-def _cut(figure: Any, fits: Fits, reach: float, column: int) -> None:
-    """Axes that end where the points of this panel end, though laws go on."""
-    stretch, stress = fits.curve.stretch, fits.curve.stress
-    seen = np.abs(stretch - 1) <= reach
-    if not seen.any():
+def _fit_axes(panel: Panel, fits: Fits, largest_strain: float) -> None:
+    """Axes that end where the measured points of this panel end, though laws go on."""
+    strain, stress = fits.curve.stretch - 1, fits.curve.stress
+    shown = np.abs(strain) <= largest_strain
+    if not shown.any():
         return
-    for update, values in ((figure.update_xaxes, stretch[seen] - 1), (figure.update_yaxes, stress[seen])):
+    for update, values in ((panel.figure.update_xaxes, strain[shown]), (panel.figure.update_yaxes, stress[shown])):
         margin = 0.05 * float(np.ptp(values))
-        update(range=[float(values.min()) - margin, float(values.max()) + margin], row=1, col=column)
+        update(range=[float(values.min()) - margin, float(values.max()) + margin], row=1, col=panel.column)

@@ -1,116 +1,154 @@
-"""The figures of the report, each a plotly figure made from the result files."""
+"""The figures of the report, each a plotly figure made from the result files.
+
+Figs 8, 10 and 16 of the paper (K. M. de Payrebrune, O. M. O'Reilly) have the same form.
+"""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
-from plotly.colors import sample_colorscale
-from plotly.subplots import make_subplots
 
 from geometry.arrays import Array
+from pipeline.plots import (
+    GREY,
+    INK,
+    Figure,
+    Panel,
+    Stroke,
+    legend_only,
+    ramp_colour,
+    series_colour,
+    single_panel,
+    styled,
+    two_panels,
+)
 from pipeline.report.results import Curve, Results
 
 _DASHES = {"I": "dot", "II": "solid", "III": "solid"}
-#: height over width of a shape that is drawn with a larger scale for y
+#: height over width of the curves below which y gets a larger scale than x
 _FLAT = 0.25
-_INK, _GREY = "#1f2933", "#7b8794"
+_ROD = Stroke(INK, "dash")
+_FINITE_ELEMENTS = Stroke(GREY)
 
 
-def shapes(results: Results) -> Any:
-    """The material curve of II and III: finite elements against the rod."""
-    figure = side_by_side(("II: inflated, clamped", "III: end held as well"), "x (mm)", "y (mm)")
-    for column, experiment in enumerate(("II", "III"), start=1):
+def shapes(results: Results) -> Figure:
+    """The material curve of II and III: finite elements and rod."""
+    panels = two_panels(("II: clamped", "III: clamped, height of the end prescribed"), "x (mm)", "y (mm)")
+    for panel, experiment in zip(panels, ("II", "III"), strict=True):
         for curve in _of(results, experiment):
-            colour = shade(results, curve.pressure_kPa)
-            label = f"{curve.pressure_kPa:g} kPa"
-            line(figure, curve["x_mm"], curve["y_mm"], colour, label, column, legend=column == 1)
-            if curve.has("rod_x_mm"):
-                line(figure, curve["rod_x_mm"], curve["rod_y_mm"], _INK, f"rod, {label}", column, dash="dash")
-    legend_only(figure, "finite elements", _GREY, "solid")
-    legend_only(figure, "rod", _INK, "dash")
-    return scaled_alike(figure, results.curves)
+            _shape(panel, curve, results, f"rod, {curve.pressure_kPa:g} kPa", legend=experiment == "II")
+    return _scaled_shapes(panels, results.curves)
 
 
-def scaled_alike(figure: Any, curves: Sequence[Curve]) -> Any:
-    """The two axes of shapes with one scale for x and y; arms that are nearly straight get a larger one for y."""
+def validation_shapes(results: Results) -> Figure:
+    """The material curve under each load that the parameters were not fitted to: finite elements and rod."""
+    panels = two_panels(("other heights of the end, other pressures", "dead force on the end"), "x (mm)", "y (mm)")
+    named: set[float] = set()
+    for curve in sorted(results.validation_curves, key=lambda curve: curve.pressure_kPa):
+        rod_name = f"rod, {curve.load or curve.experiment}, {curve.pressure_kPa:g} kPa"
+        panel = panels[1 if curve.experiment == "dead" else 0]
+        _shape(panel, curve, results, rod_name, legend=curve.pressure_kPa not in named)
+        named.add(curve.pressure_kPa)
+    return _scaled_shapes(panels, results.validation_curves)
+
+
+def _shape(panel: Panel, curve: Curve, results: Results, rod_name: str, *, legend: bool) -> None:
+    """The curve of the finite elements, and that of the rod where there is one."""
+    stroke = Stroke(shade(results, curve.pressure_kPa))
+    panel.line(curve["x_mm"], curve["y_mm"], stroke, f"{curve.pressure_kPa:g} kPa", legend=legend)
+    if curve.has("rod_x_mm"):
+        panel.line(curve["rod_x_mm"], curve["rod_y_mm"], _ROD, rod_name)
+
+
+def _scaled_shapes(panels: tuple[Panel, Panel], curves: Sequence[Curve]) -> Figure:
+    """Panels of shapes with one scale for x and y; arms that are nearly straight get a larger one for y."""
+    figure = panels[0].figure
+    legend_only(figure, "finite elements", _FINITE_ELEMENTS)
+    legend_only(figure, "rod", _ROD)
     width, height = (max((float(np.ptp(curve[name])) for curve in curves), default=0.0) for name in ("x_mm", "y_mm"))
     if height < _FLAT * width:
-        figure.update_yaxes(title="y (mm), not to scale", col=1)
+        panels[0].title_y("y (mm), not to scale")
         figure.update_yaxes(matches="y")
         return figure
-    for column in (1, 2):
-        figure.update_yaxes(scaleanchor="x" if column == 1 else "x2", scaleratio=1, row=1, col=column)
+    for panel, x_axis in zip(panels, ("x", "x2"), strict=True):
+        figure.update_yaxes(scaleanchor=x_axis, scaleratio=1, row=1, col=panel.column)
     return figure
 
 
-def curvatures(results: Results) -> Any:
-    """Curvature along the material curve in I, II and III, and in III that of the rod (paper, Figs 8 and 16b)."""
-    titles = ("I dotted, II solid: nothing but pressure", "III: end held as well")
-    figure = side_by_side(titles, "s (mm)", "curvature (1/mm)")
-    for experiment, column in (("I", 1), ("II", 1), ("III", 2)):
+def curvatures(results: Results) -> Figure:
+    """Curvature along the material curve in I, II and III, and in III that of the rod."""
+    titles = ("I dotted, II solid: pressure alone", "III: height of the end prescribed")
+    without_load, with_load = two_panels(titles, "s (mm)", "curvature (1/mm)")
+    for experiment, panel in (("I", without_load), ("II", without_load), ("III", with_load)):
         for curve in _of(results, experiment):
-            colour = shade(results, curve.pressure_kPa)
-            label = f"{curve.pressure_kPa:g} kPa"
+            colour, label = shade(results, curve.pressure_kPa), f"{curve.pressure_kPa:g} kPa"
+            s, kappa = curve["s_mm"], curve["kappa_per_mm"]
             if curve.has("kappa_std_per_mm"):
-                _band(figure, curve, colour, column)
-            line(
-                figure,
-                curve["s_mm"],
-                curve["kappa_per_mm"],
-                colour,
-                label,
-                column,
-                dash=_DASHES[experiment],
-                legend=experiment == "II",
-            )
+                spread = curve["kappa_std_per_mm"]
+                finite = np.isfinite(spread)
+                panel.band(s[finite], kappa[finite], spread[finite], colour)
+            panel.line(s, kappa, Stroke(colour, _DASHES[experiment]), label, legend=experiment == "II")
             if experiment == "III" and curve.has("rod_kappa_per_mm"):
-                line(figure, curve["s_mm"], curve["rod_kappa_per_mm"], _INK, f"rod, {label}", column, dash="dash")
-    legend_only(figure, "rod", _INK, "dash")
-    return figure
+                panel.line(s, curve["rod_kappa_per_mm"], _ROD, f"rod, {label}")
+    legend_only(without_load.figure, "rod", _ROD)
+    return without_load.figure
 
 
-def moments(results: Results) -> Any:
-    """Bending moment in III over the change of curvature against II, with the two lines and the single one."""
-    figure = go.Figure()
+def moments(results: Results) -> Figure:
+    """Bending moment in III over the change of curvature against II, with the two fitted lines and the single one."""
+    figure = single_panel("κ - κ₀ (1/mm)", "M (N mm)")
     for pressure in results.pressures:
-        free, held = results.curve("II", pressure), results.curve("III", pressure)
-        if free is None or held is None or not held.has("moment_N_mm") or len(free["s_mm"]) != len(held["s_mm"]):
+        free, loaded = results.curve("II", pressure), results.curve("III", pressure)
+        if free is None or loaded is None or not loaded.has("moment_N_mm") or len(free["s_mm"]) != len(loaded["s_mm"]):
             continue
         inside = _estimated(free)
         change, moment, s = (
             values[inside]
-            for values in (held["kappa_per_mm"] - free["kappa_per_mm"], held["moment_N_mm"], held["s_mm"])
+            for values in (loaded["kappa_per_mm"] - free["kappa_per_mm"], loaded["moment_N_mm"], loaded["s_mm"])
         )
         colour, label = shade(results, pressure), f"{pressure:g} kPa"
-        marker = {"color": colour, "size": 5, "opacity": 0.7}
-        hover = "s = %{customdata:.1f} mm<br>%{x:.5f} 1/mm, %{y:.4g} N mm"
         figure.add_scatter(
-            x=change, y=moment, mode="markers", marker=marker, name=label, legendgroup=label,
-            customdata=s, hovertemplate=hover,
+            x=change, y=moment, mode="markers", marker={"color": colour, "size": 5, "opacity": 0.7},
+            name=label, legendgroup=label, customdata=s,
+            hovertemplate="s = %{customdata:.1f} mm<br>%{x:.5f} 1/mm, %{y:.4g} N mm",
         )  # fmt: skip
-        _fitted_lines(figure, results, pressure, s, change, colour)
-    legend_only(figure, "two lines", _INK, "solid")
-    legend_only(figure, "one line", _GREY, "dot")
-    figure.update_xaxes(title="κ - κ₀ (1/mm)")
-    figure.update_yaxes(title="M (N mm)")
+        finite = np.isfinite(change)
+        _fitted_lines(figure, results, pressure, s[finite], change[finite])
+    legend_only(figure, "two lines", Stroke(INK))
+    legend_only(figure, "single line", Stroke(GREY, "dot"))
     return styled(figure, 480)
 
 
 def _estimated(curve: Curve) -> Array:
-    """Where the curvature is an estimate of its own (n,): the ends of a curve repeat the value of the nearest cell."""
+    """Points at which the curvature is an estimate (n,): the ends of a curve repeat the value of the nearest cell."""
     kappa = curve["kappa_per_mm"]
-    moves = np.flatnonzero(np.diff(kappa))
+    changes = np.flatnonzero(np.diff(kappa))
     inside = np.ones(len(kappa), dtype=bool)
-    if len(moves):
-        inside[: moves[0]] = False
-        inside[moves[-1] + 2 :] = False
+    if len(changes):
+        inside[: changes[0]] = False
+        inside[changes[-1] + 2 :] = False
     return inside
 
 
-def alphas_over_pressure(results: Results) -> Any:
-    """The two slopes over pressure, with their standard deviations and the lines of slope beta1 and beta2."""
-    figure = go.Figure()
+def _fitted_lines(figure: Figure, results: Results, pressure: float, s: Array, change: Array) -> None:
+    """Both lines over the changes of curvature (n,) of their part of s (n,), and the single line over all of them."""
+    stroke, d = Stroke(shade(results, pressure)), results.at("d_mm", pressure)
+    pieces = [] if d is None else [("alpha1_N_mm2", "m01_N_mm", s <= d), ("alpha2_N_mm2", "m02_N_mm", s >= d)]
+    drawn = [(stroke, slope, height, change[part]) for slope, height, part in pieces]
+    drawn.append((Stroke(GREY, "dot", 1.2), "one_line_alpha_N_mm2", "one_line_m0_N_mm", change))
+    for stroke, slope, height, part in drawn:
+        alpha, m0 = results.at(slope, pressure), results.at(height, pressure)
+        if alpha is not None and m0 is not None and len(part):
+            ends = np.array([part.min(), part.max()])
+            figure.add_scatter(
+                x=ends, y=alpha * ends + m0, mode="lines", line=stroke.plotly,
+                legendgroup=f"{pressure:g} kPa", showlegend=False, hoverinfo="skip",
+            )  # fmt: skip
+
+
+def alphas_over_pressure(results: Results) -> Figure:
+    """α₁ and α₂ over pressure, with their standard deviations and the lines of slope β₁ and β₂."""
+    figure = single_panel("p (kPa)", "α (N mm²)")
     pressures = np.array(results.parameters.get("pressures_kPa", ()), dtype=float)
     for number, colour in ((1, "#2a78b8"), (2, "#c4541b")):
         key = f"alpha{number}_N_mm2"
@@ -125,25 +163,41 @@ def alphas_over_pressure(results: Results) -> Any:
         slope = results.parameters.get(f"beta{number}_N_mm2_per_kPa")
         if slope is not None:
             ends = pressures[[0, -1]]
-            on_line = np.nanmean(values) + slope * (ends - pressures.mean())
             figure.add_scatter(
-                x=ends,
-                y=on_line,
-                mode="lines",
-                line={"color": colour, "dash": "dot"},
-                showlegend=False,
-                hoverinfo="skip",
-            )
-    figure.update_xaxes(title="p (kPa)")
-    figure.update_yaxes(title="α (N mm²)", rangemode="tozero")
+                x=ends, y=np.nanmean(values) + slope * (ends - pressures.mean()), mode="lines",
+                line={"color": colour, "dash": "dot"}, showlegend=False, hoverinfo="skip",
+            )  # fmt: skip
+    figure.update_yaxes(rangemode="tozero")
     return styled(figure, 400)
 
 
-def times(parts: Sequence[tuple[str, float]]) -> Any:
+def end_forces(results: Results) -> Figure:
+    """The end force over the pressure, finite elements and rod, for every prescribed height of the end."""
+    figure = single_panel("p (kPa)", "F_y (N)")
+    rows = [row for row in results.validation if row.get("force_N") is not None]
+    for number, load in enumerate(sorted({row.get("load", "") for row in rows})):
+        of_load = sorted((row for row in rows if row.get("load", "") == load), key=lambda row: row["pressure_kPa"])
+        colour, label = series_colour(number), load or "as identified"
+        pressures = [row["pressure_kPa"] for row in of_load]
+        figure.add_scatter(
+            x=pressures, y=[row["force_N"] for row in of_load], mode="markers", name=label, legendgroup=label,
+            marker={"color": colour, "size": 9},
+        )  # fmt: skip
+        figure.add_scatter(
+            x=pressures, y=[row["rod_force_N"] for row in of_load], mode="markers", name=f"rod, {label}",
+            legendgroup=label, showlegend=False,
+            marker={"color": colour, "size": 15, "symbol": "circle-open", "line": {"width": 1.5}},
+        )  # fmt: skip
+    figure.update_layout(title={"text": "end force: finite elements (dots) and rod (rings)", "font": {"size": 14}})
+    figure.update_yaxes(rangemode="tozero")
+    return styled(figure, 380)
+
+
+def times(parts: Sequence[tuple[str, float]]) -> Figure:
     """Seconds by part of the solver, one bar each."""
     names, seconds = [name for name, _ in parts], [value for _, value in parts]
-    figure = go.Figure(go.Bar(x=seconds, y=names, orientation="h", marker_color="#4a6fa5"))
-    figure.update_xaxes(title="seconds, summed over the experiments")
+    figure = single_panel("seconds, summed over the experiments", "")
+    figure.add_bar(x=seconds, y=names, orientation="h", marker_color="#4a6fa5")
     figure.update_yaxes(autorange="reversed")
     return styled(figure, 90 + 32 * len(parts))
 
@@ -155,83 +209,9 @@ def _of(results: Results, experiment: str) -> list[Curve]:
 def shade(results: Results, pressure: float) -> str:
     """Light for low pressures, dark for high ones."""
     pressures = results.pressures
-    place = float(np.interp(pressure, pressures, np.linspace(0.0, 1.0, len(pressures)))) if len(pressures) > 1 else 0.0
-    return str(sample_colorscale("Viridis", 0.85 - 0.75 * place)[0])
-
-
-def side_by_side(titles: tuple[str, str], x: str, y: str) -> Any:
-    """An empty figure of two axes beside each other."""
-    figure = make_subplots(cols=2, subplot_titles=titles, horizontal_spacing=0.09)
-    figure.update_xaxes(title=x)
-    figure.update_yaxes(title=y, col=1)
-    return styled(figure, 430)
-
-
-def line(
-    figure: Any, x: Array, y: Array, colour: str, name: str, column: int, *, dash: str = "solid", legend: bool = False
-) -> None:
-    """Add a line to the axes of `column`."""
-    stroke = {"color": colour, "dash": dash, "width": 2}
-    figure.add_scatter(
-        x=x, y=y, mode="lines", line=stroke, name=name, legendgroup=name, showlegend=legend, row=1, col=column
-    )
-
-
-def _band(figure: Any, curve: Curve, colour: str, column: int) -> None:
-    """One standard deviation to either side."""
-    known = np.isfinite(curve["kappa_std_per_mm"])
-    s, kappa, spread = (curve[name][known] for name in ("s_mm", "kappa_per_mm", "kappa_std_per_mm"))
-    outline_x, outline_y = np.concatenate([s, s[::-1]]), np.concatenate([kappa + spread, (kappa - spread)[::-1]])
-    figure.add_scatter(
-        x=outline_x, y=outline_y, fill="toself", fillcolor=colour, opacity=0.15, line={"width": 0},
-        hoverinfo="skip", showlegend=False, row=1, col=column,
-    )  # fmt: skip
-
-
-def _fitted_lines(figure: Any, results: Results, pressure: float, s: Array, change: Array, colour: str) -> None:
-    label = f"{pressure:g} kPa"
-    known = np.isfinite(change)
-    s, change = s[known], change[known]
-    if not len(s):
-        return
-    cut = results.at("d_mm", pressure)
-    bounds = () if cut is None else ((s <= cut, 1), (s >= cut, 2))
-    for side, number in bounds:
-        alpha, start = results.at(f"alpha{number}_N_mm2", pressure), results.at(f"m0{number}_N_mm", pressure)
-        if alpha is not None and start is not None and side.any():
-            ends = np.array([change[side].min(), change[side].max()])
-            figure.add_scatter(
-                x=ends, y=alpha * ends + start, mode="lines", line={"color": colour, "width": 2},
-                legendgroup=label, showlegend=False, hoverinfo="skip",
-            )  # fmt: skip
-    alpha, start = results.at("one_line_alpha_N_mm2", pressure), results.at("one_line_m0_N_mm", pressure)
-    if alpha is not None and start is not None:
-        ends = np.array([change.min(), change.max()])
-        figure.add_scatter(
-            x=ends, y=alpha * ends + start, mode="lines", line={"color": _GREY, "width": 1.2, "dash": "dot"},
-            legendgroup=label, showlegend=False, hoverinfo="skip",
-        )  # fmt: skip
-
-
-def legend_only(figure: Any, name: str, colour: str, dash: str) -> None:
-    """Add an entry to the legend that stands for no single line."""
-    figure.add_scatter(x=[None], y=[None], mode="lines", line={"color": colour, "dash": dash}, name=name)
+    at = float(np.interp(pressure, pressures, np.linspace(0.0, 1.0, len(pressures)))) if len(pressures) > 1 else 0.0
+    return ramp_colour(at)
 
 
 def _numbers(values: Any) -> Array:
     return np.array([np.nan if value is None else value for value in values or ()], dtype=float)
-
-
-def styled(figure: Any, height: int) -> Any:
-    """The figure in the report's style."""
-    figure.update_layout(
-        template="simple_white",
-        height=height,
-        margin={"l": 64, "r": 16, "t": 36, "b": 52},
-        font={"family": "system-ui, sans-serif", "size": 13, "color": _INK},
-        legend={"orientation": "v"},
-        hoverlabel={"font_size": 12},
-    )
-    figure.update_xaxes(showgrid=True, gridcolor="#eceff2", zeroline=False)
-    figure.update_yaxes(showgrid=True, gridcolor="#eceff2", zeroline=False)
-    return figure

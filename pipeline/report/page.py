@@ -7,10 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import jinja2
-from plotly.offline import get_plotlyjs
 
+from pipeline.plots import Figure, plotly_script
 from pipeline.report import figures
-from pipeline.report.compared import end_forces, validation_shapes
 from pipeline.report.numbers import NUMBERS, estimators, mesh_error, observations, regimes, sixth_number, with_spread
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import (
@@ -94,7 +93,7 @@ def render_report(directory: Path) -> str:
         limits=limits_met(results),
         run=results.run,
         number=number,
-        plotly=get_plotlyjs(),
+        plotly=plotly_script(),
     )
 
 
@@ -127,7 +126,7 @@ def _betas(results: Results) -> list[str]:
 
 def _figures(results: Results) -> dict[str, str]:
     """The figures for which there is something to draw, as HTML."""
-    drawn: dict[str, Any] = {}
+    drawn: dict[str, Figure] = {}
     if any(curve.experiment in ("II", "III") for curve in results.curves):
         drawn["shapes"] = figures.shapes(results)
     if results.curves:
@@ -135,9 +134,9 @@ def _figures(results: Results) -> dict[str, str]:
     if any(curve.experiment == "III" for curve in results.curves):
         drawn["moments"] = figures.moments(results)
     if results.validation_curves:
-        drawn["validation"] = validation_shapes(results)
+        drawn["validation"] = figures.validation_shapes(results)
     if any(row.get("force_N") is not None for row in results.validation):
-        drawn["forces"] = end_forces(results)
+        drawn["forces"] = figures.end_forces(results)
     if results.parameters.get("alpha1_N_mm2"):
         drawn["alphas"] = figures.alphas_over_pressure(results)
     parts = results.run.get("solver_seconds") or {}
