@@ -87,10 +87,10 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         design = load_config(config, settings or ())
         folder = out or Path("results") / f"{design.name}_mesh"
 
-        from pipeline.simulation.scene import meshed_body
+        from pipeline.simulation.scene import Scene
         from pipeline.store.atomic_file import beside
 
-        body = meshed_body(design)
+        body = Scene.meshed(design).body
         try:
             folder.mkdir(parents=True, exist_ok=True)
             with beside(folder / "mesh.vtu") as place:

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from geometry import Body
 from pipeline.config.config import FULLY_INTEGRATED, Config
+from pipeline.context import RunContext
 from pipeline.identification.parameters import identify_all
 from pipeline.identification.record import parameters_record
 from pipeline.progress import Progress
-from pipeline.simulation.scene import GAP, is_on, meshed_body
+from pipeline.simulation.scene import GAP, Scene, is_on
 from pipeline.simulation.simulate import Outcome, simulate
-from pipeline.store.store import Store, open_store
+from pipeline.store.store import open_store
 
 BASE = "as configured"
 #: key of a row -> how its column is called
@@ -55,26 +55,27 @@ def compare_effects(
     rows: list[dict[str, Any]] = []
     failures: list[str] = []
     with open_store(out, config, fresh=fresh) as store:
-        for variant in variants(config, meshed_body(config)):
+        for variant in variants(Scene.meshed(config)):
             progress.stage(variant.name)
             if variant.effect == BASE:
-                found, refused = _rows(variant, store, jobs, progress)
+                found, refused = _rows(variant, RunContext(store, jobs, progress))
             else:
                 with open_store(out / variant.folder, variant.config, fresh=fresh) as own:
-                    found, refused = _rows(variant, own, jobs, progress)
+                    found, refused = _rows(variant, RunContext(own, jobs, progress))
             rows += found
             failures += refused
             store.save_json("effects_table.json", _compared(rows))
     return _compared(rows), failures
 
 
-def variants(config: Config, body: Body) -> list[Variant]:
+def variants(scene: Scene) -> list[Variant]:
     """The configuration, and the ones that differ from it in one effect.
 
     Pressure is not among them: without it there is no arm that bends. Contact is left out where no faces can meet, the
     half body where the body is whole, the layer where the mesh has no faces for it. Linear elements know no
     way to treat incompressibility and give place to quadratic ones.
     """
+    config, body = scene.config, scene.body
     flipped = {
         "incompressibility": "on" if config.mesh.formulation in FULLY_INTEGRATED else "off",
         "gravity": "off" if is_on(config, "gravity") else "on",
@@ -92,12 +93,12 @@ def variants(config: Config, body: Body) -> list[Variant]:
     return [Variant(BASE, "", config), *sorted(changed, key=lambda variant: list(config.effects).index(variant.effect))]
 
 
-def _rows(variant: Variant, store: Store, jobs: int, progress: Progress) -> tuple[list[dict[str, Any]], list[str]]:
+def _rows(variant: Variant, context: RunContext) -> tuple[list[dict[str, Any]], list[str]]:
     """The rows of one variant, and a sentence for all that is missing in them."""
     config = variant.config
-    body = meshed_body(config)
-    outcomes = simulate(config, body, store, jobs, progress, ("III", "II"))
-    found, refused = identify_all(outcomes, body.pitch)
+    scene = Scene.meshed(config)
+    outcomes = simulate(scene, context, ("III", "II"))
+    found, refused = identify_all(outcomes, scene.body.pitch)
     record = parameters_record(config, found)
     cost = {
         "seconds": sum(outcome.seconds.total for outcome in outcomes.values()),

@@ -9,6 +9,7 @@ from typing import Any
 from fem import compile_kernels
 from pipeline.accuracy.plan import afterwards, chosen
 from pipeline.config.config import Config
+from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.identification.added_pressures import with_added_pressures
 from pipeline.identification.mesh_error import with_mesh_error
@@ -19,7 +20,7 @@ from pipeline.report.page import render_report
 from pipeline.simulation.effects_record import effect_rows
 from pipeline.simulation.indicator import largest_indicator
 from pipeline.simulation.pictures import draw_all
-from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import Outcome, simulate
 from pipeline.store.provenance import provenance
 from pipeline.store.store import Store, open_store
@@ -35,31 +36,32 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     """
     with open_store(out, config, fresh=fresh) as store:
         seconds: dict[str, float] = {}
+        context = RunContext(store, jobs, progress)
         config, choice = chosen(config, store, progress)
         with _stage("mesh", progress, seconds):
-            body = meshed_body(config)
+            scene = Scene.meshed(config)
         with _stage("kernels (compiled once)", progress, seconds):
             compile_kernels(config.mesh.formulation)
         with _stage("experiments", progress, seconds):
-            outcomes = simulate(config, body, store, jobs, progress)
+            outcomes = simulate(scene, context)
             store.save_json("experiments.json", _experiment_rows(outcomes))
-            store.save_json("effects.json", effect_rows(config, body, outcomes))
+            store.save_json("effects.json", effect_rows(scene, outcomes))
         with _stage("identification", progress, seconds):
-            found, refused = identify_all(outcomes, body.pitch)
-            outcomes, found, more = with_added_pressures(config, body, store, jobs, progress, outcomes, found)
+            found, refused = identify_all(outcomes, scene.body.pitch)
+            outcomes, found, more = with_added_pressures(scene, context, outcomes, found)
             store.save_json("experiments.json", _experiment_rows(outcomes))
         with _stage("coarser mesh", progress, seconds):
-            found = with_mesh_error(config, store, jobs, progress, found)
+            found = with_mesh_error(config, context, found)
             store.save_json("parameters.json", parameters_record(config, found))
         with _stage("rod", progress, seconds):
             comparisons = compare(found)
-            store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, body.pitch))
+            store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, scene.body.pitch))
             store.save_json("validation.json", [comparison.row() for comparison in comparisons])
         with _stage("validation", progress, seconds):
-            validated = validate(config, body, store, jobs, progress, found)
+            validated = validate(scene, context, found)
             validated.save(store, comparisons)
         with _stage("pictures", progress, seconds):
-            draw_all(body, outcomes, store)
+            draw_all(scene.body, outcomes, store)
         stopped = [_failure(outcome) for outcome in outcomes.values() if outcome.failure]
         failure = "; ".join([*stopped, *refused, *more, *validated.failures])
         with _stage("report", progress, seconds):

@@ -14,10 +14,11 @@ from rich.console import Console
 
 import fem
 from pipeline.config.config import load_config
+from pipeline.context import RunContext
 from pipeline.effects_study import BASE, about_contact, compare_effects, variants
 from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_rows
-from pipeline.simulation.scene import effects_of, meshed_body
+from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import Outcome, simulate
 from pipeline.store.store import open_store
 from pipeline.terminal import comparison
@@ -31,11 +32,11 @@ def simulated(
 ) -> tuple[dict[str, Outcome], dict[str, dict[str, Any]]]:
     """Outcomes, and the rows of effects.json by effect."""
     config = load_config(HERE / "configs" / f"{name}.yaml", overrides)
-    body = meshed_body(config)
+    scene = Scene.meshed(config)
     with open_store(out, config) as store:
-        outcomes = simulate(config, body, store, 1, Silent(), experiments)
+        outcomes = simulate(scene, RunContext(store, 1, Silent()), experiments)
     assert [outcome.failure for outcome in outcomes.values()] == [""] * len(experiments)
-    return outcomes, {row["effect"]: row for row in effect_rows(config, body, outcomes)}
+    return outcomes, {row["effect"]: row for row in effect_rows(scene, outcomes)}
 
 
 def ends(outcomes: Mapping[str, Outcome]) -> np.ndarray:
@@ -99,9 +100,9 @@ def test_effects_that_are_off_add_nothing(tmp_path: Path) -> None:
     def system(*overrides: str) -> Any:
         short = ["geometry.length=32 mm", "effects.self_contact=off", *overrides]
         config = load_config(HERE / "configs/bisected_circle_coarse.yaml", short)
-        body = meshed_body(config)
-        experiment = fem.Experiment.of("II", body, 0.0)
-        return experiment.model(fem.StVenantKirchhoff(1.2, 0.495), effects_of(config, body, 0.02), "p2p0").system()
+        scene = Scene.meshed(config)
+        experiment = fem.Experiment.of("II", scene.body, 0.0)
+        return experiment.model(fem.StVenantKirchhoff(1.2, 0.495), scene.effects(0.02), "p2p0").system()
 
     plain, every = system(), system("effects.gravity=on", "effects.strain_limiting_layer=on")
     assert [term.effect for term in plain.terms] == ["pressure"]
@@ -115,7 +116,7 @@ def test_weight_is_whole_at_every_pressure(tmp_path: Path) -> None:
         tmp_path, "semicircular_coarse", *SHORT, "pressures=[5 kPa, 10 kPa]", "effects.gravity=on"
     )
     config = load_config(HERE / "configs/semicircular_coarse.yaml", SHORT)
-    mass = config.material.density_tonne_mm3 * meshed_body(config).mesh.volume * 2
+    mass = config.material.density_tonne_mm3 * Scene.meshed(config).body.mesh.volume * 2
     for record in outcomes["II"].records:
         assert record.row["clamp_reaction_N"] == pytest.approx([0.0, mass * 9810.0], abs=1e-6)
     assert rows["gravity"]["state"] == "on"
@@ -176,7 +177,7 @@ def test_table_of_effects(tmp_path: Path) -> None:
     config = load_config(
         HERE / "configs/semicircular_coarse.yaml", ["geometry.chambers=8", "mesh.size=6 mm", "pressures=[20 kPa]"]
     )
-    assert [variant.name for variant in variants(config, meshed_body(config))] == [
+    assert [variant.name for variant in variants(Scene.meshed(config))] == [
         *(BASE, "symmetry off", "incompressibility off", "gravity on", "strain_limiting_layer on")
     ]
     rows, failures = compare_effects(config, tmp_path / "table", 1, False, Silent())

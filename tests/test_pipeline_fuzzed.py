@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, event, given, settings
 from geometry.design import expected_tets
 from pipeline.config.config import load_config
 from pipeline.errors import InputError
-from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.scene import Scene
 from tests.bodies import DATA
 from tests.fuzzed import Written, configurations
 
@@ -66,7 +66,7 @@ def first_stage(folder: Path, written: Written, largest: int) -> str:
         json.dumps(config.record(), allow_nan=False)
         if expected_tets(config.mesh.size_mm, config.design.extent, config.design.solid_volume / 2) > largest:
             return "accepted, too large to be meshed here"
-        body = meshed_body(config)
+        body = Scene.meshed(config).body
     except InputError as refused:
         sentence = str(refused)
         assert sentence.isprintable()

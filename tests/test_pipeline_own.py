@@ -15,10 +15,11 @@ from geometry import OwnMesh, OwnSolid
 from geometry.meshing.solid import session
 from pipeline.cli import app
 from pipeline.config.config import load_config
+from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_rows
-from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 
@@ -77,10 +78,10 @@ def test_own_body_is_read_and_recorded(tmp_path: Path) -> None:
 
 def test_own_body_is_inflated(tmp_path: Path) -> None:
     config = load_config(CONFIGS / "finger.yaml", ["mesh.size=5 mm", "pressures=[20 kPa]"])
-    body = meshed_body(config)
+    scene = Scene.meshed(config)
     with open_store(tmp_path, config) as store:
-        outcomes = simulate(config, body, store, 1, Silent(), ("II",))
-        rows = {row["effect"]: row for row in effect_rows(config, body, outcomes)}
+        outcomes = simulate(scene, RunContext(store, 1, Silent()), ("II",))
+        rows = {row["effect"]: row for row in effect_rows(scene, outcomes)}
     (record,) = outcomes["II"].records
     assert record.row["end_y_mm"] < 1.0 - 2.0
     assert abs(record.row["stretch_of_curve"] - 1.0) < 2e-3
@@ -92,7 +93,7 @@ def test_own_body_is_inflated(tmp_path: Path) -> None:
 def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A configuration of the finger as a ready mesh."""
     folder = tmp_path_factory.mktemp("ready")
-    body = meshed_body(load_config(CONFIGS / "finger.yaml", ["mesh.size=5 mm"]))
+    body = Scene.meshed(load_config(CONFIGS / "finger.yaml", ["mesh.size=5 mm"])).body
     body.mesh.write(folder / "finger.msh")
     text = (CONFIGS / "finger.yaml").read_text(encoding="utf-8")
     geometry = "geometry: {family: own, file: finger.msh, curve: 1 mm, cell: 8 mm}\n"
@@ -106,7 +107,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_ready_mesh_stays_as_it_is(ready: Path) -> None:
     config = load_config(ready)
     assert isinstance(config.design, OwnMesh)
-    body = meshed_body(config)
+    body = Scene.meshed(config).body
     assert (body.half, body.length, config.mesh.formulation) == (True, pytest.approx(80.0), "p2p0")
     assert config.mesh.size_mm == pytest.approx(body.mesh.quality.longest_edge)
     assert config.design.solid_volume == pytest.approx(

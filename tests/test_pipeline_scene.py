@@ -8,7 +8,7 @@ import fem
 from geometry import Body
 from pipeline.config.config import CavityPressure, Config, Layer, load_config
 from pipeline.errors import InputError
-from pipeline.simulation.scene import contact_faces, effects_of, material_of, meshed_body
+from pipeline.simulation.scene import Scene, material_of
 
 BISECTED = ("geometry.length=30 mm", "mesh.size=5 mm")
 
@@ -20,18 +20,18 @@ def arm(configs: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def half() -> Body:
-    return meshed_body(load_config("configs/bisected_circle_coarse.yaml", BISECTED))
+    return Scene.meshed(load_config("configs/bisected_circle_coarse.yaml", BISECTED)).body
 
 
 def refusal(path: Path, *overrides: str) -> str:
     with pytest.raises(InputError) as refused:
-        meshed_body(load_config(path, [*BISECTED, *overrides]))
+        Scene.meshed(load_config(path, [*BISECTED, *overrides]))
     return str(refused.value)
 
 
 def loads(config: Config, body: Body, largest_MPa: float) -> list[fem.Effect]:
     """All effects but contact."""
-    every = effects_of(config, body, largest_MPa)
+    every = Scene(config, body).effects(largest_MPa)
     return [effect for effect in every if not isinstance(effect, fem.SelfContact)]
 
 
@@ -85,10 +85,10 @@ def test_wrong_effects_are_refused_by_key(arm: Path, override: str, key: str, co
 
 def test_gravity_across_the_plane_needs_the_whole_body(arm: Path) -> None:
     aside = "effects.gravity={acceleration: [0 m/s^2, 0 m/s^2, 9.81 m/s^2]}"
-    assert meshed_body(load_config(arm, BISECTED)).half
-    assert meshed_body(load_config(arm, [*BISECTED, "effects.gravity=on"])).half
-    assert not meshed_body(load_config(arm, [*BISECTED, aside])).half
-    assert not meshed_body(load_config(arm, [*BISECTED, "effects.symmetry=off"])).half
+    assert Scene.meshed(load_config(arm, BISECTED)).body.half
+    assert Scene.meshed(load_config(arm, [*BISECTED, "effects.gravity=on"])).body.half
+    assert not Scene.meshed(load_config(arm, [*BISECTED, aside])).body.half
+    assert not Scene.meshed(load_config(arm, [*BISECTED, "effects.symmetry=off"])).body.half
     assert "acts across the plane of symmetry" in refusal(arm, aside, "effects.symmetry=on")
 
 
@@ -152,7 +152,7 @@ def test_one_effect_can_be_changed(arm: Path) -> None:
 
 
 def contact(config: Config) -> list[fem.SelfContact]:
-    return [effect for effect in effects_of(config, meshed_body(config), 0.04) if isinstance(effect, fem.SelfContact)]
+    return [effect for effect in Scene.meshed(config).effects(0.04) if isinstance(effect, fem.SelfContact)]
 
 
 def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None:
@@ -168,5 +168,5 @@ def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None
     both = arm("effects.self_contact={state: auto, faces: [gap, cavity]}")
     assert contact(both) == contact(arm())
     off = arm("effects.self_contact=off")
-    assert contact_faces(off, meshed_body(off)) == ()
-    assert contact_faces(arm(), half) == half.cavities
+    assert Scene.meshed(off).contact_faces == ()
+    assert Scene(arm(), half).contact_faces == half.cavities

@@ -14,11 +14,12 @@ import numpy as np
 from fem import compile_kernels
 from geometry import Body, Centreline
 from pipeline.accuracy.ladder import Rung
+from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.processes import side_by_side
 from pipeline.progress import Silent
-from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import Outcome, simulate
 from pipeline.store.store import open_store
 
@@ -37,21 +38,21 @@ def measure(rung: Rung) -> dict[str, Any]:
     compile_kernels(rung.config.mesh.formulation)
     start, cpu = perf_counter(), _cpu_seconds()
     try:
-        body = meshed_body(rung.config)
+        scene = Scene.meshed(rung.config)
         meshed = perf_counter() - start
         with TemporaryDirectory() as folder, open_store(Path(folder), rung.config) as store:
-            outcomes = simulate(rung.config, body, store, 1, Silent(), ("III", "II"))
+            outcomes = simulate(scene, RunContext(store, 1, Silent()), ("III", "II"))
     except (InputError, RunFailed) as failure:
         return {"failure": str(failure), "numbers": []}
     begin = perf_counter()
-    found, refused = identify_all(outcomes, body.pitch)
+    found, refused = identify_all(outcomes, scene.body.pitch)
     fit = perf_counter() - begin
     wall, spent = perf_counter() - start, _cpu_seconds() - cpu
     stopped = [f"{one.experiment}: {one.failure}" for one in outcomes.values() if one.failure]
     numbers = [numbers_of(one, 1, fit) for one in found]
     for stride in rung.strides[1:]:
         begin = perf_counter()
-        thinner, without = identify_all(_thinned(outcomes, stride), body.pitch)
+        thinner, without = identify_all(_thinned(outcomes, stride), scene.body.pitch)
         numbers += [numbers_of(one, stride, perf_counter() - begin) for one in thinner]
         refused += tuple(f"every {stride} points: {sentence}" for sentence in without)
     return {
@@ -60,7 +61,7 @@ def measure(rung: Rung) -> dict[str, Any]:
         "cpu_seconds": spent,
         "seconds": {"mesh": meshed, **_stages(outcomes), "fit": fit},
         "peak_memory_MB": _peak_memory_MB(),
-        **_size(body, outcomes),
+        **_size(scene.body, outcomes),
         "numbers": numbers,
     }
 

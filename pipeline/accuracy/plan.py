@@ -16,13 +16,12 @@ from pipeline.accuracy.error_model import RIGIDITY, MeshLaw
 from pipeline.accuracy.ladder import Rung, mesh_choice
 from pipeline.accuracy.measure import measure, numbers_of
 from pipeline.accuracy.reference import HEADLINE, NUMBERS
-from pipeline.accuracy.study import touching_distance
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
 from pipeline.progress import Progress
 from pipeline.simulation.indicator import Indicator
-from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import Outcome
 from pipeline.store.store import Store
 
@@ -219,7 +218,7 @@ def _solved(numbers: Mapping[str, Any]) -> dict[str, Any]:
 
 def _contact(config: Config, asked: float) -> tuple[float | None, float]:
     """The activation distance (mm) that leaves `asked` of relative error, and what it leaves; as given where it is."""
-    usual = touching_distance(replace(config, contact_dhat_mm=None), meshed_body(config))
+    usual = Scene.meshed(replace(config, contact_dhat_mm=None)).activation_distance
     if usual is None:
         return None, 0.0
     gap = usual / fem.ACTIVATION

@@ -3,15 +3,13 @@
 from pathlib import Path
 from typing import Any
 
-import fem
-from geometry import Body
 from pipeline.accuracy.figure import html_page, svg_picture
 from pipeline.accuracy.ladder import Rung, ladder
 from pipeline.accuracy.measure import measured_apart
 from pipeline.accuracy.record import accuracy_record
 from pipeline.config.config import Config
 from pipeline.progress import Progress
-from pipeline.simulation.scene import GAP, contact_faces, meshed_body
+from pipeline.simulation.scene import Scene
 from pipeline.store.store import open_store
 
 
@@ -22,7 +20,7 @@ def climb(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress)
     rungs were reached to hold the others against.
     """
     with open_store(out, config, fresh=fresh) as store:
-        touching = touching_distance(config, meshed_body(config))
+        touching = Scene.meshed(config).activation_distance
         rungs = ladder(config, touching)
         files = {rung.folder: f"rungs/{rung.folder}.json" for rung in rungs}
         found = {name: store.read_json(file) for name, file in files.items()}
@@ -41,12 +39,3 @@ def climb(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress)
         store.save_text("accuracy.html", html_page(record))
         store.save_text("accuracy.svg", svg_picture(record))
     return record
-
-
-def touching_distance(config: Config, body: Body) -> float | None:
-    """The activation distance of contact (mm) as configured, or the default; None where no faces can meet."""
-    meant = [faces for faces in contact_faces(config, body) if faces in (config.contact_faces or (GAP,))]
-    if not meant:
-        return None
-    space = fem.Discretisation.of(body.mesh, config.mesh.formulation)
-    return min(fem.SelfContact(faces, config.contact_dhat_mm).activation_distance(space) for faces in meant)

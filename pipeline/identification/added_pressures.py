@@ -4,13 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import fem
-from geometry import Body
-from pipeline.config.config import Config
+from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, identify_all
-from pipeline.progress import Progress
 from pipeline.simulation.loadcase import up_to
+from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import EXPERIMENTS, Outcome, simulate
-from pipeline.store.store import Store
 from rod import LinearRange, linear_range, next_pressure
 
 Quantities = dict[str, tuple[list[float], list[float]]]
@@ -37,32 +35,29 @@ def covered_range(found: Sequence[Parameters]) -> LinearRange | None:
 
 
 def with_added_pressures(
-    config: Config,
-    body: Body,
-    store: Store,
-    jobs: int,
-    progress: Progress,
+    scene: Scene,
+    context: RunContext,
     outcomes: Mapping[str, Outcome],
     found: tuple[Parameters, ...],
 ) -> tuple[dict[str, Outcome], tuple[Parameters, ...], tuple[str, ...]]:
-    """Outcomes and numbers with up to `config.added_pressures` more pressures, each where it says most about the range,
+    """Outcomes and numbers with up to `added_pressures` more pressures, each where it says most about the range,
     and a sentence where one could not be had.
 
     Nothing is added to a run that stopped early, and no pressure after one that fails. Raises RunFailed as `simulate`.
     """
     outcomes = dict(outcomes)
-    for _ in range(config.added_pressures):
+    for _ in range(scene.config.added_pressures):
         pressure = next_pressure([p.pressure_kPa for p in found], covered_range(found))
         if pressure is None or any(outcome.failure for outcome in outcomes.values()):
             break
-        cases = [up_to(config, name, pressure) for name in EXPERIMENTS]
-        more = simulate(config, body, store, jobs, progress, cases)
+        cases = [up_to(scene.config, name, pressure) for name in EXPERIMENTS]
+        more = simulate(scene, context, cases)
         stopped = [f"no pressure was added at {pressure:g} kPa: {one.failure}" for one in more.values() if one.failure]
         if stopped:
             return outcomes, found, tuple(stopped)
         outcomes = {name: merged(outcomes[name], more[name]) for name in outcomes}
         only = {name: replace(one, records=one.records[-1:]) for name, one in more.items()}
-        new, refused = identify_all(only, body.pitch)
+        new, refused = identify_all(only, scene.body.pitch)
         if refused:
             return outcomes, found, refused
         found = tuple(sorted((*found, *new), key=lambda p: p.pressure_kPa))

@@ -5,20 +5,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from pipeline.config.config import Config
+from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.parameters import NAMES, Parameters, numbers_of_cells
-from pipeline.progress import Progress
 from pipeline.richardson import extrapolated
 from pipeline.simulation.loadcase import Case
-from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import Record, simulate
-from pipeline.store.store import Store
 from rod import Identification, RodError
 
 
-def with_mesh_error(
-    config: Config, store: Store, jobs: int, progress: Progress, found: tuple[Parameters, ...]
-) -> tuple[Parameters, ...]:
+def with_mesh_error(config: Config, context: RunContext, found: tuple[Parameters, ...]) -> tuple[Parameters, ...]:
     """The same numbers with the deviations that II and III on a mesh `config.mesh.coarser` times as coarse suggest.
 
     Unchanged where no such factor is configured, and where that mesh cannot be made or gives no number at any pressure:
@@ -30,12 +27,12 @@ def with_mesh_error(
         return found
     second = replace(config, mesh=replace(config.mesh, size_mm=factor * config.mesh.size_mm))
     try:
-        body = meshed_body(second)
+        scene = Scene.meshed(second)
     except InputError:
         return found
     pressures = tuple(p.pressure_kPa for p in found)
     cases = [Case(f"coarser_{name}", name, pressures, config.end_y_mm) for name in ("III", "II")]
-    outcomes = simulate(second, body, store, jobs, progress, cases)
+    outcomes = simulate(scene, context, cases)
     free, loaded = ({r.pressure_kPa: r for r in outcomes[f"coarser_{name}"].records} for name in ("II", "III"))
     others = [_numbers(p, free.get(p.pressure_kPa), loaded.get(p.pressure_kPa)) for p in found]
     values = [{name: one.value for name, one in p.numbers_without_mesh.items()} for p in found]

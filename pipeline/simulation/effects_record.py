@@ -3,21 +3,21 @@
 from collections.abc import Mapping
 from typing import Any
 
-from geometry import Body
 from pipeline.config.config import FULLY_INTEGRATED, CavityPressure, Config, poisson_ratio
-from pipeline.simulation.scene import is_on, pulls_aside
+from pipeline.simulation.scene import Scene, gravity_breaks_symmetry, is_on
 from pipeline.simulation.simulate import Outcome
 
 
-def effect_rows(config: Config, body: Body, outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
+def effect_rows(scene: Scene, outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
     """Rows of effects.json: effect, state, reason, share of the solver's time (null where it has none of its own)."""
-    found = {
+    config = scene.config
+    states = {
         "pressure": _pressure(config),
-        "self_contact": _contact(config, body, outcomes),
-        "symmetry": _symmetry(config, body),
+        "self_contact": _contact(config, outcomes),
+        "symmetry": _symmetry(scene),
         "incompressibility": _incompressibility(config),
         "gravity": _gravity(config),
-        "strain_limiting_layer": _layer(config, body),
+        "strain_limiting_layer": _layer(scene),
     }
     timeless = ("symmetry", "incompressibility")
     return [
@@ -27,7 +27,7 @@ def effect_rows(config: Config, body: Body, outcomes: Mapping[str, Outcome]) -> 
             "reason": reason,
             "share_of_time": None if effect in timeless else _share(effect, outcomes),
         }
-        for effect, (state, reason) in found.items()
+        for effect, (state, reason) in states.items()
     ]
 
 
@@ -52,7 +52,7 @@ def _inside(pressure: CavityPressure) -> str:
     return f"holds {pressure.share:g} of the pressure of the run" if pressure.share else "holds none"
 
 
-def _contact(config: Config, body: Body, outcomes: Mapping[str, Outcome]) -> tuple[str, str]:
+def _contact(config: Config, outcomes: Mapping[str, Outcome]) -> tuple[str, str]:
     asked = config.effects["self_contact"]
     if asked == "off":
         return "off", "switched off in the config"
@@ -71,12 +71,12 @@ def _contact(config: Config, body: Body, outcomes: Mapping[str, Outcome]) -> tup
     return "off", f"no walls came within reach of each other; the smallest gap was {nearest:.2g} mm"
 
 
-def _symmetry(config: Config, body: Body) -> tuple[str, str]:
-    if body.half:
+def _symmetry(scene: Scene) -> tuple[str, str]:
+    if scene.body.half:
         return "on", "body, pressure and loads are mirror images about z = 0: one half is solved"
-    if config.effects["symmetry"] == "off":
+    if scene.config.effects["symmetry"] == "off":
         return "off", "switched off in the config: the whole body is solved"
-    if pulls_aside(config):
+    if gravity_breaks_symmetry(scene.config):
         return "off", "gravity acts across the plane z = 0: the whole body is solved"
     return "off", "the body is not known to be symmetric about z = 0: the whole body is solved"
 
@@ -102,11 +102,11 @@ def _gravity(config: Config) -> tuple[str, str]:
     )
 
 
-def _layer(config: Config, body: Body) -> tuple[str, str]:
-    if not is_on(config, "strain_limiting_layer"):
+def _layer(scene: Scene) -> tuple[str, str]:
+    if not is_on(scene.config, "strain_limiting_layer"):
         return "off", "not asked for"
-    layer = config.layer
+    layer = scene.config.layer
     return "on", (
         f"{layer.thickness_mm:g} mm thick, E = {layer.E_MPa:g} MPa, nu = {layer.nu:g}, "
-        f"in the plane y = {body.curve_y:g} mm of the material curve"
+        f"in the plane y = {scene.body.curve_y:g} mm of the material curve"
     )

@@ -1,4 +1,6 @@
-"""From a configuration to its scene: the part of the body that is meshed, and the effects that act on it."""
+"""From a configuration to its scene: the part of the body that is meshed, its material, and the effects on it."""
+
+from dataclasses import dataclass
 
 import fem
 from geometry import GRADINGS, Body, DesignError, MeshError
@@ -9,16 +11,98 @@ from pipeline.errors import InputError
 GAP = "gap"
 
 
-def meshed_body(config: Config) -> Body:
-    """The body, half of it where body, pressure and loads are mirror images about z = 0.
+@dataclass(frozen=True)
+class Scene:
+    """A configuration with its meshed body: everything that the finite elements need but the experiment."""
 
-    Raises InputError for a body that cannot be meshed or lacks what an effect needs, and for a law that is none.
-    """
-    material_of(config)
-    try:
-        body = config.design.body(config.mesh.size_mm, GRADINGS[config.mesh.grading])
-    except (DesignError, MeshError) as failure:
-        raise InputError(f"{config.source}: {failure}") from None
+    config: Config
+    body: Body  #: half of it where body, pressure and loads are mirror images about z = 0
+
+    @staticmethod
+    def meshed(config: Config) -> "Scene":
+        """Mesh the body of a configuration.
+
+        Raises InputError for a body that cannot be meshed or lacks what an effect needs, and for constants that the
+        law cannot have together.
+        """
+        material_of(config)
+        try:
+            body = config.design.body(config.mesh.size_mm, GRADINGS[config.mesh.grading])
+        except (DesignError, MeshError) as failure:
+            raise InputError(f"{config.source}: {failure}") from None
+        _check(config, body)
+        whole = config.effects["symmetry"] == "off" or gravity_breaks_symmetry(config)
+        return Scene(config, body.full() if whole else body)
+
+    @property
+    def material(self) -> fem.Material:
+        """The law of the solid. Raises InputError as `material_of`."""
+        return material_of(self.config)
+
+    @property
+    def contact_faces(self) -> tuple[str, ...]:
+        """The faces each of which may meet itself: those the user names, gap, and the walls of the cavities.
+
+        Empty where contact is switched off.
+        """
+        if self.config.effects["self_contact"] == "off":
+            return ()
+        names = (*(self.config.contact_faces or ()), GAP, *self.body.cavities)
+        return tuple(dict.fromkeys(name for name in names if name in self.body.mesh.faces))
+
+    @property
+    def activation_distance(self) -> float | None:
+        """The activation distance of contact (mm) as configured, or the default; None where no faces can meet."""
+        intended = [faces for faces in self.contact_faces if faces in self._intended_faces]
+        if not intended:
+            return None
+        space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
+        contacts = [fem.SelfContact(faces, self.config.contact_dhat_mm) for faces in intended]
+        return min(contact.activation_distance(space) for contact in contacts)
+
+    @property
+    def _intended_faces(self) -> tuple[str, ...]:
+        """The faces that are expected to meet: those the user names, else the gap."""
+        return self.config.contact_faces or (GAP,)
+
+    def effects(self, largest_MPa: float) -> list[fem.Effect]:
+        """The effects on the body, with `largest_MPa` as the pressure of the run at load factor 1."""
+        config = self.config
+        effects = [*self._pressures(largest_MPa), *self._contacts()]
+        if is_on(config, "gravity"):
+            effects.append(fem.Gravity(config.material.density_tonne_mm3, config.gravity_mm_s2, ramp=False))
+        if is_on(config, "strain_limiting_layer"):
+            layer = config.layer
+            triangles = self.body.mesh.plane(1, self.body.curve_y)
+            effects.append(fem.StrainLimitingLayer(triangles, layer.thickness_mm, layer.E_MPa, layer.nu))
+        return effects
+
+    def _pressures(self, largest_MPa: float) -> list[fem.Effect]:
+        effects: list[fem.Effect] = []
+        if self.config.effects["pressure"] == "off":
+            return effects
+        for name, pressure in self.config.cavities.items():
+            if pressure.share:
+                effects.append(fem.Pressure(name, pressure.share * largest_MPa))
+            if pressure.held_kPa:
+                effects.append(fem.Pressure(name, pressure.held_kPa / 1000.0, ramp=False))
+        return effects
+
+    def _contacts(self) -> list[fem.Effect]:
+        effects: list[fem.Effect] = []
+        for faces in self.contact_faces:
+            intended = faces in self._intended_faces
+            # faces that nobody named start inactive even where contact is switched on: no cost until they meet
+            inactive = self.config.effects["self_contact"] == "auto" or not intended
+            # the walls of a cavity collapse under a vacuum, and press on spots
+            behind = 0.0 if faces in self.body.cavities else fem.BEHIND
+            distance = self.config.contact_dhat_mm if intended else None
+            effects.append(fem.SelfContact(faces, distance, inactive, behind))
+        return effects
+
+
+def _check(config: Config, body: Body) -> None:
+    """Refuse a body that lacks what an effect needs."""
     if config.effects["symmetry"] == "on" and not body.half:
         raise InputError(f"{config.source}: effects.symmetry: on, but this body is no half; write auto or off")
     if is_on(config, "strain_limiting_layer") and len(body.mesh.plane(1, body.curve_y)) == 0:
@@ -32,7 +116,6 @@ def meshed_body(config: Config) -> Body:
                 f"{config.source}: effects.self_contact.faces: '{faces}' does not exist; "
                 f"this body has {', '.join(body.mesh.faces)}"
             )
-    return body.full() if config.effects["symmetry"] == "off" or pulls_aside(config) else body
 
 
 def material_of(config: Config) -> fem.Material:
@@ -50,46 +133,10 @@ def material_of(config: Config) -> fem.Material:
 
 
 def is_on(config: Config, effect: str) -> bool:
-    """Whether an effect acts that must be asked for: gravity or the layer, which auto leaves out as the paper does."""
+    """Whether an effect acts that must be requested: gravity or the layer, which auto leaves out as the paper does."""
     return config.effects[effect] == "on"
 
 
-def pulls_aside(config: Config) -> bool:
+def gravity_breaks_symmetry(config: Config) -> bool:
     """Whether gravity acts across the plane of symmetry."""
     return is_on(config, "gravity") and config.gravity_mm_s2[2] != 0.0
-
-
-def contact_faces(config: Config, body: Body) -> tuple[str, ...]:
-    """The faces each of which may meet itself: those the user names, gap, and the walls of the cavities.
-
-    Empty where contact is switched off.
-    """
-    if config.effects["self_contact"] == "off":
-        return ()
-    known = (*(config.contact_faces or ()), GAP, *body.cavities)
-    return tuple(dict.fromkeys(name for name in known if name in body.mesh.faces))
-
-
-def effects_of(config: Config, body: Body, largest_MPa: float) -> list[fem.Effect]:
-    """The effects a scene asks for, the pressure of the run being the largest at load factor 1."""
-    effects: list[fem.Effect] = []
-    if config.effects["pressure"] != "off":
-        for name, pressure in config.cavities.items():
-            if pressure.share:
-                effects.append(fem.Pressure(name, pressure.share * largest_MPa))
-            if pressure.held_kPa:
-                effects.append(fem.Pressure(name, pressure.held_kPa / 1000.0, ramp=False))
-    meant = config.contact_faces or (GAP,)
-    for faces in contact_faces(config, body):
-        # faces that nobody named wait, even where contact is switched on: they cost nothing until they meet
-        waits = config.effects["self_contact"] == "auto" or faces not in meant
-        # the walls of a cavity collapse under a vacuum, and press on spots
-        behind = 0.0 if faces in body.cavities else fem.BEHIND
-        effects.append(fem.SelfContact(faces, config.contact_dhat_mm if faces in meant else None, waits, behind))
-    if is_on(config, "gravity"):
-        effects.append(fem.Gravity(config.material.density_tonne_mm3, config.gravity_mm_s2, ramp=False))
-    if is_on(config, "strain_limiting_layer"):
-        layer = config.layer
-        triangles = body.mesh.plane(1, body.curve_y)
-        effects.append(fem.StrainLimitingLayer(triangles, layer.thickness_mm, layer.E_MPa, layer.nu))
-    return effects

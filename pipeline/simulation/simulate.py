@@ -9,14 +9,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import fem
-from geometry import Body, Centreline
+from geometry import Centreline
 from geometry.arrays import Array, Index
-from pipeline.config.config import Config
+from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.processes import SPAWN, side_by_side
 from pipeline.progress import Progress, ToQueue, relayed
 from pipeline.simulation.loadcase import Case
-from pipeline.simulation.scene import effects_of, material_of
+from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
 
 #: the loaded one first, for it takes longest
@@ -56,27 +56,20 @@ class Outcome:
     nodes: Index = field(repr=False)  #: (e, 10), (e, 4) with linear elements
 
 
-def simulate(
-    config: Config,
-    body: Body,
-    store: Store,
-    jobs: int,
-    progress: Progress,
-    experiments: Sequence[str | Case] = EXPERIMENTS,
-) -> dict[str, Outcome]:
-    """Run the experiments, `jobs` at a time; one that fails does not stop the others.
+def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | Case] = EXPERIMENTS) -> dict[str, Outcome]:
+    """Run the experiments, `context.jobs` at a time; one that fails does not stop the others.
 
     A name stands for that experiment at the pressures of the run. Raises RunFailed where the faces that are to touch
     cannot.
     """
-    cases = [one if isinstance(one, Case) else Case.of(config, one) for one in experiments]
+    cases = [one if isinstance(one, Case) else Case.of(scene.config, one) for one in experiments]
     for case in sorted(cases, key=lambda case: case.name):
-        progress.experiment(case.name, case.pressures_kPa)
+        context.progress.experiment(case.name, case.pressures_kPa)
     try:
-        if jobs == 1 or len(cases) == 1:
-            outcomes = [_experiment(case, config, body, store, progress) for case in cases]
+        if context.jobs == 1 or len(cases) == 1:
+            outcomes = [_experiment(case, scene, context.store, context.progress) for case in cases]
         else:
-            outcomes = _side_by_side(config, body, store, min(jobs, len(cases)), progress, cases)
+            outcomes = _side_by_side(scene, context, cases)
     except fem.ContactError as failure:
         raise RunFailed(str(failure)) from None
     except BrokenProcessPool:
@@ -87,16 +80,15 @@ def simulate(
     return {outcome.experiment: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.experiment)}
 
 
-def _side_by_side(
-    config: Config, body: Body, store: Store, jobs: int, progress: Progress, cases: Sequence[Case]
-) -> list[Outcome]:
+def _side_by_side(scene: Scene, context: RunContext, cases: Sequence[Case]) -> list[Outcome]:
+    jobs = min(context.jobs, len(cases))
     queue = SPAWN.Queue()
     queue.cancel_join_thread()  # a worker that was killed may hold the queue's lock for ever
     threads = max(1, len(os.sched_getaffinity(0)) // jobs)
     workers = side_by_side(jobs, threads, initializer=_take_queue, initargs=(queue,))
-    with relayed(queue, progress), workers as pool:
-        asked = [pool.submit(_in_worker, case, config, body, store) for case in cases]
-        return [future.result() for future in asked]
+    with relayed(queue, context.progress), workers as pool:
+        futures = [pool.submit(_in_worker, case, scene, context.store) for case in cases]
+        return [future.result() for future in futures]
 
 
 _listener: list[ToQueue] = []
@@ -123,16 +115,16 @@ def _end_with_main_process() -> None:
         os._exit(1)
 
 
-def _in_worker(case: Case, config: Config, body: Body, store: Store) -> Outcome:
-    return _experiment(case, config, body, store, _listener[0])
+def _in_worker(case: Case, scene: Scene, store: Store) -> Outcome:
+    return _experiment(case, scene, store, _listener[0])
 
 
-def _experiment(case: Case, config: Config, body: Body, store: Store, progress: Progress) -> Outcome:
-    name, asked = case.name, case.pressures_kPa
-    experiment = fem.Experiment.of(case.experiment, body, case.end_y_mm, case.force_N)
-    material = material_of(config)
+def _experiment(case: Case, scene: Scene, store: Store, progress: Progress) -> Outcome:
+    name, asked, config = case.name, case.pressures_kPa, scene.config
+    experiment = fem.Experiment.of(case.experiment, scene.body, case.end_y_mm, case.force_N)
+    material = scene.material
     largest = config.pressures_MPa[-1]
-    model = experiment.model(material, effects_of(config, body, largest), config.mesh.formulation)
+    model = experiment.model(material, scene.effects(largest), config.mesh.formulation)
     space = model.space
     pressures = {float(f"{p / 1000.0:.12g}") / largest: p for p in asked}
     remembered = _remembered(name, asked, space, store)
@@ -153,7 +145,7 @@ def _experiment(case: Case, config: Config, body: Body, store: Store, progress: 
     except fem.NotConverged as ended:
         solution, failure = ended.partial, in_kPa(ended.end, largest, case)
         lost = (ended.end.cutbacks, ended.end.factorizations)
-    steps, crossed = _apart(config, body, solution.steps)
+    steps, crossed = _apart(scene, solution.steps)
     failure = crossed or failure
     if failure:
         failed = list(pressures.values())[len(steps)]
@@ -182,15 +174,15 @@ def in_kPa(end: fem.End, largest_MPa: float, case: Case) -> str:
     return f"no equilibrium found beyond {reached} on the way to {asked}: {end.cause}"
 
 
-def _apart(config: Config, body: Body, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:
+def _apart(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:
     """The steps before the body passes through itself where no contact is looked for, and a sentence if it does.
 
     Where contact is switched off it may.
     """
-    if config.effects["self_contact"] == "off":
+    if scene.config.effects["self_contact"] == "off":
         return steps, ""
     for count, step in enumerate(steps):
-        if where := fem.crossing(step.space, step.positions, body.half):
+        if where := fem.crossing(step.space, step.positions, scene.body.half):
             return steps[:count], f"the body {where}, where contact is not simulated"
     return steps, ""
 

@@ -6,11 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from geometry import Body
-from pipeline.config.config import Config
+from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, observed
-from pipeline.progress import Progress
 from pipeline.simulation.loadcase import Case, validation_cases
+from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import Outcome, simulate
 from pipeline.store.store import Store
 from pipeline.validation.compare import CURVE_COLUMNS, Comparison, Rods, held_against, rows_of
@@ -35,23 +34,21 @@ class Validated:
         store.save_rows("validation_curves.csv", VALIDATION_COLUMNS, rows)
 
 
-def validate(
-    config: Config, body: Body, store: Store, jobs: int, progress: Progress, found: Sequence[Parameters]
-) -> Validated:
-    """Solve the loads of `config.validation` and hold the rod against them; nothing where none is asked for.
+def validate(scene: Scene, context: RunContext, found: Sequence[Parameters]) -> Validated:
+    """Solve the validation loads of the configuration and compare the rod with them; nothing where there are none.
 
     Raises RunFailed as `simulate` does.
     """
-    cases = {case.name: case for case in validation_cases(config)}
+    cases = {case.name: case for case in validation_cases(scene.config)}
     if not cases or not found:
         return Validated((), (), ())
-    outcomes = simulate(config, body, store, jobs, progress, list(cases.values()))
+    outcomes = simulate(scene, context, list(cases.values()))
     failures = tuple(
         f"validation {cases[name].load or name} stopped before {outcome.failed_kPa:g} kPa: {outcome.failure}"
         for name, outcome in outcomes.items()
         if outcome.failure
     )
-    comparisons = _comparisons(config, body, cases, outcomes, found)
+    comparisons = _comparisons(scene, cases, outcomes, found)
     return Validated(comparisons, failures, _laws(found, comparisons))
 
 
@@ -81,8 +78,7 @@ def _between(found: Sequence[Parameters], rods: Sequence[Rod]) -> PressurisedRod
 
 
 def _comparisons(
-    config: Config,
-    body: Body,
+    scene: Scene,
     cases: Mapping[str, Case],
     outcomes: Mapping[str, Outcome],
     found: Sequence[Parameters],
@@ -90,7 +86,7 @@ def _comparisons(
     rows = []
     for name, outcome in outcomes.items():
         for record in outcome.records:
-            if not cases[name].load and record.pressure_kPa not in config.validation.pressures_kPa:
+            if not cases[name].load and record.pressure_kPa not in scene.config.validation.pressures_kPa:
                 continue  # the way to a pressure between
             if not cases[name].load and record.pressure_kPa in {one.pressure_kPa for one in found}:
                 continue  # added by bisection: in sample
@@ -98,9 +94,9 @@ def _comparisons(
                 rods = rods_between(found, record.pressure_kPa)
             except RodError as failure:
                 load = cases[name].load
-                rows.append(Comparison(record, None, str(failure), body.pitch, load=load, in_sample=False))
+                rows.append(Comparison(record, None, str(failure), scene.body.pitch, load=load, in_sample=False))
                 continue
-            rows.append(held_against(rods, record, body.pitch, cases[name].load, in_sample=False))
+            rows.append(held_against(rods, record, scene.body.pitch, cases[name].load, in_sample=False))
     return tuple(sorted(rows, key=lambda one: (one.record.pressure_kPa, one.load)))
 
 

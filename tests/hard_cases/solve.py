@@ -10,10 +10,11 @@ from cases import CONFIGS, Check, HardCase, Scene
 
 from geometry import Body
 from pipeline.config.config import Config, load_config
+from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
 from pipeline.simulation.loadcase import Case
-from pipeline.simulation.scene import meshed_body
+from pipeline.simulation.scene import Scene as MeshedScene
 from pipeline.simulation.simulate import Outcome, simulate
 from pipeline.store.store import open_store
 
@@ -87,7 +88,7 @@ def solve(scene: Scene) -> Solved:
             config, body = _configured(scene, Path(place))
             case = Case("hard", scene.experiment, scene.pressures, config.end_y_mm, scene.force)
             with open_store(Path(place) / "out", config) as store:
-                outcome = simulate(config, body, store, 1, Silent(), [case])["hard"]
+                outcome = simulate(MeshedScene(config, body), RunContext(store, 1, Silent()), [case])["hard"]
         except (InputError, RunFailed) as refused:
             raise Refused(str(refused)) from None
     return Solved(config, body, outcome)
@@ -98,7 +99,7 @@ def _configured(scene: Scene, place: Path) -> tuple[Config, Body]:
     known = sorted({f"{pressure:g} kPa" for pressure in scene.pressures}, key=lambda text: float(text.split()[0]))
     settings = [*scene.settings, f"pressures=[{', '.join(known)}]"]
     config = load_config(CONFIGS / f"{scene.config}.yaml", settings)
-    body = meshed_body(config)
+    body = MeshedScene.meshed(config).body
     if not scene.as_own_mesh:
         return config, body
     body.mesh.write(place / "body.msh")
@@ -112,7 +113,7 @@ def _configured(scene: Scene, place: Path) -> tuple[Config, Body]:
         encoding="utf-8",
     )
     config = load_config(place / "own.yaml", [one for one in settings if not one.startswith(("geometry.", "mesh."))])
-    return config, meshed_body(config)
+    return config, MeshedScene.meshed(config).body
 
 
 def _error(check: Check, found: Solved) -> tuple[float, str]:
