@@ -7,7 +7,8 @@ from functools import cached_property
 import numpy as np
 import skfem
 
-from fem.kernels.element import chunk_colours
+from fem.kernels.element import ElementArrays, chunk_colours
+from fem.kernels.surface import FaceArrays
 from geometry import Mesh
 from geometry.arrays import Array, Index
 
@@ -26,6 +27,11 @@ class Faces:
     shape: Array  #: (q, a) shape functions at the quadrature points
     derivative: Array  #: (q, a, 2) their reference derivatives
     weight: Array  #: (q,)
+
+    @property
+    def arrays(self) -> FaceArrays:
+        """What the kernels take."""
+        return FaceArrays(self.nodes, self.shape, self.derivative, self.weight)
 
     @cached_property
     def triangles(self) -> Index:
@@ -86,6 +92,11 @@ class Discretisation:
             formulation=formulation,
             surfaces=_surfaces(mesh, None if formulation == "p1" else grid),
         )
+
+    @property
+    def arrays(self) -> ElementArrays:
+        """What the kernels take."""
+        return ElementArrays(self.colours, self.chunks, self.nodes, self.inverse, self.reference, self.weight)
 
     @property
     def has_middles(self) -> bool:

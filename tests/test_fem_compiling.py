@@ -6,11 +6,7 @@ import pytest
 from bodies import box
 
 import fem
-from fem.kernels import element as kernels
-from fem.kernels import mixed as mixed_kernels
-from fem.kernels import recovery as recovery_kernels
-from fem.kernels import surface as surface_kernels
-from fem.kernels import tangent as tangent_kernels
+from fem.kernels import element, mixed, recovery, surface, tangent
 from fem.post.recovery import stress_error
 
 LAWS = (fem.StVenantKirchhoff(1.2, 0.3), fem.Hencky(1.2, 0.3), fem.NeoHooke(1.2, 0.3))
@@ -18,7 +14,7 @@ LAWS = (fem.StVenantKirchhoff(1.2, 0.3), fem.Hencky(1.2, 0.3), fem.NeoHooke(1.2,
 
 def signatures() -> set[tuple[str, str]]:
     """Of all kernels that have been compiled or loaded in this process."""
-    modules: tuple[ModuleType, ...] = (kernels, mixed_kernels, recovery_kernels, surface_kernels, tangent_kernels)
+    modules: tuple[ModuleType, ...] = (element, mixed, recovery, surface, tangent)
     found = {
         name: kernel for module in modules for name, kernel in vars(module).items() if hasattr(kernel, "signatures")
     }

@@ -15,8 +15,8 @@ from fem.effects.effect import Blocks, Pressure, enclosed_volume
 from fem.equations.formulation import lame_constants
 from fem.equations.linear import SuperLU
 from fem.equations.system import System
-from fem.kernels import element as kernels
-from fem.kernels import tangent as tangent_kernels
+from fem.kernels.element import ElementArrays, internal_force
+from fem.kernels.tangent import LawArrays, Product, tangent_matrix
 from geometry import Mesh, PneuNet
 from geometry.arrays import Array
 
@@ -187,14 +187,13 @@ def test_the_order_of_chunks_of_one_colour_changes_nothing() -> None:
     answer = system.assemble(state, ()).answer
     results = []
     for bounds, order in ((space.chunks, np.arange(space.nodes.shape[0])), (chunks, swapped)):
-        elements = (space.colours, bounds, space.nodes[order], space.inverse[order], space.reference)
-        weight, stress = space.weight[order], state.stress[order]
+        arrays = (space.nodes[order], space.inverse[order], space.reference, space.weight[order])
+        elements, stress = ElementArrays(space.colours, bounds, *arrays), state.stress[order]
         force, data, coupling = np.zeros_like(u), np.zeros(pattern.indices.shape[0]), np.zeros_like(u)
-        kernels.internal_force(*elements, weight, u, stress, force)
-        tangent_kernels.tangent_matrix(
-            *elements, weight, u, stress, answer.tangent, lame_constants(answer.tangent, stress.shape[1]),
-            system._offset[order], pattern.node_dof, pattern.indptr, pattern.free, data, noise(system, 1.0), coupling,
-        )  # fmt: skip
+        internal_force(elements, u, stress, force)
+        law = LawArrays(stress, answer.tangent, lame_constants(answer.tangent, stress.shape[1]))
+        product = Product(noise(system, 1.0), coupling)
+        tangent_matrix(elements, law, u, system._offset[order], pattern.matrix(data), product)
         results.append((force, data, coupling))
     for one, two in zip(*results, strict=True):
         assert np.any(one)

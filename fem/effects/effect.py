@@ -11,7 +11,7 @@ from typing import final
 import numpy as np
 
 from fem.discretisation import Discretisation, Faces
-from fem.kernels import surface as surface_kernels
+from fem.kernels.surface import surface_pressure, surface_pressure_tangent
 from fem.materials.material import Material
 from fem.supports import Line, nodes_at
 from geometry.arrays import Array, Index, Mask
@@ -167,9 +167,7 @@ class PressureTerm(Acting):
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         values = np.empty((self.rows.shape[0], 3, 3))
-        surface_kernels.surface_pressure_tangent(
-            *self._arguments(x), values.reshape(self.faces.nodes.shape[0], -1, 3, 3)
-        )
+        surface_pressure_tangent(self.faces.arrays, x, values.reshape(self.faces.nodes.shape[0], -1, 3, 3))
         values *= self._pressure(factor)
         values[self.swapped] = values[self.swapped].transpose(0, 2, 1)
         return Blocks(self.rows, self.columns, values)
@@ -183,25 +181,18 @@ class PressureTerm(Acting):
     def _pressure(self, factor: float) -> float:
         return self.value * (factor if self.held is None else self.held)
 
-    def _arguments(self, x: Array) -> tuple[Index, Array, Array, Array, Array]:
-        return self.faces.nodes, self.faces.shape, self.faces.derivative, self.faces.weight, x
-
 
 def enclosed_volume(faces: Faces, x: Array) -> float:
     """Volume enclosed by faces whose normals point into it (mm3), closed by planes through the origin."""
     volume = np.empty(faces.nodes.shape[0])
-    surface_kernels.surface_pressure(
-        faces.nodes, faces.shape, faces.derivative, faces.weight, x, np.zeros_like(x), volume
-    )
+    surface_pressure(faces.arrays, x, np.zeros_like(x), volume)
     return -float(volume.sum())
 
 
 def volume_gradient(faces: Faces, x: Array) -> Array:
     """Derivative (n, 3) of the enclosed volume by the positions x (n, 3), mm2."""
     normals = np.zeros_like(x)
-    surface_kernels.surface_pressure(
-        faces.nodes, faces.shape, faces.derivative, faces.weight, x, normals, np.empty(faces.nodes.shape[0])
-    )
+    surface_pressure(faces.arrays, x, normals, np.empty(faces.nodes.shape[0]))
     # the faces' normals leave the solid, so the cavity's volume falls along them
     return -normals
 

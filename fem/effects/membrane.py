@@ -14,7 +14,13 @@ import numpy as np
 
 from fem.discretisation import Discretisation
 from fem.effects.effect import Acting, Blocks, Effect, Term
-from fem.kernels import membrane as layer_kernels
+from fem.kernels.membrane import (
+    MembraneArrays,
+    membrane_force,
+    membrane_linearised_strain,
+    membrane_strain,
+    membrane_tangent,
+)
 from fem.materials.material import Material, check_moduli
 from geometry.arrays import Array, Index
 
@@ -57,7 +63,7 @@ class StrainLimitingLayer(Effect):
         slope, area = _slopes(space.points[self.triangles], space.has_middles)
         weight = np.repeat(self.thickness * area[:, None] / POINTS.shape[0], POINTS.shape[0], axis=1)
         plane = np.array([[1.0, self.nu, 0.0], [self.nu, 1.0, 0.0], [0.0, 0.0, (1 - self.nu) / 2]])
-        return LayerTerm(nodes, slope, weight, self.E / (1 - self.nu**2) * plane, None)
+        return LayerTerm(MembraneArrays(nodes, slope, weight), self.E / (1 - self.nu**2) * plane, None)
 
 
 @final
@@ -67,25 +73,24 @@ class LayerTerm(Acting):
 
     effect = "strain_limiting_layer"
 
-    nodes: Index  #: (f, a), vertices then mid-edge nodes (01, 12, 02); vertices only on linear elements
-    slope: Array  #: (f, q, a, 2) gradients of the shape functions in an orthonormal frame of each triangle, 1/mm
-    weight: Array  #: (f, q) shares of the layer's volume, mm3
+    arrays: MembraneArrays
     law: Array  #: (3, 3) tangent in plane stress, MPa
     carried: Array | None  #: (f, q, 3) stress of the geometric stiffness, MPa; None where it is that of the strain
 
     def energy(self, x: Array, factor: float) -> float:
         strain = self._strain(x)
-        return 0.5 * float(np.einsum("fq,fqv,vw,fqw", self.weight, strain, self.law, strain))
+        return 0.5 * float(np.einsum("fq,fqv,vw,fqw", self.arrays.weight, strain, self.law, strain))
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
-        layer_kernels.membrane_force(self.nodes, self.slope, self.weight, x, self.stress(x), out)
+        membrane_force(self.arrays, x, self.stress(x), out)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         stress = self.stress(x) if self.carried is None else self.carried
-        a, b = np.triu_indices(self.nodes.shape[1])
-        values = np.empty((self.nodes.shape[0], a.shape[0], 3, 3))
-        layer_kernels.membrane_tangent(self.nodes, self.slope, self.weight, x, stress, self.law, values)
-        first, second = self.nodes[:, a].ravel(), self.nodes[:, b].ravel()
+        nodes = self.arrays.nodes
+        a, b = np.triu_indices(nodes.shape[1])
+        values = np.empty((nodes.shape[0], a.shape[0], 3, 3))
+        membrane_tangent(self.arrays, x, stress, self.law, values)
+        first, second = nodes[:, a].ravel(), nodes[:, b].ravel()
         pairs = values.reshape(-1, 3, 3)
         swapped = first > second
         pairs[swapped] = pairs[swapped].transpose(0, 2, 1)
@@ -95,8 +100,8 @@ class LayerTerm(Acting):
         return self
 
     def advanced(self, x: Array, dx: Array) -> Term:
-        change = np.empty((*self.weight.shape, 3))
-        layer_kernels.membrane_linearised_strain(self.nodes, self.slope, x, dx, change)
+        change = np.empty((*self.arrays.weight.shape, 3))
+        membrane_linearised_strain(self.arrays, x, dx, change)
         return replace(self, carried=self.stress(x) + change @ self.law)
 
     def stress(self, x: Array) -> Array:
@@ -104,8 +109,8 @@ class LayerTerm(Acting):
         return np.asarray(self._strain(x) @ self.law)
 
     def _strain(self, x: Array) -> Array:
-        strain = np.empty((*self.weight.shape, 3))
-        layer_kernels.membrane_strain(self.nodes, self.slope, x, strain)
+        strain = np.empty((*self.arrays.weight.shape, 3))
+        membrane_strain(self.arrays, x, strain)
         return strain
 
 

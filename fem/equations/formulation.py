@@ -22,7 +22,7 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from fem.discretisation import Discretisation
 from fem.equations.pattern import Pattern
-from fem.kernels import mixed as mixed_kernels
+from fem.kernels.mixed import pressure_columns
 from fem.materials.material import Material, MaterialError, Response
 from geometry.arrays import Array, Index
 
@@ -220,22 +220,8 @@ class Mixed(Formulation):
 
     def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
         space = self.space
-        mixed_kernels.pressure_columns(
-            space.colours,
-            space.chunks,
-            space.nodes,
-            space.inverse,
-            space.reference,
-            self._unit * space.weight,
-            space.vertex_shape,
-            displacement,
-            answer.slope,
-            places[0],
-            pattern.node_dof,
-            pattern.indptr,
-            pattern.free,
-            data,
-        )
+        elements = space.arrays._replace(weight=self._unit * space.weight)
+        pressure_columns(elements, displacement, space.vertex_shape, answer.slope, places[0], pattern.matrix(data))
         pattern.place(data, *self._compressibility, places[1])
 
     def swept(self, answer: Answer, change: Array) -> Array:

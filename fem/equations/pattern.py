@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem.kernels import element as kernels
+from fem.kernels.element import ReducedMatrix, scatter_blocks
 from geometry.arrays import Array, Index, Mask
 
 
@@ -72,7 +72,11 @@ class Pattern:
 
     def place(self, data: Array, rows: Index, columns: Index, values: Array, offset: Index) -> None:
         """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); offset (m,) as `start_of` gives it."""
-        kernels.place_blocks(rows, columns, values, offset, self.node_dof, self.indptr, self.free, data)
+        scatter_blocks(self.matrix(data), rows, columns, values, offset)
+
+    def matrix(self, data: Array) -> ReducedMatrix:
+        """The matrix with the values data (nnz,), as the kernels take it."""
+        return ReducedMatrix(self.node_dof, self.indptr, self.free, data)
 
 
 def element_keys(nodes: Index, points: int) -> Index:

@@ -15,7 +15,7 @@ from fem.equations.formulation import Answer, formulation_of, lame_constants
 from fem.equations.linear import LinearSolver
 from fem.equations.pattern import NoPlace, Pattern, element_keys
 from fem.kernels import element as kernels
-from fem.kernels import tangent as tangent_kernels
+from fem.kernels.tangent import LawArrays, Product, tangent_matrix
 from fem.materials.material import Material
 from fem.supports import Constraints
 from geometry.arrays import Array, Index
@@ -117,7 +117,6 @@ class System:
         held[: space.points.shape[0]] = constraints.fixed
         held[space.points.shape[0] :, 0] = False  # a pressure stands in the pattern as a node with one component
         self.pattern = Pattern.of(held, element_keys(self.law.element_unknowns, held.shape[0]))
-        self._elements = (space.colours, space.chunks, space.nodes, space.inverse, space.reference)
         self._take_pattern(self.pattern)
 
     def _take_pattern(self, pattern: Pattern) -> None:
@@ -157,7 +156,7 @@ class System:
             stress = answer.stress + _times(answer.tangent, strain - state.strain)
             imbalance = self.law.imbalance(answer, strain - state.strain, state.pressure)
             internal = np.zeros_like(displacement)
-            kernels.internal_force(*self._elements, self.space.weight, displacement, stress, internal)
+            kernels.internal_force(self.space.arrays, displacement, stress, internal)
         loads = self.loads(displacement, state.factor, terms)
         scale = max(float(np.linalg.norm(internal)), float(np.linalg.norm(loads)))
         rounding = self._digit * float(np.abs(displacement).max())
@@ -184,7 +183,7 @@ class System:
     def _strain(self, displacement: Array) -> tuple[Array, Array]:
         strain = np.empty((*self.space.weight.shape, 6))
         jacobian = np.empty(self.space.weight.shape)
-        kernels.green_lagrange(*self._elements[2:], displacement, strain, jacobian)
+        kernels.green_lagrange(self.space.arrays, displacement, strain, jacobian)
         return strain, jacobian
 
     def energy(self, displacement: Array, factor: float, terms: Terms) -> float:
@@ -230,21 +229,10 @@ class System:
         with self.clock.timing("assembly"):
             pattern, moves = self.pattern, bool(np.any(jump))
             data, coupling = np.zeros(pattern.indices.shape[0]), np.zeros_like(x)
-            tangent_kernels.tangent_matrix(
-                *self._elements,
-                self.space.weight,
-                state.displacement,
-                state.stress,
-                assembly.answer.tangent,
-                lame_constants(assembly.answer.tangent, state.stress.shape[1]),
-                self._offset,
-                pattern.node_dof,
-                pattern.indptr,
-                pattern.free,
-                data,
-                jump if moves else NO_INCREMENT,
-                coupling,
-            )
+            lame = lame_constants(assembly.answer.tangent, state.stress.shape[1])
+            law = LawArrays(state.stress, assembly.answer.tangent, lame)
+            product = Product(jump if moves else NO_INCREMENT, coupling)
+            tangent_matrix(self.space.arrays, law, state.displacement, self._offset, pattern.matrix(data), product)
             for blocks, offset in zip(hessians, offsets, strict=True):
                 pattern.place(data, blocks.rows, blocks.columns, blocks.values, offset)
                 if moves:
@@ -259,7 +247,7 @@ class System:
         """B(u) du (e, q, 6) for an increment (n, 3)."""
         with self.clock.timing("assembly"):
             strain = np.empty((*self.space.weight.shape, 6))
-            kernels.linearised_strain(*self._elements[2:], state.displacement, increment, strain)
+            kernels.linearised_strain(self.space.arrays, state.displacement, increment, strain)
         return strain
 
     def rate(self, state: State, assembly: Assembly, change: Change) -> State:

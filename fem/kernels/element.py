@@ -1,31 +1,46 @@
 """The hot loops over elements, compiled by numba; everything here is tested against scikit-fem forms.
 
-Array axes, said once: ``e`` element, ``q`` stress point, ``a``/``b`` node of the element, ``i``/``j`` component,
+Array axes of all kernels: ``e`` element, ``q`` stress point, ``a``/``b`` node of the element, ``i``/``j`` component,
 ``v`` Voigt component (11, 22, 33, 12, 23, 13; strains carry the engineering factor 2 on the last three).
 
 A node pair is addressed in the upper triangle of the reduced matrix without a dof-level map: `offset[e, pair]` is where
 the columns of the node with the larger number begin inside the rows of the other one (see `fem.equations.pattern`).
 Elements are sorted into chunks, whose memory lies together. Chunks of one colour share no node, so those of a colour
-are processed in parallel, always with the same sums. `chunks` (k + 1,) says where each chunk begins among the elements,
-`colours` (c + 1,) where each colour begins among the chunks.
+are processed in parallel, always with the same sums.
 """
 
-import numba
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit, prange
 
 from geometry.arrays import Array, Index
-
-# numba's OpenMP layer brings libgomp beside the Intel OpenMP of PARDISO: with both in one process the first
-# factorization of a matrix came out wrong (measured: thousands of negative pivots, not a number in the solution); its
-# own queue does not.
-numba.config.THREADING_LAYER = "workqueue"
 
 #: sums may be reassociated so that loops over nodes can be vectorised; the order is fixed when a kernel is compiled, so
 #: results do not depend on the number of threads
 FAST = {"contract", "reassoc", "nsz"}
 
 VOIGT = np.array([[0, 0], [1, 1], [2, 2], [0, 1], [1, 2], [0, 2]])
+
+
+class ElementArrays(NamedTuple):
+    """The elements of a body, sorted by colour and chunk."""
+
+    colours: Index  #: (c + 1,) where each colour begins among the chunks
+    chunks: Index  #: (k + 1,) where each chunk begins among the elements
+    nodes: Index  #: (e, a)
+    inverse: Array  #: (e, 3, 3) inverse Jacobians d xi / d X, 1/mm
+    reference: Array  #: (q, a, 3) reference gradients of the shape functions at the stress points
+    weight: Array  #: (e, q) quadrature weights times volume, mm3
+
+
+class ReducedMatrix(NamedTuple):
+    """The upper triangle of a symmetric matrix over the free components of all nodes (see `fem.equations.pattern`)."""
+
+    node_dof: Index  #: (n, 3) row of each component, -1 where it is prescribed
+    row_start: Index  #: (d + 1,) where each row begins in `data`
+    free: Index  #: (n,) free components per node
+    data: Array  #: (nnz,) values, changed in place
 
 
 @njit(cache=True, inline="always")
@@ -76,8 +91,9 @@ def symmetric(values: Array, factor: float, s: Array) -> None:
 
 
 @njit(cache=True, parallel=True, fastmath=FAST)
-def green_lagrange(nodes: Index, inverse: Array, reference: Array, u: Array, strain: Array, jacobian: Array) -> None:
+def green_lagrange(elements: ElementArrays, u: Array, strain: Array, jacobian: Array) -> None:
     """Green-Lagrange strain (e, q, v) and J = det F (e, q) at all stress points, into the last two arguments."""
+    nodes, inverse, reference = elements.nodes, elements.inverse, elements.reference
     for e in prange(nodes.shape[0]):
         values = np.empty((nodes.shape[1], 3))
         h = np.empty((3, 3))
@@ -98,8 +114,9 @@ def green_lagrange(nodes: Index, inverse: Array, reference: Array, u: Array, str
 
 
 @njit(cache=True, parallel=True, fastmath=FAST)
-def linearised_strain(nodes: Index, inverse: Array, reference: Array, u: Array, du: Array, strain: Array) -> None:
+def linearised_strain(elements: ElementArrays, u: Array, du: Array, strain: Array) -> None:
     """B(u) du (e, q, v): the change of the Green-Lagrange strain at u to first order in du."""
+    nodes, inverse, reference = elements.nodes, elements.inverse, elements.reference
     for e in prange(nodes.shape[0]):
         values = np.empty((nodes.shape[1], 3))
         changes = np.empty((nodes.shape[1], 3))
@@ -119,18 +136,10 @@ def linearised_strain(nodes: Index, inverse: Array, reference: Array, u: Array, 
 
 
 @njit(cache=True, parallel=True, fastmath=FAST)
-def internal_force(
-    colours: Index,
-    chunks: Index,
-    nodes: Index,
-    inverse: Array,
-    reference: Array,
-    weight: Array,
-    u: Array,
-    stress: Array,
-    force: Array,
-) -> None:
-    """Add int P : grad N_a to force (n, 3); stress is the second Piola-Kirchhoff stress (e, q, v), weight (e, q)."""
+def internal_force(elements: ElementArrays, u: Array, stress: Array, force: Array) -> None:
+    """Add int P : grad N_a to force (n, 3), N; stress is the second Piola-Kirchhoff stress (e, q, v), MPa."""
+    colours, chunks, nodes = elements.colours, elements.chunks, elements.nodes
+    inverse, reference, weight = elements.inverse, elements.reference, elements.weight
     for c in range(colours.shape[0] - 1):
         for chunk in prange(colours[c], colours[c + 1]):
             values = np.empty((nodes.shape[1], 3))
@@ -161,17 +170,9 @@ def internal_force(
 
 
 @njit(cache=True, inline="always")
-def place(
-    data: Array,
-    block: Array,
-    row_node: int,
-    column_node: int,
-    offset: int,
-    node_dof: Index,
-    row_start: Index,
-    free: Index,
-) -> None:
+def scatter_block(matrix: ReducedMatrix, block: Array, row_node: int, column_node: int, offset: int) -> None:
     """Add the 3 x 3 block of the node pair row_node < column_node (or the upper half of a diagonal one)."""
+    node_dof, row_start, free, data = matrix.node_dof, matrix.row_start, matrix.free, matrix.data
     if row_node == column_node:
         for i in range(3):
             r = node_dof[row_node, i]
@@ -198,19 +199,10 @@ def place(
 
 
 @njit(cache=True)
-def place_blocks(
-    rows: Index,
-    columns: Index,
-    values: Array,
-    offset: Index,
-    node_dof: Index,
-    row_start: Index,
-    free: Index,
-    data: Array,
-) -> None:
-    """Add node-pair blocks values (m, 3, 3), rows <= columns, to the reduced upper triangle."""
+def scatter_blocks(matrix: ReducedMatrix, rows: Index, columns: Index, values: Array, offset: Index) -> None:
+    """Add node-pair blocks values (m, 3, 3), rows <= columns, to the reduced upper triangle; offset (m,)."""
     for m in range(rows.shape[0]):
-        place(data, values[m], rows[m], columns[m], offset[m], node_dof, row_start, free)
+        scatter_block(matrix, values[m], rows[m], columns[m], offset[m])
 
 
 @njit(cache=True)

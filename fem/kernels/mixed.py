@@ -3,32 +3,29 @@
 import numpy as np
 from numba import njit, prange
 
-from fem.kernels.element import at_nodes, deformation_gradient, gradients, place, symmetric
+from fem.kernels.element import (
+    ElementArrays,
+    ReducedMatrix,
+    at_nodes,
+    deformation_gradient,
+    gradients,
+    scatter_block,
+    symmetric,
+)
 from geometry.arrays import Array, Index
 
 
 @njit(cache=True, parallel=True)
 def pressure_columns(
-    colours: Index,
-    chunks: Index,
-    nodes: Index,
-    inverse: Array,
-    reference: Array,
-    weight: Array,
-    shape: Array,
-    u: Array,
-    slope: Array,
-    offset: Index,
-    node_dof: Index,
-    row_start: Index,
-    free: Index,
-    data: Array,
+    elements: ElementArrays, u: Array, shape: Array, dilatation: Array, offset: Index, matrix: ReducedMatrix
 ) -> None:
-    """Add int (B(u)^T slope) N_m to the columns of the pressures m in the reduced upper triangle `data`.
+    """Add int (B(u)^T d theta / d E) N_m to the columns of the pressures m in the reduced upper triangle.
 
-    shape (q, 4) are the linear shape functions at the stress points, slope (e, q, v) or (1, 1, v) the derivative of the
-    dilatation by the strain, offset (e, a, 4) where the pressures' columns begin; pressure v is node n + v.
+    shape (q, 4) are the linear shape functions at the stress points, dilatation (e, q, v) or (1, 1, v) the derivative
+    d theta / d E, offset (e, a, 4) where the pressures' columns begin; pressure v is node n + v.
     """
+    colours, chunks, nodes = elements.colours, elements.chunks, elements.nodes
+    inverse, reference, weight = elements.inverse, elements.reference, elements.weight
     n, first = nodes.shape[1], u.shape[0]
     for c in range(colours.shape[0] - 1):
         for chunk in prange(colours[c], colours[c + 1]):
@@ -44,8 +41,8 @@ def pressure_columns(
                 for q in range(reference.shape[0]):
                     gradients(inverse[e], reference[q], g)
                     deformation_gradient(inverse[e], reference[q], values, f)
-                    law = slope[e, q] if slope.shape[0] > 1 else slope[0, 0]
-                    symmetric(law, 1.0, s)
+                    gradient = dilatation[e, q] if dilatation.shape[0] > 1 else dilatation[0, 0]
+                    symmetric(gradient, 1.0, s)
                     for a in range(n):
                         for i in range(3):
                             value = 0.0
@@ -57,5 +54,4 @@ def pressure_columns(
                     for m in range(4):
                         for i in range(3):
                             block[i, 0] = k[a, i, m]
-                        column = first + nodes[e, m]
-                        place(data, block, nodes[e, a], column, offset[e, a, m], node_dof, row_start, free)
+                        scatter_block(matrix, block, nodes[e, a], first + nodes[e, m], offset[e, a, m])

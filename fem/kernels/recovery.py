@@ -3,6 +3,8 @@
 ``m`` is a term of a polynomial.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit, prange
 
@@ -10,6 +12,15 @@ from geometry.arrays import Array, Index
 
 #: terms of a quadratic polynomial: 1, x, y, z, x^2, y^2, z^2, xy, yz, xz
 TERMS = 10
+
+
+class Patches(NamedTuple):
+    """The patch of elements around every vertex v, and the frame of its polynomial."""
+
+    begin: Index  #: (v + 1,) where the elements of each patch begin in `members`
+    members: Index  #: (m,) elements
+    origin: Array  #: (v, 3) mm
+    scale: Array  #: (v,) mm
 
 
 @njit(cache=True, inline="always")
@@ -24,19 +35,15 @@ def terms_at(x: Array, origin: Array, scale: float, p: Array) -> None:
 
 
 @njit(cache=True, parallel=True)
-def normal_equations(
-    begin: Index, members: Index, places: Array, values: Array, origin: Array, scale: Array, left: Array, right: Array
-) -> None:
-    """Least squares of every patch, left (v, m, m) and right (v, m, c), for values (e, q, c) at the places (e, q, 3).
-
-    The elements of patch v are members[begin[v]:begin[v + 1]]; origin (v, 3) and scale (v,) are those of its terms, mm.
-    """
+def normal_equations(patches: Patches, positions: Array, values: Array, left: Array, right: Array) -> None:
+    """Least squares of every patch, left (v, m, m) and right (v, m, c), for values (e, q, c) at positions (e, q, 3)."""
+    begin, members, origin, scale = patches.begin, patches.members, patches.origin, patches.scale
     for v in prange(begin.shape[0] - 1):
         p = np.empty(TERMS)
         for k in range(begin[v], begin[v + 1]):
             e = members[k]
-            for q in range(places.shape[1]):
-                terms_at(places[e, q], origin[v], scale[v], p)
+            for q in range(positions.shape[1]):
+                terms_at(positions[e, q], origin[v], scale[v], p)
                 for m in range(TERMS):
                     for n in range(TERMS):
                         left[v, m, n] += p[m] * p[n]
@@ -46,18 +53,19 @@ def normal_equations(
 
 @njit(cache=True, parallel=True)
 def blended(
-    vertices: Index, shape: Array, places: Array, origin: Array, scale: Array, coefficients: Array, values: Array
+    patches: Patches, coefficients: Array, vertices: Index, shape: Array, positions: Array, values: Array
 ) -> None:
-    """The polynomials (v, m, c) of the four vertices (e, 4), weighed by their linear shape functions (q, 4), at the
-    places (e, q, 3), into values (e, q, c)."""
+    """The polynomials with coefficients (v, m, c) of the four vertices (e, 4), weighed by their linear shape functions
+    (q, 4), at positions (e, q, 3), into values (e, q, c)."""
+    origin, scale = patches.origin, patches.scale
     for e in prange(vertices.shape[0]):
         p = np.empty(TERMS)
-        for q in range(places.shape[1]):
+        for q in range(positions.shape[1]):
             for c in range(values.shape[2]):
                 values[e, q, c] = 0.0
             for a in range(vertices.shape[1]):
                 v = vertices[e, a]
-                terms_at(places[e, q], origin[v], scale[v], p)
+                terms_at(positions[e, q], origin[v], scale[v], p)
                 for m in range(TERMS):
                     for c in range(values.shape[2]):
                         values[e, q, c] += shape[q, a] * p[m] * coefficients[v, m, c]

@@ -3,18 +3,28 @@
 Array axes: ``f`` face, ``q`` quadrature point, ``a``/``b`` node of the face, ``i``/``j`` component.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit, prange
 
-from fem.kernels.element import Array, Index  # first, because it chooses numba's threads
+from geometry.arrays import Array, Index
+
+
+class FaceArrays(NamedTuple):
+    """Triangles of a surface and their quadrature rule."""
+
+    nodes: Index  #: (f, a)
+    shape: Array  #: (q, a) shape functions at the quadrature points
+    derivative: Array  #: (q, a, 2) their reference derivatives
+    weight: Array  #: (q,)
 
 
 @njit(cache=True)
-def surface_pressure(
-    faces: Index, shape: Array, derivative: Array, weight: Array, x: Array, force: Array, volume: Array
-) -> None:
-    """Area-weighted normals: force_a = int N_a (x_,xi x x_,eta) added to force (n, 3), and per face
-    int x . (x_,xi x x_,eta) / 3 into volume (f,). shape (q, a), derivative (q, a, 2), weight (q,), x (n, 3)."""
+def surface_pressure(surface: FaceArrays, x: Array, force: Array, volume: Array) -> None:
+    """Area-weighted normals at positions x (n, 3), mm: force_a = int N_a (x_,xi x x_,eta) added to force (n, 3), mm2,
+    and per face int x . (x_,xi x x_,eta) / 3 into volume (f,), mm3."""
+    faces, shape, derivative, weight = surface.nodes, surface.shape, surface.derivative, surface.weight
     for f in range(faces.shape[0]):
         volume[f] = 0.0
         for q in range(weight.shape[0]):
@@ -33,14 +43,13 @@ def surface_pressure(
 
 
 @njit(cache=True, parallel=True)
-def surface_pressure_tangent(
-    faces: Index, shape: Array, derivative: Array, weight: Array, x: Array, values: Array
-) -> None:
+def surface_pressure_tangent(surface: FaceArrays, x: Array, values: Array) -> None:
     """Symmetric part of d force / d x as blocks values (f, pair, 3, 3), pair running over a <= b.
 
     The antisymmetric part is an integral over the rim of the surface; it vanishes where the surface is closed or its
     rim stays in a symmetry plane, which is where pressure has a potential at all.
     """
+    faces, shape, derivative, weight = surface.nodes, surface.shape, surface.derivative, surface.weight
     n = faces.shape[1]
     for f in prange(faces.shape[0]):
         t = np.empty((2, 3))

@@ -4,37 +4,62 @@ Axes and addressing as in `fem.kernels.element`. The tangent of one element is k
 so that the inner loops run over nodes and can be vectorised by the compiler.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from numba import njit, prange
 
-from fem.kernels.element import FAST, at_nodes, deformation_gradient, gradients, place
+from fem.kernels.element import (
+    FAST,
+    ElementArrays,
+    ReducedMatrix,
+    at_nodes,
+    deformation_gradient,
+    gradients,
+    scatter_block,
+)
 from geometry.arrays import Array, Index
 
 
+class LawArrays(NamedTuple):
+    """What the law gives the tangent."""
+
+    stress: Array  #: (e, q, v) second Piola-Kirchhoff stress of the geometric term, MPa
+    tangent: Array  #: (e, q, v, v) dS/dE, MPa; (1, q or 1, v, v) where it is the same in all elements
+    lame: Array  #: (q, 2) lambda and mu, MPa, where the tangent is lambda 1 x 1 + 2 mu I everywhere; (0, 2) elsewhere
+
+
+class Product(NamedTuple):
+    """The tangent times an increment of the displacement, made beside the tangent."""
+
+    du: Array  #: (n, 3) mm; (0, 3) where no product is needed
+    force: Array  #: (n, 3) N, changed in place
+
+
 @njit(cache=True)
-def _element_tangent(
-    nodes: Index, inverse: Array, reference: Array, weight: Array, u: Array, stress: Array, tangent: Array, k: Array
-) -> None:
-    """sum_q w (B^T C B + G(S)) into k (3 n, 3 n), components before nodes.
+def _element_tangent(elements: ElementArrays, law: LawArrays, e: int, u: Array, k: Array) -> None:
+    """sum_q w (B^T C B + G(S)) of element e into k (3 n, 3 n), components before nodes.
 
     The strain matrices of all points stand below each other, so that each of the two parts is one matrix product.
     """
+    nodes, inverse, reference = elements.nodes[e], elements.inverse[e], elements.reference
+    weight, stress, tangent = elements.weight[e], law.stress[e], law.tangent[e if law.tangent.shape[0] > 1 else 0]
     n, points = nodes.shape[0], reference.shape[0]
     f = np.empty((3, 3))
     b = np.empty((6 * points, 3 * n))
     cb = np.empty((6 * points, 3 * n))
     g = np.empty((3 * points, n))
     sg = np.empty((3 * points, n))
-    slope = np.empty((n, 3))
+    grad_n = np.empty((n, 3))
     values = np.empty((n, 3))
     at_nodes(nodes, u, values)
     for q in range(points):
         w = weight[q]
-        gradients(inverse, reference[q], slope)
+        gradients(inverse, reference[q], grad_n)
         deformation_gradient(inverse, reference[q], values, f)
         s = stress[q]
         for a in range(n):
-            g0, g1, g2 = slope[a, 0], slope[a, 1], slope[a, 2]
+            g0, g1, g2 = grad_n[a, 0], grad_n[a, 1], grad_n[a, 2]
             for i in range(3):
                 r = i * n + a
                 b[6 * q, r] = f[i, 0] * g0
@@ -43,7 +68,7 @@ def _element_tangent(
                 b[6 * q + 3, r] = f[i, 0] * g1 + f[i, 1] * g0
                 b[6 * q + 4, r] = f[i, 1] * g2 + f[i, 2] * g1
                 b[6 * q + 5, r] = f[i, 0] * g2 + f[i, 2] * g0
-                g[3 * q + i, a] = slope[a, i]
+                g[3 * q + i, a] = grad_n[a, i]
             sg[3 * q, a] = w * (s[0] * g0 + s[3] * g1 + s[5] * g2)
             sg[3 * q + 1, a] = w * (s[3] * g0 + s[1] * g1 + s[4] * g2)
             sg[3 * q + 2, a] = w * (s[5] * g0 + s[4] * g1 + s[2] * g2)
@@ -63,18 +88,18 @@ def _element_tangent(
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def _isotropic_element_tangent(
-    nodes: Index, inverse: Array, reference: Array, weight: Array, u: Array, stress: Array, lame: Array, k: Array
-) -> None:
-    """The same for C = lambda 1 x 1 + 2 mu I, constant at each point: lame (q, 2).
+def _isotropic_element_tangent(elements: ElementArrays, law: LawArrays, e: int, u: Array, k: Array) -> None:
+    """The same for C = lambda 1 x 1 + 2 mu I, constant at each point.
 
     With h_a = F grad N_a the block of two nodes is lambda h_a h_b^T + mu h_b h_a^T + mu (grad N_a . grad N_b) F F^T.
     Blocks above the diagonal and on it are computed, the others are their mirror images.
     """
+    nodes, inverse, reference = elements.nodes[e], elements.inverse[e], elements.reference
+    weight, stress, lame = elements.weight[e], law.stress[e], law.lame
     n = nodes.shape[0]
     f = np.empty((3, 3))
     ff = np.empty((3, 3))
-    slope = np.empty((n, 3))
+    grad_n = np.empty((n, 3))
     values = np.empty((n, 3))
     g = np.empty((3, n))
     h = np.empty((3, n))
@@ -84,11 +109,11 @@ def _isotropic_element_tangent(
     for q in range(reference.shape[0]):
         w = weight[q]
         lam, mu = lame[q, 0] * w, lame[q, 1] * w
-        gradients(inverse, reference[q], slope)
+        gradients(inverse, reference[q], grad_n)
         deformation_gradient(inverse, reference[q], values, f)
         for i in range(3):
             for a in range(n):
-                g[i, a] = slope[a, i]
+                g[i, a] = grad_n[a, i]
         s = stress[q]
         for i in range(3):
             for a in range(n):
@@ -119,10 +144,9 @@ def _isotropic_element_tangent(
 
 
 @njit(cache=True, inline="always")
-def _scatter(
-    nodes: Index, k: Array, offset: Index, node_dof: Index, row_start: Index, free: Index, data: Array, block: Array
-) -> None:
-    """Add k (3 n, 3 n) to the reduced upper triangle `data`; offset (pair,), block (3, 3) is work space."""
+def _scatter(matrix: ReducedMatrix, nodes: Index, k: Array, offset: Index, block: Array) -> None:
+    """Add k (3 n, 3 n) to the reduced upper triangle; offset (pair,), block (3, 3) is work space."""
+    node_dof, row_start, free, data = matrix.node_dof, matrix.row_start, matrix.free, matrix.data
     n = nodes.shape[0]
     pair = 0
     for a in range(n):
@@ -140,7 +164,7 @@ def _scatter(
                 for i in range(3):
                     for j in range(3):
                         block[i, j] = k[i * n + first, j * n + second]
-                place(data, block, low, high, offset[pair], node_dof, row_start, free)
+                scatter_block(matrix, block, low, high, offset[pair])
             pair += 1
 
 
@@ -159,40 +183,23 @@ def _times(nodes: Index, k: Array, du: Array, force: Array) -> None:
 
 @njit(cache=True, parallel=True)
 def tangent_matrix(
-    colours: Index,
-    chunks: Index,
-    nodes: Index,
-    inverse: Array,
-    reference: Array,
-    weight: Array,
-    u: Array,
-    stress: Array,
-    tangent: Array,
-    lame: Array,
-    offset: Index,
-    node_dof: Index,
-    row_start: Index,
-    free: Index,
-    data: Array,
-    du: Array,
-    force: Array,
+    elements: ElementArrays, law: LawArrays, u: Array, offset: Index, matrix: ReducedMatrix, product: Product
 ) -> None:
-    """Add the tangent to the reduced upper triangle `data`, and K du to force (n, 3) where du (n, 3) is not empty.
+    """Add the tangent at displacements u (n, 3) to the reduced upper triangle, and K du to the product's force.
 
-    stress (e, q, v) is the one of the geometric term, tangent dS/dE (e, q, v, v) or (1, q or 1, v, v) where constant.
-    Where lame (q, 2) is not empty the tangent is lambda 1 x 1 + 2 mu I with these constants.
+    offset (e, pair) as `fem.equations.pattern` gives it, the pairs of nodes a <= b of an element in order.
     """
+    colours, chunks, nodes = elements.colours, elements.chunks, elements.nodes
     n = nodes.shape[1]
     for c in range(colours.shape[0] - 1):
         for chunk in prange(colours[c], colours[c + 1]):
             k = np.empty((3 * n, 3 * n))
             block = np.empty((3, 3))
             for e in range(chunks[chunk], chunks[chunk + 1]):
-                if lame.shape[0] > 0:
-                    _isotropic_element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], lame, k)
+                if law.lame.shape[0] > 0:
+                    _isotropic_element_tangent(elements, law, e, u, k)
                 else:
-                    law = tangent[e if tangent.shape[0] > 1 else 0]
-                    _element_tangent(nodes[e], inverse[e], reference, weight[e], u, stress[e], law, k)
-                _scatter(nodes[e], k, offset[e], node_dof, row_start, free, data, block)
-                if du.shape[0] > 0:
-                    _times(nodes[e], k, du, force)
+                    _element_tangent(elements, law, e, u, k)
+                _scatter(matrix, nodes[e], k, offset[e], block)
+                if product.du.shape[0] > 0:
+                    _times(nodes[e], k, product.du, product.force)

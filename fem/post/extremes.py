@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
-from fem.kernels import element as kernels
+from fem.kernels.element import VOIGT, green_lagrange
 from fem.materials.material import Material
 from fem.solution import Extremes
 from geometry.arrays import Array
@@ -16,14 +16,14 @@ def strain_at_stress_points(space: Discretisation, displacement: Array) -> tuple
     """Green-Lagrange strain (e, q, 6) and det F (e, q) for displacements (n, 3)."""
     strain = np.empty((*space.weight.shape, 6))
     jacobian = np.empty(space.weight.shape)
-    kernels.green_lagrange(space.nodes, space.inverse, space.reference, displacement, strain, jacobian)
+    green_lagrange(space.arrays, displacement, strain, jacobian)
     return strain, jacobian
 
 
 def principal_stretches(strain: Array) -> Array:
     """Ascending principal stretches (..., 3) of Green-Lagrange strains (..., 6)."""
     c = np.empty((*strain.shape[:-1], 3, 3))
-    for v, (i, j) in enumerate(kernels.VOIGT):
+    for v, (i, j) in enumerate(VOIGT):
         c[..., i, j] = c[..., j, i] = 2 * strain[..., v] + 1 if v < 3 else strain[..., v]
     return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(c), 0.0)))
 

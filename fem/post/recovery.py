@@ -17,7 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from fem.discretisation import Discretisation
-from fem.kernels import recovery as recovery_kernels
+from fem.kernels.recovery import TERMS, Patches, blended, normal_equations
 from fem.materials.material import Material
 from fem.post.extremes import strain_at_stress_points
 from fem.solution import Step
@@ -73,17 +73,18 @@ def recovered(space: Discretisation, values: Array) -> Array:
     shape = space.vertex_shape[: values.shape[1]]
     # in one layout for all elements and laws: the kernels are compiled once
     vertices, values = np.ascontiguousarray(space.nodes[:, :4]), np.ascontiguousarray(values)
-    places = np.ascontiguousarray(np.einsum("qa,eai->eqi", shape, space.points[vertices]))
+    positions = np.ascontiguousarray(np.einsum("qa,eai->eqi", shape, space.points[vertices]))
     begin, members = _patches(vertices, values.shape[1])
-    count, terms = begin.shape[0] - 1, recovery_kernels.TERMS
+    count, terms = begin.shape[0] - 1, TERMS
     origin = space.points[:count]
-    away = places[members] - np.repeat(origin, np.diff(begin), axis=0)[:, None]
+    away = positions[members] - np.repeat(origin, np.diff(begin), axis=0)[:, None]
     scale = np.sqrt(np.maximum.reduceat(np.sum(away**2, axis=2).max(axis=1), begin[:-1]))
     left, right = np.zeros((count, terms, terms)), np.zeros((count, terms, values.shape[2]))
-    recovery_kernels.normal_equations(begin, members, places, values, origin, scale, left, right)
+    patches = Patches(begin, members, origin, scale)
+    normal_equations(patches, positions, values, left, right)
     left += RIDGE * left[:, :1, :1] * np.eye(terms)
     smooth = np.empty_like(values)
-    recovery_kernels.blended(vertices, shape, places, origin, scale, np.linalg.solve(left, right), smooth)
+    blended(patches, np.linalg.solve(left, right), vertices, shape, positions, smooth)
     return smooth
 
 
@@ -95,7 +96,7 @@ def _patches(vertices: Index, points: int) -> tuple[Index, Index]:
     elements, count = vertices.shape[0], int(vertices.max()) + 1
     corner = np.repeat(np.arange(elements), 4)
     meets = sp.csr_matrix((np.ones(4 * elements, dtype=np.int64), (vertices.ravel(), corner)), (count, elements))
-    few = np.flatnonzero(np.diff(meets.indptr) * points < LEAST * recovery_kernels.TERMS)
+    few = np.flatnonzero(np.diff(meets.indptr) * points < LEAST * TERMS)
     if len(few):
         chosen = sp.csr_matrix((np.ones(len(few), dtype=np.int64), (few, few)), (count, count))
         meets = (meets + chosen @ meets @ meets.T @ meets).tocsr()
