@@ -205,21 +205,21 @@ def material(
 ) -> None:
     """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
     with _plain_endings():
-        from pipeline.material.fits import ALL, WIDEST, Asked
-        from pipeline.material.sentences import about_moduli, block, sentences
+        from pipeline.material.fits import ALL, WIDEST, FitOptions
+        from pipeline.material.sentences import caveats, moduli_sentences, yaml_block
         from pipeline.material.study import fit_material
         from pipeline.terminal import laws
 
-        fits = fit_material(tests, Asked.of(nu, density, break_strain, up_to, within), out)
+        fits = fit_material(tests, FitOptions.read(nu, density, break_strain, up_to, within), out)
         console = Console()
-        for line in about_moduli(fits):
+        for line in moduli_sentences(fits):
             console.print(line, highlight=False)
         for name in (ALL, WIDEST):
             console.print("", laws(fits, name), highlight=False)
         console.print(f"\nfor a configuration, fitted to {WIDEST}:", highlight=False)
-        for line in (block(fit, density) for fit in fits.usable.values()):
+        for line in (yaml_block(fit, density) for fit in fits.usable.values()):
             console.print(line, highlight=False, soft_wrap=True)
-        for sentence in ("", *sentences(fits)):
+        for sentence in ("", *caveats(fits)):
             console.print(sentence, highlight=False)
         console.print(f"written: {out / 'material.html'}, material.json, material_curves.csv", soft_wrap=True)
 

@@ -45,21 +45,22 @@ def sentences(rows: Sequence[Row]) -> Table:
 
 
 def laws(fits: Fits, name: str) -> Table:
-    """Every law as fitted to `name` of `pipeline.material.fits`; those that are refused are named below it."""
-    columns = ("law", "constants, MPa", "rms MPa", "holds for", "ended by", "stable for")
+    """The fits with this name (`ALL` or `WIDEST` of `pipeline.material.fits`); laws without a fit are listed below."""
+    columns = ("law", "constants, MPa", "rms MPa", "holds for", "limit", "stable for")
     refused = [fit for both in fits.laws.values() if isinstance(fit := both[name], Refused)]
     below = "\n".join(f"{fit.law} {fit.reason}" for fit in refused) or None
     table = Table(*columns, box=None, pad_edge=False, title=f"fitted to {name}", caption=below)
     table.title_justify = table.caption_justify = "left"
     for column in table.columns:
         column.no_wrap = True
-    for column in (table.columns[place] for place in (2, 3, 5)):
+    for column in (table.columns[number] for number in (2, 3, 5)):
         column.justify = "right"
     for both in fits.laws.values():
         fit = both[name]
         if isinstance(fit, LawFit):
-            stable, holds = fit.solved.stretch_limits, "nowhere" if fit.holds is None else _stretches(*fit.holds)
-            table.add_row(fit.law, _constants(fit), f"{fit.rms:.2g}", holds, fit.ends, _stretches(*stable))
+            holds = "nowhere" if fit.valid_range is None else _stretches(*fit.valid_range)
+            stable = _stretches(*fit.solved.stretch_limits)
+            table.add_row(fit.law, _constants(fit), f"{fit.rms:.2g}", holds, fit.limited_by, stable)
     return table
 
 

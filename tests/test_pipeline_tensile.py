@@ -93,7 +93,10 @@ HEADER = "strain (%),stress (MPa)"
         (table(HEADER, [*GOOD, "nan,0.2"]), r"line 7, column 'strain \(%\)': 'nan' is not a number"),
         (table(HEADER, [*GOOD, "50"]), "line 7: has 1 cells under 2 columns"),
         (table(HEADER, [*GOOD, "50,0,2"]), "line 7: has 3 cells under 2 columns; a comma within numbers needs ';'"),
-        (table(HEADER, ["-100,-9", *GOOD]), r"line 2, column 'strain \(%\)': -100 leaves nothing of the specimen"),
+        (
+            table(HEADER, ["-100,-9", *GOOD]),
+            r"line 2, column 'strain \(%\)': -100 is no possible strain",
+        ),
         (table("test," + HEADER, [f"A,{row}" for row in GOOD] + [",50,0.2"]), "line 7, column 'test': is empty; name"),
         (table(HEADER, GOOD[:4]), "test 'pull': has 4 points; 5 are needed"),
         (table(HEADER, [f"10,{k}" for k in range(5)]), "test 'pull': has one strain only"),

@@ -24,7 +24,13 @@ def tensile_page(fits: Fits) -> str:
         _points(panel, fits)
         _modulus_lines(panel, fits)
         for number, (law, fit) in enumerate(fits.usable.items()):
-            _law(panel, fits, fit, f"{law}, valid to stretch {(fit.holds or (1.0, 1.0))[1]:.3g}", series_colour(number))
+            _law(
+                panel,
+                fits,
+                fit,
+                f"{law}, holds to stretch {(fit.valid_range or (1.0, 1.0))[1]:.3g}",
+                series_colour(number),
+            )
         _fit_axes(panel, fits, limit)
     figure = panels[0].figure
     figure.update_xaxes(tickformat=".0%")
@@ -60,7 +66,7 @@ def _law(panel: Panel, fits: Fits, fit: LawFit, title: str, colour: str) -> None
     low_end, high_end = (float(fits.curve.nodes[end]) for end in (0, -1))
     stretch = np.geomspace(min(low_end, 1.0), max(high_end, 1.0), POINTS_OF_A_LINE)
     nominal = fem.uniaxial(fit.solved, stretch).nominal
-    low, high = fit.holds or (1.0, 1.0)
+    low, high = fit.valid_range or (1.0, 1.0)
     valid = (stretch >= low) & (stretch <= high)
     inside, outside = np.where(valid, nominal, np.nan), np.where(valid, np.nan, nominal)
     panel.line(stretch - 1, inside, Stroke(colour, width=2.5), title, legend=panel.column == 1)

@@ -1,4 +1,4 @@
-"""What tensile tests say of the material: the two moduli, and every law fitted twice."""
+"""Everything that is identified from tensile tests: the two moduli, and every law fitted to two ranges of stretch."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,29 +14,29 @@ from pipeline.material.mean_curve import MeanCurve
 from pipeline.material.moduli import Moduli, moduli
 from pipeline.material.tensile import TensileTest, up_to
 
-#: how the two fits of a law are called
+#: names of the two fits of a law
 ALL, WIDEST = "all data", "the widest range it holds for"
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What was asked of the fit, checked."""
+class FitOptions:
+    """The options of the command line, checked."""
 
     nu: float  #: Poisson ratio of the laws that have one; it gives the others their kappa
     density: str  #: as written, for the configuration
-    break_strain: float  #: between E_L and E_H
-    up_to: float  #: largest strain that is looked at
-    within: float  #: relative error up to which a law may be used
+    break_strain: float  #: E_L below, E_H above
+    up_to: float  #: largest strain that is used
+    within: float  #: relative error of the nominal stress up to which a law counts as valid
 
     @staticmethod
-    def of(nu: float, density: str, break_strain: str, up_to: str | None, within: str) -> "Asked":
+    def read(nu: float, density: str, break_strain: str, up_to: str | None, within: str) -> "FitOptions":
         """From the texts of the command line. Raises InputError."""
         try:
             fem.StVenantKirchhoff(1.0, nu)
         except fem.MaterialError as failure:
             raise InputError(f"--nu: {failure}") from None
         _positive("--density", density, DENSITY)
-        return Asked(
+        return FitOptions(
             nu,
             density,
             _positive("--break", break_strain, STRAIN),
@@ -47,9 +47,9 @@ class Asked:
 
 @dataclass(frozen=True)
 class Fits:
-    """Everything that was found."""
+    """Moduli and laws identified from tensile tests."""
 
-    asked: Asked
+    options: FitOptions
     tests: tuple[TensileTest, ...]
     curve: MeanCurve
     moduli: Moduli
@@ -57,25 +57,25 @@ class Fits:
 
     @property
     def usable(self) -> dict[str, LawFit]:
-        """The fits as far as each law holds, without the laws that hold nowhere."""
-        found = {law: fits[WIDEST] for law, fits in self.laws.items()}
-        return {law: fit for law, fit in found.items() if isinstance(fit, LawFit)}
+        """The fits over the widest valid range of each law, without laws that are valid nowhere."""
+        widest = {law: fits[WIDEST] for law, fits in self.laws.items()}
+        return {law: fit for law, fit in widest.items() if isinstance(fit, LawFit)}
 
 
-def fitted(tests: Sequence[TensileTest], asked: Asked) -> Fits:
+def fit_laws(tests: Sequence[TensileTest], options: FitOptions) -> Fits:
     """Fit both moduli and every law to the tests. Raises InputError where too few points are left."""
-    kept = tuple(tests) if np.isinf(asked.up_to) else up_to(tests, asked.up_to)
+    kept = tuple(tests) if np.isinf(options.up_to) else up_to(tests, options.up_to)
     curve = MeanCurve.of(kept)
     if not len(curve.nodes):
         raise InputError(f"the tests reach strains of {100 * np.ptp(curve.stretch):.2g} % only; 2 % or more are needed")
     laws = {
         law: {
-            ALL: fit_all(law, curve, asked.nu, asked.within),
-            WIDEST: fit_widest(law, curve, asked.nu, asked.within),
+            ALL: fit_all(law, curve, options.nu, options.within),
+            WIDEST: fit_widest(law, curve, options.nu, options.within),
         }
         for law in LAWS
     }
-    return Fits(asked, kept, curve, moduli(kept, asked.break_strain), laws)
+    return Fits(options, kept, curve, moduli(kept, options.break_strain), laws)
 
 
 def _positive(option: str, text: str, dimension: Dimension) -> float:

@@ -1,7 +1,9 @@
-"""Every law fitted to tensile tests: its constants, their errors, and the stretches over which it may be used.
+"""Every law fitted to tensile tests: its constants, their errors, and the range of stretch over which it is valid.
 
-Rubber is fitted as incompressible, which it nearly is and which makes every law linear in its constants; kappa then
-follows from the Poisson ratio that is asked for. The fitted law is judged as the solver has it, with that kappa.
+The laws of rubber are fitted as incompressible, which rubber nearly is and which makes every law linear in its
+constants; kappa then follows from the given Poisson ratio. Validity is judged for the law as the solver has it, with
+that kappa: at every stretch of the range the law is stable, and its nominal stress is within a relative tolerance of
+the mean measured curve (plus the uncertainty of that curve).
 """
 
 from collections.abc import Callable, Mapping
@@ -13,111 +15,114 @@ import fem
 from geometry.arrays import Array, Mask
 from pipeline.config.config import LAWS
 from pipeline.material.mean_curve import MeanCurve
-from pipeline.material.regression import TooFewPoints, regress, solve
+from pipeline.material.regression import TooFewPoints, least_squares, regress
 
 
 @dataclass(frozen=True)
 class LawFit:
-    """One law, fitted to the points between two stretches."""
+    """One law, fitted to the points within a range of stretch."""
 
     law: str  #: as in the YAML
     constants: Mapping[str, float]  #: fitted, MPa
     errors: Mapping[str, float]  #: their standard errors, MPa
     by_tests: bool  #: as in `Regression`
     points: int
-    fitted: tuple[float, float]  #: stretches of the first and the last point that it was fitted to
+    fitted_range: tuple[float, float]  #: stretches of the first and the last point that it was fitted to
     rms: float  #: MPa, over these points
     rms_solved: float  #: MPa, the same for the law as the solver has it; NaN where it has none at a point
     solved: fem.Material  #: with its Poisson ratio or kappa
-    holds: tuple[float, float] | None  #: stretches around 1 over which it may be used
-    ends: str  #: what ends this range (in tension where the tests pull), or why there is none
+    valid_range: tuple[float, float] | None  #: stretches around 1 over which it is valid, None where it never is
+    limited_by: str  #: data, misfit, kappa or instability: why the range ends (in tension where there is tension)
 
 
 @dataclass(frozen=True)
 class Refused:
-    """A law for which the data give no constants that it can have."""
+    """A law for which the data give no admissible constants, or no valid range."""
 
     law: str
     reason: str
 
 
-def fit_all(law: str, curve: MeanCurve, nu: float, share: float) -> LawFit | Refused:
-    """The law fitted to all points at which a body of it can be."""
+def fit_all(law: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFit | Refused:
+    """The law fitted to all points within the stretches that it admits."""
     low, high = (0.0, np.inf) if not _has_nu(law) else _built(law, {"E": 1.0}, nu).stretch_limits
-    return _fit(law, curve, (curve.stretch > low) & (curve.stretch < high), nu, share)
+    return _fit(law, curve, (curve.stretch > low) & (curve.stretch < high), nu, tolerance)
 
 
-def fit_widest(law: str, curve: MeanCurve, nu: float, share: float) -> LawFit | Refused:
-    """The law fitted to the widest part of the points around rest over all of which it may be used."""
+def fit_widest(law: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFit | Refused:
+    """The law fitted to the widest range of points around rest over all of which it is valid."""
     reach, points = np.abs(np.log(curve.nodes)), np.abs(np.log(curve.stretch))
-    told = reach[curve.tells(share)]
-    if not len(told):
-        return Refused(law, f"cannot be judged: the points scatter too much to tell {100 * share:g} % of the stress")
-    for far in np.unique(reach[reach >= told.min()])[::-1]:
-        chosen = points <= far * (1 + 1e-9)
+    resolved = reach[curve.resolves(tolerance)]
+    if not len(resolved):
+        return Refused(law, f"cannot be judged: the scatter of the points exceeds {100 * tolerance:g} % of the stress")
+    for largest in np.unique(reach[reach >= resolved.min()])[::-1]:
+        selected = points <= largest * (1 + 1e-9)
         try:
-            numbers = solve(_columns(law, curve.stretch[chosen]), curve.stress[chosen])
-            good = _good(_built(law, _named(law, numbers), nu), curve, share)
+            constants = least_squares(_matrix(law, curve.stretch[selected]), curve.stress[selected])
+            valid = _valid(_built(law, _named(law, constants), nu), curve, tolerance)
         except (TooFewPoints, fem.MaterialError):
             continue
-        if good[reach <= far].all():
-            return _fit(law, curve, chosen, nu, share)
-    return Refused(law, f"is nowhere within {100 * share:g} % of the data")
+        if valid[reach <= largest].all():
+            return _fit(law, curve, selected, nu, tolerance)
+    return Refused(law, f"is nowhere within {100 * tolerance:g} % of the data")
 
 
-def _fit(law: str, curve: MeanCurve, chosen: Mask, nu: float, share: float) -> LawFit | Refused:
-    columns, stretch = _columns(law, curve.stretch), curve.stretch[chosen]
+def _fit(law: str, curve: MeanCurve, selected: Mask, nu: float, tolerance: float) -> LawFit | Refused:
+    matrix, stretch = _matrix(law, curve.stretch), curve.stretch[selected]
     try:
-        found = regress(columns[chosen], curve.stress[chosen], curve.tests[chosen])
-        solved = _built(law, _named(law, found.numbers), nu)
+        regression = regress(matrix[selected], curve.stress[selected], curve.tests[selected])
+        solved = _built(law, _named(law, regression.coefficients), nu)
     except TooFewPoints as failure:
         return Refused(law, f"cannot be fitted: {failure}")
     except fem.MaterialError as failure:
-        return Refused(law, f"has no constants for these data: {failure}")
-    left = fem.uniaxial(solved, stretch).nominal - curve.stress[chosen]
-    holds, ends = _holds(solved, curve, _columns(law, curve.nodes) @ found.numbers, share)
+        return Refused(law, f"has no admissible constants for these data: {failure}")
+    residuals = fem.uniaxial(solved, stretch).nominal - curve.stress[selected]
+    incompressible = _matrix(law, curve.nodes) @ regression.coefficients
+    valid_range, limited_by = _valid_range(solved, curve, incompressible, tolerance)
     return LawFit(
         law,
-        _named(law, found.numbers),
-        _named(law, found.errors),
-        found.by_tests,
-        int(chosen.sum()),
+        _named(law, regression.coefficients),
+        _named(law, regression.errors),
+        regression.by_tests,
+        int(selected.sum()),
         (float(stretch.min()), float(stretch.max())),
-        found.rms,
-        float(np.sqrt(np.mean(left**2))),
+        regression.rms,
+        float(np.sqrt(np.mean(residuals**2))),
         solved,
-        holds,
-        ends,
+        valid_range,
+        limited_by,
     )
 
 
-def _holds(
-    solved: fem.Material, curve: MeanCurve, fitted: Array, share: float
+def _valid_range(
+    solved: fem.Material, curve: MeanCurve, incompressible: Array, tolerance: float
 ) -> tuple[tuple[float, float] | None, str]:
-    """From rest to the last node in an unbroken row of good ones, on either side, and what ends the row.
+    """The stretches from rest to the last of consecutive valid nodes on either side, and what limits them.
 
-    Of tests that pull and press it is the end in tension.
+    incompressible: (m,) nominal stress at the nodes of the law without kappa, as fitted. With tension and compression
+    in the tests, the limit is that in tension.
     """
-    good = _good(solved, curve, share)
+    valid = _valid(solved, curve, tolerance)
     up, down = np.flatnonzero(curve.nodes > 1), np.flatnonzero(curve.nodes < 1)[::-1]
-    rising, falling = (side[: np.argmin([*good[side], False])] for side in (up, down))
-    ends, (side, row) = "data", (up, rising) if len(up) else (down, falling)
-    if len(row) < len(side):
-        first = side[len(row)]
-        at = float(fem.uniaxial(solved, curve.nodes[[first]]).nominal[0])
-        ends = "kappa" if abs(at - fitted[first]) > abs(fitted[first] - curve.mean[first]) else "misfit"
+    rising, falling = (side[: np.argmin([*valid[side], False])] for side in (up, down))
+    limited_by, (side, nodes) = "data", (up, rising) if len(up) else (down, falling)
+    if len(nodes) < len(side):
+        first = side[len(nodes)]
+        stress = float(fem.uniaxial(solved, curve.nodes[[first]]).nominal[0])
+        by_kappa, by_misfit = abs(stress - incompressible[first]), abs(incompressible[first] - curve.mean[first])
+        limited_by = "kappa" if by_kappa > by_misfit else "misfit"
         if not _stable(solved, curve)[first]:
-            ends = "instability"
+            limited_by = "instability"
     if not len(rising) and not len(falling):
-        return None, ends
-    ends_at = curve.nodes[[*falling[-1:], *rising[-1:]]]
-    return (min(1.0, *ends_at.tolist()), max(1.0, *ends_at.tolist())), ends
+        return None, limited_by
+    ends = curve.nodes[[*falling[-1:], *rising[-1:]]]
+    return (min(1.0, *ends.tolist()), max(1.0, *ends.tolist())), limited_by
 
 
-def _good(solved: fem.Material, curve: MeanCurve, share: float) -> Mask:
-    """(m,) nodes at which the law is stable and near enough to the data."""
-    near = curve.within(fem.uniaxial(solved, curve.nodes).nominal, share)
-    return near & _stable(solved, curve) if near.any() else near
+def _valid(solved: fem.Material, curve: MeanCurve, tolerance: float) -> Mask:
+    """(m,) nodes at which the law is stable and close enough to the data."""
+    close = curve.within(fem.uniaxial(solved, curve.nodes).nominal, tolerance)
+    return close & _stable(solved, curve) if close.any() else close
 
 
 def _stable(solved: fem.Material, curve: MeanCurve) -> Mask:
@@ -125,13 +130,13 @@ def _stable(solved: fem.Material, curve: MeanCurve) -> Mask:
     return np.asarray((curve.nodes > low) & (curve.nodes < high))
 
 
-def _columns(law: str, stretch: Array) -> Array:
+def _matrix(law: str, stretch: Array) -> Array:
     """(n, k) nominal stress per unit of each constant."""
     return np.column_stack(list(fem.uniaxial_terms(_model(law), stretch).values()))
 
 
-def _named(law: str, numbers: Array) -> dict[str, float]:
-    return dict(zip(fem.uniaxial_terms(_model(law), np.ones(1)), numbers.tolist(), strict=True))
+def _named(law: str, constants: Array) -> dict[str, float]:
+    return dict(zip(fem.uniaxial_terms(_model(law), np.ones(1)), constants.tolist(), strict=True))
 
 
 def _model(law: str) -> type[fem.Material]:

@@ -1,13 +1,12 @@
-"""The two Young's moduli of K. M. de Payrebrune and O. M. O'Reilly, Fig. 4, and what their choice of E_H means.
+"""The two Young's moduli of K. M. de Payrebrune and O. M. O'Reilly, Fig. 4, and the effect of using E = E_H in a law.
 
-The paper: least squares, E_L for strains below 1.5, E_H for strains above. It does not say how its lines are placed.
-Here the first starts at rest, where there is no stress, and the second has the slope and the height that fit best;
-the two other ways of placing the second are given beside it.
+The paper fits by least squares, E_L to strains below 1.5 and E_H to strains above; it does not state the intercepts of
+its lines. Here the first line passes through rest, where there is no stress, and the second has the slope and the
+intercept that fit best; its slope under two other assumptions about the intercept is reported too.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -16,10 +15,10 @@ from geometry.arrays import Array, Index, Mask
 from pipeline.material.regression import Regression, TooFewPoints, regress
 from pipeline.material.tensile import TensileTest
 
-#: lines 111-113 and 118 of the paper: E_L, E_H in MPa, nu
+#: the paper's E_L, E_H in MPa, nu
 PAPER = (0.65, 1.2, 0.495)
-#: stretch at which the paper's choice is looked at
-LOOKED_AT = 1.2
+#: stretch at which a law with E = E_H is compared with the measured line
+CHECKED_STRETCH = 1.2
 
 
 @dataclass(frozen=True)
@@ -36,8 +35,8 @@ class Moduli:
     high_from_rest: float  #: slope where the second line passes through the origin
     by_tests: bool  #: as in `Regression`
 
-    def record(self) -> dict[str, Any]:
-        """As in material.json."""
+    def record(self) -> dict[str, float | bool]:
+        """The part of material.json about the moduli."""
         return {
             "break_strain": self.break_strain,
             "E_L_MPa": self.low,
@@ -52,8 +51,8 @@ class Moduli:
 
 
 @dataclass(frozen=True)
-class Choice:
-    """What a law with E = E_H carries at one stretch, against the measured line E_L times strain."""
+class HighModulusCheck:
+    """Nominal stress of laws with E = E_H at one stretch, and that of the measured line E_L times strain."""
 
     stretch: float
     line: float  #: MPa
@@ -67,43 +66,43 @@ def moduli(tests: Sequence[TensileTest], break_strain: float) -> Moduli:
     stress = np.concatenate([test.stress for test in tests])
     groups = np.concatenate([np.full(len(test.strain), k) for k, test in enumerate(tests)])
     below, beyond = (strain >= 0) & (strain <= break_strain), strain > break_strain
-    one = np.ones_like(strain)
+    ones = np.ones_like(strain)
     low = _line([strain], stress, groups, below)
-    high = _line([strain, one], stress, groups, beyond)
+    high = _line([strain, ones], stress, groups, beyond)
     joined = _line(
         [np.minimum(strain, break_strain), np.maximum(strain - break_strain, 0)], stress, groups, strain >= 0
     )
     return Moduli(
         break_strain,
-        low.numbers[0],
+        low.coefficients[0],
         low.errors[0],
-        high.numbers[0],
+        high.coefficients[0],
         high.errors[0],
-        high.numbers[1],
-        joined.numbers[1],
-        _line([strain], stress, groups, beyond).numbers[0],
+        high.coefficients[1],
+        joined.coefficients[1],
+        _line([strain], stress, groups, beyond).coefficients[0],
         low.by_tests,
     )
 
 
-def choice(low: float, high: float, nu: float) -> Choice | None:
-    """Two laws with E = `high` against the line of slope `low` (MPa); None where one is missing."""
+def check_high_modulus(low: float, high: float, nu: float) -> HighModulusCheck | None:
+    """Two laws with E = `high` and the line of slope `low` (MPa); None unless both are positive."""
     if not (low > 0 and high > 0):
         return None
-    at = np.array([LOOKED_AT])
-    return Choice(
-        LOOKED_AT,
-        low * (LOOKED_AT - 1),
+    at = np.array([CHECKED_STRETCH])
+    return HighModulusCheck(
+        CHECKED_STRETCH,
+        low * (CHECKED_STRETCH - 1),
         float(uniaxial(StVenantKirchhoff(high, nu), at).nominal[0]),
         float(uniaxial(Hencky(high, nu), at).nominal[0]),
     )
 
 
-def _line(columns: Sequence[Array], stress: Array, groups: Index, chosen: Mask) -> Regression:
-    """The best numbers for the chosen points; NaN where there are too few."""
-    matrix = np.column_stack(columns)[chosen]
+def _line(columns: Sequence[Array], stress: Array, groups: Index, selected: Mask) -> Regression:
+    """Least squares through the selected points; NaN where there are too few."""
+    matrix = np.column_stack(columns)[selected]
     try:
-        return regress(matrix, stress[chosen], groups[chosen])
+        return regress(matrix, stress[selected], groups[selected])
     except TooFewPoints:
         nothing = np.full(len(columns), np.nan)
         return Regression(nothing, nothing, False, np.nan)

@@ -1,4 +1,4 @@
-"""What the tests say, in sentences, and each law as a configuration takes it."""
+"""What tensile tests tell, in sentences, and each fitted law as a configuration takes it."""
 
 import math
 
@@ -7,9 +7,9 @@ import numpy as np
 from pipeline.config.config import LAWS
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
-from pipeline.material.moduli import PAPER, choice
+from pipeline.material.moduli import PAPER, check_high_modulus
 
-#: distance from rest, as a stretch, below which it need not be said that the points scatter
+#: |stretch - 1| below which large scatter needs no sentence
 NEAR_REST = 0.02
 
 
@@ -21,71 +21,71 @@ def with_error(value: float, error: float) -> str:
     return f"{value:.{min(max(digits, 1), 6)}g} ± {error:.1g}"
 
 
-def block(fit: LawFit, density: str) -> str:
-    """The section of a configuration in which the solid has this law."""
+def yaml_block(fit: LawFit, density: str) -> str:
+    """The section `material` of a configuration with this law."""
     values = {name: getattr(fit.solved, name) for name in LAWS[fit.law][1]}
     shown = [f"{name}: {value:g}" if name == "nu" else f"{name}: {value:.6g} MPa" for name, value in values.items()]
     return f"material: {{law: {fit.law}, {', '.join(shown)}, density: {density}}}"
 
 
-def about_moduli(fits: Fits) -> list[str]:
-    """E_L and E_H with their standard errors, each with how its line is placed."""
-    found, at = fits.moduli, f"{100 * fits.moduli.break_strain:g} %"
-    if not np.isfinite(found.low):
+def moduli_sentences(fits: Fits) -> list[str]:
+    """E_L and E_H with their standard errors, and which line each is the slope of."""
+    moduli, at = fits.moduli, f"{100 * fits.moduli.break_strain:g} %"
+    if not np.isfinite(moduli.low):
         return [f"E_L: too few points in tension up to {at}"]
-    said = [f"E_L = {with_error(found.low, found.low_error)} MPa: the line from rest, strains up to {at}"]
-    if not np.isfinite(found.high):
-        return [*said, f"E_H: too few points beyond {at}"]
+    low = f"E_L = {with_error(moduli.low, moduli.low_error)} MPa: slope of the line through rest, strains up to {at}"
+    if not np.isfinite(moduli.high):
+        return [low, f"E_H: too few points beyond {at}"]
     return [
-        *said,
-        f"E_H = {with_error(found.high, found.high_error)} MPa: the slope of the line through strains beyond {at}",
-        f"(begun where the first line ends {found.high_joined:.4g}, drawn from rest {found.high_from_rest:.4g} MPa)",
+        low,
+        f"E_H = {with_error(moduli.high, moduli.high_error)} MPa: slope of the best line, strains beyond {at}",
+        f"(joined to the end of the first line {moduli.high_joined:.4g}, through rest {moduli.high_from_rest:.4g} MPa)",
     ]
 
 
-def sentences(fits: Fits) -> list[str]:
-    """What must be known before a law is chosen."""
-    return [*_about_the_choice(fits), *_about_kappa(fits), *_about_scatter(fits), *_about_compression(fits)]
+def caveats(fits: Fits) -> list[str]:
+    """What to know before choosing a law."""
+    return [*_high_modulus(fits), *_kappa(fits), *_scatter(fits), *_compression(fits)]
 
 
-def _about_the_choice(fits: Fits) -> list[str]:
-    found, (low, high, _) = fits.moduli, PAPER
-    own, papers = choice(found.low, found.high, fits.asked.nu), choice(*PAPER)
-    named = {"these E_L and E_H": own, f"the paper's E_L = {low:g} and E_H = {high:g} MPa": papers}
+def _high_modulus(fits: Fits) -> list[str]:
+    moduli, (low, high, _) = fits.moduli, PAPER
+    measured, paper = check_high_modulus(moduli.low, moduli.high, fits.options.nu), check_high_modulus(*PAPER)
+    named = {"these E_L and E_H": measured, f"the paper's E_L = {low:g} and E_H = {high:g} MPa": paper}
     return [
-        f"With {name} a St. Venant-Kirchhoff bar of E = E_H carries {at.svk:.3g} MPa at stretch {at.stretch:g}, "
-        f"{at.svk / at.line:.1f} times the measured line E_L times strain; "
-        f"a Hencky bar {at.hencky / at.line:.1f} times."
-        for name, at in named.items()
-        if at is not None
+        f"With {name} a St. Venant-Kirchhoff bar of E = E_H carries {check.svk:.3g} MPa at stretch {check.stretch:g}, "
+        f"{check.svk / check.line:.1f} times the measured line E_L times strain; "
+        f"a Hencky bar {check.hencky / check.line:.1f} times."
+        for name, check in named.items()
+        if check is not None
     ]
 
 
-def _about_kappa(fits: Fits) -> list[str]:
-    ended = [law for law, fit in fits.usable.items() if fit.ends == "kappa"]
-    if not ended:
+def _kappa(fits: Fits) -> list[str]:
+    limited = [law for law, fit in fits.usable.items() if fit.limited_by == "kappa"]
+    if not limited:
         return []
     return [
-        f"What ends {' and '.join(ended)} is kappa, which nu = {fits.asked.nu:g} gives: incompressible the same "
-        "constants reach further; see --nu."
+        f"The range of {' and '.join(limited)} is limited by kappa, which follows from nu = {fits.options.nu:g}: "
+        "the same constants in an incompressible law reach further; a larger --nu extends the range."
     ]
 
 
-def _about_scatter(fits: Fits) -> list[str]:
-    curve, share = fits.curve, f"{100 * fits.asked.within:g} %"
-    told = curve.nodes[curve.tells(fits.asked.within)]
-    if not len(told):
-        return [f"The points scatter too much to tell {share} of the stress at any stretch."]
-    nearest = told[np.argmin(np.abs(np.log(told)))]
+def _scatter(fits: Fits) -> list[str]:
+    curve, tolerance = fits.curve, f"{100 * fits.options.within:g} %"
+    resolved = curve.nodes[curve.resolves(fits.options.within)]
+    if not len(resolved):
+        return [f"The scatter of the points exceeds {tolerance} of the stress at every stretch."]
+    nearest = resolved[np.argmin(np.abs(np.log(resolved)))]
     if abs(nearest - 1) <= NEAR_REST:
         return []
     return [
-        f"Nearer to rest than stretch {nearest:.3g} the points scatter too much to tell {share} of the stress; "
-        "no law is refused there."
+        f"Between rest and stretch {nearest:.3g} the scatter of the points exceeds {tolerance} of the stress; "
+        "no law is rejected there."
     ]
 
 
-def _about_compression(fits: Fits) -> list[str]:
+def _compression(fits: Fits) -> list[str]:
     if fits.curve.nodes[0] < 1:
         return []
-    return ["These tests pull only: how the laws do in compression, down to where they are stable, is not known."]
+    return ["These are tests in tension only: they do not tell how well a law describes compression."]

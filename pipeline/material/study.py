@@ -3,16 +3,15 @@
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 import fem
 from pipeline.material.figure import tensile_page
-from pipeline.material.fits import Asked, Fits, fitted
+from pipeline.material.fits import FitOptions, Fits, fit_laws
 from pipeline.material.law_fit import LawFit, Refused
-from pipeline.material.moduli import PAPER, Choice, choice
-from pipeline.material.sentences import about_moduli, block, sentences
+from pipeline.material.moduli import PAPER, HighModulusCheck, check_high_modulus
+from pipeline.material.sentences import caveats, moduli_sentences, yaml_block
 from pipeline.material.tensile import read_tensile
 from pipeline.store.provenance import provenance
 from pipeline.store.store import open_folder
@@ -23,9 +22,9 @@ CURVE_COLUMNS = (
 )
 
 
-def fit_material(paths: Sequence[Path], asked: Asked, out: Path) -> Fits:
+def fit_material(paths: Sequence[Path], options: FitOptions, out: Path) -> Fits:
     """Fit everything; `out` then holds material.json, material_curves.csv and material.html. Raises InputError."""
-    fits = fitted(read_tensile(paths), asked)
+    fits = fit_laws(read_tensile(paths), options)
     store = open_folder(out)
     store.save_json("material.json", _record(paths, fits))
     store.save_rows("material_curves.csv", CURVE_COLUMNS, _curve_rows(fits))
@@ -33,43 +32,42 @@ def fit_material(paths: Sequence[Path], asked: Asked, out: Path) -> Fits:
     return fits
 
 
-def _record(paths: Sequence[Path], fits: Fits) -> dict[str, Any]:
+def _record(paths: Sequence[Path], fits: Fits) -> dict[str, object]:
+    """The content of material.json."""
+    measured = check_high_modulus(fits.moduli.low, fits.moduli.high, fits.options.nu)
     return {
         "files": [str(path) for path in paths],
         "tests": [
             {"test": test.name, "points": len(test.stretch), "strain": [test.strain[0], test.strain[-1]]}
             for test in fits.tests
         ],
-        "asked": asdict(fits.asked),
+        "asked": asdict(fits.options),
         "moduli": fits.moduli.record(),
-        "choice_of_E_H": {
-            "these_data": _choice_record(choice(fits.moduli.low, fits.moduli.high, fits.asked.nu)),
-            "paper": _choice_record(choice(*PAPER)),
-        },
+        "choice_of_E_H": {"these_data": _check_record(measured), "paper": _check_record(check_high_modulus(*PAPER))},
         "laws": [
-            {"law": law, "fitted_to": name, **_fit_record(fit, fits.asked.density)}
+            {"law": law, "fitted_to": name, **_fit_record(fit, fits.options.density)}
             for law, both in fits.laws.items()
             for name, fit in both.items()
         ],
-        "sentences": [*about_moduli(fits), *sentences(fits)],
+        "sentences": [*moduli_sentences(fits), *caveats(fits)],
         **provenance(),
     }
 
 
-def _choice_record(at: Choice | None) -> dict[str, float] | None:
-    if at is None:
+def _check_record(check: HighModulusCheck | None) -> dict[str, float] | None:
+    if check is None:
         return None
     return {
-        "stretch": at.stretch,
-        "line_MPa": at.line,
-        "svk_MPa": at.svk,
-        "svk_over_line": at.svk / at.line,
-        "hencky_MPa": at.hencky,
-        "hencky_over_line": at.hencky / at.line,
+        "stretch": check.stretch,
+        "line_MPa": check.line,
+        "svk_MPa": check.svk,
+        "svk_over_line": check.svk / check.line,
+        "hencky_MPa": check.hencky,
+        "hencky_over_line": check.hencky / check.line,
     }
 
 
-def _fit_record(fit: LawFit | Refused, density: str) -> dict[str, Any]:
+def _fit_record(fit: LawFit | Refused, density: str) -> dict[str, object]:
     if isinstance(fit, Refused):
         return {"reason": fit.reason}
     return {
@@ -78,30 +76,30 @@ def _fit_record(fit: LawFit | Refused, density: str) -> dict[str, Any]:
         "errors_by_tests": fit.by_tests,
         "shear_modulus_at_rest_MPa": fit.solved.shear_modulus,
         "points": fit.points,
-        "fitted_stretches": fit.fitted,
+        "fitted_stretches": fit.fitted_range,
         "rms_MPa": fit.rms,
         "rms_as_solved_MPa": fit.rms_solved,
-        "holds_between_stretches": fit.holds,
-        "ends_by": fit.ends,
+        "holds_between_stretches": fit.valid_range,
+        "ends_by": fit.limited_by,
         "stretch_limits": fit.solved.stretch_limits,
-        "yaml": block(fit, density),
+        "yaml": yaml_block(fit, density),
         "reason": "",
     }
 
 
-def _curve_rows(fits: Fits) -> list[tuple[Any, ...]]:
+def _curve_rows(fits: Fits) -> list[tuple[str | float, ...]]:
     """Every fitted law, as the solver has it, at the nodes of the measured curve."""
-    rows = []
+    rows: list[tuple[str | float, ...]] = []
     for law, both in fits.laws.items():
         for name, fit in both.items():
             if isinstance(fit, Refused):
                 continue
             bar = fem.uniaxial(fit.solved, fits.curve.nodes)
-            low, high = fit.holds or (np.inf, -np.inf)
-            held = (bar.stretch >= low) & (bar.stretch <= high)
+            low, high = fit.valid_range or (np.inf, -np.inf)
+            valid = (bar.stretch >= low) & (bar.stretch <= high)
             table = np.column_stack([bar.stretch, bar.stretch - 1, bar.nominal, bar.lateral, bar.J, fits.curve.mean])
             rows += [
                 (law, name, *values, str(inside).lower())
-                for values, inside in zip(table.tolist(), held.tolist(), strict=True)
+                for values, inside in zip(table.tolist(), valid.tolist(), strict=True)
             ]
     return rows

@@ -5,7 +5,7 @@
     A, 0.0, 0.001
     A, 5.0, 0.031
 
-Every refusal is one sentence: `FILE: line and column: what is wrong; what is allowed`.
+Every error message is one sentence: `FILE: line and column: what is wrong; what is allowed`.
 """
 
 import csv
@@ -21,8 +21,8 @@ from geometry.arrays import Array
 from pipeline.config.units import STRAIN, STRESS, Dimension, convert
 from pipeline.errors import InputError
 
-#: points that a test must have: the law of most constants has three, and its scatter shows in what is left
-LEAST_POINTS = 5
+#: smallest number of points of a test: three constants at most, and residuals that show the scatter
+MIN_POINTS = 5
 _EXAMPLE = "the first line names the columns with their units, for example 'test, strain (%), stress (MPa)'"
 _TITLE = re.compile(r"(?P<name>[^(\[/]*?)\s*(?:\((?P<round>.*)\)|\[(?P<square>.*)\]|/\s*(?P<slash>.+))?")
 _TEST = ("test", "specimen", "sample")
@@ -64,10 +64,10 @@ def up_to(tests: Sequence[TensileTest], strain: float) -> tuple[TensileTest, ...
     kept = []
     for test in tests:
         inside = np.abs(test.strain) <= strain * (1 + 1e-9)
-        if np.count_nonzero(inside) < LEAST_POINTS:
+        if np.count_nonzero(inside) < MIN_POINTS:
             raise InputError(
                 f"--up-to {100 * strain:g} %: leaves {np.count_nonzero(inside)} points of test '{test.name}'; "
-                f"{LEAST_POINTS} are needed"
+                f"{MIN_POINTS} are needed"
             )
         kept.append(TensileTest(test.name, test.stretch[inside], test.stress[inside]))
     return tuple(kept)
@@ -75,13 +75,13 @@ def up_to(tests: Sequence[TensileTest], strain: float) -> tuple[TensileTest, ...
 
 @dataclass(frozen=True)
 class _Columns:
-    """Where in a row what stands."""
+    """Positions and units of the columns that are read."""
 
     titles: tuple[str, ...]
     test: int | None
     strain: int
     strain_unit: float  #: strain or stretch of one unit
-    rest: float  #: what the column of strains holds at rest: 0, or 1 for stretches
+    rest: float  #: value of the strain column at rest: 0, or 1 for stretches
     stress: int
     stress_unit: float  #: MPa
 
@@ -101,7 +101,7 @@ def _tests(path: Path, alone: bool) -> Iterator[TensileTest]:
         name, stretch, stress = _row(f"{path}: line {number}", _cells(line, separator), columns, separator)
         rows.setdefault(name, []).append((stretch, stress))
     if not rows:
-        raise InputError(f"{path}: has a header and no points under it; give at least {LEAST_POINTS}")
+        raise InputError(f"{path}: has a header and no points under it; give at least {MIN_POINTS}")
     for name, points in rows.items():
         label = name if alone and name else f"{path.stem} {name}".strip()
         yield _test(f"{path}: test '{label}'", label, np.array(sorted(points)))
@@ -123,9 +123,9 @@ def _cells(line: str, separator: str) -> list[str]:
 
 
 def _columns(where: str, titles: Sequence[str]) -> _Columns:
-    """The meaning of the header. Columns of other names are left alone."""
-    places: dict[str, list[int]] = {}
-    for place, title in enumerate(titles):
+    """The columns that the header names. Columns with other names are ignored."""
+    positions: dict[str, list[int]] = {}
+    for position, title in enumerate(titles):
         name, _ = _split(title)
         *before, last = name.split() or [""]
         if last in (_STRAIN, _STRETCH, _STRESS) and " ".join(before) not in _NOMINAL:
@@ -134,18 +134,18 @@ def _columns(where: str, titles: Sequence[str]) -> _Columns:
                 "rest, as 'strain (%)' and 'stress (MPa)'"
             )
         kind = {**dict.fromkeys(_TEST, "test"), _STRETCH: _STRAIN}.get(last, last)
-        places.setdefault(kind, []).append(place)
+        positions.setdefault(kind, []).append(position)
     for kind in (_STRAIN, _STRESS):
-        if kind not in places:
+        if kind not in positions:
             raise InputError(f"{where}: no column is named {kind}; {_EXAMPLE}")
     for kind in ("test", _STRAIN, _STRESS):
-        if len(places.get(kind, ())) > 1:
-            named = " and ".join(f"'{titles[place]}'" for place in places[kind])
+        if len(positions.get(kind, ())) > 1:
+            named = " and ".join(f"'{titles[position]}'" for position in positions[kind])
             raise InputError(f"{where}: columns {named} mean the same; leave one of them out")
-    strain, stress = places[_STRAIN][0], places[_STRESS][0]
+    strain, stress = positions[_STRAIN][0], positions[_STRESS][0]
     return _Columns(
         tuple(titles),
-        places["test"][0] if "test" in places else None,
+        positions["test"][0] if "test" in positions else None,
         strain,
         _unit(where, titles[strain], STRAIN, "strain (%)"),
         1.0 if _split(titles[strain])[0].endswith(_STRETCH) else 0.0,
@@ -156,14 +156,14 @@ def _columns(where: str, titles: Sequence[str]) -> _Columns:
 
 def _split(title: str) -> tuple[str, str]:
     """Name in small letters and unit: 'Stress (MPa)', 'stress [MPa]' or 'stress / MPa'."""
-    found = _TITLE.fullmatch(title)
-    if found is None:
+    match = _TITLE.fullmatch(title)
+    if match is None:
         return title.lower(), ""
-    return found["name"].lower(), (found["round"] or found["square"] or found["slash"] or "").strip()
+    return match["name"].lower(), (match["round"] or match["square"] or match["slash"] or "").strip()
 
 
 def _unit(where: str, title: str, dimension: Dimension, example: str) -> float:
-    """The number behind one unit of the column."""
+    """MPa, or strain, per unit of the column."""
     unit = _split(title)[1]
     if dimension is STRAIN and unit in _PLAIN:
         return 1.0
@@ -190,30 +190,30 @@ def _row(where: str, cells: Sequence[str], columns: _Columns, separator: str) ->
     stretch = 1 - columns.rest + strain
     if stretch <= 0:
         raise InputError(
-            f"{where}, column '{columns.titles[columns.strain]}': {cells[columns.strain]} leaves nothing of the "
-            "specimen; allowed: strains above -100 %, stretches above 0"
+            f"{where}, column '{columns.titles[columns.strain]}': {cells[columns.strain]} is no "
+            "possible strain; allowed: strains above -100 %, stretches above 0"
         )
     return name, stretch, stress
 
 
-def _number(where: str, cells: Sequence[str], columns: _Columns, place: int, separator: str) -> float:
-    written = cells[place]
+def _number(where: str, cells: Sequence[str], columns: _Columns, position: int, separator: str) -> float:
+    written = cells[position]
     text = written.replace(",", ".") if separator != "," and "." not in written else written
     try:
         value = float(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        said = f"'{written}' is not a number" if written else "is empty"
-        raise InputError(f"{where}, column '{columns.titles[place]}': {said}; write a finite number, as in 0.25")
+        problem = f"'{written}' is not a number" if written else "is empty"
+        raise InputError(f"{where}, column '{columns.titles[position]}': {problem}; write a finite number, as in 0.25")
     return value
 
 
 def _test(where: str, name: str, points: Array) -> TensileTest:
-    """One test, checked as a whole."""
+    """One test, checked."""
     stretch, stress = points.T
-    if len(points) < LEAST_POINTS:
-        raise InputError(f"{where}: has {len(points)} points; {LEAST_POINTS} are needed")
+    if len(points) < MIN_POINTS:
+        raise InputError(f"{where}: has {len(points)} points; {MIN_POINTS} are needed")
     if np.ptp(stretch) == 0:
         raise InputError(f"{where}: has one strain only; stress must be given over strain")
     if np.sum((stretch - 1) * stress) <= 0:
