@@ -25,7 +25,7 @@ from rod import (
     Reference,
     Rod,
     cell_averaged,
-    closing,
+    end_displacement_closure,
     identify,
     moment_from_force,
     scaled,
@@ -90,7 +90,7 @@ def solved(chambers: int, pressures: Sequence[float], size: float) -> list[Arm]:
         kappa_0, kappa = (cell_averaged(curves[name], body.pitch) for name in ("II", "III"))
         couple = experiment.end_couple(step)
         moment = moment_from_force(without_stretch(curves["III"]), force, couple)
-        found = identify(kappa_0, kappa, moment, closing(curves["II"], curves["III"], force))
+        found = identify(kappa_0, kappa, moment, end_displacement_closure(curves["II"], curves["III"], force))
         arms.append(Arm(chambers, pressure, curves["II"], curves["III"], force[1], couple, kappa_0, found))
     return arms
 

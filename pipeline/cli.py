@@ -171,7 +171,7 @@ def rod(
     end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
     end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Place of the end from the clamp.")] = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
-    sixth: Annotated[bool, typer.Option("--stretch", help="With the sixth number: the curve gets longer.")] = False,
+    extensible: Annotated[bool, typer.Option("--stretch", help="The extensible rod, whose curve stretches.")] = False,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
 ) -> None:
     """The rod alone, in milliseconds: its shape under loads."""
@@ -179,7 +179,7 @@ def rod(
         from pipeline.saved_rod import equilibrium, rod_at, shape_table
         from pipeline.store.atomic_file import write_whole
 
-        chosen = rod_at(parameters, pressure, extrapolate, sixth)
+        chosen = rod_at(parameters, pressure, extrapolate, extensible)
         shape = equilibrium(chosen.rod, force=force, moment=moment, end_y=end_y, end=end)
         table = Table.grid(padding=(0, 2))
         table.add_row("end", f"x = {shape.x[-1]:.3f} mm, y = {shape.y[-1]:.3f} mm from the clamp")
@@ -187,7 +187,7 @@ def rod(
         table.add_row("end force", f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N")
         table.add_row("moment at the clamp", f"{shape.moment[0]:.5g} N mm")
         Console().print(table, highlight=False, soft_wrap=True)
-        if chosen.sampled is not None and (warning := chosen.sampled.left_by(shape)):
+        if chosen.moment_range is not None and (warning := chosen.moment_range.warning(shape)):
             Console().print(warning, highlight=False, soft_wrap=True)
         if out is not None:
             write_whole(out, shape_table(shape).encode())

@@ -114,8 +114,8 @@ def _rows(variant: Variant, context: RunContext) -> tuple[list[dict[str, Any]], 
             "end_force_N": one.loaded.end_force[1],
             "end_y_II_mm": one.free.row["end_y_mm"],
             **{name: record[name][k] for name in ("alpha1_N_mm2", "alpha2_N_mm2")},
-            "d_mm": None if record["one_line_suffices"][k] else record["d_mm"][k],  # one line has no break
-            **{name: record[name][k] for name in ("one_line_suffices", "r2_one_line", "r2_two_lines")},
+            "d_mm": None if record["single_line_suffices"][k] else record["d_mm"][k],  # one line has no break
+            **{name: record[name][k] for name in ("single_line_suffices", "r2_single_line", "r2_two_lines")},
             "stretch_of_curve": [one.free.centreline.stretch, one.loaded.centreline.stretch],
             **cost,
         }
@@ -161,6 +161,6 @@ def about_contact(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 
 def _slopes(row: Mapping[str, Any]) -> str:
     alpha1, alpha2 = row["alpha1_N_mm2"], row["alpha2_N_mm2"]
-    if row["one_line_suffices"]:
+    if row["single_line_suffices"]:
         return f"one line suffices, alpha = {alpha1:.4g} N mm2"
     return f"alpha1 = {alpha1:.4g}, alpha2 = {alpha2:.4g} N mm2, d = {row['d_mm']:.3g} mm"

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -10,40 +10,42 @@ import numpy as np
 
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
+from pipeline.store.old_keys import with_present_keys
 from rod import (
     EXPORTS,
     Arm,
     Extension,
     FiveParameters,
+    MomentRange,
     PressurisedRod,
     Rod,
     RodError,
     RodSolution,
-    SampledMoments,
     export,
 )
 
 _LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
 
 
-def read_rod(path: Path, sixth: bool = False) -> tuple[PressurisedRod, Mapping[str, Any]]:
-    """The rod of a parameters.json over its pressures, with or without the sixth number, and the file's content.
+def read_rod(path: Path, extensible: bool = False) -> tuple[PressurisedRod, Mapping[str, Any]]:
+    """The rod of a parameters.json over its pressures, extensible or not, and the file's content with present keys.
 
     Raises InputError.
     """
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = with_present_keys(json.loads(path.read_text(encoding="utf-8")))
         profile = content["kappa_0"]
-        of_rod = content["sixth_number"] if sixth else content
-        stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if sixth else ()
+        of_rod = content["eccentricity"] if extensible else content
+        stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
         rod = PressurisedRod(
             length=float(content["length_mm"]),
             pressures=np.array(content["pressures_kPa"], dtype=float),
             laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in _LAW), strict=True)),
             s=np.array(profile["s_mm"], dtype=float),
             kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
+            theta0=np.array(profile["theta0_rad"], dtype=float),
             extensions=tuple(Extension(np.array(profile["s_mm"]), np.array(rest), e) for rest, e in stretches),
-            sampled=tuple(SampledMoments(*ends) for ends in content.get("sampled_moment_N_mm", ())),
+            moment_ranges=tuple(MomentRange(*ends) for ends in content.get("moment_range_N_mm", ())),
         )
     except OSError as failure:
         raise InputError(f"{path}: cannot be read ({failure.strerror}); give the parameters.json of a run") from None
@@ -58,20 +60,19 @@ class Chosen:
     """The rod of a file at one pressure."""
 
     rod: Rod
-    sampled: SampledMoments | None  #: the moments behind its numbers, None where the file does not say
+    moment_range: MomentRange | None  #: of the loaded curve behind its parameters, None where the file has none
     content: Mapping[str, Any]  #: of the file
 
 
-def rod_at(path: Path, pressure: str, extrapolate: bool, sixth: bool = False) -> Chosen:
+def rod_at(path: Path, pressure: str, extrapolate: bool, extensible: bool = False) -> Chosen:
     """The rod at a pressure written with its unit, clamped as the material curve begins. Raises InputError."""
-    rod, content = read_rod(path, sixth)
+    rod, content = read_rod(path, extensible)
     value = _value("--pressure", pressure, PRESSURE)
     try:
-        found = rod.at(value, extrapolate=extrapolate)
+        chosen = rod.at(value, extrapolate=extrapolate)
     except RodError as failure:
         raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
-    theta0 = float(np.interp(value, rod.pressures, content["kappa_0"]["theta0_rad"]))
-    return Chosen(replace(found, theta0=theta0), rod.sampled_at(value, extrapolate=extrapolate), content)
+    return Chosen(chosen, rod.moment_range_at(value, extrapolate=extrapolate), content)
 
 
 def equilibrium(rod: Rod, *, force: str | None, moment: str, end_y: str | None, end: str | None) -> RodSolution:

@@ -30,7 +30,7 @@ def comparison(rows: Sequence[Row]) -> Table:
         first, before = name != before, name
         numbers = [_number(row, key) for key in COLUMNS]
         cost = (f"{row['seconds']:.0f}", str(row["factorizations"])) if first else ("", "")
-        suffices = "yes" if row["one_line_suffices"] else "no"
+        suffices = "yes" if row["single_line_suffices"] else "no"
         table.add_row(name if first else "", f"{row['pressure_kPa']:g}", *numbers, suffices, *cost)
     return table
 

@@ -1,14 +1,14 @@
 """The actuator as one line: curvature, the five-parameter law, the rod in equilibrium."""
 
 from rod.curves.cell_average import cell_averaged
-from rod.curves.closure import Closing, closing
+from rod.curves.closure import Closure, end_displacement_closure
 from rod.curves.curve import Curvature, Moment, moment_from_force, without_stretch
 from rod.curves.extension import Extension, extension
 from rod.curves.gaussian_process import Smoothing, gaussian_process, shared_smoothing
 from rod.curves.uncertainty import Interval
 from rod.export.formats import EXPORTS, Arm, export
 from rod.identification.alternatives import Candidate, Observation, compare_laws, simplest
-from rod.identification.moment_range import SampledMoments
+from rod.identification.moment_range import MomentRange
 from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, profile_over_break, rest_curvature
 from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, shortest_break
@@ -22,7 +22,7 @@ __all__ = [
     "EXPORTS",
     "Arm",
     "Candidate",
-    "Closing",
+    "Closure",
     "Curvature",
     "Extension",
     "FiveParameters",
@@ -32,6 +32,7 @@ __all__ = [
     "LinearRange",
     "LoadedShape",
     "Moment",
+    "MomentRange",
     "Observation",
     "PressurisedRod",
     "Reference",
@@ -39,14 +40,13 @@ __all__ = [
     "RodError",
     "RodFit",
     "RodSolution",
-    "SampledMoments",
     "Scaled",
     "Smoothing",
     "Straightness",
     "SyntheticArm",
     "cell_averaged",
-    "closing",
     "compare_laws",
+    "end_displacement_closure",
     "export",
     "extension",
     "fit_rod",

@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.curves.extension import Extension
-from rod.identification.moment_range import SampledMoments
+from rod.identification.moment_range import MomentRange
 from rod.law import FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
 
@@ -120,16 +120,19 @@ class PressurisedRod:
     laws: tuple[FiveParameters, ...]  #: (n,)
     s: Array  #: (m,) mm, from 0 to length
     kappa_0: Array  #: (n, m) 1/mm
+    theta0: Array  #: (n,) rad, tangent angle at the clamp
+    start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     extensions: tuple[Extension, ...] = ()  #: (n,) with the same s; empty: the rod is inextensible
-    sampled: tuple[SampledMoments, ...] = ()  #: (n,); empty: not known
+    moment_ranges: tuple[MomentRange, ...] = ()  #: (n,) of the identification; empty: not known
 
     def __post_init__(self) -> None:
         if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0):
             raise RodError("The pressures of a rod must rise.")
-        if len(self.laws) != len(self.pressures) or self.kappa_0.shape != (len(self.pressures), len(self.s)):
-            raise RodError("Every pressure of a rod needs its five numbers and its kappa_0 at every s.")
-        if any(given and len(given) != len(self.pressures) for given in (self.extensions, self.sampled)):
-            raise RodError("Where extensions or sampled moments are given, every pressure needs its own.")
+        count = len(self.pressures)
+        if not len(self.laws) == len(self.theta0) == count or self.kappa_0.shape != (count, len(self.s)):
+            raise RodError("Every pressure of a rod needs its five parameters, its theta0 and its kappa_0 at every s.")
+        if any(given and len(given) != count for given in (self.extensions, self.moment_ranges)):
+            raise RodError("Where extensions or ranges of moments are given, every pressure needs its own.")
 
     def at(self, pressure: float, *, extrapolate: bool = False) -> Rod:
         """The rod at a pressure (kPa) inside the identified range; outside it only on request, along the last lines.
@@ -149,12 +152,13 @@ class PressurisedRod:
             stretch = between(a.rest_stretch, b.rest_stretch)
             longer = Extension(a.s, stretch, between(a.eccentricity, b.eccentricity))
         kappa_0 = between(self.kappa_0[i], self.kappa_0[j])
-        return Rod(self.length, np.column_stack([self.s, kappa_0]), law, extension=longer)
+        theta0 = float(np.interp(pressure, self.pressures, self.theta0))
+        return Rod(self.length, np.column_stack([self.s, kappa_0]), law, theta0, self.start, extension=longer)
 
-    def sampled_at(self, pressure: float, *, extrapolate: bool = False) -> SampledMoments | None:
+    def moment_range_at(self, pressure: float, *, extrapolate: bool = False) -> MomentRange | None:
         """The moments behind the numbers at a pressure (kPa), None where they are not known. Raises as `at`."""
         i, j, t = self._place(pressure, extrapolate)
-        return self.sampled[i].between(self.sampled[j], t) if self.sampled else None
+        return self.moment_ranges[i].between(self.moment_ranges[j], t) if self.moment_ranges else None
 
     def _place(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
         """The two pressures whose line holds at a pressure, and where it lies on that line."""

@@ -9,7 +9,7 @@ from fem import Seconds
 from geometry import Centreline
 from pipeline.simulation.simulate import Record
 from pipeline.validation.compare import CURVE_COLUMNS, Rods, held_against, rows_of
-from rod import Extension, FiveParameters, Rod, SampledMoments
+from rod import Extension, FiveParameters, MomentRange, Rod
 
 LENGTH, PITCH = 112.0, 10.0
 ROD = Rod(LENGTH, -0.015, FiveParameters(190.0, 400.0, 0.0, 0.0, 6.0), 0.0, (0.0, 1.0))
@@ -19,11 +19,11 @@ S = np.linspace(0.0, LENGTH, 225)
 #: a curve that stretches by 1 % at rest and with its change of curvature
 LONGER = Extension(S, np.full(len(S), 1.01), 1.3)
 #: any moment is known
-ALL = SampledMoments(-100.0, 100.0)
+ALL = MomentRange(-100.0, 100.0)
 
 
-def rods(rod: Rod, sampled: SampledMoments = ALL) -> Rods:
-    return Rods(rod, replace(rod, extension=LONGER), sampled)
+def rods(rod: Rod, moment_range: MomentRange = ALL) -> Rods:
+    return Rods(rod, replace(rod, extension=LONGER), moment_range)
 
 
 def record(experiment: str, rod: Rod, **loads) -> Record:
@@ -79,11 +79,11 @@ def test_numbers_of_another_arm_and_loads_without_solution_say_so() -> None:
     assert np.isnan(rows_of(beyond, None, PITCH)[0][CURVE_COLUMNS.index("rod_x_mm")])
 
 
-def test_the_rod_with_the_sixth_number_follows_a_curve_that_stretches() -> None:
+def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
     longer = replace(ROD, extension=LONGER)
     row = held_against(rods(ROD), record("III", longer, end_y=1.0), PITCH).row()
-    assert row["distance_over_length_with_sixth_number"] < 1e-7
-    assert abs(row["force_error_with_sixth_number"]) < 1e-7
+    assert row["distance_over_length_with_eccentricity"] < 1e-7
+    assert abs(row["force_error_with_eccentricity"]) < 1e-7
     assert row["distance_over_length"] > 0.01
 
 
@@ -94,6 +94,6 @@ def test_the_couple_of_the_held_edge_is_part_of_the_load() -> None:
 
 def test_moments_that_were_not_identified_are_said() -> None:
     held = record("III", ROD, end_y=1.0)
-    row = held_against(rods(ROD, SampledMoments(0.0, 1.0)), held, PITCH).row()
+    row = held_against(rods(ROD, MomentRange(0.0, 1.0)), held, PITCH).row()
     assert row["warning"].startswith("The moment leaves the 0 to 1 N mm")
     assert held_against(rods(ROD), held, PITCH).row()["warning"] == ""

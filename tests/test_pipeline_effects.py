@@ -161,8 +161,14 @@ def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
 
 
 def test_two_slopes_are_held_against_contact() -> None:
-    two = {"pressure_kPa": 17.0, "alpha1_N_mm2": 185.0, "alpha2_N_mm2": 300.6, "d_mm": 6.19, "one_line_suffices": False}
-    one = {**two, "alpha2_N_mm2": 185.0, "d_mm": None, "one_line_suffices": True}
+    two = {
+        "pressure_kPa": 17.0,
+        "alpha1_N_mm2": 185.0,
+        "alpha2_N_mm2": 300.6,
+        "d_mm": 6.19,
+        "single_line_suffices": False,
+    }
+    one = {**two, "alpha2_N_mm2": 185.0, "d_mm": None, "single_line_suffices": True}
     with_and_without = [{"effect": BASE, "state": "", **two}, {"effect": "self_contact", "state": "off", **one}]
     assert about_contact(with_and_without) == [
         "17 kPa: with contact alpha1 = 185, alpha2 = 300.6 N mm2, d = 6.19 mm; "

@@ -81,8 +81,8 @@ def parameters() -> dict[str, object]:
     }
     spreads = {f"{name}_std": [abs(value) / 30 for value in values] for name, values in numbers.items()}
     slopes = {"beta1_N_mm2_per_kPa": -0.4, "beta1_N_mm2_per_kPa_std": 0.05, "beta2_N_mm2_per_kPa": 7.0}
-    lines: dict[str, object] = {"one_line_alpha_N_mm2": [250.0, 350.0], "one_line_m0_N_mm": [0.0, 0.0]}
-    lines["one_line_suffices"] = [True, False]
+    lines: dict[str, object] = {"single_line_alpha_N_mm2": [250.0, 350.0], "single_line_m0_N_mm": [0.0, 0.0]}
+    lines["single_line_suffices"] = [True, False]
     return {"length_mm": LENGTH, "pressures_kPa": list(PRESSURES), **numbers, **spreads, **slopes, **lines}
 
 

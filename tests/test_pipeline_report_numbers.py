@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.report.numbers import Cell, estimators, observations, regimes, sixth_number, with_spread
+from pipeline.report.numbers import Cell, eccentricity, estimators, observations, regimes, with_spread
 from pipeline.report.results import Results, read_results
 from pipeline.report.validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
 
@@ -102,13 +102,13 @@ def test_a_load_beyond_the_identified_moments_is_named(tmp_path: Path) -> None:
     assert beyond_identified(found) == ["dead force 0, 1 N, 31 kPa: The moment leaves the range."]
 
 
-def test_the_sixth_number_stands_with_the_five_that_go_with_it(tmp_path: Path) -> None:
-    sixth = {**columns(False), "eccentricity_mm": [1.3], "eccentricity_mm_std": [0.05]}
-    rows = sixth_number(results(tmp_path, parameters={"pressures_kPa": [17.0], "sixth_number": sixth}))
+def test_the_eccentricity_stands_with_the_five_parameters_that_go_with_it(tmp_path: Path) -> None:
+    extensible = {**columns(False), "eccentricity_mm": [1.3], "eccentricity_mm_std": [0.05]}
+    rows = eccentricity(results(tmp_path, parameters={"pressures_kPa": [17.0], "eccentricity": extensible}))
     assert rows == [
         ("17", ["1.300 ± 0.050", "190.00 ± 0.50", "400.00 ± 0.50", "0.00 ± 0.50", "-0.50 ± 0.50", "5.60 ± 0.50"])
     ]
-    assert sixth_number(results(tmp_path, parameters={"pressures_kPa": [17.0]})) == []
+    assert eccentricity(results(tmp_path, parameters={"pressures_kPa": [17.0]})) == []
 
 
 def test_a_load_without_a_rod_is_named(tmp_path: Path) -> None:

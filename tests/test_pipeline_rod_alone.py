@@ -54,7 +54,7 @@ def test_rod_between_two_pressures_is_the_rod_of_the_means(results: Path) -> Non
 def test_a_load_beyond_the_identified_moments_is_said_with_place_and_size(results: Path) -> None:
     file = results / "parameters.json"
     content = json.loads(file.read_text())
-    file.write_text(json.dumps({**content, "sampled_moment_N_mm": [[0.2, 3.0], [0.4, 4.0]]}))
+    file.write_text(json.dumps({**content, "moment_range_N_mm": [[0.2, 3.0], [0.4, 4.0]]}))
     code, out, _ = said("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.1 N]")
     assert code == 0
     assert "The moment leaves the 0.2 to 3 N mm" in out
@@ -63,15 +63,15 @@ def test_a_load_beyond_the_identified_moments_is_said_with_place_and_size(result
     assert "The moment leaves" not in out
 
 
-def test_the_sixth_number_lengthens_the_curve(results: Path) -> None:
+def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
     file = results / "parameters.json"
     content = json.loads(file.read_text())
     keys = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
-    sixth = {key: content[key] for key in keys}
-    sixth |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
-    file.write_text(json.dumps({**content, "sixth_number": sixth}))
+    eccentricity = {key: content[key] for key in keys}
+    eccentricity |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
+    file.write_text(json.dumps({**content, "eccentricity": eccentricity}))
     assert rod_at(file, "27 kPa", False).rod.extension is None
-    rod = rod_at(file, "27 kPa", False, sixth=True).rod
+    rod = rod_at(file, "27 kPa", False, extensible=True).rod
     shape = rod.solve()
     assert np.all(np.abs(shape.stretch - 1.03) < 1e-12)
     assert rod.extension is not None
@@ -128,3 +128,18 @@ def test_an_unknown_export_is_refused(results: Path) -> None:
     status, _, sentence = said("export", str(results), "--to", "abaqus")
     assert status == 2
     assert "allowed are csv, json, pyelastica" in sentence
+
+
+def test_a_file_of_format_1_is_read_with_its_old_keys(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    keys = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+    extensible = {key: content[key] for key in keys}
+    extensible |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
+    file.write_text(
+        json.dumps({**content, "sixth_number": extensible, "sampled_moment_N_mm": [[0.2, 3.0], [0.4, 4.0]]})
+    )
+    chosen = rod_at(file, "17 kPa", False, extensible=True)
+    assert chosen.rod.extension is not None
+    assert chosen.moment_range is not None
+    assert chosen.moment_range.high == pytest.approx(3.0)

@@ -88,7 +88,7 @@ def test_parameters_show_three_estimators_with_intervals(results: Path) -> None:
         assert len(columns["d_is_at_most"]) == count
     assert len(parameters["observations"]) == count
     assert [row["quantity"] for row in parameters["straightness"]] == ["alpha1", "alpha2", "kappa_0"]
-    for place, suffices in enumerate(parameters["one_line_suffices"]):
+    for place, suffices in enumerate(parameters["single_line_suffices"]):
         if suffices:
             assert parameters["alpha1_N_mm2"][place] == parameters["alpha2_N_mm2"][place]
 

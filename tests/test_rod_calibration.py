@@ -8,7 +8,7 @@ from rod import (
     LoadedShape,
     SyntheticArm,
     cell_averaged,
-    closing,
+    end_displacement_closure,
     fit_rod,
     gaussian_process,
     identify,
@@ -23,7 +23,7 @@ PITCH = 10.0
 
 def known(free, loaded, force, couple=0.0):
     """Moment and movement of the end, as the pipeline takes them."""
-    return moment_from_force(without_stretch(loaded), force, couple), closing(free, loaded, force)
+    return moment_from_force(without_stretch(loaded), force, couple), end_displacement_closure(free, loaded, force)
 
 
 def by_cells(free, loaded, force, seed):

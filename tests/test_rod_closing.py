@@ -11,7 +11,7 @@ from rod import (
     RodError,
     SyntheticArm,
     cell_averaged,
-    closing,
+    end_displacement_closure,
     identify,
     moment_from_force,
     rest_curvature,
@@ -26,7 +26,7 @@ STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
 def test_the_weights_add_the_law_up_to_the_movement_of_the_end():
     """No wiggle, no noise: exact for turns of more than a right angle, but for the grid."""
     free, loaded, force = SyntheticArm(STEP, kappa_0=0.025, node_spacing=0.5).curves()
-    found = closing(free, loaded, force)
+    found = end_displacement_closure(free, loaded, force)
     assert found.value == pytest.approx(free.y[-1] - loaded.y[-1], rel=1e-4)  # the force points down
     moment = moment_from_force(loaded, force)
     grid = fine_grid(112.0)
@@ -38,7 +38,9 @@ def test_the_weights_add_the_law_up_to_the_movement_of_the_end():
 def test_stretch_does_not_count():
     free, loaded, force = SyntheticArm(STEP, node_spacing=0.5).curves()
     longer = Centreline(loaded.s, 1.02 * loaded.x, 1.02 * loaded.y)
-    assert closing(free, longer, force).value == pytest.approx(closing(free, loaded, force).value, rel=1e-9)
+    assert end_displacement_closure(free, longer, force).value == pytest.approx(
+        end_displacement_closure(free, loaded, force).value, rel=1e-9
+    )
 
 
 def rods_force(free, loaded, law):
@@ -53,7 +55,7 @@ def test_the_closed_numbers_predict_the_force(phase):
     free, loaded, force = arm.curves()
     data = cell_averaged(free, 10.0), cell_averaged(loaded, 10.0), moment_from_force(without_stretch(loaded), force)
     open_end = identify(*data, draws=10).law
-    closed = identify(*data, closing(free, loaded, force), draws=10).law
+    closed = identify(*data, end_displacement_closure(free, loaded, force), draws=10).law
     errors = [abs(rods_force(free, loaded, law) / force[1] - 1.0) for law in (open_end, closed)]
     assert errors[1] < max(0.5 * errors[0], 0.015)
 
@@ -61,6 +63,6 @@ def test_the_closed_numbers_predict_the_force(phase):
 def test_what_cannot_close_is_refused():
     free, loaded, force = SyntheticArm(STEP).curves()
     with pytest.raises(RodError, match="Without an end force"):
-        closing(free, loaded, (0.0, 0.0))
+        end_displacement_closure(free, loaded, (0.0, 0.0))
     with pytest.raises(RodError, match="has not moved"):
-        closing(free, free, force)
+        end_displacement_closure(free, free, force)

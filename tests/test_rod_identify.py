@@ -85,9 +85,9 @@ def test_one_line_is_found_where_there_is_one(data):
     arm = SyntheticArm(ONE, wiggle=0.2, compliance_wiggle=0.15, phase=0.7, noise=0.003)
     found = identify(*data(arm), draws=100)
     assert not found.two_lines
-    assert found.one_line.alpha.value == pytest.approx(200.0, rel=0.02)
+    assert found.single_line.alpha.value == pytest.approx(200.0, rel=0.02)
     if data is by_cells:
-        assert found.one_line.alpha.low <= 200.0 <= found.one_line.alpha.high
+        assert found.single_line.alpha.low <= 200.0 <= found.single_line.alpha.high
 
 
 def test_nearly_one_line_stays_one_line():
@@ -97,7 +97,7 @@ def test_nearly_one_line_stays_one_line():
     rising = 1.0 - 0.03 * loaded.s / arm.length
     bent = dataclasses.replace(loaded, kappa=free.kappa + (loaded.kappa - free.kappa) * rising)
     found = identify(free, bent, moment, draws=50)
-    assert found.one_line.r2 > 0.999
+    assert found.single_line.r2 > 0.999
     assert not found.two_lines
 
 

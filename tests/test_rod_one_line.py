@@ -53,7 +53,7 @@ def identified(every: int = 1, noise: float = 0.0) -> Identification:
 
 
 def rod_of(found: Identification) -> Rod:
-    line = found.one_line
+    line = found.single_line
     law = FiveParameters(line.alpha.value, line.alpha.value, line.m0.value, line.m0.value, 5.6)
     theta0, kappa_0 = rest_curvature(FREE)
     return Rod(FREE.length, kappa_0, law, theta0, (float(FREE.x[0]), float(FREE.y[0])))
@@ -63,11 +63,11 @@ def rod_of(found: Identification) -> Rod:
 def test_the_line_does_not_follow_how_finely_a_curve_is_sampled(every: int) -> None:
     fine, coarse = identified(), identified(every)
     assert not fine.two_lines
-    assert coarse.one_line.alpha.value == pytest.approx(fine.one_line.alpha.value, rel=0.015)
+    assert coarse.single_line.alpha.value == pytest.approx(fine.single_line.alpha.value, rel=0.015)
 
 
 def test_the_line_does_not_follow_what_is_rough_in_both_curves() -> None:
-    smooth, uneven = (identified(noise=noise).one_line.alpha.value for noise in (0.0, 0.01))
+    smooth, uneven = (identified(noise=noise).single_line.alpha.value for noise in (0.0, 0.01))
     assert uneven == pytest.approx(smooth, rel=0.003)
 
 
@@ -84,7 +84,7 @@ def test_an_arm_that_closes_the_wrong_way_keeps_the_line_of_its_cells() -> None:
     """Where the arm hardly bends the end may move against the moment, within the error of that."""
     moment, moved = known(FREE, LOADED, (0.0, FORCE), COUPLE)
     wrong = replace(moved, value=-0.3 * moved.value, error=0.1 * abs(moved.value))
-    line = identify(*(cell_averaged(curve, PITCH) for curve in (FREE, LOADED)), moment, wrong, draws=50).one_line
+    line = identify(*(cell_averaged(curve, PITCH) for curve in (FREE, LOADED)), moment, wrong, draws=50).single_line
     assert 1500.0 < line.alpha.value < 10_000.0
     assert line.alpha.low < line.alpha.value < line.alpha.high
 
@@ -119,6 +119,6 @@ def test_intervals_contain_the_truth(offset: float, closed: bool) -> None:
         free, loaded, force = arm.curves(seed)
         moment, moved = known(free, loaded, force)
         curvatures = (cell_averaged(curve, arm.pitch) for curve in (free, loaded))
-        line = identify(*curvatures, moment, moved if closed else None, draws=100, seed=seed).one_line
+        line = identify(*curvatures, moment, moved if closed else None, draws=100, seed=seed).single_line
         inside += [line.alpha.low <= alpha <= line.alpha.high, line.m0.low <= m0 <= line.m0.high]
     assert np.all(inside >= 16), inside

@@ -16,6 +16,8 @@ ROD = PressurisedRod(
     (FiveParameters(80.0, 290.0, -1.0, 0.1, 12.0), FiveParameters(60.0, 430.0, -3.0, 0.2, 14.0)),
     S,
     np.outer([0.012, 0.03], 1.0 + 0.1 * np.cos(S)),
+    np.array([0.0, 0.02]),
+    (0.0, 1.0),
 )
 REFERENCE = Reference(112.0, 0.2, 24.0, FiveParameters(70.0, 340.0, -2.0, 0.1, 13.0), -1.0, 7.0, 0.02)
 
@@ -44,6 +46,7 @@ def test_the_rod_between_two_pressures():
     rod = ROD.at(27.0)
     assert dataclasses.astuple(rod.law) == pytest.approx((70.0, 360.0, -2.0, 0.15, 13.0))
     assert rod.solve().kappa[0] == pytest.approx(0.021 * 1.1)
+    assert (rod.theta0, rod.start) == (pytest.approx(0.01), (0.0, 1.0))
     assert ROD.at(37.0).law == ROD.laws[1]
 
 
@@ -53,7 +56,9 @@ def test_outside_the_range_only_on_request():
     assert ROD.at(45.0, extrapolate=True).law.alpha1 == pytest.approx(52.0)
     with pytest.raises(RodError, match="alpha1 is a rigidity and must be positive"):
         ROD.at(120.0, extrapolate=True)
-    one = dataclasses.replace(ROD, pressures=ROD.pressures[:1], laws=ROD.laws[:1], kappa_0=ROD.kappa_0[:1])
+    one = dataclasses.replace(
+        ROD, pressures=ROD.pressures[:1], laws=ROD.laws[:1], kappa_0=ROD.kappa_0[:1], theta0=ROD.theta0[:1]
+    )
     assert one.at(17.0).law == ROD.laws[0]
     with pytest.raises(RodError, match="there is no line to extrapolate"):
         one.at(20.0, extrapolate=True)
@@ -87,7 +92,11 @@ def test_equation_10_limits():
     [
         (lambda: straightness([10.0, 10.0], [1.0, 2.0], [0.1, 0.1]), r"two different pressures"),
         (lambda: dataclasses.replace(ROD, pressures=np.array([37.0, 17.0])), r"must rise"),
-        (lambda: dataclasses.replace(ROD, laws=ROD.laws[:1]), r"Every pressure of a rod needs its five numbers"),
+        (lambda: dataclasses.replace(ROD, laws=ROD.laws[:1]), r"Every pressure of a rod needs its five parameters"),
+        (
+            lambda: dataclasses.replace(ROD, theta0=ROD.theta0[:1]),
+            r"Every pressure of a rod needs its five parameters, its theta0",
+        ),
         (lambda: scaled(REFERENCE, length=10.0, pressure=24.0), r"The soft zone of 13 mm is longer"),
         (lambda: scaled(REFERENCE, length=-1.0, pressure=24.0), r"must be positive"),
         (lambda: scaled(REFERENCE, length=112.0, pressure=120.0), r"alpha1 is a rigidity"),

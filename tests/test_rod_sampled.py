@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from rod import FiveParameters, Moment, Rod, SampledMoments
+from rod import FiveParameters, Moment, MomentRange, Rod
 
 ARM = Rod(112.0, -0.03, FiveParameters(190.0, 400.0, 0.0, -0.4, 6.5))
 III = ARM.solve(end_y=0.0)
-SAMPLED = SampledMoments.of(Moment(III.s, III.moment))
+SAMPLED = MomentRange.of(Moment(III.s, III.moment))
 
 
 def test_the_range_is_that_of_the_loaded_curve_without_its_tail() -> None:
@@ -18,16 +18,16 @@ def test_the_range_is_that_of_the_loaded_curve_without_its_tail() -> None:
 
 
 def test_the_load_of_the_fit_and_loads_near_it_say_nothing() -> None:
-    assert SAMPLED.left_by(III) == ""
-    assert SAMPLED.left_by(ARM.solve(end_y=-20.0)) == ""
-    assert SAMPLED.left_by(ARM.solve()) == ""
+    assert SAMPLED.warning(III) == ""
+    assert SAMPLED.warning(ARM.solve(end_y=-20.0)) == ""
+    assert SAMPLED.warning(ARM.solve()) == ""
 
 
 def test_a_curled_arm_under_a_dead_force_is_warned_of_with_place_and_size() -> None:
     shape = ARM.solve(force=(0.0, 0.05))
     moments = np.interp(np.linspace(0.0, 112.0, 401), shape.s, shape.moment)
     outside = (moments < SAMPLED.low) | (moments > SAMPLED.high)
-    said = SAMPLED.left_by(shape)
+    said = SAMPLED.warning(shape)
     assert said.startswith(f"The moment leaves the {SAMPLED.low:.3g} to {SAMPLED.high:.3g} N mm")
     assert f"on {100 * outside.mean():.0f} % of the rod" in said
     assert "to 112 mm" in said
@@ -35,7 +35,7 @@ def test_a_curled_arm_under_a_dead_force_is_warned_of_with_place_and_size() -> N
 
 
 def test_too_large_a_moment_is_found_at_the_clamp() -> None:
-    said = SAMPLED.left_by(ARM.solve(end_y=60.0))
+    said = SAMPLED.warning(ARM.solve(end_y=60.0))
     assert "from s = 0 to" in said
     assert "farthest off at s = 0 mm" in said
 
@@ -43,12 +43,12 @@ def test_too_large_a_moment_is_found_at_the_clamp() -> None:
 def test_arms_that_bend_the_other_way_are_the_same() -> None:
     mirrored = Rod(112.0, 0.03, FiveParameters(190.0, 400.0, 0.0, 0.4, 6.5))
     held = mirrored.solve(end_y=0.0)
-    sampled = SampledMoments.of(Moment(held.s, held.moment))
+    sampled = MomentRange.of(Moment(held.s, held.moment))
     assert (sampled.low, sampled.high) == pytest.approx((-SAMPLED.high, -SAMPLED.low), rel=1e-6)
-    assert sampled.left_by(held) == ""
-    assert sampled.left_by(mirrored.solve(end_y=-60.0)) != ""
+    assert sampled.warning(held) == ""
+    assert sampled.warning(mirrored.solve(end_y=-60.0)) != ""
 
 
 def test_between_two_pressures_the_range_is_between() -> None:
-    between = SampledMoments(1.0, 10.0).between(SampledMoments(2.0, 20.0), 0.25)
-    assert between == SampledMoments(1.25, 12.5)
+    between = MomentRange(1.0, 10.0).between(MomentRange(2.0, 20.0), 0.25)
+    assert between == MomentRange(1.25, 12.5)

@@ -78,5 +78,5 @@ def _numbers(fine: Parameters, free: Record | None, loaded: Record | None) -> di
         return None
     if fine.by_cells.two_lines:
         return {name: getattr(found.law, name) for name in NAMES}
-    alpha, m0 = found.one_line.alpha.value, found.one_line.m0.value
+    alpha, m0 = found.single_line.alpha.value, found.single_line.m0.value
     return {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from pipeline.simulation.simulate import Outcome, Record
 from rod import (
-    Closing,
+    Closure,
     Curvature,
     Extension,
     FiveParameters,
@@ -17,13 +17,13 @@ from rod import (
     Interval,
     LoadedShape,
     Moment,
+    MomentRange,
     Observation,
     Rod,
     RodError,
     RodFit,
-    SampledMoments,
     cell_averaged,
-    closing,
+    end_displacement_closure,
     extension,
     fit_rod,
     gaussian_process,
@@ -52,8 +52,8 @@ class Parameters:
     moment: Moment  #: of III without its stretch
     by_cells: Identification
     by_process: Identification  #: the same from a Gaussian process, for comparison
-    extended: Identification  #: the same from cell averages with the levers of the curve as it is, for the longer rod
-    extension: Extension  #: how the curve stretches, with the sixth number
+    extensible: Identification  #: from cell averages with the levers of the stretched curve, for the extensible rod
+    extension: Extension  #: how the curve stretches: rest stretch and eccentricity
     by_rod: RodFit | None  #: the same from the closest rod; None where none is in equilibrium near the others
     #: what the mesh adds to the deviations of the rod's numbers; empty where it is not known
     mesh_std: Mapping[str, float] = field(default_factory=dict)
@@ -80,16 +80,16 @@ class Parameters:
         return self._of_rod(self.by_cells)
 
     @property
-    def extended_numbers(self) -> dict[str, Interval]:
+    def extensible_numbers(self) -> dict[str, Interval]:
         """The same of the rod whose curve stretches."""
-        return self._with_mesh(self._of_rod(self.extended))
+        return self._with_mesh(self._of_rod(self.extensible))
 
     def _of_rod(self, found: Identification) -> dict[str, Interval]:
         """The numbers of two lines, or twice those of one line where that suffices.
 
         The place of a change that is none is put where the range of d begins.
         """
-        one = found.one_line
+        one = found.single_line
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
         if found.two_lines:
             return {name: getattr(found, name) for name in NAMES}
@@ -104,21 +104,21 @@ class Parameters:
         return self._rod(self.numbers, None)
 
     @property
-    def extended_rod(self) -> Rod:
-        """The rod with the sixth number."""
-        return self._rod(self.extended_numbers, self.extension)
+    def extensible_rod(self) -> Rod:
+        """The rod whose curve stretches with its curvature."""
+        return self._rod(self.extensible_numbers, self.extension)
 
-    def _rod(self, numbers: Mapping[str, Interval], longer: Extension | None) -> Rod:
+    def _rod(self, numbers: Mapping[str, Interval], extension: Extension | None) -> Rod:
         theta0, profile = rest_curvature(self.free.centreline)
         curve = self.free.centreline
         law = FiveParameters(**{name: one.value for name, one in numbers.items()})
         start = (float(curve.x[0]), float(curve.y[0]))
-        return Rod(curve.length, profile, law, theta0, start, extension=longer)
+        return Rod(curve.length, profile, law, theta0, start, extension=extension)
 
     @property
-    def sampled(self) -> SampledMoments:
-        """The moments behind the numbers."""
-        return SampledMoments.of(self.moment)
+    def moment_range(self) -> MomentRange:
+        """The moments of III, from which the parameters were identified."""
+        return MomentRange.of(self.moment)
 
 
 def observed(parameters: Parameters, record: Record) -> Observation:
@@ -142,7 +142,7 @@ def identify_all(outcomes: Mapping[str, Outcome], pitch: float) -> tuple[tuple[P
 
 def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> Parameters:
     curves = (free.centreline, loaded.centreline)
-    moment, moved = _moment_and_closing(free, loaded)
+    moment, moved = _moment_and_closure(free, loaded)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
     smoothing = shared_smoothing(curves, pitch)
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
@@ -158,7 +158,7 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
         moment=moment,
         by_cells=by_cells,
         by_process=by_process,
-        extended=identify(kappa_0, kappa, as_it_is, moved),
+        extensible=identify(kappa_0, kappa, as_it_is, moved),
         extension=extension(*curves, pitch),
         by_rod=_closest_rod(LoadedShape(*curves, loaded.end_force, pitch, loaded.end_couple), by_cells, by_process),
     )
@@ -167,14 +167,14 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
 def numbers_of_cells(free: Record, loaded: Record, pitch: float) -> Identification:
     """The numbers of the default estimator alone. Raises RodError."""
     kappa_0, kappa = (cell_averaged(record.centreline, pitch) for record in (free, loaded))
-    moment, moved = _moment_and_closing(free, loaded)
+    moment, moved = _moment_and_closure(free, loaded)
     return identify(kappa_0, kappa, moment, moved)
 
 
-def _moment_and_closing(free: Record, loaded: Record) -> tuple[Moment, Closing]:
+def _moment_and_closure(free: Record, loaded: Record) -> tuple[Moment, Closure]:
     # levers of the curve without its stretch, for the rod that takes the numbers has none
     moment = moment_from_force(without_stretch(loaded.centreline), loaded.end_force, loaded.end_couple)
-    return moment, closing(free.centreline, loaded.centreline, loaded.end_force)
+    return moment, end_displacement_closure(free.centreline, loaded.centreline, loaded.end_force)
 
 
 def _closest_rod(shape: LoadedShape, *starts: Identification) -> RodFit | None:

@@ -8,6 +8,7 @@ import numpy as np
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.parameters import DEFAULT, Parameters
+from pipeline.store.old_keys import FORMAT
 from rod import Identification, Interval, LinearRange, rest_curvature
 
 ESTIMATORS = (DEFAULT, "gaussian_process", "rod_fit")
@@ -20,6 +21,7 @@ def parameters_record(config: Config, found: Sequence[Parameters]) -> dict[str, 
     mass = config.material.density_tonne_mm3 * config.design.solid_volume
     cells = [p.by_cells for p in found]
     return {
+        "format": FORMAT,
         "design": config.record()["geometry"],
         "material": config.record()["material"],
         "length_mm": config.design.length,
@@ -29,16 +31,16 @@ def parameters_record(config: Config, found: Sequence[Parameters]) -> dict[str, 
         **_columns([p.numbers for p in found]),
         "d_is_at_most": [_at_most(p.numbers["d"], p) for p in found],
         **_linear(found),
-        "one_line_alpha_N_mm2": [one.one_line.alpha.value for one in cells],
-        "one_line_alpha_N_mm2_std": [one.one_line.alpha.std for one in cells],
-        "one_line_m0_N_mm": [one.one_line.m0.value for one in cells],
-        "one_line_suffices": [not one.two_lines for one in cells],
+        "single_line_alpha_N_mm2": [one.single_line.alpha.value for one in cells],
+        "single_line_alpha_N_mm2_std": [one.single_line.alpha.std for one in cells],
+        "single_line_m0_N_mm": [one.single_line.m0.value for one in cells],
+        "single_line_suffices": [not one.two_lines for one in cells],
         "r2_two_lines": [one.r2 for one in cells],
-        "r2_one_line": [one.one_line.r2 for one in cells],
+        "r2_single_line": [one.single_line.r2 for one in cells],
         "observations": [one.observations for one in cells],
         "mesh_error": _mesh_error(config, found),
-        "sampled_moment_N_mm": [[p.sampled.low, p.sampled.high] for p in found],
-        "sixth_number": _sixth(found),
+        "moment_range_N_mm": [[p.moment_range.low, p.moment_range.high] for p in found],
+        "eccentricity": _eccentricity(found),
         "estimators": {name: _estimator(name, found) for name in ESTIMATORS},
         "kappa_0": _profiles(found),
         "dimensionless": _dimensionless(found, config.design.length, mass * 9810.0),
@@ -68,14 +70,14 @@ def _mesh_error(config: Config, found: Sequence[Parameters]) -> dict[str, Any] |
     return {"sizes_mm": [config.mesh.size_mm, config.mesh.coarser * config.mesh.size_mm], **columns}
 
 
-def _sixth(found: Sequence[Parameters]) -> dict[str, Any]:
+def _eccentricity(found: Sequence[Parameters]) -> dict[str, Any]:
     """The eccentricity of the neutral axis, the rest stretch, and the five numbers of the rod that has them."""
     if not found:
         return {}
     return {
         "eccentricity_mm": [p.extension.eccentricity for p in found],
         "eccentricity_mm_std": [p.extension.eccentricity_std for p in found],
-        **_columns([p.extended_numbers for p in found]),
+        **_columns([p.extensible_numbers for p in found]),
         "rest_stretch": [p.extension.rest_stretch for p in found],
     }
 
@@ -93,8 +95,8 @@ def _estimator(name: str, found: Sequence[Parameters]) -> dict[str, list[Any]]:
     ]
     lines = [one for one in estimates if isinstance(one, Identification)]
     if len(lines) == len(found):
-        columns["one_line_suffices"] = [not one.two_lines for one in lines]
-        columns["one_line_alpha_N_mm2"] = [one.one_line.alpha.value for one in lines]
+        columns["single_line_suffices"] = [not one.two_lines for one in lines]
+        columns["single_line_alpha_N_mm2"] = [one.single_line.alpha.value for one in lines]
         columns["observations"] = [one.observations for one in lines]
     return columns
 

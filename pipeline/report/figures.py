@@ -135,7 +135,7 @@ def _fitted_lines(figure: Figure, results: Results, pressure: float, s: Array, c
     stroke, d = Stroke(shade(results, pressure)), results.at("d_mm", pressure)
     pieces = [] if d is None else [("alpha1_N_mm2", "m01_N_mm", s <= d), ("alpha2_N_mm2", "m02_N_mm", s >= d)]
     drawn = [(stroke, slope, height, change[part]) for slope, height, part in pieces]
-    drawn.append((Stroke(GREY, "dot", 1.2), "one_line_alpha_N_mm2", "one_line_m0_N_mm", change))
+    drawn.append((Stroke(GREY, "dot", 1.2), "single_line_alpha_N_mm2", "single_line_m0_N_mm", change))
     for stroke, slope, height, part in drawn:
         alpha, m0 = results.at(slope, pressure), results.at(height, pressure)
         if alpha is not None and m0 is not None and len(part):

@@ -63,9 +63,9 @@ def mesh_error(results: Results) -> str:
     return f"They contain the error of the mesh, from sizes of {sizes} mm{cost}: at most {', '.join(shares)}."
 
 
-def sixth_number(results: Results) -> list[tuple[str, list[str]]]:
+def eccentricity(results: Results) -> list[tuple[str, list[str]]]:
     """Rows by pressure: p, the eccentricity, and the five numbers that go with it."""
-    found: Mapping[str, Any] = results.parameters.get("sixth_number") or {}
+    found: Mapping[str, Any] = results.parameters.get("eccentricity") or {}
     rows = []
     for place, pressure in enumerate(results.parameters.get("pressures_kPa", ()) if found else ()):
         cells = [

@@ -10,7 +10,7 @@ import jinja2
 
 from pipeline.plots import Figure, plotly_script
 from pipeline.report import figures
-from pipeline.report.numbers import NUMBERS, estimators, mesh_error, observations, regimes, sixth_number, with_spread
+from pipeline.report.numbers import NUMBERS, eccentricity, estimators, mesh_error, observations, regimes, with_spread
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import (
     agreement_of_rod,
@@ -79,7 +79,7 @@ def render_report(directory: Path) -> str:
         agreement=[*agreement_of_rod(results), *out_of_sample(results)],
         validation=validation_rows(results),
         beyond=beyond_identified(results),
-        sixth=sixth_number(results),
+        eccentricity=eccentricity(results),
         laws=laws_by_pressure(results),
         body=[_picture(results, name, title) for name, title in _BODY if name in results.pictures],
         deformed=_deformed(results),

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from pipeline.store.old_keys import with_present_keys
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -113,7 +114,7 @@ def read_results(directory: Path) -> Results:
 
 
 def _read_json(path: Path, absent: Any) -> Any:
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else absent
+    return with_present_keys(json.loads(path.read_text(encoding="utf-8"))) if path.is_file() else absent
 
 
 def _read_curves(path: Path) -> tuple[Curve, ...]:

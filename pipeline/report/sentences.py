@@ -39,7 +39,7 @@ def agreement_of_rod(results: Results) -> list[str]:
         rows = [row for row in results.in_sample if row["experiment"] == experiment]
         parts = [
             _largest(rows, "distance_over_length", 100.0, "the curves are at most {value} % of the length apart"),
-            _largest(rows, "distance_over_length_with_sixth_number", 100.0, "with the sixth number {value} %"),
+            _largest(rows, "distance_over_length_with_eccentricity", 100.0, "those of the extensible rod {value} %"),
             _largest(rows, "end_angle_error_rad", 180.0 / np.pi, "the end angle is off by at most {value}°"),
             _largest(rows, "force_error", 100.0, "the end force by at most {value} %"),
         ]
@@ -51,7 +51,7 @@ def agreement_of_rod(results: Results) -> list[str]:
 
 def lines_needed(results: Results) -> str:
     """At which pressures one straight line is as good as two, which a criterion has judged."""
-    verdicts = results.parameters.get("one_line_suffices") or []
+    verdicts = results.parameters.get("single_line_suffices") or []
     plain = [
         f"{pressure:g}"
         for pressure, verdict in zip(results.parameters.get("pressures_kPa", ()), verdicts, strict=True)

@@ -11,8 +11,8 @@ SHAPE_LIMIT, FORCE_LIMIT = 0.03, 0.10
 
 
 def validation_rows(results: Results) -> list[list[str]]:
-    """Rows of the table: in or out of sample, load, p, shape with and without stretch and with the sixth number, angle,
-    force without and with the sixth number, curvature."""
+    """Rows of the table: in or out of sample, load, p, shape with and without stretch and of the extensible rod, angle,
+    force of the inextensible and the extensible rod, curvature."""
     rows = []
     for row in (*results.in_sample, *results.out_of_sample):
         rows.append(
@@ -22,10 +22,10 @@ def validation_rows(results: Results) -> list[list[str]]:
                 number(row["pressure_kPa"]),
                 _percent(row.get("distance_over_length")),
                 _percent(row.get("distance_over_length_without_stretch")),
-                _percent(row.get("distance_over_length_with_sixth_number")),
+                _percent(row.get("distance_over_length_with_eccentricity")),
                 number(row.get("end_angle_error_rad")),
                 _percent(row.get("force_error")),
-                _percent(row.get("force_error_with_sixth_number")),
+                _percent(row.get("force_error_with_eccentricity")),
                 _percent(row.get("curvature_error")),
                 number(row.get("curvature_error_at_s_mm")),
             ]

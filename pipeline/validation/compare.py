@@ -10,7 +10,7 @@ from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.simulate import Outcome, Record
-from rod import Rod, RodError, RodSolution, SampledMoments, cell_averaged, moment_from_force, without_stretch
+from rod import MomentRange, Rod, RodError, RodSolution, cell_averaged, moment_from_force, without_stretch
 
 CURVE_COLUMNS = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
@@ -26,7 +26,7 @@ class Comparison:
     shape: RodSolution | None
     reason: str  #: empty, or a sentence
     pitch: float  #: mm
-    longer: RodSolution | None = None  #: of the rod with the sixth number
+    extensible: RodSolution | None = None  #: of the extensible rod
     warning: str = ""  #: a sentence where the moment leaves what the identification has seen
     load: str = ""  #: besides the pressure, in words; empty for II and III as identified
     in_sample: bool = True  #: the numbers were fitted to this very load and pressure
@@ -47,8 +47,8 @@ class Comparison:
             "rod_force_N": None,
             "curvature_error": None,
             "curvature_error_at_s_mm": None,
-            "distance_over_length_with_sixth_number": None,
-            "force_error_with_sixth_number": None,
+            "distance_over_length_with_eccentricity": None,
+            "force_error_with_eccentricity": None,
             "reason": self.reason,
             "warning": self.warning,
         }
@@ -67,11 +67,11 @@ class Comparison:
         if force and self.record.experiment == "III":
             row["force_N"], row["rod_force_N"] = force, float(self.shape.force[1])
             row["force_error"] = float(self.shape.force[1]) / force - 1.0
-            if self.longer is not None:
-                row["force_error_with_sixth_number"] = float(self.longer.force[1]) / force - 1.0
-        if self.longer is not None:
-            row["distance_over_length_with_sixth_number"] = (
-                float(self._distances(self.longer, curve).max()) / curve.length
+            if self.extensible is not None:
+                row["force_error_with_eccentricity"] = float(self.extensible.force[1]) / force - 1.0
+        if self.extensible is not None:
+            row["distance_over_length_with_eccentricity"] = (
+                float(self._distances(self.extensible, curve).max()) / curve.length
             )
         row["curvature_error"], row["curvature_error_at_s_mm"] = self._curvature_error(self.shape, curve)
         return row
@@ -95,18 +95,18 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Rods:
-    """The rod of one pressure, with and without the sixth number, and the moments behind its numbers."""
+    """The rod of one pressure, inextensible and extensible, and the range of moments of the identification."""
 
-    plain: Rod
-    longer: Rod
-    sampled: SampledMoments
+    inextensible: Rod
+    extensible: Rod
+    moment_range: MomentRange
 
 
 def compare(found: Sequence[Parameters]) -> tuple[Comparison, ...]:
     """The rod of every pressure, unloaded as in II and with its end held as in III."""
     rows = []
     for parameters in found:
-        rods = Rods(parameters.rod, parameters.extended_rod, parameters.sampled)
+        rods = Rods(parameters.rod, parameters.extensible_rod, parameters.moment_range)
         for record in (parameters.free, parameters.loaded):
             rows.append(held_against(rods, record, parameters.kappa.pitch))
     return tuple(rows)
@@ -117,25 +117,26 @@ def held_against(rods: Rods, record: Record, pitch: float, load: str = "", in_sa
     there, the force of dead, nothing in II."""
     loads: dict[str, Any] = {}
     length = record.centreline.length
-    if abs(length - rods.plain.length) > 1e-6 * rods.plain.length:
-        reason = f"The numbers are those of an arm of {rods.plain.length:g} mm, the shape is one of {length:g} mm."
+    identified = rods.inextensible.length
+    if abs(length - identified) > 1e-6 * identified:
+        reason = f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm."
         return Comparison(record, None, reason, pitch, load=load, in_sample=in_sample)
     if record.experiment == "III":
         loads = {"end_y": float(record.centreline.y[-1]), "moment": record.end_couple}
     if record.experiment == "dead":
         loads = {"force": record.end_force, "moment": record.end_couple}
     try:
-        shape = rods.plain.solve(**loads)
+        shape = rods.inextensible.solve(**loads)
     except RodError as failure:
         return Comparison(record, None, str(failure), pitch, load=load, in_sample=in_sample)
-    warning = rods.sampled.left_by(shape)
-    return Comparison(record, shape, "", pitch, _solved(rods.longer, loads), warning, load, in_sample)
+    warning = rods.moment_range.warning(shape)
+    return Comparison(record, shape, "", pitch, _solved(rods.extensible, loads), warning, load, in_sample)
 
 
 def _solved(rod: Rod, loads: Mapping[str, Any]) -> RodSolution | None:
     try:
         return rod.solve(**loads)
-    except RodError:  # the rod without the sixth number stands for both
+    except RodError:  # the inextensible rod stands for both
         return None
 
 

@@ -1,7 +1,7 @@
 """The rod under loads that its numbers were not fitted to, and the laws that such loads tell apart."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -54,15 +54,12 @@ def validate(scene: Scene, context: RunContext, found: Sequence[Parameters]) -> 
 
 def rods_between(found: Sequence[Parameters], pressure: float) -> Rods:
     """The identified rods at a pressure (kPa), between the identified ones by straight lines. Raises RodError."""
-    plain = _between(found, [one.rod for one in found])
-    longer = _between(found, [one.extended_rod for one in found])
-    pressures, first = plain.pressures, found[0].rod
-    theta0 = float(np.interp(pressure, pressures, [one.rod.theta0 for one in found]))
-    rods = [replace(rod.at(pressure), theta0=theta0, start=first.start) for rod in (plain, longer)]
-    sampled = plain.sampled_at(pressure)
-    if sampled is None:
-        raise RodError("It is not known which moments the numbers were identified from.")
-    return Rods(rods[0], rods[1], sampled)
+    inextensible = _between(found, [one.rod for one in found])
+    extensible = _between(found, [one.extensible_rod for one in found])
+    moment_range = inextensible.moment_range_at(pressure)
+    if moment_range is None:
+        raise RodError("The range of moments of the identification is missing.")
+    return Rods(inextensible.at(pressure), extensible.at(pressure), moment_range)
 
 
 def _between(found: Sequence[Parameters], rods: Sequence[Rod]) -> PressurisedRod:
@@ -72,8 +69,10 @@ def _between(found: Sequence[Parameters], rods: Sequence[Rod]) -> PressurisedRod
         tuple(rod.law for rod in rods),
         np.asarray(rods[0].kappa_0)[:, 0],
         np.array([np.asarray(rod.kappa_0)[:, 1] for rod in rods]),
+        np.array([rod.theta0 for rod in rods]),
+        rods[0].start,
         tuple(rod.extension for rod in rods if rod.extension is not None),
-        tuple(one.sampled for one in found),
+        tuple(one.moment_range for one in found),
     )
 
 

@@ -26,7 +26,7 @@ ERROR = 0.03
 
 
 @dataclass(frozen=True)
-class Closing:
+class Closure:
     """value = sum over the grid of weights times Delta. The weights are read-only."""
 
     value: float  #: mm, movement of the end along the end force, without stretch
@@ -34,7 +34,7 @@ class Closing:
     error: float  #: mm, standard deviation
 
 
-def closing(free: Centreline, loaded: Centreline, force: tuple[float, float]) -> Closing:
+def end_displacement_closure(free: Centreline, loaded: Centreline, force: tuple[float, float]) -> Closure:
     """How the end of Test III has moved from where it is in Test II, along its end force (N).
 
     Raises `RodError` where there is no force or the end has not moved.
@@ -51,4 +51,4 @@ def closing(free: Centreline, loaded: Centreline, force: tuple[float, float]) ->
     value = float(lever @ turn)
     if value == 0.0:
         raise RodError("The end force has not moved the end; nothing can be learnt from where it is.")
-    return Closing(value, weights, ERROR * abs(value))
+    return Closure(value, weights, ERROR * abs(value))

@@ -1,4 +1,4 @@
-"""The sixth number: how the material curve of a loaded arm stretches.
+"""The extensible rod: how the material curve of a loaded arm stretches, with the eccentricity as its sixth number.
 
 The neutral axis of an arm under pressure does not lie on its material curve. Where the arm is bent by Delta, a fibre at
 the distance e from the neutral axis gets longer by e Delta:

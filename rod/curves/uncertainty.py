@@ -43,12 +43,12 @@ def white_noise(response: Array, kappa: Array) -> Array:
     return variance * response @ response.T
 
 
-def shared_within(pitch: float, s: Array) -> Array:
+def misfit_correlation(pitch: float, s: Array) -> Array:
     """(n, n) correlation of a misfit at the points s (n,) mm: shared within a cell, independent beyond a few."""
     return np.exp(-2.0 * ((s[:, None] - s[None, :]) / pitch) ** 2)
 
 
-def total_error(residual: Array, matrix: Array, noise: Array, shared: Array, least: float) -> Array:
+def total_covariance(residual: Array, matrix: Array, noise: Array, shared: Array, least: float) -> Array:
     """(n, n) covariance of noise, plus the misfit that it does not explain, with the correlation `shared`.
 
     residual (n,) is what a least-squares fit with the columns of matrix (n, k) has left; least: the standard deviation
@@ -71,7 +71,7 @@ def effective_observations(error: Array) -> float:
     return float(np.trace(error) ** 2 / np.sum(error**2))
 
 
-def drawn_errors(error: Array, draws: int, random: np.random.Generator) -> Array:
+def sample_errors(error: Array, draws: int, random: np.random.Generator) -> Array:
     """(n, draws) errors with the covariance `error`."""
     size, vectors = np.linalg.eigh(error)
     return vectors @ (np.sqrt(np.maximum(size, 0.0))[:, None] * random.standard_normal((len(error), draws)))

@@ -20,27 +20,27 @@ ALLOWED = 0.15
 
 
 @dataclass(frozen=True)
-class SampledMoments:
+class MomentRange:
     """The range of moments behind the numbers of one pressure."""
 
     low: float  #: N mm
     high: float  #: N mm
 
     @staticmethod
-    def of(moment: Moment) -> "SampledMoments":
+    def of(moment: Moment) -> "MomentRange":
         """All moments of a loaded curve but the smallest on TAIL of its length."""
         s = np.linspace(moment.s[0], moment.s[-1], 401)
         values = np.interp(s, moment.s, moment.value)
         sign = 1.0 if values[np.argmax(np.abs(values))] > 0.0 else -1.0
         ends = sorted(sign * edge for edge in (np.quantile(sign * values, TAIL), np.max(sign * values)))
-        return SampledMoments(float(ends[0]), float(ends[1]))
+        return MomentRange(float(ends[0]), float(ends[1]))
 
-    def between(self, other: "SampledMoments", share: float) -> "SampledMoments":
+    def between(self, other: "MomentRange", share: float) -> "MomentRange":
         """The range at a pressure between this one's (share 0) and another's (share 1)."""
         low, high = ((1.0 - share) * a + share * b for a, b in ((self.low, other.low), (self.high, other.high)))
-        return SampledMoments(low, high)
+        return MomentRange(low, high)
 
-    def left_by(self, shape: RodSolution) -> str:
+    def warning(self, shape: RodSolution) -> str:
         """Where the rod's moment leaves the range and how far, one sentence; empty where it does not.
 
         A rod without load has the shape of kappa_0 and needs no law.

@@ -23,15 +23,15 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import lsq_linear
 
 from geometry.arrays import Array
-from rod.curves.closure import Closing
+from rod.curves.closure import Closure
 from rod.curves.curve import Curvature, Moment, fine_grid
-from rod.curves.uncertainty import effective_observations, shared_within, total_error, white_noise
+from rod.curves.uncertainty import effective_observations, misfit_correlation, total_covariance, white_noise
 from rod.law import RodError
 
 #: prior standard deviation of an offset, over the largest Delta
 OFFSET = 0.15
 #: prior standard deviation of each amplitude of the wiggle within a cell: gaps bend, chambers hardly do
-WIGGLE = 0.7
+RIPPLE = 0.7
 #: harmonics of the pitch that the wiggle has
 HARMONICS = 2
 #: relative error of Delta below which nothing is believed
@@ -40,7 +40,7 @@ RESOLUTION_OF_DELTA = 1e-5
 STIFFEST = 50.0
 
 
-def waves(s: Array, pitch: float) -> list[Array]:
+def harmonics(s: Array, pitch: float) -> list[Array]:
     """cos and sin of every harmonic of the pitch at s, 2 HARMONICS arrays of the shape of s."""
     angles = [2.0 * np.pi * (k + 1) * s / pitch for k in range(HARMONICS)]
     return [f(angle) for angle in angles for f in (np.cos, np.sin)]
@@ -67,7 +67,7 @@ class Seen:
     )
 
     @staticmethod
-    def of(kappa_0: Curvature, kappa: Curvature, moment: Moment, closing: Closing | None) -> "Seen":
+    def of(kappa_0: Curvature, kappa: Curvature, moment: Moment, closing: Closure | None) -> "Seen":
         """What belongs together, checked. Of both resolutions the mean is right to second order in Delta."""
         if kappa_0.s.shape != kappa.s.shape or np.max(np.abs(kappa_0.s - kappa.s)) > 1e-6 * kappa.length:
             raise RodError("The intrinsic and the loaded curvature must be given at the same points of the same curve.")
@@ -86,7 +86,7 @@ class Seen:
         grid, delta = fine_grid(length), kappa.kappa - kappa_0.kappa
         resolution = 0.5 * (kappa.resolution + kappa_0.resolution)
         lines = np.column_stack([CubicSpline(moment.s, moment.value)(grid), -np.ones(len(grid))])
-        inside = np.stack([np.ones(len(grid)), *waves(grid, kappa.pitch)])
+        inside = np.stack([np.ones(len(grid)), *harmonics(grid, kappa.pitch)])
         seen = resolution[None, :, :, None] * inside[:, None, :, None] * lines[None, None, :, :]
         closes = np.zeros_like(lines) if closing is None else closing.weights[:, None] * lines / closing.error
         covariance = kappa.covariance + kappa_0.covariance
@@ -166,7 +166,9 @@ def weighed(
     offset *= float(np.abs(seen.delta).max())
     least = RESOLUTION_OF_DELTA * math.sqrt(float(np.mean(seen.delta**2)))
     fit = best(Weights(1.0 / least, offset, closing))
-    error = total_error(seen.delta - fit.fitted, fit.matrix, covariance, shared_within(seen.pitch, seen.s), least)
+    error = total_covariance(
+        seen.delta - fit.fitted, fit.matrix, covariance, misfit_correlation(seen.pitch, seen.s), least
+    )
     deviation = math.sqrt(float(np.trace(error)) / len(seen.s))
     return Weights(math.sqrt(effective_observations(error) / len(seen.s)) / deviation, offset, closing), error
 
@@ -225,7 +227,7 @@ def _known(columns: Columns, weights: Weights) -> Array:
     lines = count // 2
     rows = np.zeros((lines + 2 * HARMONICS + 1, count + 2 * HARMONICS))
     rows[np.arange(lines), 2 * np.arange(lines) + 1] = 1.0 / weights.offset
-    rows[lines:-1, count:] = np.eye(2 * HARMONICS) / WIGGLE
+    rows[lines:-1, count:] = np.eye(2 * HARMONICS) / RIPPLE
     rows[-1, :count] = columns.closing
     return rows
 

@@ -23,8 +23,15 @@ from scipy.optimize import OptimizeResult, least_squares
 from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.curve import Moment, chord_angles, moment_from_force, without_stretch
-from rod.curves.uncertainty import Interval, drawn_errors, effective_observations, interval, shared_within, total_error
-from rod.identification.regression import HARMONICS, OFFSET, WIGGLE, waves
+from rod.curves.uncertainty import (
+    Interval,
+    effective_observations,
+    interval,
+    misfit_correlation,
+    sample_errors,
+    total_covariance,
+)
+from rod.identification.regression import HARMONICS, OFFSET, RIPPLE, harmonics
 from rod.identification.two_lines import NEAREST, default_breaks
 from rod.law import FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod, RodSolution
@@ -181,7 +188,7 @@ class _Task:
         bent = max(float(np.abs(law.deviation(moment.s, moment.value)).max()) for law in starts)
         compliance, offset = 1.0 / starts[0].alpha2, OFFSET * bent
         n = len(shape.s)
-        first = (1e-4 * shape.length) ** 2 * shared_within(shape.pitch, shape.s)
+        first = (1e-4 * shape.length) ** 2 * misfit_correlation(shape.pitch, shape.s)
         return _Task(
             shape,
             moment,
@@ -212,13 +219,13 @@ class _Task:
         nodes = self.shape.s
         s = np.sort(np.append(nodes[np.abs(nodes - law.d) > 2.0 * near], [law.d - near, law.d + near]))
         deviation = law.deviation(s, np.interp(s, self.moment.s, self.moment.value))
-        wiggle = deviation * (z[5:] @ np.array(waves(s, self.shape.pitch)))
+        wiggle = deviation * (z[5:] @ np.array(harmonics(s, self.shape.pitch)))
         kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + wiggle])
         rod = Rod(self.shape.length, kappa_0, law, theta0=self.theta0, start=(float(loaded.x[0]), float(loaded.y[0])))
         return rod.solve(end_y=float(loaded.y[-1]), moment=self.shape.couple)
 
     def residual(self, z: Array) -> Array:
-        prior = np.concatenate([z[[1, 3]], z[5:] / WIGGLE])
+        prior = np.concatenate([z[[1, 3]], z[5:] / RIPPLE])
         try:
             rod = self.solved(z)
         except RodError:
@@ -259,9 +266,9 @@ class _Task:
         parts = found.fun[: 2 * n].reshape(2, n) / self.weight
         # what a smooth misfit leaves next to nothing of; variance 20 of white noise
         variance = float(np.mean(np.diff(parts, 3, axis=1) ** 2)) / 20.0
-        shared = np.kron(np.eye(2), shared_within(self.shape.pitch, self.shape.s)).astype(float)
+        shared = np.kron(np.eye(2), misfit_correlation(self.shape.pitch, self.shape.s)).astype(float)
         least = SHAPE_ERROR * self.shape.length
-        error = total_error(parts.ravel(), found.jac[: 2 * n], variance * np.eye(2 * n), shared, least)[:n, :n]
+        error = total_covariance(parts.ravel(), found.jac[: 2 * n], variance * np.eye(2 * n), shared, least)[:n, :n]
         weight = math.sqrt(effective_observations(error) / n / float(error[0, 0]))
         # across the curve both shapes are noisy, along it only the loaded one
         noise = math.sqrt(variance / 1.5)
@@ -274,7 +281,7 @@ class _Task:
         for k in range(draws):
             moved[:, k] = self._with_noise(random).residual(found.x) - found.fun
         for rows in (slice(0, n), slice(n, 2 * n)):
-            moved[rows] += self.weight * drawn_errors(self.misfit, draws, random)
+            moved[rows] += self.weight * sample_errors(self.misfit, draws, random)
         moved[2 * n :] += random.standard_normal((len(moved) - 2 * n, draws))
         z = found.x[:, None] - np.linalg.pinv(found.jac, rcond=1e-12) @ moved
         a1, a2 = (np.clip(z[i], *COMPLIANCES) * self.compliance for i in (0, 2))

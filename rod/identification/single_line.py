@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
-from rod.curves.uncertainty import Interval, drawn_errors, interval
+from rod.curves.uncertainty import Interval, interval, sample_errors
 from rod.identification.regression import OFFSET, STIFFEST, Columns, Seen, explained, solve, weighed
 from rod.law import RodError
 
@@ -39,7 +39,7 @@ class LineFit:
     r2: float  #: share of the variance of Delta that is explained
 
 
-def one_line(seen: Seen, draws: int, seed: int) -> LineFit:
+def single_line(seen: Seen, draws: int, seed: int) -> LineFit:
     """The line, with intervals from so many draws. Raises `RodError` where curvature falls as the moment grows."""
     (a, b), drawn, r2 = _line(seen, OFFSET, 1.0, draws, seed)
     if abs(b) < SHOWN * float(drawn[1].std()):
@@ -63,5 +63,5 @@ def _line(seen: Seen, offset: float, closer: float, draws: int, seed: int) -> tu
     random = np.random.default_rng(seed)
     known = random.standard_normal((len(fit.known), draws))
     known[-1] *= closer  # the closing, whose error is not the smaller for it
-    drawn = fit.solution @ np.vstack([weights.data * drawn_errors(error, draws, random), known])
+    drawn = fit.solution @ np.vstack([weights.data * sample_errors(error, draws, random), known])
     return fit.numbers[:2], fit.numbers[:2, None] + drawn[:2], explained(seen, fit)

@@ -12,7 +12,7 @@ Errors: the covariance of both curvatures, and the misfit. Where the residual is
 (the law is not the whole truth), the excess is added as an error that neighbouring points within a cell share. The
 intervals come from fits to draws of that error. The effective number of observations is that of this error, at least
 the number of cells: with white noise the number of points, with misfit alone the number of cells. One line for the
-whole rod has an error of its own (`one_line`).
+whole rod has an error of its own (`single_line`).
 """
 
 import math
@@ -22,9 +22,9 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from geometry.arrays import Array
-from rod.curves.closure import Closing
+from rod.curves.closure import Closure
 from rod.curves.curve import Curvature, Moment
-from rod.curves.uncertainty import Interval, drawn_errors, effective_observations, interval
+from rod.curves.uncertainty import Interval, effective_observations, interval, sample_errors
 from rod.identification.regression import (
     HARMONICS,
     OFFSET,
@@ -37,7 +37,7 @@ from rod.identification.regression import (
     stiffened,
     weighed,
 )
-from rod.identification.single_line import LineFit, one_line
+from rod.identification.single_line import LineFit, single_line
 from rod.law import FiveParameters, RodError
 
 #: range of d over the length in which the break is looked for
@@ -62,7 +62,7 @@ class Identification:
     m02: Interval  #: N mm
     d: Interval  #: mm
     r2: float  #: of the two lines
-    one_line: LineFit
+    single_line: LineFit
     observations: float  #: effective number of independent observations
     criterion_two: float  #: Bayesian information criterion of two lines
     criterion_one: float  #: and of one; the smaller wins
@@ -79,7 +79,7 @@ def identify(
     kappa_0: Curvature,
     kappa: Curvature,
     moment: Moment,
-    closing: Closing | None = None,
+    closing: Closure | None = None,
     *,
     breaks: tuple[float, float] | None = None,
     draws: int = DRAWS,
@@ -95,7 +95,7 @@ def identify(
     """
     seen = Seen.of(kappa_0, kappa, moment, closing)
     grid = _grid(seen, breaks)
-    one = one_line(seen, draws, seed)
+    one = single_line(seen, draws, seed)
     stiffest = STIFFEST * one.alpha.value
     weights, error = _weights(seen, grid)
     profile = [stiffened(solve(seen.columns(d), seen.delta, weights), seen.delta, weights, stiffest) for d in grid]
@@ -105,7 +105,7 @@ def identify(
         1 / two.numbers[0], 1 / two.numbers[2], two.numbers[1] / two.numbers[0], two.numbers[3] / two.numbers[2], d
     )
     random = np.random.default_rng(seed)
-    sampled = _draws_two(seen, weights, grid, d, two, drawn_errors(error, draws, random), random, stiffest)
+    sampled = _draws_two(seen, weights, grid, d, two, sample_errors(error, draws, random), random, stiffest)
     best = (law.alpha1, law.alpha2, law.m01, law.m02, law.d)
     alpha1, alpha2, m01, m02, place = (interval(v, c) for v, c in zip(best, sampled.T, strict=True))
     observations = max(effective_observations(error), float(np.ptp(seen.s)) / seen.pitch + 1.0)
@@ -117,7 +117,7 @@ def identify(
         m02=m02,
         d=place,
         r2=explained(seen, two),
-        one_line=one,
+        single_line=one,
         observations=observations,
         criterion_two=_criterion(seen, two, 5, observations),
         # two lines are held against one with their own weights, not against the one that is reported
