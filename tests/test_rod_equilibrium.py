@@ -13,7 +13,7 @@ from scipy.integrate import solve_bvp
 
 from rod import FiveParameters, Rod, RodError
 from rod.mechanics.profile import cut_into_steps
-from rod.mechanics.shooting import sweep
+from rod.mechanics.shooting import RodArrays, sweep
 
 PLAIN = FiveParameters(1.0, 1.0, 0.0, 0.0, 0.13)
 TWO_LINES = FiveParameters(2.0, 1.0, 0.1, -0.05, 0.13)
@@ -87,20 +87,8 @@ def test_the_scheme_is_of_sixth_order():
     for n in (8, 16, 32, 64):
         steps = cut_into_steps(1.0, lambda s: 3.0 + s**2, FiveParameters(1.0, 1.0, 0.0, 0.0, 0.5), refinement=n / 160)
         states, ones = np.empty((len(steps.s), 4)), np.ones(len(steps.s) - 1)
-        sweep(
-            steps.s,
-            steps.kappa_0,
-            np.ones_like(steps.kappa_0),
-            ones,
-            0 * ones,
-            0.0,
-            0.0,
-            0.0,
-            np.array([0.4, 1.0, -3.0]),
-            np.zeros(2),
-            states,
-            np.empty(16),
-        )
+        rod = RodArrays(steps.s, steps.kappa_0, np.ones_like(steps.kappa_0), ones, 0 * ones, 0.0, 0.0, 0.0)
+        sweep(rod, np.array([0.4, 1.0, -3.0]), np.zeros(2), states, np.empty(16))
         ends.append(states[-1].copy())
     differences = [np.abs(a - b).max() for a, b in itertools.pairwise(ends)]
     rates = np.log2(np.array(differences[:-1]) / differences[1:])
@@ -110,12 +98,12 @@ def test_the_scheme_is_of_sixth_order():
 def test_derivatives_by_the_unknowns_against_central_differences():
     steps = cut_into_steps(1.0, 2.0, TWO_LINES)
     alpha, m0 = np.where(steps.first, 2.0, 1.0), np.where(steps.first, 0.1, -0.05)
-    unknowns, load = np.array([-0.8, 0.5, -1.0]), np.array([0.1, -0.3])
+    unknowns, weight = np.array([-0.8, 0.5, -1.0]), np.array([0.1, -0.3])
+    rod = RodArrays(steps.s, steps.kappa_0, 1.0 + 0.1 * steps.kappa_0, alpha, m0, 0.05, 0.3, 0.2)
 
     def end(u):
         out = np.empty(16)
-        stretch = 1.0 + 0.1 * steps.kappa_0
-        sweep(steps.s, steps.kappa_0, stretch, alpha, m0, 0.05, 0.3, 0.2, u, load, np.empty((len(steps.s), 4)), out)
+        sweep(rod, u, weight, np.empty((len(steps.s), 4)), out)
         return out
 
     for i in range(3):

@@ -1,8 +1,8 @@
-"""Continuation: the way of a rod from no load to the whole load, in steps that shrink and grow.
+"""Continuation: the path of a rod from no load to the full load, in load steps that shrink and grow.
 
-Everything is dimensionless as in `shooting`. Large loads have several equilibria; the one that is meant is the one
-that is reached. A path that folds or splits is reported, not stepped over: the matrix of Newton's method keeps the
-sign of its determinant as long as neither happens.
+Everything is dimensionless as in `shooting`. Large loads have several equilibria; the solution is the one on the path
+from the unloaded rod. A path that folds or branches is reported, not stepped over: the matrix of Newton's method keeps
+the sign of its determinant as long as neither happens.
 """
 
 import math
@@ -14,7 +14,7 @@ import numpy as np
 from geometry.arrays import Array, Mask
 from rod.law import RodError
 from rod.mechanics.profile import Steps
-from rod.mechanics.shooting import converge, sweep
+from rod.mechanics.shooting import RodArrays, converge, sweep
 
 #: rad, the largest change of a tangent angle in one step of the load; keeps Newton's method on its branch
 LARGEST_TURN = 1.0
@@ -38,7 +38,7 @@ class Problem:
     force: Array  #: (2,) given components, zero where unknown
     weight: Array  #: (2,)
     moment: float  #: at the tip
-    place: Array  #: (2,) x and y of the tip, used where the force is unknown
+    end: Array  #: (2,) prescribed x and y of the tip, used where the force is unknown
     together: bool  #: kappa_0 and the rest stretch grow with the loads, from the straight rod
 
     @cached_property
@@ -46,35 +46,25 @@ class Problem:
         """The rod before any load: straight, or with the shape of kappa_0."""
         states, end = np.empty((len(self.steps.s), 4)), np.empty(16)
         nothing = np.zeros(3)
-        sweep(
-            self.steps.s,
-            *self.rest(0.0),
-            self.alpha,
-            0.0 * self.m0,
-            0.0,
-            self.eccentricity,
-            self.theta0,
-            nothing,
-            nothing[:2],
-            states,
-            end,
-        )
+        sweep(self.arrays(0.0)._replace(fade=0.0), nothing, nothing[:2], states, end)
         # columns of derivatives by M(0), F_x, F_y; rows M, x, y; a given force component keeps a trivial row
         matrix = np.where(np.outer(self.free, self.free), end[4:].reshape(3, 4)[:, 1:].T, np.eye(3))
         return Point(0.0, nothing, states, float(np.linalg.det(matrix)))
 
-    def rest(self, factor: float) -> tuple[Array, Array]:
-        """kappa_0 and the rest stretch, (n, 6) each, at a share of the load."""
-        if not self.together:
-            return self.steps.kappa_0, self.stretch
-        return factor * self.steps.kappa_0, 1.0 + factor * (self.stretch - 1.0)
+    def arrays(self, factor: float) -> RodArrays:
+        """The rod at a load factor: its intercepts grow with the load, kappa_0 and rest stretch if `together`."""
+        kappa_0, stretch = self.steps.kappa_0, self.stretch
+        if self.together:
+            kappa_0, stretch = factor * kappa_0, 1.0 + factor * (stretch - 1.0)
+        m0 = factor * self.m0
+        return RodArrays(self.steps.s, kappa_0, stretch, self.alpha, m0, self.fade, self.eccentricity, self.theta0)
 
     @property
     def idle(self) -> bool:
         """Nothing acts on the rod, which already has its curvature; an end that is held is held where it is."""
         if self.together:
             return False
-        away = (self.place - self.start.states[-1, 2:])[self.free[1:]]
+        away = (self.end - self.start.states[-1, 2:])[self.free[1:]]
         loaded = self.moment != 0.0 or self.force.any() or self.weight.any()
         return not loaded and bool(np.all(np.abs(away) < 1e-13))
 
@@ -114,25 +104,12 @@ def follow(problem: Problem) -> tuple[Point, int]:
 
 def _at(problem: Problem, factor: float, guess: Array) -> Point | None:
     """Newton's method at one load factor, or None where it does not converge."""
-    steps = problem.steps
     unknowns = np.where(problem.free, guess, np.concatenate([[0.0], problem.force * factor]))
     start = problem.start.states[-1, 2:]
-    target = np.concatenate([[factor * problem.moment], start + factor * (problem.place - start)])
-    states = np.empty((len(steps.s), 4))
+    target = np.concatenate([[factor * problem.moment], start + factor * (problem.end - start)])
+    states = np.empty((len(problem.steps.s), 4))
     converged, determinant = converge(
-        steps.s,
-        *problem.rest(factor),
-        problem.alpha,
-        factor * problem.m0,
-        problem.fade,
-        problem.eccentricity,
-        problem.theta0,
-        unknowns,
-        factor * problem.weight,
-        target,
-        problem.free,
-        states,
-        np.empty(16),
+        problem.arrays(factor), unknowns, factor * problem.weight, target, problem.free, states
     )
     return Point(factor, unknowns, states, determinant) if converged else None
 

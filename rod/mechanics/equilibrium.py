@@ -7,7 +7,7 @@
 
 clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity). Known
 are F or components of the end position, in which case the force components that hold them are found. The unknowns, M(0)
-and those components, are found by shooting (`shooting`), large loads by continuation (`path`).
+and those components, are found by shooting (`shooting`), large loads by continuation (`continuation`).
 """
 
 import math
@@ -179,8 +179,8 @@ def _problem(rod: Rod, steps: Steps, loads: _Loads) -> Problem:
     """The loads on the rod in units of its length l and rigidity B = alpha2: moments B/l, forces B/l^2."""
     law, length = rod.law, rod.length
     base = law.alpha2
-    place = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(loads.end)]
-    reach = math.hypot(*place)
+    end = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(loads.end)]
+    reach = math.hypot(*end)
     if not reach < 1.0 and rod.extension is None:
         raise RodError(
             f"The end cannot be {reach * length:g} mm from the clamp: the rod of {length:g} mm is inextensible."
@@ -200,7 +200,7 @@ def _problem(rod: Rod, steps: Steps, loads: _Loads) -> Problem:
         force=np.array(loads.force) * unit,
         weight=np.array(loads.weight) * (unit * length),
         moment=loads.moment * length / base,
-        place=np.array(place),
+        end=np.array(end),
         together=loads.together,
     )
 

@@ -14,15 +14,17 @@ step. This is the one module of the room where speed may cost clarity (numba).
 """
 
 import math
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Mask
 
 ROOT = math.sqrt(21.0)
-#: where a step of length 1 asks for kappa_0
+#: where a step of length 1 evaluates kappa_0
 ABSCISSAE = np.array([0.0, 1.0, 1 / 2, 2 / 3, (7 - ROOT) / 14, (7 + ROOT) / 14])
+#: which of ABSCISSAE every one of the seven stages stands at
 _STAGE_ABSCISSA = np.array([0, 1, 2, 3, 4, 5, 1])
 _STAGES = np.array(
     [
@@ -52,76 +54,75 @@ _STAGES = np.array(
 _WEIGHTS = np.array([9, 0, 64, 0, 49, 49, 9]) / 180
 
 
+class RodArrays(NamedTuple):
+    """A dimensionless rod as the integrator reads it; one row or entry per step."""
+
+    s: Array  #: (n + 1,) step boundaries from 0 to 1
+    kappa_0: Array  #: (n, 6) at ABSCISSAE of every step
+    rest_stretch: Array  #: (n, 6) lambda_0, likewise
+    alpha: Array  #: (n,)
+    m0: Array  #: (n,)
+    fade: float  #: moment below which the intercepts fade to zero
+    eccentricity: float
+    theta0: float  #: rad, tangent angle at the clamp
+
+
+class _Section(NamedTuple):
+    """The rod at one cross-section, and the force n that acts on it."""
+
+    kappa_0: float
+    rest_stretch: float
+    alpha: float
+    m0: float
+    nx: float
+    ny: float
+
+
 @numba.njit(cache=True)
-def _rate(
-    z: Array,
-    out: Array,
-    kappa_0: float,
-    rest: float,
-    alpha: float,
-    m0: float,
-    fade: float,
-    eccentricity: float,
-    nx: float,
-    ny: float,
-) -> None:
+def _rate(z: Array, section: _Section, fade: float, eccentricity: float, out: Array) -> None:
     """Right-hand side for the state z[0:4] and its three derivatives z[4:16] (theta, M, x, y for each unknown)."""
-    moment = z[1]
-    slope = 1.0 / alpha
+    moment, m0, nx, ny = z[1], section.m0, section.nx, section.ny
+    slope = 1.0 / section.alpha
     size = abs(moment)
     if size < fade:  # the intercept fades to nothing with the moment
-        slope = (1.0 - m0 * np.sign(moment) / fade) / alpha
+        slope = (1.0 - m0 * np.sign(moment) / fade) / section.alpha
         m0 = m0 * size / fade
-    deviation = (moment - m0) / alpha
-    stretch, by_moment = rest + eccentricity * deviation, eccentricity * slope
+    deviation = (moment - m0) / section.alpha
+    stretch, by_moment = section.rest_stretch + eccentricity * deviation, eccentricity * slope
     cosine, sine = math.cos(z[0]), math.sin(z[0])
     c, s = stretch * cosine, stretch * sine
     across = nx * sine - ny * cosine
-    out[0] = kappa_0 + deviation
+    out[0] = section.kappa_0 + deviation
     out[1] = stretch * across
     out[2] = c
     out[3] = s
     axial = nx * c + ny * s
     for unknown in range(3):
         j = 4 + 4 * unknown
-        longer = by_moment * z[j + 1]
+        stretch_rate = by_moment * z[j + 1]
         out[j] = slope * z[j + 1]
-        out[j + 1] = axial * z[j] + across * longer
-        out[j + 2] = cosine * longer - s * z[j]
-        out[j + 3] = sine * longer + c * z[j]
+        out[j + 1] = axial * z[j] + across * stretch_rate
+        out[j + 2] = cosine * stretch_rate - s * z[j]
+        out[j + 3] = sine * stretch_rate + c * z[j]
     out[9] += s  # M' by F_x
     out[13] -= c  # M' by F_y
 
 
 @numba.njit(cache=True)
-def sweep(
-    s: Array,
-    kappa_0: Array,
-    rest: Array,
-    alpha: Array,
-    m0: Array,
-    fade: float,
-    eccentricity: float,
-    theta0: float,
-    unknowns: Array,
-    load: Array,
-    states: Array,
-    end: Array,
-) -> None:
+def sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: Array) -> None:
     """Integrate from clamp to tip: fills states (n + 1, 4) and end (16,), the last state with its derivatives.
 
-    s (n + 1,) step boundaries; kappa_0 and the rest stretch (n, 6) at ABSCISSAE; alpha, m0 (n,);
-    unknowns = (M(0), F_x, F_y); load = (q_x, q_y).
+    unknowns = (M(0), F_x, F_y); weight = (q_x, q_y), a dead load per length.
     """
     z = end
     z[:] = 0.0
-    z[0], z[1] = theta0, unknowns[0]
+    z[0], z[1] = rod.theta0, unknowns[0]
     z[5] = 1.0  # M(0) by itself
     k = np.empty((7, 16))
     stage = np.empty(16)
     states[0] = z[:4]
-    for step in range(len(alpha)):
-        h = s[step + 1] - s[step]
+    for step in range(len(rod.alpha)):
+        h = rod.s[step + 1] - rod.s[step]
         for i in range(7):
             stage[:] = z
             for j in range(i):
@@ -129,11 +130,11 @@ def sweep(
                 if a != 0.0:
                     for n in range(16):
                         stage[n] += a * k[j, n]
-            place = _STAGE_ABSCISSA[i]
-            beyond = 1.0 - s[step] - h * ABSCISSAE[place]
-            nx, ny = unknowns[1] + load[0] * beyond, unknowns[2] + load[1] * beyond
-            k0, l0 = kappa_0[step, place], rest[step, place]
-            _rate(stage, k[i], k0, l0, alpha[step], m0[step], fade, eccentricity, nx, ny)
+            at = _STAGE_ABSCISSA[i]
+            beyond = 1.0 - rod.s[step] - h * ABSCISSAE[at]
+            nx, ny = unknowns[1] + weight[0] * beyond, unknowns[2] + weight[1] * beyond
+            section = _Section(rod.kappa_0[step, at], rod.rest_stretch[step, at], rod.alpha[step], rod.m0[step], nx, ny)
+            _rate(stage, section, rod.fade, rod.eccentricity, k[i])
         for i in range(7):
             if _WEIGHTS[i] != 0.0:
                 for n in range(16):
@@ -142,7 +143,7 @@ def sweep(
 
 
 @numba.njit(cache=True)
-def _residual(end: Array, target: Array, free: Array, r: Array, jac: Array) -> None:
+def _residual(end: Array, target: Array, free: Mask, r: Array, jac: Array) -> None:
     """r = (M, x, y at the tip) - target, with its matrix; a component of F that is given keeps a trivial row."""
     for row in range(3):
         if free[row]:
@@ -166,36 +167,24 @@ def _determinant(a: Array) -> float:
 
 @numba.njit(cache=True)
 def converge(
-    s: Array,
-    kappa_0: Array,
-    rest: Array,
-    alpha: Array,
-    m0: Array,
-    fade: float,
-    eccentricity: float,
-    theta0: float,
-    unknowns: Array,
-    load: Array,
-    target: Array,
-    free: Array,
-    states: Array,
-    end: Array,
+    rod: RodArrays, unknowns: Array, weight: Array, target: Array, free: Mask, states: Array
 ) -> tuple[bool, float]:
-    """Newton's method for (M(0), F_x, F_y), changed in place. Returns (converged, determinant of the last matrix).
+    """Newton's method for unknowns (3,) = (M(0), F_x, F_y), changed in place; fills states (n + 1, 4).
 
-    target = (M, x, y) at the tip; free says which of the three unknowns are to be found (the first always).
+    Returns whether it converged, and the determinant of the last matrix. target (3,) = (M, x, y) at the tip; free (3,)
+    says which of the unknowns are solved for (the first always is); weight (2,) as in `sweep`.
     """
-    r, jac, column = np.empty(3), np.empty((3, 3)), np.empty((3, 3))
+    end, r, jac, column = np.empty(16), np.empty(3), np.empty((3, 3)), np.empty((3, 3))
     worst = math.inf
     for _ in range(16):
-        sweep(s, kappa_0, rest, alpha, m0, fade, eccentricity, theta0, unknowns, load, states, end)
+        sweep(rod, unknowns, weight, states, end)
         _residual(end, target, free, r, jac)
         determinant = _determinant(jac)
         if not math.isfinite(determinant) or determinant == 0.0:
             return False, 0.0
         scale = 1.0 + abs(unknowns[0]) + abs(unknowns[1]) + abs(unknowns[2])
-        # quadratic convergence: behind a correction of 1e-7 the next one would be rounding, unless errors grow along
-        # the rod
+        # quadratic convergence: after a correction of 1e-7 the next one is of the size of rounding, unless errors grow
+        # along the rod
         if worst < 1e-7 * scale and max(abs(r[0]), abs(r[1]), abs(r[2])) < 1e-10 * scale:
             return True, determinant
         worst = 0.0
