@@ -18,8 +18,10 @@ import numpy as np  # noqa: E402  (the number of threads comes first)
 import scipy.sparse as sp  # noqa: E402
 from scipy.sparse.linalg import LinearOperator, gmres  # noqa: E402
 
-from fem import Experiment, Pressure, StVenantKirchhoff, linear, newton  # noqa: E402
+from fem import Experiment, Pressure, StVenantKirchhoff  # noqa: E402
+from fem.equations import linear  # noqa: E402
 from fem.equations.linear import Pardiso  # noqa: E402
+from fem.path import newton  # noqa: E402
 from fem.path.control import LoadControl  # noqa: E402
 from geometry import PneuNet  # noqa: E402
 

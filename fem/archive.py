@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
-from fem.equations.system import Change
+from fem.equations.state import Change
 from fem.solution import Extremes, Seconds, Step
 
 ArrayMap = Mapping[str, NDArray[Any]]

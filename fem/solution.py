@@ -7,7 +7,7 @@ import numpy as np
 
 from fem.discretisation import Discretisation
 from fem.effects.effect import enclosed_volume
-from fem.equations.system import Change
+from fem.equations.state import Change
 from fem.supports import Where, nodes_at
 from geometry.arrays import Array
 

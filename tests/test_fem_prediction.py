@@ -5,7 +5,7 @@ import pytest
 from bodies import hollow_box
 
 from fem import Fixed, Model, Pressure, StVenantKirchhoff
-from fem.equations.system import State
+from fem.equations.state import State
 from fem.kernels.element import internal_force
 from fem.path.course import LoadCourse
 from fem.path.predictor import FAR, KICK, Place, Predictor, predicted

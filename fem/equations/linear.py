@@ -54,6 +54,7 @@ class LinearSolver(ABC):
     """A direct solver that keeps its symbolic analysis while the pattern stays the same."""
 
     times: LinearTimes
+    generation: int  #: grows with every analysis, factorization and closing: a factor belongs to one generation
 
     @abstractmethod
     def analyse(self, indptr: NDArray[Any], indices: NDArray[Any]) -> None:
@@ -101,6 +102,7 @@ class Pardiso(LinearSolver):
         self._matrix = sp.csr_matrix((0, 0))
         self._data = np.empty(0)
         self.times = LinearTimes()
+        self.generation = 0
 
     def _call(self, phase: int, right: Array) -> Array:
         self._solver.set_phase(phase)
@@ -138,6 +140,7 @@ class Pardiso(LinearSolver):
         self.times.analyses += 1
 
     def factorize(self, data: Array) -> None:
+        self.generation += 1
         _check_finite(data)
         start = perf_counter()
         self._data = data
@@ -189,6 +192,7 @@ class Pardiso(LinearSolver):
         return int(self._solver.get_iparm(23))
 
     def close(self) -> None:
+        self.generation += 1
         _release(self._solver)
         self._matrix = sp.csr_matrix((0, 0))
 
@@ -232,16 +236,19 @@ class SuperLU(LinearSolver):
     """SciPy's SuperLU on the whole matrix: works everywhere, several times slower; the analysis is not kept."""
 
     times: LinearTimes = field(default_factory=LinearTimes)
+    generation: int = 0
     _pattern: sp.csr_matrix = field(default_factory=lambda: sp.csr_matrix((0, 0)))
     _factor: Any = None
     _pivots: Array = field(default_factory=lambda: np.empty(0))
 
     def analyse(self, indptr: NDArray[Any], indices: NDArray[Any]) -> None:
+        self.close()
         size = indptr.shape[0] - 1
         self._pattern = sp.csr_matrix((np.ones(indices.shape[0]), indices, indptr), shape=(size, size))
         self.times.analyses += 1
 
     def factorize(self, data: Array) -> None:
+        self.generation += 1
         _check_finite(data)  # SuperLU ends the process on them
         start = perf_counter()
         self._pattern.data = data
@@ -275,6 +282,7 @@ class SuperLU(LinearSolver):
         return int(np.count_nonzero(self._pivots < 0))
 
     def close(self) -> None:
+        self.generation += 1
         self._factor = None
 
 

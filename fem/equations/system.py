@@ -3,7 +3,6 @@
 from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from time import perf_counter
 from typing import final
 
@@ -11,9 +10,11 @@ import numpy as np
 
 from fem.discretisation import Discretisation
 from fem.effects.effect import Blocks, Term
-from fem.equations.formulation import Answer, formulation_of, lame_constants
+from fem.equations.formulation import formulation_of, lame_constants
 from fem.equations.linear import LinearSolver
+from fem.equations.linearised import Linearised
 from fem.equations.pattern import NoPlace, Pattern, element_keys
+from fem.equations.state import Assembly, Change, State
 from fem.kernels import element as kernels
 from fem.kernels.tangent import LawArrays, Product, tangent_matrix
 from fem.materials.material import Material
@@ -23,58 +24,6 @@ from geometry.arrays import Array, Index
 Terms = tuple[Term, ...]
 
 NO_INCREMENT = np.empty((0, 3))
-
-
-@dataclass(frozen=True)
-class State:
-    """A point on the load path: displacement, and strain and stress, which Newton carries as unknowns of their own.
-
-    In equilibrium both are those of the displacement. On the way the strain is where the law is evaluated, and the
-    stress, which the geometric stiffness takes, is what the law to first order gave there.
-    """
-
-    factor: float  #: load factor
-    displacement: Array  #: (n, 3), mm
-    pressure: Array  #: (v,) unknowns of the mixed formulation, pressure over shear modulus; (0,) in the others
-    strain: Array  #: (e, q, 6), Green-Lagrange
-    stress: Array  #: (e, q, 6), second Piola-Kirchhoff, MPa
-
-    @property
-    def change(self) -> "Change":
-        """What of it are unknowns, for a rate of states."""
-        return Change(self.factor, self.displacement, self.pressure)
-
-
-@dataclass(frozen=True)
-class Change:
-    """A change of the unknowns."""
-
-    factor: float
-    displacement: Array  #: (n, 3), mm
-    pressure: Array  #: (v,)
-
-    def scaled(self, share: float) -> "Change":
-        """The given share of it."""
-        return Change(share * self.factor, share * self.displacement, share * self.pressure)
-
-    def __add__(self, other: "Change") -> "Change":
-        return Change(
-            self.factor + other.factor, self.displacement + other.displacement, self.pressure + other.pressure
-        )
-
-
-@dataclass(frozen=True)
-class Assembly:
-    """What one evaluation of the potential's gradient gives."""
-
-    strain: Array  #: (e, q, 6) Green-Lagrange strain of the displacement
-    answer: Answer  #: the law at the carried strain and pressure
-    stress: Array  #: (e, q, 6) the law at the displacement's strain to first order from the carried one, MPa
-    jacobian: Array  #: (e, q) det F
-    gradient: Array  #: (n, 3) d Pi / d x, N; zero on the free components in equilibrium
-    imbalance: Array  #: (v,) d Pi / d p; zero where the pressures are those of the displacement
-    scale: float  #: norm of the nodal forces that balance, N
-    rounding: float  #: norm of the nodal forces that the rounding of the displacement makes, N; not exceeded
 
 
 class Clock:
@@ -197,24 +146,20 @@ class System:
         """The free components (d,) of nodal values (n, 3)."""
         return values[~self.constraints.fixed]
 
-    def factorize(self, state: State, assembly: Assembly, terms: Terms, jump: Array, convex: bool) -> Change:
-        """Factorize the tangent at `state`; the tangent times the jump (n, 3) of the prescribed components."""
-        data, coupling = self.tangent(state, assembly, terms, jump, convex)
+    def linearise(
+        self, state: State, assembly: Assembly, terms: Terms, increment: Array | None = None, convex: bool = False
+    ) -> Linearised:
+        """The tangent at `state`, factorized; assembly is that of the state and the terms.
+
+        increment (n, 3) is what the prescribed displacement components are about to change by, mm; zero by default.
+        With `convex` the terms give a positive semi-definite substitute where they can. Every `Linearised` made before
+        becomes stale. Raises `SingularMatrix`.
+        """
+        if increment is None:
+            increment = np.zeros_like(state.displacement)
+        data, coupling = self.tangent(state, assembly, terms, increment, convex)
         self.solver.factorize(data)
-        return coupling
-
-    def solve(self, gradient: Array, imbalance: Array) -> Change:
-        """The change that cancels a gradient (n, 3) and imbalance (v,), with the tangent last factorized."""
-        solution = self.solver.solve(-np.concatenate([self.free(gradient), imbalance]))
-        displacement = np.zeros_like(gradient)
-        cut = solution.shape[0] - self.law.unknowns
-        displacement[~self.constraints.fixed] = solution[:cut]
-        return Change(0.0, displacement, solution[cut:])
-
-    @property
-    def negative_pivots(self) -> int:
-        """Of the last factorized tangent, beyond the one that every pressure unknown has; 0 in a stable equilibrium."""
-        return self.solver.negative_pivots - self.law.unknowns
+        return Linearised.of(self.solver, ~self.constraints.fixed, coupling)
 
     def tangent(
         self, state: State, assembly: Assembly, terms: Terms, jump: Array, convex: bool

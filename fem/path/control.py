@@ -15,7 +15,9 @@ import numpy as np
 from fem.discretisation import Faces
 from fem.effects.effect import enclosed_volume, volume_gradient
 from fem.equations.linear import SingularMatrix
-from fem.equations.system import Assembly, Change, State, System, Terms
+from fem.equations.linearised import Linearised
+from fem.equations.state import Assembly, Change, State
+from fem.equations.system import System, Terms
 from geometry.arrays import Array
 
 
@@ -35,18 +37,18 @@ class Control(ABC):
 
     @abstractmethod
     def change(
-        self, system: System, state: State, assembly: Assembly, jump: Array, coupling: Change, terms: Terms
+        self, system: System, state: State, assembly: Assembly, linearised: Linearised, jump: Array, terms: Terms
     ) -> tuple[Change, int]:
-        """Newton's change of the unknowns but the prescribed displacements, with the tangent factorized.
+        """Newton's change of the unknowns but the prescribed displacements, with the tangent at the state.
 
-        jump (n, 3) is what those still miss, coupling the tangent times it.
+        jump (n, 3) is what those still miss.
 
         And the number of directions in which the body is unstable while the prescribed quantity is held.
         """
 
     @abstractmethod
-    def rate(self, system: System, state: State, assembly: Assembly, terms: Terms) -> Change | None:
-        """Change of the unknowns per unit of the prescribed quantity in equilibrium, with the tangent last factorized.
+    def rate(self, system: System, state: State, linearised: Linearised, terms: Terms) -> Change | None:
+        """Change of the unknowns per unit of the prescribed quantity in equilibrium, with a tangent near the state.
 
         None where that cannot tell.
         """
@@ -66,15 +68,14 @@ class LoadControl(Control):
         return 0.0
 
     def change(
-        self, system: System, state: State, assembly: Assembly, jump: Array, coupling: Change, terms: Terms
+        self, system: System, state: State, assembly: Assembly, linearised: Linearised, jump: Array, terms: Terms
     ) -> tuple[Change, int]:
-        change = system.solve(assembly.gradient + coupling.displacement, assembly.imbalance + coupling.pressure)
-        return change, system.negative_pivots
+        return _to_equilibrium(assembly, linearised), linearised.negative_pivots
 
-    def rate(self, system: System, state: State, assembly: Assembly, terms: Terms) -> Change | None:
+    def rate(self, system: System, state: State, linearised: Linearised, terms: Terms) -> Change | None:
         if system.constraints.ramped.any():  # would need the tangent's columns of the prescribed components
             return None
-        return replace(_loaded(system, state, assembly, terms), factor=1.0)
+        return replace(_loaded(system, state, linearised, terms), factor=1.0)
 
 
 @final
@@ -93,32 +94,38 @@ class VolumeControl(Control):
         return (enclosed_volume(self.faces, system.space.points + state.displacement) - self.volume) / self.scale
 
     def change(
-        self, system: System, state: State, assembly: Assembly, jump: Array, coupling: Change, terms: Terms
+        self, system: System, state: State, assembly: Assembly, linearised: Linearised, jump: Array, terms: Terms
     ) -> tuple[Change, int]:
         growth = volume_gradient(self.faces, system.space.points + state.displacement)
-        free = system.solve(assembly.gradient + coupling.displacement, assembly.imbalance + coupling.pressure)
-        loaded = _loaded(system, state, assembly, terms)
+        free = _to_equilibrium(assembly, linearised)
+        loaded = _loaded(system, state, linearised, terms)
         compliance = float(np.vdot(growth, loaded.displacement))
         if compliance == 0.0:
             raise SingularMatrix("the load does not change the prescribed volume")
         missing = self.miss(system, state) * self.scale + float(np.vdot(growth, free.displacement + jump))
         factor = -missing / compliance
         # by Sylvester's law for the bordered matrix: a volume held takes one negative direction away
-        unstable = system.negative_pivots - (1 if compliance < 0 else 0)
+        unstable = linearised.negative_pivots - (1 if compliance < 0 else 0)
         return free + replace(loaded.scaled(factor), factor=factor), unstable
 
-    def rate(self, system: System, state: State, assembly: Assembly, terms: Terms) -> Change | None:
+    def rate(self, system: System, state: State, linearised: Linearised, terms: Terms) -> Change | None:
         growth = volume_gradient(self.faces, system.space.points + state.displacement)
-        loaded = _loaded(system, state, assembly, terms)
+        loaded = _loaded(system, state, linearised, terms)
         compliance = float(np.vdot(growth, loaded.displacement))
         return replace(loaded.scaled(1 / compliance), factor=1 / compliance) if compliance else None
 
 
-def _loaded(system: System, state: State, assembly: Assembly, terms: Terms) -> Change:
+def _to_equilibrium(assembly: Assembly, linearised: Linearised) -> Change:
+    """Newton's change of the unknowns under the present load, the prescribed components taking their increment."""
+    coupling = linearised.coupling
+    return linearised.solve(assembly.gradient + coupling.displacement, assembly.imbalance + coupling.pressure)
+
+
+def _loaded(system: System, state: State, linearised: Linearised, terms: Terms) -> Change:
     """Change of displacement and pressures per unit of the load factor."""
     # the loads are linear in the load factor
     more, less = (system.loads(state.displacement, state.factor + step, terms) for step in (0.5, -0.5))
-    return system.solve(more - less, np.zeros_like(assembly.imbalance))
+    return linearised.solve(more - less)
 
 
 def size_of(faces: Faces, x: Array) -> float:

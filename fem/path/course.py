@@ -6,7 +6,8 @@ from typing import final
 
 from fem.discretisation import Faces
 from fem.effects.effect import enclosed_volume
-from fem.equations.system import State, System, Terms
+from fem.equations.state import State
+from fem.equations.system import System, Terms
 from fem.path.control import Control, LoadControl, VolumeControl, size_of
 from fem.solution import Step
 
@@ -57,10 +58,11 @@ class LoadCourse(Course):
     def rate_at_rest(self, system: System, rest: State, terms: Terms, share: float) -> State | None:
         still, moved = tuple(term.at(0.0) for term in terms), system.prescribed(1.0, share)
         assembly = system.assemble(rest, still)
-        coupling = system.factorize(rest, assembly, still, moved, convex=False)
+        linearised = system.linearise(rest, assembly, still, moved)
         whole = system.loads(rest.displacement, 1.0, tuple(term.at(share) for term in terms))
         loads = whole - system.loads(rest.displacement, 0.0, still)
-        change = system.solve(loads + coupling.displacement, coupling.pressure)
+        coupling = linearised.coupling
+        change = linearised.solve(loads + coupling.displacement, coupling.pressure)
         return system.rate(rest, assembly, replace(change, factor=1.0, displacement=change.displacement + moved))
 
 

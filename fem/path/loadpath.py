@@ -8,7 +8,8 @@ from typing import final
 import numpy as np
 
 from fem.equations.linear import LinearSolver
-from fem.equations.system import State, System, Terms
+from fem.equations.state import State
+from fem.equations.system import System, Terms
 from fem.model import Model
 from fem.path import newton
 from fem.path.course import Course, LoadCourse, VolumeCourse

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.equations.system import State, System, Terms
+from fem.equations.state import State
+from fem.equations.system import System, Terms
 from geometry.arrays import Array
 
 ITERATIONS = 30
@@ -24,19 +25,18 @@ class Softest:
 
 
 def softest_direction(system: System, state: State, terms: Terms) -> Softest:
-    """By inverse iteration with the factor of the tangent at an equilibrium.
+    """By inverse iteration with the tangent at an equilibrium.
 
-    Raises `fem.equations.linear.SingularMatrix` at a limit point itself.
+    Factorizes: earlier factorizations become stale. Raises `fem.equations.linear.SingularMatrix` at a limit point
+    itself.
     """
-    rest = np.zeros_like(state.displacement)
-    still = np.zeros_like(state.pressure)
-    system.factorize(state, system.assemble(state, terms), terms, rest, convex=False)
+    linearised = system.linearise(state, system.assemble(state, terms), terms)
     free = ~system.constraints.fixed
-    motion = np.where(free, np.random.default_rng(0).normal(size=rest.shape), 0.0)
+    motion = np.where(free, np.random.default_rng(0).normal(size=free.shape), 0.0)
     stiffness = np.inf
     for _ in range(ITERATIONS):
         motion /= np.linalg.norm(motion)
-        answer = -system.solve(motion, still).displacement
+        answer = -linearised.solve(motion).displacement
         before, stiffness = stiffness, 1.0 / float(np.vdot(motion, answer))
         motion = answer
         if abs(stiffness - before) < 1e-3 * abs(stiffness):
@@ -50,19 +50,18 @@ def most_softened(system: System, state: State, terms: Terms) -> Softest:
     Its `stiffness` is what stress and loads leave of the elastic stiffness, 1 at rest and 0 at a limit point. The
     eigenvalue of K itself would not tell: a slender body is softer in bending at rest than its walls are where they
     balloon; and against the tangent at rest every part that has turned is softer. E is taken without the pressures of
-    mixed elements, which a motion that keeps the volume does not feel. Raises `fem.equations.linear.SingularMatrix` at
-    a limit point itself.
+    mixed elements, which a motion that keeps the volume does not feel. Earlier factorizations become stale. Raises
+    `fem.equations.linear.SingularMatrix` at a limit point itself.
     """
     elastic, assembly = replace(state, stress=np.zeros_like(state.stress)), system.assemble(state, terms)
-    still = np.zeros_like(state.pressure)
-    system.factorize(state, assembly, terms, np.zeros_like(state.displacement), convex=False)
+    linearised = system.linearise(state, assembly, terms)
     free = ~system.constraints.fixed
     random = np.where(free, np.random.default_rng(0).normal(size=free.shape), 0.0)
-    motion, share = -system.solve(random, still).displacement, np.inf
+    motion, share = -linearised.solve(random).displacement, np.inf
     for _ in range(POWERS):
         motion /= np.linalg.norm(motion)
         _, pulled = system.tangent(elastic, assembly, (), motion, convex=False)
-        answer = -system.solve(pulled.displacement, still).displacement
+        answer = -linearised.solve(pulled.displacement).displacement
         share = float(np.vdot(motion, pulled.displacement) / np.vdot(answer, pulled.displacement))
         motion = answer
     return Softest(share, *_largest(system, motion))

@@ -21,9 +21,10 @@ import numpy as np
 
 from fem.effects.effect import Term
 from fem.equations.linear import SingularMatrix
-from fem.equations.system import Assembly, State, System
+from fem.equations.linearised import Linearised
+from fem.equations.state import Assembly, Change, State
+from fem.equations.system import System
 from fem.path.control import Control
-from geometry.arrays import Array
 
 #: relative residual below which a state shows which walls meet. Factorizations of I, II and III on the coarse arm (a)
 #: at 17 and 37 kPa: 51, and 54 where equilibrium without contact is found first
@@ -51,7 +52,12 @@ class Converged:
     assembly: Assembly
     iterations: int  #: factorizations spent
     residual: float  #: relative
-    negative_pivots: int  #: of the last factorization
+    linearised: Linearised | None  #: the tangent of the last iteration; None where no iteration was needed
+
+    @property
+    def negative_pivots(self) -> int:
+        """Of the last iteration's tangent; 0 where no iteration was needed."""
+        return 0 if self.linearised is None else self.linearised.negative_pivots
 
 
 class StepFailed(ArithmeticError):
@@ -74,6 +80,7 @@ def solve(
     """
     state = control.begin(start)
     fixed = system.constraints.fixed
+    linearised: Linearised | None = None
     relative, limited = np.inf, 0
     for iteration in range(options.iterations + 1):
         assembly = system.assemble(state, terms)
@@ -86,44 +93,37 @@ def solve(
             exact = system.assemble(settled, terms)
             relative = _relative_residual(system, exact)
             if relative < options.tolerance:
-                pivots = system.negative_pivots if iteration else 0
-                return Converged(settled, exact, iteration, relative, pivots)
+                return Converged(settled, exact, iteration, relative, linearised)
         if relative < NEAR and any(term.gap(system.space.points + state.displacement) < 0 for term in asleep):
-            return Converged(state, assembly, iteration, relative, system.negative_pivots)
+            return Converged(state, assembly, iteration, relative, linearised)
         if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
-        if limited > options.limited:
-            raise StepFailed(f"the tangent stays indefinite ({system.negative_pivots} negative pivots)")
+        if linearised is not None and limited > options.limited:
+            raise StepFailed(f"the tangent stays indefinite ({linearised.negative_pivots} negative pivots)")
         if iteration < options.iterations:
             begin, x = state.displacement, system.space.points + state.displacement
-            state, whole = _advance(system, terms, state, assembly, control, jump, options, convex=relative > 0.1)
+            try:
+                linearised = system.linearise(state, assembly, terms, jump, convex=relative > 0.1)
+                change, unstable = control.change(system, state, assembly, linearised, jump, terms)
+            except SingularMatrix as error:
+                raise StepFailed(f"the tangent is singular ({error})") from None
+            change = replace(change, displacement=change.displacement + jump)
+            limit = options.strain if unstable else np.inf
+            state, whole = _advance(system, terms, state, assembly, change, limit)
             limited += not whole
             terms = tuple(term.advanced(x, state.displacement - begin) for term in terms)
     raise StepFailed(f"no equilibrium after {options.iterations} iterations (relative residual {relative:.1e})")
 
 
 def _advance(
-    system: System,
-    terms: tuple[Term, ...],
-    state: State,
-    assembly: Assembly,
-    control: Control,
-    jump: Array,
-    options: NewtonOptions,
-    convex: bool,
+    system: System, terms: tuple[Term, ...], state: State, assembly: Assembly, change: Change, limit: float
 ) -> tuple[State, bool]:
-    """The next state, and whether the strain was allowed to change as much as the increment asked for."""
-    try:
-        coupling = system.factorize(state, assembly, terms, jump, convex)
-        change, unstable = control.change(system, state, assembly, jump, coupling, terms)
-    except SingularMatrix as error:
-        raise StepFailed(f"the tangent is singular ({error})") from None
-    change = replace(change, displacement=change.displacement + jump)
+    """The next state, and whether no strain component was kept from changing by more than `limit`."""
     strain = system.linearised_strain(state, change.displacement)
     largest = float(np.abs(strain).max())
     # an indefinite tangent (thin walls at rest under the whole pressure) points past a saddle: its direction counts
-    whole = unstable == 0 or largest <= options.strain
-    share = 1.0 if whole else options.strain / largest
+    whole = not largest > limit
+    share = 1.0 if whole else limit / largest
     share *= system.step_limit(terms, state.displacement, share * change.displacement)
     return system.advanced(state, assembly, change.scaled(share), share * strain), whole
 

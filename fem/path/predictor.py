@@ -27,7 +27,8 @@ from typing import final
 import numpy as np
 
 from fem.equations.linear import SingularMatrix
-from fem.equations.system import State, System, Terms
+from fem.equations.state import State
+from fem.equations.system import System, Terms
 from fem.path.course import Course
 from fem.path.newton import Converged
 
@@ -106,12 +107,12 @@ class Predictor:
             yield Start(little, terms)
 
     def rate(self, place: Place, found: Converged, terms: Terms) -> State | None:
-        """Change of the state per unit of the value at a place just found, with the factor at hand."""
-        if found.iterations == 0 or (self.kinked and place.share < 1.0):
+        """Change of the state per unit of the value at a place just found, with the tangent of the last iteration."""
+        if found.linearised is None or (self.kinked and place.share < 1.0):
             return None
         system, control = self.system, self.course.control(self.system, place.value, place.share)
         with suppress(SingularMatrix):
-            change = control.rate(system, found.state, found.assembly, terms)
+            change = control.rate(system, found.state, found.linearised, terms)
             if change is not None:
                 return system.rate(found.state, found.assembly, change)
         return None

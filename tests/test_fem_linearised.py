@@ -1,0 +1,92 @@
+"""A factorized tangent is a value: it solves while its factor exists and refuses afterwards."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from bodies import box, hollow_box
+
+from fem import Fixed, Model, NewtonOptions, Pressure, StVenantKirchhoff
+from fem.equations.linear import LinearSolver, Pardiso, SuperLU, available_solver
+from fem.equations.linearised import Linearised, StaleFactorization
+from fem.equations.system import System
+from fem.path import newton
+from fem.path.control import LoadControl
+from fem.path.diagnosis import near_limit_point
+from fem.path.modes import softest_direction
+from geometry.arrays import Array
+
+LAW = StVenantKirchhoff(E=1.0, nu=0.3)
+SOLVERS = [pytest.param(Pardiso, marks=pytest.mark.skipif(available_solver() is not Pardiso, reason="none")), SuperLU]
+
+
+def bar(solver: Callable[[], LinearSolver]) -> System:
+    return Model(box((2, 1, 1), (2.0, 1.0, 1.0)), LAW, [Fixed("left")], []).system(solver)
+
+
+def at_rest(system: System) -> Linearised:
+    rest = system.start()
+    return system.linearise(rest, system.assemble(rest, ()), ())
+
+
+def force(system: System) -> Array:
+    return np.random.default_rng(3).normal(size=system.space.points.shape)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_it_solves_as_often_as_needed(solver: Callable[[], LinearSolver]) -> None:
+    system = bar(solver)
+    linearised, load = at_rest(system), force(system)
+    change = linearised.solve(load)
+    np.testing.assert_array_equal(linearised.solve(load).displacement, change.displacement)
+    np.testing.assert_array_equal(change.displacement[system.constraints.fixed], 0.0)
+    _, product = system.tangent(system.start(), system.assemble(system.start(), ()), (), change.displacement, False)
+    np.testing.assert_allclose(system.free(product.displacement), -system.free(load), atol=1e-10)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("event", ["linearised again", "sparsity pattern analysed again", "solver closed"])
+def test_a_factorization_that_was_overwritten_refuses(solver: Callable[[], LinearSolver], event: str) -> None:
+    system = bar(solver)
+    first = at_rest(system)
+    if event == "linearised again":
+        at_rest(system).solve(force(system))
+    elif event == "sparsity pattern analysed again":
+        system.solver.analyse(system.pattern.indptr, system.pattern.indices)
+    else:
+        system.solver.close()
+    with pytest.raises(StaleFactorization, match="factorized again"):
+        first.solve(force(system))
+    assert first.negative_pivots == 0
+
+
+def test_the_analysis_of_instability_leaves_no_usable_factor_behind() -> None:
+    """`softest_direction` and `near_limit_point` factorize; what Newton returned before must not solve with theirs."""
+    model = Model(hollow_box(half=True), LAW, [Fixed("clamp"), Fixed("sym", "z")], [Pressure("cavity", 0.05)])
+    for analysis in (softest_direction, near_limit_point):
+        system = model.system()
+        control = LoadControl(system.prescribed(1.0, 1.0), 1.0)
+        converged = newton.solve(system, system.terms, system.start(), control, NewtonOptions(), lambda *now: None)
+        assert converged.linearised is not None
+        converged.linearised.solve(force(system))
+        analysis(system, converged.state, system.terms)
+        with pytest.raises(StaleFactorization):
+            converged.linearised.solve(force(system))
+
+
+def test_the_rate_of_a_path_uses_the_last_tangent_of_newton() -> None:
+    model = Model(hollow_box(half=True), LAW, [Fixed("clamp"), Fixed("sym", "z")], [Pressure("cavity", 0.05)])
+    system = model.system()
+    control = LoadControl(system.prescribed(1.0, 1.0), 1.0)
+    options = NewtonOptions(tolerance=1e-9)
+    converged = newton.solve(system, system.terms, system.start(), control, options, lambda *now: None)
+    assert converged.linearised is not None
+    assert converged.negative_pivots == converged.linearised.negative_pivots == 0
+    before = system.solver.times.factorizations
+    rate = control.rate(system, converged.state, converged.linearised, system.terms)
+    assert rate is not None
+    assert system.solver.times.factorizations == before
+    more = LoadControl(system.prescribed(1.0, 1.0), 1.001)
+    ahead = newton.solve(system, system.terms, converged.state, more, options, lambda *now: None)
+    difference = (ahead.state.displacement - converged.state.displacement) / 0.001
+    np.testing.assert_allclose(rate.displacement, difference, atol=0.01 * np.abs(difference).max())
