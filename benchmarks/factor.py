@@ -46,7 +46,7 @@ def tangents(size: float) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray
 
     system.solver.factorize, system.solver.solve = keep_values, keep_right  # type: ignore[method-assign]
     control = LoadControl(system.prescribed(1.0, 1.0), 1.0)
-    newton.solve(system, system.terms, system.start(), control, newton.NewtonOptions(), lambda *now: None)
+    newton.solve(system, system.terms, system.rest_state(), control, newton.NewtonOptions(), lambda *now: None)
     return system.pattern.indptr, system.pattern.indices, kept
 
 

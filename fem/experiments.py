@@ -94,7 +94,7 @@ class Experiment:
         if self.name == "III":
             force = step.gradient[nodes]
         for dead in self._dead_force():
-            force = dead.where.shares(step.space)[:, None] * np.asarray(dead.force)
+            force = dead.where.nodal_weights(step.space)[:, None] * np.asarray(dead.force)
         return self.whole * float(np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]))
 
     def clamp_force(self, step: Step) -> Array:

@@ -33,15 +33,15 @@ class Line:
         line[1::2] = (self.vertices[1:] + self.vertices[:-1]) / 2
         return line
 
-    def shares(self, space: Discretisation) -> Array:
-        """(m,) of a force spread evenly along it on each node: the integrals of the shape functions, which sum to 1."""
+    def nodal_weights(self, space: Discretisation) -> Array:
+        """Consistent nodal weights (m,) of a uniform line load; they sum to 1."""
         edges = np.linalg.norm(np.diff(self.vertices, axis=0), axis=1)
         at_ends, inside, step = (1 / 6, 4 / 6, 2) if space.has_middles else (1 / 2, 0.0, 1)
-        shares = np.zeros(step * edges.shape[0] + 1)
-        shares[1::step] += inside * edges
-        shares[:-step:step] += at_ends * edges
-        shares[step::step] += at_ends * edges
-        return shares / edges.sum()
+        weights = np.zeros(step * edges.shape[0] + 1)
+        weights[1::step] += inside * edges
+        weights[:-step:step] += at_ends * edges
+        weights[step::step] += at_ends * edges
+        return weights / edges.sum()
 
 
 Where = str | tuple[str, str] | Array | Line

@@ -91,7 +91,7 @@ def test_internal_force_is_that_of_scikit_fem(formulation: str) -> None:
     expected = sum(
         internal_form(lam, mu).assemble(basis, u=basis.interpolate(u.ravel())) for basis, lam, mu in bases(system, mesh)
     )
-    assembly = system.assemble(system.at(u, 1.0), ())
+    assembly = system.assemble(system.state_at(u, 1.0), ())
     np.testing.assert_allclose(assembly.gradient.ravel(), expected, atol=1e-13)
     assert np.abs(expected).max() > 0.01
     f = bases(system, mesh)[0][0].interpolate(u.ravel())
@@ -107,9 +107,9 @@ def test_tangent_with_its_own_stress_is_that_of_scikit_fem(formulation: str, hel
         tangent_form(lam, mu).assemble(basis, u=basis.interpolate(u.ravel())).toarray()
         for basis, lam, mu in bases(system, mesh)
     )
-    assembly = system.assemble(system.at(u, 1.0), ())
+    assembly = system.assemble(system.state_at(u, 1.0), ())
     jump = np.where(system.constraints.fixed, noise(system, 1.0), 0.0)
-    state = system.at(u, 1.0)
+    state = system.state_at(u, 1.0)
     data, coupling = system.tangent(state, assembly, (), jump, convex=False)
     free = ~system.constraints.fixed.ravel()
     np.testing.assert_allclose(dense(system, data), whole[np.ix_(free, free)], atol=1e-12)
@@ -121,13 +121,13 @@ def test_force_is_the_derivative_of_the_energy(formulation: str) -> None:
     system, _ = system_on(formulation, [])
     u, du = noise(system, 0.05), noise(system, 1.0)[::-1]
     slope = difference(lambda v: np.float64(system.energy(v, 1.0, ())), u, du, 1e-3)
-    assert np.vdot(system.assemble(system.at(u, 1.0), ()).gradient, du) == pytest.approx(slope, rel=1e-9)
+    assert np.vdot(system.assemble(system.state_at(u, 1.0), ()).gradient, du) == pytest.approx(slope, rel=1e-9)
 
 
 def test_linearised_strain_is_the_derivative_of_the_strain() -> None:
     system, _ = system_on("p2p0", [])
     u, du = noise(system, 0.05), noise(system, 1.0)[::-1]
-    state = system.at(u, 1.0)
+    state = system.state_at(u, 1.0)
     slope = difference(lambda v: system._strain(v)[0], u, du, 1e-3)
     np.testing.assert_allclose(system.linearised_strain(state, du), slope, atol=1e-9)
 
@@ -164,8 +164,8 @@ def test_the_number_of_threads_changes_nothing() -> None:
         system = Model(hollow_box(half=True, parts=2), LAW, [Fixed("clamp")], [Pressure("cavity", 0.1)]).system(SuperLU)
         assert system.space.chunks.shape[0] - 1 > system.space.colours.shape[0] - 1 > 1
         u = noise(system, 0.03)
-        assembly = system.assemble(system.at(u, 1.0), system.terms)
-        state = system.at(u, 1.0)
+        assembly = system.assemble(system.state_at(u, 1.0), system.terms)
+        state = system.state_at(u, 1.0)
         data, coupling = system.tangent(state, assembly, system.terms, noise(system, 1.0), convex=False)
         strain = system.linearised_strain(state, u)
         results.append((assembly.gradient, assembly.jacobian, data, coupling.displacement, strain))
@@ -183,7 +183,7 @@ def test_the_order_of_chunks_of_one_colour_changes_nothing() -> None:
     swapped = np.concatenate([parts[c] for c in turned])
     chunks = np.concatenate([[0], np.cumsum([parts[c].shape[0] for c in turned])])
     u = noise(system, 0.03)
-    state = system.at(u, 1.0)
+    state = system.state_at(u, 1.0)
     answer = system.assemble(state, ()).answer
     results = []
     for bounds, order in ((space.chunks, np.arange(space.nodes.shape[0])), (chunks, swapped)):
@@ -286,10 +286,10 @@ def test_enclosed_volume_is_exact(half: bool, formulation: str) -> None:
 @pytest.mark.parametrize("formulation", FORMULATIONS)
 def test_an_isotropic_tangent_takes_a_shorter_way_to_the_same_matrix(formulation: str, monkeypatch) -> None:
     system, _ = system_on(formulation, [Fixed("left"), Fixed("back", "z")])
-    state = system.at(noise(system, 0.05), 1.0)
+    state = system.state_at(noise(system, 0.05), 1.0)
     assembly = system.assemble(state, ())
     jump = np.where(system.constraints.fixed, noise(system, 1.0), 0.0)
-    assert lame_constants(assembly.answer.tangent, state.stress.shape[1]).shape == (state.stress.shape[1], 2)
+    assert lame_constants(assembly.law_values.tangent, state.stress.shape[1]).shape == (state.stress.shape[1], 2)
     short, coupling = system.tangent(state, assembly, (), jump, convex=False)
     monkeypatch.setattr("fem.equations.system.lame_constants", lambda tangent, points: np.empty((0, 2)))
     long, swept = system.tangent(state, assembly, (), jump, convex=False)

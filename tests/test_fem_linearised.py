@@ -25,7 +25,7 @@ def bar(solver: Callable[[], LinearSolver]) -> System:
 
 
 def at_rest(system: System) -> Linearised:
-    rest = system.start()
+    rest = system.rest_state()
     return system.linearise(rest, system.assemble(rest, ()), ())
 
 
@@ -40,7 +40,8 @@ def test_it_solves_as_often_as_needed(solver: Callable[[], LinearSolver]) -> Non
     change = linearised.solve(load)
     np.testing.assert_array_equal(linearised.solve(load).displacement, change.displacement)
     np.testing.assert_array_equal(change.displacement[system.constraints.fixed], 0.0)
-    _, product = system.tangent(system.start(), system.assemble(system.start(), ()), (), change.displacement, False)
+    rest = system.rest_state()
+    _, product = system.tangent(rest, system.assemble(rest, ()), (), change.displacement, convex=False)
     np.testing.assert_allclose(system.free(product.displacement), -system.free(load), atol=1e-10)
 
 
@@ -66,7 +67,7 @@ def test_the_analysis_of_instability_leaves_no_usable_factor_behind() -> None:
     for analysis in (softest_direction, near_limit_point):
         system = model.system()
         control = LoadControl(system.prescribed(1.0, 1.0), 1.0)
-        converged = newton.solve(system, system.terms, system.start(), control, NewtonOptions(), lambda *now: None)
+        converged = newton.solve(system, system.terms, system.rest_state(), control, NewtonOptions(), lambda *now: None)
         assert converged.linearised is not None
         converged.linearised.solve(force(system))
         analysis(system, converged.state, system.terms)
@@ -79,7 +80,7 @@ def test_the_rate_of_a_path_uses_the_last_tangent_of_newton() -> None:
     system = model.system()
     control = LoadControl(system.prescribed(1.0, 1.0), 1.0)
     options = NewtonOptions(tolerance=1e-9)
-    converged = newton.solve(system, system.terms, system.start(), control, options, lambda *now: None)
+    converged = newton.solve(system, system.terms, system.rest_state(), control, options, lambda *now: None)
     assert converged.linearised is not None
     assert converged.negative_pivots == converged.linearised.negative_pivots == 0
     before = system.solver.times.factorizations

@@ -92,7 +92,7 @@ def test_the_rate_of_a_step_is_its_derivative(formulation: str) -> None:
     by_difference = (after.displacement - before.displacement) / 0.02
     assert np.abs(at.rate.displacement - by_difference).max() < 2e-3 * np.abs(by_difference).max()
     system = model.system()
-    pressures = [system.at(step.displacement, step.factor).pressure for step in (before, after)]
+    pressures = [system.state_at(step.displacement, step.factor).pressure for step in (before, after)]
     by_difference = (pressures[1] - pressures[0]) / 0.02
     assert np.abs(at.rate.pressure - by_difference).max(initial=0.0) <= 5e-3 * np.abs(by_difference).max(initial=0.0)
 

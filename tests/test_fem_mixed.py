@@ -41,8 +41,8 @@ def system_of(law: Material, held: list[Fixed]) -> System:
 
 def loosely(system: System, u: Array, pressure: Array) -> State:
     """Any displacement with any pressure; the strain carried is that of the displacement."""
-    state = system.at(u, 1.0)
-    return replace(state, pressure=pressure, stress=system.law.respond(state.strain, pressure).stress)
+    state = system.state_at(u, 1.0)
+    return replace(state, pressure=pressure, stress=system.formulation.evaluate(state.strain, pressure).stress)
 
 
 @pytest.mark.parametrize("law", LAWS, ids=NAMES)
@@ -51,22 +51,22 @@ def test_force_is_the_derivative_of_the_energy(law: Material) -> None:
     system = system_of(law, [])
     u, du = noise(system, 0.01), noise(system, 1.0)[::-1]
     slope = difference(lambda v: np.float64(system.energy(v, 1.0, ())), u, du, 1e-4)
-    assembly = system.assemble(system.at(u, 1.0), ())
+    assembly = system.assemble(system.state_at(u, 1.0), ())
     assert np.vdot(assembly.gradient, du) == pytest.approx(slope, rel=1e-7)
-    assert np.abs(assembly.imbalance).max() < 1e-12 * np.abs(assembly.stress).max()
+    assert np.abs(assembly.pressure_residual).max() < 1e-12 * np.abs(assembly.stress).max()
 
 
 @pytest.mark.parametrize("held", [[], [Fixed("left"), Fixed("back", "z")]])
 @pytest.mark.parametrize("law", LAWS, ids=NAMES)
-def test_tangent_is_the_derivative_of_force_and_imbalance(law: Material, held: list[Fixed]) -> None:
+def test_tangent_is_the_derivative_of_force_and_pressure_residual(law: Material, held: list[Fixed]) -> None:
     system = system_of(law, held)
     generator = np.random.default_rng(5)
-    u, pressure = noise(system, 0.01), generator.normal(scale=0.2, size=system.law.unknowns)
+    u, pressure = noise(system, 0.01), generator.normal(scale=0.2, size=system.formulation.unknowns)
     du, dp = np.where(system.constraints.fixed, 0.0, noise(system, 1.0)[::-1]), generator.normal(size=pressure.shape)
 
     def residual(t: Array) -> Array:
         assembly = system.assemble(loosely(system, u + t * du, pressure + t * dp), ())
-        return np.concatenate([system.free(assembly.gradient), assembly.imbalance])
+        return np.concatenate([system.free(assembly.gradient), assembly.pressure_residual])
 
     state = loosely(system, u, pressure)
     data, _ = system.tangent(state, system.assemble(state, ()), (), np.zeros_like(u), convex=False)
@@ -75,13 +75,13 @@ def test_tangent_is_the_derivative_of_force_and_imbalance(law: Material, held: l
     np.testing.assert_allclose(product, expected, atol=1e-6 * np.abs(expected).max())
 
 
-def test_a_jump_of_the_supports_is_swept_along() -> None:
+def test_tangent_times_an_increment_of_the_supports() -> None:
     free, held = system_of(LAWS[0], []), system_of(LAWS[0], [Fixed("left"), Fixed("back", "z")])
-    u, pressure = noise(free, 0.03), np.full(free.law.unknowns, 0.3)
+    u, pressure = noise(free, 0.03), np.full(free.formulation.unknowns, 0.3)
     jump = np.where(held.constraints.fixed, noise(free, 1.0), 0.0)
     state = loosely(free, u, pressure)
     data, _ = free.tangent(state, free.assemble(state, ()), (), np.zeros_like(u), convex=False)
-    whole = dense(free, data) @ np.concatenate([jump.ravel(), np.zeros(free.law.unknowns)])
+    whole = dense(free, data) @ np.concatenate([jump.ravel(), np.zeros(free.formulation.unknowns)])
     _, coupling = held.tangent(state, held.assemble(state, ()), (), jump, convex=False)
     np.testing.assert_allclose(coupling.displacement.ravel(), whole[: jump.size], atol=1e-11)
     np.testing.assert_allclose(coupling.pressure, whole[jump.size :], atol=1e-11)
@@ -91,9 +91,9 @@ def test_a_jump_of_the_supports_is_swept_along() -> None:
 def test_a_stable_body_shows_no_negative_pivots_but_those_of_the_pressures(solver) -> None:
     model = Model(hollow_box(half=True), LAWS[0], [Fixed("clamp"), Fixed("sym", "z")], [], "mixed")
     system = model.system(solver)
-    state = system.start()
+    state = system.rest_state()
     linearised = system.linearise(state, system.assemble(state, ()), ())
-    assert system.solver.negative_pivots == system.law.unknowns > 0
+    assert system.solver.negative_pivots == system.formulation.unknowns > 0
     assert linearised.negative_pivots == 0
 
 

@@ -5,7 +5,7 @@ import pytest
 from bodies import box
 
 from fem.discretisation import Discretisation
-from fem.equations.pattern import NoPlace, Pattern, element_keys
+from fem.equations.pattern import MissingPairs, Pattern, element_keys
 from geometry.arrays import Array, Mask
 
 
@@ -37,11 +37,11 @@ def test_blocks_go_where_a_dense_matrix_has_them(share: float) -> None:
     off = rows != columns
     pattern = Pattern.of(fixed, np.unique(rows[off] * nodes + columns[off]))
     assert pattern.size == np.count_nonzero(~fixed)
-    offset = pattern.start_of(rows, columns)
+    offset = pattern.offset_of(rows, columns)
     values = np.random.default_rng(1).normal(size=(rows.size, 3, 3))
     data = np.zeros(pattern.indices.size)
-    pattern.place(data, rows, columns, values, offset)
-    pattern.place(data, rows, columns, values, offset)
+    pattern.scatter(data, rows, columns, values, offset)
+    pattern.scatter(data, rows, columns, values, offset)
     whole = np.zeros((nodes, 3, nodes, 3))
     for row, column, value in zip(rows, columns, values, strict=True):
         whole[row, :, column] += 2 * value
@@ -54,11 +54,11 @@ def test_room_for_more_pairs() -> None:
     nodes = 12
     fixed = held_components(nodes, 0.3, seed=3)
     small = Pattern.of(fixed, np.array([0 * nodes + 5, 2 * nodes + 3]))
-    assert small.start_of(np.array([0, 4]), np.array([5, 4])).shape == (2,)
-    with pytest.raises(NoPlace, match="no place"):
-        small.start_of(np.array([0, 1]), np.array([5, 9]))
+    assert small.offset_of(np.array([0, 4]), np.array([5, 4])).shape == (2,)
+    with pytest.raises(MissingPairs, match="does not hold"):
+        small.offset_of(np.array([0, 1]), np.array([5, 9]))
     large = small.with_pairs(np.array([1, 4]), np.array([9, 4]))
-    assert large.start_of(np.array([0, 1, 2]), np.array([5, 9, 3])).shape == (3,)
+    assert large.offset_of(np.array([0, 1, 2]), np.array([5, 9, 3])).shape == (3,)
     np.testing.assert_array_equal(large.node_dof, small.node_dof)
     assert large.keys.size == small.keys.size + 1
 

@@ -55,7 +55,7 @@ def test_the_first_start_strains_little_under_a_stress_that_balances_the_whole_l
     law, supports = StVenantKirchhoff(1.2, 0.49), [Fixed("clamp"), Fixed("sym", "z")]
     model = Model(hollow_box(half=True, parts=2), law, supports, [Pressure("cavity", 1.0)], formulation)
     system = model.system()
-    rest = Place(0.0, 0.0, system.start())
+    rest = Place(0.0, 0.0, system.rest_state())
     aim = Place(1.0, 1.0, rest.state)
     balanced, last = Predictor(system, LoadCourse()).starts([rest], aim, system.terms)
     assert balanced.trial

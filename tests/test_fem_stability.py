@@ -23,7 +23,7 @@ def column() -> Path:
 
 
 def test_all_of_it_at_rest(column: Path) -> None:
-    found = most_softened(column.system, column.system.start(), ())
+    found = most_softened(column.system, column.system.rest_state(), ())
     assert found.stiffness == pytest.approx(1.0, abs=1e-9)
 
 

@@ -38,7 +38,7 @@ def loaded_box(law: str, formulation: str) -> System:
 
 
 def force(system: System, u: Array) -> Array:
-    return system.assemble(system.at(u, 1.0), system.terms).gradient
+    return system.assemble(system.state_at(u, 1.0), system.terms).gradient
 
 
 def upper_triangle_times(system: System, data: Array, du: Array) -> Array:
@@ -60,7 +60,7 @@ def test_force_and_tangent_are_derivatives(law: str, formulation: str) -> None:
     u, du = (generator.normal(scale=size, size=system.space.points.shape) for size in (0.02, 1.0))
     slope = difference(lambda v: np.float64(system.energy(v, 1.0, system.terms)), u, du, 1e-4)
     assert np.vdot(force(system, u), du) == pytest.approx(slope, rel=1e-7)
-    state = system.at(u, 1.0)
+    state = system.state_at(u, 1.0)
     assembly = system.assemble(state, system.terms)
     data, coupling = system.tangent(state, assembly, system.terms, du, convex=False)
     change = difference(lambda v: force(system, v), u, du, 1e-4)

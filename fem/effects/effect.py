@@ -232,7 +232,8 @@ class LineForce(Effect):
 
     def bind(self, space: Discretisation, material: Material) -> Term:
         forces = np.zeros_like(space.points)
-        np.add.at(forces, nodes_at(self.where, space), self.where.shares(space)[:, None] * np.asarray(self.force))
+        weights = self.where.nodal_weights(space)
+        np.add.at(forces, nodes_at(self.where, space), weights[:, None] * np.asarray(self.force))
         return DeadForceTerm("line_force", forces, None if self.ramp else 0.0)
 
 

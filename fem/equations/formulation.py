@@ -26,20 +26,21 @@ from fem.kernels.mixed import pressure_columns
 from fem.materials.material import Material, MaterialError, Response
 from geometry.arrays import Array, Index
 
-#: where the columns of each element's pressures begin in the rows of its nodes, (e, 4 or 10, 0 or 4), and where the
-#: pairs of pressures stand, (m,)
-Places = tuple[Index, Index]
+#: where in the pattern the columns of each element's pressures begin in the rows of its nodes, (e, 4 or 10, 0 or 4),
+#: and where the pairs of pressures stand, (m,); both as `Pattern.offset_of` gives them
+PressureOffsets = tuple[Index, Index]
 
 
 @dataclass(frozen=True)
-class Answer:
-    """What the law answers at all stress points of a body."""
+class LawValues:
+    """Energy, stress and tangent of a law at all stress points of a body."""
 
     energy: Array  #: (e, q), MPa
     stress: Array  #: (e, q, 6), second Piola-Kirchhoff, each point's share of the law, MPa
     tangent: Array  #: (e, q, 6, 6) dS/dE, MPa; (1, q or 1, 6, 6) where it is the same everywhere
     dilatation: Array  #: (e, q) theta; (0, 0) where the pressure is not an unknown
-    slope: Array  #: (e, q, 6) d theta / d E, (1, 1, 6) where it is the same everywhere; (0, 0, 6) without pressures
+    #: (e, q, 6) d theta / d E, (1, 1, 6) where it is the same everywhere; (0, 0, 6) without pressure unknowns
+    dilatation_gradient: Array
 
 
 NOT_ISOTROPIC = np.empty((0, 2))
@@ -73,7 +74,7 @@ class Formulation(ABC):
         """(e, 4, 10 or 14) nodes of each element, the pressures counted on as n, n + 1, ..."""
 
     @abstractmethod
-    def respond(self, strain: Array, pressure: Array) -> Answer:
+    def evaluate(self, strain: Array, pressure: Array) -> LawValues:
         """The law at strains (e, q, 6) and pressures (v,)."""
 
     @abstractmethod
@@ -81,23 +82,25 @@ class Formulation(ABC):
         """The pressures (v,) that belong to the strains (e, q, 6) of a displacement."""
 
     @abstractmethod
-    def imbalance(self, answer: Answer, change: Array, pressure: Array) -> Array:
-        """d Pi / d p (v,), theta to first order at strains that differ by change (e, q, 6) from the answered ones."""
+    def pressure_residual(self, law_values: LawValues, change: Array, pressure: Array) -> Array:
+        """d Pi / d p (v,), theta to first order at strains that differ by change (e, q, 6) from the evaluated ones."""
 
     @abstractmethod
-    def stress_change(self, answer: Answer, pressure: Array) -> Array | float:
+    def stress_change(self, law_values: LawValues, pressure: Array) -> Array | float:
         """Change of the stress (e, q, 6) with a change of the pressures (v,)."""
 
     @abstractmethod
-    def places(self, pattern: Pattern) -> Places:
+    def offsets(self, pattern: Pattern) -> PressureOffsets:
         """Where in the pattern the columns of the pressures begin."""
 
     @abstractmethod
-    def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
+    def scatter_pressures(
+        self, pattern: Pattern, offsets: PressureOffsets, data: Array, displacement: Array, law_values: LawValues
+    ) -> None:
         """Add the rows and columns of the pressures to the reduced upper triangle data (nnz,)."""
 
     @abstractmethod
-    def swept(self, answer: Answer, change: Array) -> Array:
+    def pressure_coupling(self, law_values: LawValues, change: Array) -> Array:
         """Change of d Pi / d p (v,) with a change of the strains (e, q, 6)."""
 
 
@@ -125,7 +128,7 @@ class DisplacementOnly(Formulation):
     def element_unknowns(self) -> Index:
         return self.space.nodes
 
-    def respond(self, strain: Array, pressure: Array) -> Answer:
+    def evaluate(self, strain: Array, pressure: Array) -> LawValues:
         if self.space.formulation != "p2p0":
             shear, volumetric = self.material.shear(strain), self.material.volumetric(strain)
             energy, stress = shear.energy + volumetric.energy, shear.stress + volumetric.stress
@@ -137,24 +140,26 @@ class DisplacementOnly(Formulation):
             tangent = np.concatenate([_per_point(shear, 4), _per_point(volumetric, 1)], axis=1)
         # in one layout whatever the law: the kernels are compiled once for each
         stress, tangent = np.ascontiguousarray(stress), np.ascontiguousarray(tangent)
-        return Answer(energy, stress, tangent, np.empty((0, 0)), np.empty((0, 0, 6)))
+        return LawValues(energy, stress, tangent, np.empty((0, 0)), np.empty((0, 0, 6)))
 
     def pressure_of(self, strain: Array) -> Array:
         return NO_PRESSURE
 
-    def imbalance(self, answer: Answer, change: Array, pressure: Array) -> Array:
+    def pressure_residual(self, law_values: LawValues, change: Array, pressure: Array) -> Array:
         return NO_PRESSURE
 
-    def stress_change(self, answer: Answer, pressure: Array) -> Array | float:
+    def stress_change(self, law_values: LawValues, pressure: Array) -> Array | float:
         return 0.0
 
-    def places(self, pattern: Pattern) -> Places:
+    def offsets(self, pattern: Pattern) -> PressureOffsets:
         return np.empty((*self.space.nodes.shape, 0), dtype=np.int64), np.empty(0, dtype=np.int64)
 
-    def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
+    def scatter_pressures(
+        self, pattern: Pattern, offsets: PressureOffsets, data: Array, displacement: Array, law_values: LawValues
+    ) -> None:
         pass
 
-    def swept(self, answer: Answer, change: Array) -> Array:
+    def pressure_coupling(self, law_values: LawValues, change: Array) -> Array:
         return NO_PRESSURE
 
 
@@ -187,14 +192,14 @@ class Mixed(Formulation):
         vertices = self.space.nodes[:, :4] + self.space.points.shape[0]
         return np.concatenate([self.space.nodes, vertices], axis=1)
 
-    def respond(self, strain: Array, pressure: Array) -> Answer:
+    def evaluate(self, strain: Array, pressure: Array) -> LawValues:
         shear, theta = self.material.shear(strain), self.material.dilatation(strain)
-        at_points = self._at_points(pressure)
+        pressures = self._pressure_at_points(pressure)
         modulus = self.material.volumetric_modulus
-        return Answer(
-            shear.energy + at_points * (theta.value - 0.5 * at_points / modulus),
-            shear.stress + at_points[..., None] * theta.slope,
-            np.ascontiguousarray(shear.tangent + at_points[..., None, None] * theta.bend)
+        return LawValues(
+            shear.energy + pressures * (theta.value - 0.5 * pressures / modulus),
+            shear.stress + pressures[..., None] * theta.slope,
+            np.ascontiguousarray(shear.tangent + pressures[..., None, None] * theta.bend)
             if theta.bend.any()
             else shear.tangent,
             theta.value,
@@ -204,43 +209,47 @@ class Mixed(Formulation):
     def pressure_of(self, strain: Array) -> Array:
         theta = self.material.dilatation(strain).value
         scale = self.material.volumetric_modulus / self.material.shear_modulus
-        return np.asarray(scale * self._mass_factor.solve(self._tested(theta)))
+        return np.asarray(scale * self._mass_factor.solve(self._integrated(theta)))
 
-    def imbalance(self, answer: Answer, change: Array, pressure: Array) -> Array:
-        theta = answer.dilatation + np.sum(answer.slope * change, axis=-1)
-        return self._tested(theta - self._at_points(pressure) / self.material.volumetric_modulus) * self._unit
+    def pressure_residual(self, law_values: LawValues, change: Array, pressure: Array) -> Array:
+        theta = law_values.dilatation + np.sum(law_values.dilatation_gradient * change, axis=-1)
+        theta = theta - self._pressure_at_points(pressure) / self.material.volumetric_modulus
+        return self._integrated(theta) * self._pressure_unit
 
-    def stress_change(self, answer: Answer, pressure: Array) -> Array | float:
-        return self._at_points(pressure)[..., None] * answer.slope
+    def stress_change(self, law_values: LawValues, pressure: Array) -> Array | float:
+        return self._pressure_at_points(pressure)[..., None] * law_values.dilatation_gradient
 
-    def places(self, pattern: Pattern) -> Places:
+    def offsets(self, pattern: Pattern) -> PressureOffsets:
         nodes, pressures = self.element_unknowns[:, :10, None], self.element_unknowns[:, None, 10:]
         rows, columns, _ = self._compressibility
-        return pattern.start_of(*np.broadcast_arrays(nodes, pressures)), pattern.start_of(rows, columns)
+        return pattern.offset_of(*np.broadcast_arrays(nodes, pressures)), pattern.offset_of(rows, columns)
 
-    def couple(self, pattern: Pattern, places: Places, data: Array, displacement: Array, answer: Answer) -> None:
+    def scatter_pressures(
+        self, pattern: Pattern, offsets: PressureOffsets, data: Array, displacement: Array, law_values: LawValues
+    ) -> None:
         space = self.space
-        elements = space.arrays._replace(weight=self._unit * space.weight)
-        pressure_columns(elements, displacement, space.vertex_shape, answer.slope, places[0], pattern.matrix(data))
-        pattern.place(data, *self._compressibility, places[1])
+        elements = space.arrays._replace(weight=self._pressure_unit * space.weight)
+        gradient, matrix = law_values.dilatation_gradient, pattern.matrix(data)
+        pressure_columns(elements, displacement, space.vertex_shape, gradient, offsets[0], matrix)
+        pattern.scatter(data, *self._compressibility, offsets[1])
 
-    def swept(self, answer: Answer, change: Array) -> Array:
-        return self._tested(np.sum(answer.slope * change, axis=-1)) * self._unit
+    def pressure_coupling(self, law_values: LawValues, change: Array) -> Array:
+        return self._integrated(np.sum(law_values.dilatation_gradient * change, axis=-1)) * self._pressure_unit
 
     @property
-    def _unit(self) -> float:
+    def _pressure_unit(self) -> float:
         """MPa per unit of the pressure unknowns."""
         return self.material.shear_modulus
 
-    def _at_points(self, pressure: Array) -> Array:
+    def _pressure_at_points(self, pressure: Array) -> Array:
         """(e, q) MPa."""
-        return self._unit * np.asarray(pressure[self.space.nodes[:, :4]] @ self.space.vertex_shape.T)
+        return self._pressure_unit * np.asarray(pressure[self.space.nodes[:, :4]] @ self.space.vertex_shape.T)
 
-    def _tested(self, values: Array) -> Array:
+    def _integrated(self, values: Array) -> Array:
         """int N_v values dX (v,) of values (e, q)."""
-        shares = (values * self.space.weight) @ self.space.vertex_shape
-        tested = np.bincount(self.space.nodes[:, :4].ravel(), shares.ravel(), minlength=self.unknowns)
-        return np.asarray(tested, dtype=float)
+        local = (values * self.space.weight) @ self.space.vertex_shape
+        integrals = np.bincount(self.space.nodes[:, :4].ravel(), local.ravel(), minlength=self.unknowns)
+        return np.asarray(integrals, dtype=float)
 
     @cached_property
     def _mass(self) -> sp.csr_matrix:
@@ -255,7 +264,7 @@ class Mixed(Formulation):
         """Second derivative by the pressures, which is constant, as blocks of pairs of unknowns."""
         mass = sp.triu(self._mass, format="coo")
         blocks = np.zeros((mass.nnz, 3, 3))
-        blocks[:, 0, 0] = -(self._unit**2) / self.material.volumetric_modulus * mass.data
+        blocks[:, 0, 0] = -(self._pressure_unit**2) / self.material.volumetric_modulus * mass.data
         first = self.space.points.shape[0]
         return mass.row.astype(np.int64) + first, mass.col.astype(np.int64) + first, blocks
 

@@ -9,7 +9,7 @@ from fem.kernels.element import ReducedMatrix, scatter_blocks
 from geometry.arrays import Array, Index, Mask
 
 
-class NoPlace(ValueError):
+class MissingPairs(ValueError):
     """Node pairs that a pattern does not hold."""
 
 
@@ -18,7 +18,7 @@ class Pattern:
     """Upper triangle (diagonal included) over the free components of all nodes, numbered node by node.
 
     Row r of node a holds first the components of a from r on, then all free components of the neighbours b > a in
-    order; `start_of(pairs)` therefore has one number per node pair.
+    order; `offset_of(pairs)` therefore has one number per node pair.
     """
 
     node_dof: Index  #: (n, 3) reduced dof of each component, -1 where it is prescribed
@@ -58,20 +58,20 @@ class Pattern:
         off = rows != columns
         return Pattern.of(self.node_dof < 0, np.union1d(self.keys, rows[off] * n + columns[off]))
 
-    def start_of(self, rows: Index, columns: Index) -> Index:
+    def offset_of(self, rows: Index, columns: Index) -> Index:
         """Offset of each node pair rows <= columns, 0 for a pair of a node with itself.
 
-        Raises `NoPlace` where the pattern does not hold a pair.
+        Raises `MissingPairs` where the pattern does not hold a pair.
         """
         off = rows != columns
-        wanted = rows * self.free.shape[0] + columns
-        place = np.minimum(np.searchsorted(self.keys, wanted), self.keys.shape[0] - 1)
-        if np.any(off & (self.keys[place] != wanted)):
-            raise NoPlace("the pattern has no place for a pair of nodes")
-        return np.where(off, self.offset[place], 0)
+        keys = rows * self.free.shape[0] + columns
+        position = np.minimum(np.searchsorted(self.keys, keys), self.keys.shape[0] - 1)
+        if np.any(off & (self.keys[position] != keys)):
+            raise MissingPairs("the pattern does not hold a pair of nodes")
+        return np.where(off, self.offset[position], 0)
 
-    def place(self, data: Array, rows: Index, columns: Index, values: Array, offset: Index) -> None:
-        """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); offset (m,) as `start_of` gives it."""
+    def scatter(self, data: Array, rows: Index, columns: Index, values: Array, offset: Index) -> None:
+        """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); offset (m,) as `offset_of` gives it."""
         scatter_blocks(self.matrix(data), rows, columns, values, offset)
 
     def matrix(self, data: Array) -> ReducedMatrix:
@@ -100,12 +100,12 @@ def _columns(free: Index, first: Index, high: Index, indptr: Index) -> NDArray[n
         here = rows[free[rows] > rank]
         own = free[here] - rank
         total = own + begin[first[here + 1]] - begin[first[here]]
-        place = np.repeat(indptr[start[here] + rank], total)
+        position = np.repeat(indptr[start[here] + rank], total)
         step = np.arange(total.sum()) - np.repeat(np.cumsum(total) - total, total)
         mine = step < np.repeat(own, total)
         value = np.empty(step.shape[0], dtype=np.int32)
         value[mine] = (np.repeat(start[here] + rank, total) + step)[mine]
         source = np.repeat(begin[first[here]], total) + step - np.repeat(own, total)
         value[~mine] = spread[source[~mine]]
-        indices[place + step] = value
+        indices[position + step] = value
     return indices

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from fem.equations.formulation import Answer
+from fem.equations.formulation import LawValues
 from geometry.arrays import Array
 
 
@@ -34,9 +34,9 @@ class Change:
     displacement: Array  #: (n, 3), mm
     pressure: Array  #: (v,)
 
-    def scaled(self, share: float) -> "Change":
-        """The given share of it."""
-        return Change(share * self.factor, share * self.displacement, share * self.pressure)
+    def scaled(self, fraction: float) -> "Change":
+        """The given fraction of it."""
+        return Change(fraction * self.factor, fraction * self.displacement, fraction * self.pressure)
 
     def __add__(self, other: "Change") -> "Change":
         return Change(
@@ -49,10 +49,10 @@ class Assembly:
     """What one evaluation of the potential's gradient gives."""
 
     strain: Array  #: (e, q, 6) Green-Lagrange strain of the displacement
-    answer: Answer  #: the law at the carried strain and pressure
+    law_values: LawValues  #: the law at the carried strain and pressure
     stress: Array  #: (e, q, 6) the law at the displacement's strain to first order from the carried one, MPa
     jacobian: Array  #: (e, q) det F
     gradient: Array  #: (n, 3) d Pi / d x, N; zero on the free components in equilibrium
-    imbalance: Array  #: (v,) d Pi / d p; zero where the pressures are those of the displacement
+    pressure_residual: Array  #: (v,) d Pi / d p; zero where the pressures are those of the displacement
     scale: float  #: norm of the nodal forces that balance, N
-    rounding: float  #: norm of the nodal forces that the rounding of the displacement makes, N; not exceeded
+    roundoff: float  #: bound of the norm of the nodal forces that the rounding of the displacement makes, N

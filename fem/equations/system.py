@@ -13,7 +13,7 @@ from fem.effects.effect import Blocks, Term
 from fem.equations.formulation import formulation_of, lame_constants
 from fem.equations.linear import LinearSolver
 from fem.equations.linearised import Linearised
-from fem.equations.pattern import NoPlace, Pattern, element_keys
+from fem.equations.pattern import MissingPairs, Pattern, element_keys
 from fem.equations.state import Assembly, Change, State
 from fem.kernels import element as kernels
 from fem.kernels.tangent import LawArrays, Product, tangent_matrix
@@ -56,42 +56,42 @@ class System:
     ) -> None:
         self.space = space
         self.material = material
-        self.law = formulation_of(space, material)
+        self.formulation = formulation_of(space, material)
         self.terms = terms
         self.constraints = constraints
         self.solver = solver
         self.clock = Clock()
-        self._digit = self._force_of_a_digit()
-        held = np.ones((space.points.shape[0] + self.law.unknowns, 3), dtype=bool)
+        self._roundoff_stiffness = self._roundoff_stiffness_at_rest()
+        held = np.ones((space.points.shape[0] + self.formulation.unknowns, 3), dtype=bool)
         held[: space.points.shape[0]] = constraints.fixed
         held[space.points.shape[0] :, 0] = False  # a pressure stands in the pattern as a node with one component
-        self.pattern = Pattern.of(held, element_keys(self.law.element_unknowns, held.shape[0]))
+        self.pattern = Pattern.of(held, element_keys(self.formulation.element_unknowns, held.shape[0]))
         self._take_pattern(self.pattern)
 
     def _take_pattern(self, pattern: Pattern) -> None:
         a, b = np.triu_indices(self.space.nodes.shape[1])
         first, second = self.space.nodes[:, a], self.space.nodes[:, b]
         self.pattern = pattern
-        self._offset = pattern.start_of(np.minimum(first, second), np.maximum(first, second))
-        self._pressure_places = self.law.places(pattern)
+        self._offset = pattern.offset_of(np.minimum(first, second), np.maximum(first, second))
+        self._pressure_offsets = self.formulation.offsets(pattern)
         self._known: dict[int, tuple[Index, Index]] = {}  # by term: first nodes of its pairs, and their offsets
         self.solver.analyse(pattern.indptr, pattern.indices)
 
-    def start(self) -> State:
+    def rest_state(self) -> State:
         """The body at rest."""
         elements, points = self.space.weight.shape
         rest = np.zeros_like(self.space.points)
-        return State(0.0, rest, np.zeros(self.law.unknowns), *np.zeros((2, elements, points, 6)))
+        return State(0.0, rest, np.zeros(self.formulation.unknowns), *np.zeros((2, elements, points, 6)))
 
     def prescribed(self, factor: float, share: float) -> Array:
         """Prescribed displacements (n, 3): ramped ones at `factor`, constant ones to the given share."""
         return factor * self.constraints.ramped + share * self.constraints.constant
 
-    def at(self, displacement: Array, factor: float) -> State:
+    def state_at(self, displacement: Array, factor: float) -> State:
         """The state in which pressure, strain and stress are those of the displacement (n, 3)."""
         strain, _ = self._strain(displacement)
-        pressure = self.law.pressure_of(strain)
-        return State(factor, displacement, pressure, strain, self.law.respond(strain, pressure).stress)
+        pressure = self.formulation.pressure_of(strain)
+        return State(factor, displacement, pressure, strain, self.formulation.evaluate(strain, pressure).stress)
 
     def assemble(self, state: State, terms: Terms) -> Assembly:
         """Gradient of the potential with the given terms at `state`.
@@ -101,15 +101,15 @@ class System:
         displacement = state.displacement
         with self.clock.timing("assembly"):
             strain, jacobian = self._strain(displacement)
-            answer = self.law.respond(state.strain, state.pressure)
-            stress = answer.stress + _times(answer.tangent, strain - state.strain)
-            imbalance = self.law.imbalance(answer, strain - state.strain, state.pressure)
+            law_values = self.formulation.evaluate(state.strain, state.pressure)
+            stress = law_values.stress + _times(law_values.tangent, strain - state.strain)
+            pressure_residual = self.formulation.pressure_residual(law_values, strain - state.strain, state.pressure)
             internal = np.zeros_like(displacement)
             kernels.internal_force(self.space.arrays, displacement, stress, internal)
         loads = self.loads(displacement, state.factor, terms)
         scale = max(float(np.linalg.norm(internal)), float(np.linalg.norm(loads)))
-        rounding = self._digit * float(np.abs(displacement).max())
-        return Assembly(strain, answer, stress, jacobian, internal + loads, imbalance, scale, rounding)
+        roundoff = self._roundoff_stiffness * float(np.abs(displacement).max())
+        return Assembly(strain, law_values, stress, jacobian, internal + loads, pressure_residual, scale, roundoff)
 
     def loads(self, displacement: Array, factor: float, terms: Terms) -> Array:
         """Gradient (n, 3) of the terms, N."""
@@ -119,7 +119,7 @@ class System:
                 term.gradient(self.space.points + displacement, factor, loads)
         return loads
 
-    def _force_of_a_digit(self) -> float:
+    def _roundoff_stiffness_at_rest(self) -> float:
         """Stiffness of an element at rest times the spacing of numbers around 1, at all nodes, N per mm.
 
         Measured on turned, unstrained bars of all laws, nu = 0.3 to 0.4999: the forces are 0.05 to 0.19 of it.
@@ -138,8 +138,8 @@ class System:
     def energy(self, displacement: Array, factor: float, terms: Terms) -> float:
         """Total potential, N mm."""
         strain, _ = self._strain(displacement)
-        answer = self.law.respond(strain, self.law.pressure_of(strain))
-        elastic = float(np.vdot(answer.energy, self.space.weight))
+        law_values = self.formulation.evaluate(strain, self.formulation.pressure_of(strain))
+        elastic = float(np.vdot(law_values.energy, self.space.weight))
         return elastic + sum(term.energy(self.space.points + displacement, factor) for term in terms)
 
     def free(self, values: Array) -> Array:
@@ -174,19 +174,22 @@ class System:
         with self.clock.timing("assembly"):
             pattern, moves = self.pattern, bool(np.any(jump))
             data, coupling = np.zeros(pattern.indices.shape[0]), np.zeros_like(x)
-            lame = lame_constants(assembly.answer.tangent, state.stress.shape[1])
-            law = LawArrays(state.stress, assembly.answer.tangent, lame)
+            lame = lame_constants(assembly.law_values.tangent, state.stress.shape[1])
+            law = LawArrays(state.stress, assembly.law_values.tangent, lame)
             product = Product(jump if moves else NO_INCREMENT, coupling)
             tangent_matrix(self.space.arrays, law, state.displacement, self._offset, pattern.matrix(data), product)
             for blocks, offset in zip(hessians, offsets, strict=True):
-                pattern.place(data, blocks.rows, blocks.columns, blocks.values, offset)
+                pattern.scatter(data, blocks.rows, blocks.columns, blocks.values, offset)
                 if moves:
                     kernels.blocks_times(blocks.rows, blocks.columns, blocks.values, jump, coupling)
-            self.law.couple(pattern, self._pressure_places, data, state.displacement, assembly.answer)
-        swept = np.zeros(self.law.unknowns)
-        if moves and self.law.unknowns:
-            swept = self.law.swept(assembly.answer, self.linearised_strain(state, jump))
-        return data, Change(0.0, coupling, swept)
+            self.formulation.scatter_pressures(
+                pattern, self._pressure_offsets, data, state.displacement, assembly.law_values
+            )
+        pressure_coupling = np.zeros(self.formulation.unknowns)
+        if moves and self.formulation.unknowns:
+            strain = self.linearised_strain(state, jump)
+            pressure_coupling = self.formulation.pressure_coupling(assembly.law_values, strain)
+        return data, Change(0.0, coupling, pressure_coupling)
 
     def linearised_strain(self, state: State, increment: Array) -> Array:
         """B(u) du (e, q, 6) for an increment (n, 3)."""
@@ -198,14 +201,15 @@ class System:
     def rate(self, state: State, assembly: Assembly, change: Change) -> State:
         """Change of the whole state with a change of its unknowns, to first order; assembly is that of the state."""
         strain = self.linearised_strain(state, change.displacement)
-        stress = _times(assembly.answer.tangent, strain) + self.law.stress_change(assembly.answer, change.pressure)
+        stress = _times(assembly.law_values.tangent, strain)
+        stress = stress + self.formulation.stress_change(assembly.law_values, change.pressure)
         return State(change.factor, change.displacement, change.pressure, strain, stress)
 
     def advanced(self, state: State, assembly: Assembly, change: Change, strain: Array) -> State:
         """The state after a change whose B(u) du is `strain` (e, q, 6)."""
         with self.clock.timing("assembly"):
-            stress = assembly.stress + _times(assembly.answer.tangent, strain)
-            stress = stress + self.law.stress_change(assembly.answer, change.pressure)
+            stress = assembly.stress + _times(assembly.law_values.tangent, strain)
+            stress = stress + self.formulation.stress_change(assembly.law_values, change.pressure)
             return State(
                 state.factor + change.factor,
                 state.displacement + change.displacement,
@@ -224,16 +228,16 @@ class System:
         becomes rare."""
         try:
             return [self._offset_of(number, blocks) for number, blocks in enumerate(hessians)]
-        except NoPlace:
+        except MissingPairs:
             rows = np.concatenate([blocks.rows for blocks in hessians])
             columns = np.concatenate([blocks.columns for blocks in hessians])
             self._take_pattern(self.pattern.with_pairs(rows, columns))
             return [self._offset_of(number, blocks) for number, blocks in enumerate(hessians)]
 
     def _offset_of(self, number: int, blocks: Blocks) -> Index:
-        """Where the blocks of a term stand, kept while its pairs are the same array; raises `NoPlace`."""
+        """Where the blocks of a term stand, kept while its pairs are the same array; raises `MissingPairs`."""
         if number not in self._known or self._known[number][0] is not blocks.rows:
-            self._known[number] = blocks.rows, self.pattern.start_of(blocks.rows, blocks.columns)
+            self._known[number] = blocks.rows, self.pattern.offset_of(blocks.rows, blocks.columns)
         return self._known[number][1]
 
 

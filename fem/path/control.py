@@ -118,7 +118,7 @@ class VolumeControl(Control):
 def _to_equilibrium(assembly: Assembly, linearised: Linearised) -> Change:
     """Newton's change of the unknowns under the present load, the prescribed components taking their increment."""
     coupling = linearised.coupling
-    return linearised.solve(assembly.gradient + coupling.displacement, assembly.imbalance + coupling.pressure)
+    return linearised.solve(assembly.gradient + coupling.displacement, assembly.pressure_residual + coupling.pressure)
 
 
 def _loaded(system: System, state: State, linearised: Linearised, terms: Terms) -> Change:

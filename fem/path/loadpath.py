@@ -119,7 +119,7 @@ class Path:
         self.watch = watch
         rest = system.space.points
         self.terms = tuple(term for term in system.terms if term.wanted(rest))
-        self.places = [Place(course.rest, 0.0, system.start(), terms=_at(self.terms, 0.0))]
+        self.places = [Place(course.rest, 0.0, system.rest_state(), terms=_at(self.terms, 0.0))]
         self.predictor = Predictor(system, course)
         self.misled = False  #: whether a predicted start has failed on the way to the asked value
         self.stricter: Terms | None = None  #: what acts on the rest of that way, once a state has been refused on it
@@ -127,7 +127,7 @@ class Path:
     def take_up(self, steps: Sequence[Step]) -> None:
         """Go on from the last of the given steps."""
         for step in steps:
-            state = self.system.at(step.displacement, step.factor)
+            state = self.system.state_at(step.displacement, step.factor)
             x = self.system.space.points + step.displacement
             # some perhaps since a state between two asked values, that is not among the steps
             acting = tuple(term for term, acts in zip(self.system.terms, step.acting, strict=True) if acts)

@@ -89,7 +89,7 @@ def solve(
         watch(iteration, relative)
         there = not np.any(jump) and abs(control.miss(system, state)) < options.tolerance
         if relative < options.tolerance and there:
-            settled = system.at(state.displacement, state.factor)
+            settled = system.state_at(state.displacement, state.factor)
             exact = system.assemble(settled, terms)
             relative = _relative_residual(system, exact)
             if relative < options.tolerance:
@@ -130,6 +130,6 @@ def _advance(
 
 def _relative_residual(system: System, assembly: Assembly) -> float:
     residual = float(np.linalg.norm(system.free(assembly.gradient)))
-    if residual <= assembly.rounding:  # a turned body without stress: nothing balances, so nothing to compare with
+    if residual <= assembly.roundoff:  # a turned body without stress: nothing balances, so nothing to compare with
         return 0.0
     return residual / assembly.scale if assembly.scale > 0 else (np.inf if residual > 0 else 0.0)

@@ -15,7 +15,7 @@ def element_fields(step: Step, material: Material) -> dict[str, Array]:
     space = step.space
     strain, jacobian = strain_at_stress_points(space, step.displacement)
     law = formulation_of(space, material)
-    stress = law.respond(strain, law.pressure_of(strain)).stress
+    stress = law.evaluate(strain, law.pressure_of(strain)).stress
     second = stress[:, :4].mean(axis=1) + stress[:, 4:].sum(axis=1)
     gradient = _mean_deformation_gradient(step)
     matrix = np.empty((second.shape[0], 3, 3))

@@ -56,7 +56,7 @@ def inflated(outer: float, around: int, through: int, stretches: list[float], fo
     """Steps at the given stretches of the inner wall, and the pressures they need over the closed form's."""
     mesh = shell(outer, around, through)
     model = Model(mesh, RUBBER, SPHERE, [Pressure("left", 1.0)], formulation)
-    rest = model.system().start().displacement
+    rest = model.system().rest_state().displacement
     empty = enclosed_volume(model.space.surface("left"), model.space.points + rest)
     solution = follow_volume(model, "left", [empty * stretch**3 for stretch in stretches])
     return solution, [step.factor / pressure(s, outer) for step, s in zip(solution.steps, stretches, strict=True)]
