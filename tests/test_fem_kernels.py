@@ -184,14 +184,14 @@ def test_the_order_of_chunks_of_one_colour_changes_nothing() -> None:
     chunks = np.concatenate([[0], np.cumsum([parts[c].shape[0] for c in turned])])
     u = noise(system, 0.03)
     state = system.state_at(u, 1.0)
-    answer = system.assemble(state, ()).answer
+    tangent = system.assemble(state, ()).law_values.tangent
     results = []
     for bounds, order in ((space.chunks, np.arange(space.nodes.shape[0])), (chunks, swapped)):
         arrays = (space.nodes[order], space.inverse[order], space.reference, space.weight[order])
         elements, stress = ElementArrays(space.colours, bounds, *arrays), state.stress[order]
         force, data, coupling = np.zeros_like(u), np.zeros(pattern.indices.shape[0]), np.zeros_like(u)
         internal_force(elements, u, stress, force)
-        law = LawArrays(stress, answer.tangent, lame_constants(answer.tangent, stress.shape[1]))
+        law = LawArrays(stress, tangent, lame_constants(tangent, stress.shape[1]))
         product = Product(noise(system, 1.0), coupling)
         tangent_matrix(elements, law, u, system._offset[order], pattern.matrix(data), product)
         results.append((force, data, coupling))
