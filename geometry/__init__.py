@@ -1,34 +1,27 @@
-"""What the body is: designs, solids, meshes and the material curve."""
+"""Geometry of the arms: dimensions, solids, meshes and the material curve."""
 
+from geometry.body import Body
 from geometry.centreline import Centreline
-from geometry.design import Body, Design, DesignError
-from geometry.families.bisected_circle import BisectedCircle
-from geometry.families.cad_file import OwnSolid
-from geometry.families.mesh_file import OwnMesh
-from geometry.families.pneunet import PneuNet
-from geometry.families.semicircular import Semicircular
-from geometry.families.semicircular_single import SemicircularSingle
+from geometry.design import Design, DesignError
+from geometry.families import FAMILIES, BisectedCircle, PneuNet, Semicircular, SemicircularSingle
+from geometry.families.cad_file import CadFile
+from geometry.families.mesh_file import MeshFile
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, MeshError, Quality
-
-#: The designs by the name that a config gives them.
-FAMILIES: dict[str, type[Design]] = {
-    design.family: design for design in (PneuNet, Semicircular, SemicircularSingle, BisectedCircle)
-}
 
 __all__ = [
     "FAMILIES",
     "GRADINGS",
     "BisectedCircle",
     "Body",
+    "CadFile",
     "Centreline",
     "Design",
     "DesignError",
     "Grading",
     "Mesh",
     "MeshError",
-    "OwnMesh",
-    "OwnSolid",
+    "MeshFile",
     "PneuNet",
     "Quality",
     "Semicircular",

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from geometry.topology import Array
+from geometry.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -1,36 +1,33 @@
-"""Designs: dimensions that are checked on birth, and the meshed body they give."""
+"""Designs: the checked dimensions of a body family, and the meshed body they give."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
-from functools import cached_property
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from math import isfinite
 from typing import Any, ClassVar
 
-import numpy as np
-
+from geometry.body import Body
 from geometry.grading import OFF, Grading
-from geometry.mesh import Mesh, MeshError
-from geometry.topology import Array
+from geometry.mesh import Mesh
 
-#: A mesh with more elements than this does not fit the memory of the machines this program is written for.
+#: Largest number of elements that is meshed: more do not fit into the memory of a workstation.
 MOST_TETS = 3_000_000
 #: Volume of a regular tetrahedron over the cube of its edge.
 REGULAR_TET = 1 / (6 * 2**0.5)
-#: Tetrahedra that walls thinner than the elements cost, over half the surface of the box around the body in squares of
-#: the element size: 10 to 38 in bodies of all four families with elements of 2.5 to 8 mm.
+#: Elements of a body whose walls are thinner than the element size h, per area h^2 of half the surface of its bounding
+#: box. Bodies of the four families have at least 10.
 TETS_PER_SQUARE = 15.0
-#: Dimensions in mm between which Gmsh is known to draw these bodies: a micrometre and a kilometre.
+#: Smallest and largest dimension that Gmsh draws reliably, mm.
 SHORTEST, LONGEST = 1e-3, 1e6
-#: A chamber has 140 elements at least (measured), so twice as many cannot be meshed with elements of any size.
+#: Largest number of chambers: one chamber has at least 140 elements, so twice as many exceed MOST_TETS.
 MOST_CHAMBERS = 10_000
 
 
 class DesignError(ValueError):
     """Dimensions that no body can have.
 
-    `keys` are the names of the dimensions as they stand in a config (`("wall", "chamber_length")`), `sentence` says
-    what is allowed.
+    `keys` are the names of the dimensions as in a config (`("wall", "chamber_length")`), `sentence` tells what is
+    allowed.
     """
 
     def __init__(self, keys: str | Sequence[str], sentence: str) -> None:
@@ -39,70 +36,14 @@ class DesignError(ValueError):
         super().__init__(f"{', '.join(self.keys)}: {sentence}")
 
 
-@dataclass(frozen=True)
-class Body:
-    """A meshed body in its frame: x along the length from the clamp, y up, z across, z = 0 the plane of symmetry.
-
-    Raises `MeshError` when the material curve y = curve_y, z = 0, 0 <= x <= length does not run along mesh edges.
-    """
-
-    mesh: Mesh
-    name: str
-    length: float  #: of the material curve, mm
-    pitch: float  #: length of the repeated cell, over which curvature is averaged, mm
-    curve_y: float  #: height of the material curve, mm
-    half: bool = True  #: only z >= 0 is meshed
-    cavities: tuple[str, ...] = ("cavity",)  #: names of the face groups that enclose air
-
-    def __post_init__(self) -> None:
-        missing = [
-            name for name in ("clamp", "tip", *self.cavities, *(["sym"] * self.half)) if name not in self.mesh.faces
-        ]
-        if missing:
-            raise MeshError(f"the body {self.name} has no face named {missing[0]}; it has {', '.join(self.mesh.faces)}")
-        _ = self.curve_vertices
-
-    @cached_property
-    def curve_vertices(self) -> Array:
-        """Indices (k,) of the mesh vertices on the material curve, by increasing x."""
-        points, tolerance = self.mesh.points, 1e-7 * self.length
-        on = (np.abs(points[:, 1] - self.curve_y) < tolerance) & (np.abs(points[:, 2]) < tolerance)
-        found = np.flatnonzero(on)
-        found = found[np.argsort(points[found, 0], kind="stable")]
-        x = points[found, 0]
-        if len(found) < 2 or abs(x[0]) > tolerance or abs(x[-1] - self.length) > tolerance:
-            raise MeshError(
-                f"the material curve y = {self.curve_y:g} mm, z = 0 from x = 0 to {self.length:g} mm "
-                "has no mesh vertex at each of its ends; cut the body along that line before meshing it"
-            )
-        if not self.mesh.has_edges(np.column_stack([found[:-1], found[1:]])).all():
-            raise MeshError(
-                f"the material curve y = {self.curve_y:g} mm, z = 0 does not run along mesh edges; "
-                "cut the body along that line before meshing it"
-            )
-        found.setflags(write=False)
-        return found
-
-    def full(self) -> "Body":
-        """The whole body, mirrored at z = 0 (itself when it is whole already)."""
-        if not self.half:
-            return self
-        return Body(self.mesh.mirrored(), self.name, self.length, self.pitch, self.curve_y, False, self.cavities)
-
-
 class Design(ABC):
-    """The dimensions of one family of bodies, all lengths in mm.
+    """The dimensions of one body family, all lengths in mm.
 
-    A final class is a frozen dataclass whose fields carry the names of the keys of a config. Impossible dimensions
-    raise `DesignError` on birth.
+    A family is a frozen dataclass whose fields have the names of the config keys, and defines the members below that
+    are abstract. Its constructor raises `DesignError` for impossible dimensions.
     """
 
-    family: ClassVar[str]
-
-    @property
-    @abstractmethod
-    def cavities(self) -> tuple[str, ...]:
-        """Names of the face groups that enclose air; the first is the one that is pressurised."""
+    family: ClassVar[str]  #: the name of the family in a config
 
     @property
     @abstractmethod
@@ -112,7 +53,7 @@ class Design(ABC):
     @property
     @abstractmethod
     def extent(self) -> tuple[float, float, float]:
-        """Size of the whole body along x, y and z, mm."""
+        """Size of the body (both halves) along x, y and z, mm."""
 
     @property
     @abstractmethod
@@ -126,41 +67,41 @@ class Design(ABC):
 
     @property
     @abstractmethod
-    def cells(self) -> Array:
-        """Boundaries along x of the cells over which curvature is averaged, increasing, (k,), mm."""
-
-    @property
-    @abstractmethod
     def solid_volume(self) -> float:
-        """Volume of the material of the whole body, exact, mm3."""
+        """Exact volume of the material of the body (both halves), mm3."""
 
     @property
     @abstractmethod
-    def cavity_volume(self) -> float:
-        """Volume of the air in the whole body that is pressurised, exact, mm3."""
+    def cavity_volumes(self) -> Mapping[str, float]:
+        """Exact volume of the air (both halves) by the name of the face around it, mm3; the first is pressurised."""
 
     @abstractmethod
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        """The meshed body; `size` is the largest length of an element edge that the mesher aims at, mm.
+        """The meshed body; `size` is the largest element edge that the mesher aims at, mm.
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """
 
     @property
-    def width(self) -> float:
-        """Size of the whole body along z, mm."""
-        return self.extent[2]
+    def cavities(self) -> tuple[str, ...]:
+        """Names of the faces that enclose air; the first is the one that is pressurised."""
+        return tuple(self.cavity_volumes)
+
+    @property
+    def cavity_volume(self) -> float:
+        """Exact volume of the pressurised air (both halves), mm3."""
+        return self.cavity_volumes[self.cavities[0]]
 
 
 class SymmetricDesign(Design):
-    """A design whose two halves about z = 0 are mirror images, so that only z >= 0 is meshed."""
+    """A design that is symmetric about z = 0, so that only z >= 0 is meshed. A family defines `half_mesh`."""
 
     @abstractmethod
     def half_mesh(self, size: float, grading: Grading) -> Mesh:
-        """Mesh of the half z >= 0 with elements of at most `size` mm (already checked against the body)."""
+        """Mesh of the half z >= 0 with elements of at most `size` mm, a size that `check_size` accepts."""
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        """The meshed half z >= 0; `size` is the largest length of an element edge that Gmsh aims at, mm.
+        """The meshed half z >= 0; `size` is the largest element edge that Gmsh aims at, mm.
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """
@@ -170,18 +111,21 @@ class SymmetricDesign(Design):
 
 
 def expected_tets(size: float, extent: Sequence[float], volume: float) -> float:
-    """About how many elements of `size` mm a body of that extent (mm, along x, y, z) and meshed volume (mm3) has."""
-    return max(volume / (REGULAR_TET * size**3), TETS_PER_SQUARE * _sides(extent) / size**2)
+    """Estimated number of elements of `size` mm in a body of that extent (x, y, z, mm) and meshed volume (mm3)."""
+    return max(volume / (REGULAR_TET * size**3), TETS_PER_SQUARE * _half_surface(extent) / size**2)
 
 
-def _sides(extent: Sequence[float]) -> float:
+def _half_surface(extent: Sequence[float]) -> float:
     """Half the surface of the box around a body, mm2."""
     length, height, width = extent
     return length * height + height * width + width * length
 
 
 def check_size(size: float, extent: Sequence[float], volume: float) -> None:
-    """Refuse a mesh size (mm) that does not suit a body of that extent (mm, along x, y, z) and meshed volume (mm3)."""
+    """Raise `DesignError` on `mesh.size` unless a body can be meshed with elements of `size` mm.
+
+    extent: size of the body along x, y and z, mm; volume: that of what is meshed, mm3.
+    """
     measures, largest = " x ".join(f"{side:g}" for side in extent), min(extent)
     if not SHORTEST <= size <= LONGEST:
         raise DesignError("mesh.size", f"must be a length from {SHORTEST:g} mm to {LONGEST:g} mm, not {size:g} mm")
@@ -190,7 +134,7 @@ def check_size(size: float, extent: Sequence[float], volume: float) -> None:
             "mesh.size",
             f"{size:g} mm is larger than the body, which measures {measures} mm; at most {largest:g} mm",
         )
-    count, least = (expected_tets(one, extent, volume) for one in (size, largest))
+    count, least = expected_tets(size, extent, volume), expected_tets(largest, extent, volume)
     if least > MOST_TETS:
         raise DesignError(
             "mesh.size",
@@ -198,16 +142,18 @@ def check_size(size: float, extent: Sequence[float], volume: float) -> None:
             f"at most {MOST_TETS:.0e} fit into memory; choose a shorter body",
         )
     if count > MOST_TETS:
-        filled, walled = volume / (REGULAR_TET * MOST_TETS), TETS_PER_SQUARE * _sides(extent) / MOST_TETS
-        enough = max(filled ** (1 / 3), walled**0.5)
+        filled, walled = volume / (REGULAR_TET * MOST_TETS), TETS_PER_SQUARE * _half_surface(extent) / MOST_TETS
+        smallest = max(filled ** (1 / 3), walled**0.5)
         raise DesignError(
             "mesh.size",
-            f"{size:g} mm would give about {count:.0e} elements in a body of {measures} mm; at least {enough:.2g} mm",
+            f"{size:g} mm would give about {count:.0e} elements in a body of {measures} mm; at least {smallest:.2g} mm",
         )
 
 
 def check_numbers(design: Any, counts: Sequence[str] = ()) -> None:
-    """Every field of a dataclass must be a length that can be drawn; those named in `counts` a whole number from 1."""
+    """Raise `DesignError` unless every field of a dataclass is a length that can be drawn, or, if it is named in
+    `counts`, an integer from 1 to MOST_CHAMBERS.
+    """
     for field in fields(design):
         value = getattr(design, field.name)
         if field.name in counts:
@@ -221,11 +167,11 @@ def check_numbers(design: Any, counts: Sequence[str] = ()) -> None:
             raise DesignError(field.name, f"must lie between {SHORTEST:g} mm and {LONGEST:g} mm, not be {value:g} mm")
 
 
-def check_less(design: Any, small: str, large: str, share: float = 1.0, because: str = "") -> None:
-    """The field `small` must be less than `share` times the field `large`."""
-    value, bound = getattr(design, small), share * getattr(design, large)
+def check_less(design: Any, small: str, large: str, fraction: float = 1.0, because: str = "") -> None:
+    """Raise `DesignError` unless the field `small` is less than `fraction` (1 or 1/2) times the field `large`."""
+    value, bound = getattr(design, small), fraction * getattr(design, large)
     if not value < bound:
-        part = {1.0: "", 0.5: "half of "}[share]
+        part = {1.0: "", 0.5: "half of "}[fraction]
         raise DesignError(
             (small, large),
             f"{small} {value:g} mm must be less than {part}{large}, {bound:g} mm{because and ': ' + because}",

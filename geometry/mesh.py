@@ -1,4 +1,4 @@
-"""A mesh: points, tetrahedra and named boundary triangles, as one frozen value; and its files (the door to meshio)."""
+"""A mesh: points, tetrahedra and named boundary triangles in one frozen value; its files (only here is meshio used)."""
 
 import contextlib
 import io
@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
+from geometry.arrays import Array, Index, Mask
 from geometry.quality import Quality, measure_quality
-from geometry.topology import EDGES, OUTWARD, Array, find_rows, normals, open_edges, row_keys, signed_volumes
+from geometry.topology import EDGES, OUTWARD, find_rows, normals, open_edges, row_keys, signed_volumes
+
+Frozen = TypeVar("Frozen", Array, Index)
 
 
 class MeshError(ValueError):
@@ -23,14 +26,14 @@ class MeshError(ValueError):
 class Mesh:
     """Straight-sided tetrahedra with named boundary faces.
 
-    Tetrahedra are turned to positive orientation and named triangles outward (their normal by the right-hand rule
-    points out of the solid) on birth; points that belong to no tetrahedron are dropped. Raises `MeshError` when an
-    index has no point, a tetrahedron is flat, or a named triangle is not on the boundary.
+    The constructor orients tetrahedra positively and named triangles outward (their normal by the right-hand rule
+    points out of the solid), and drops points that belong to no tetrahedron. Raises `MeshError` when an index has no
+    point, a tetrahedron is flat, or a named triangle is not on the boundary.
     """
 
     points: Array  #: (n, 3), mm, read-only
-    tets: Array  #: (m, 4) vertex indices, positively oriented, read-only
-    faces: Mapping[str, Array]  #: name -> (k, 3) vertex indices of boundary triangles, outward, read-only
+    tets: Index  #: (m, 4) vertex indices, positively oriented, read-only
+    faces: Mapping[str, Index]  #: name -> (k, 3) vertex indices of boundary triangles, outward, read-only
 
     def __post_init__(self) -> None:
         points, tets, faces = _checked(self.points, self.tets, self.faces)
@@ -45,39 +48,47 @@ class Mesh:
         if flat.any():
             first = int(np.flatnonzero(flat)[0])
             raise MeshError(
-                f"tetrahedron {first} of the mesh is flat, near {_place(points[tets[first]].mean(axis=0))} mm"
+                f"tetrahedron {first} of the mesh is flat, near {_coordinates(points[tets[first]].mean(axis=0))} mm"
             )
         tets[volumes < 0] = tets[volumes < 0][:, [0, 2, 1, 3]]
         object.__setattr__(self, "points", _frozen(points))
         object.__setattr__(self, "tets", _frozen(tets))
-        turned = {name: _frozen(self._outward(name, triangles)) for name, triangles in faces.items()}
-        object.__setattr__(self, "faces", MappingProxyType(turned))
+        oriented = {name: _frozen(self._outward(name, triangles)) for name, triangles in faces.items()}
+        object.__setattr__(self, "faces", MappingProxyType(oriented))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a read-only mapping cannot be pickled; the copy is checked and frozen like any other mesh
         return Mesh, (self.points, self.tets, dict(self.faces))
 
-    def _outward(self, name: str, triangles: Array) -> Array:
-        """The triangles (k, 3) as they stand, outward, in the boundary."""
+    def _outward(self, name: str, triangles: Index) -> Index:
+        """The boundary triangles, outward oriented, with the vertices of `triangles` (k, 3).
+
+        Raises `MeshError` when one of them is not on the boundary.
+        """
         row = find_rows(triangles, self.boundary, len(self.points))
         if (row < 0).any():
-            astray = triangles[np.flatnonzero(row < 0)[0]]
-            where = "uses points outside the body"
-            if (astray >= 0).all():
-                where = f"near {_place(self.points[astray].mean(axis=0))} mm is no boundary face of a tetrahedron"
-            raise MeshError(f"the named face {name} has a triangle that {where}")
+            first = triangles[np.flatnonzero(row < 0)[0]]
+            reason = "uses points outside the body"
+            if (first >= 0).all():
+                centre = self.points[first].mean(axis=0)
+                reason = f"near {_coordinates(centre)} mm is no boundary face of a tetrahedron"
+            raise MeshError(f"the named face {name} has a triangle that {reason}")
         return self.boundary[row]
 
     @classmethod
     def read(cls, path: str | Path) -> "Mesh":
         """Read a mesh file whose physical groups of triangles name the faces (Gmsh .msh; lengths in mm).
 
-        Raises `MeshError` when the file is missing or unreadable, or has no tetrahedra or no named faces.
+        Of second-order elements only the corners are used. Raises `MeshError` when the file is missing or
+        unreadable, or has no tetrahedra or no named faces.
         """
         return cls(*_read(Path(path)))
 
     def write(self, path: str | Path) -> None:
-        """Write `path`: .msh (Gmsh 2.2, names as physical groups; `Mesh.read` reads it back) or .vtu (tetrahedra)."""
+        """Write `path`: .msh (Gmsh 2.2, names as physical groups; `Mesh.read` reads it back) or .vtu (tetrahedra).
+
+        Raises `MeshError` for another suffix.
+        """
         _write(Path(path), self.points, self.tets, self.faces)
 
     @cached_property
@@ -91,38 +102,38 @@ class Mesh:
         return float(self.volumes.sum())
 
     @cached_property
-    def boundary(self) -> Array:
-        """All boundary triangles, outward oriented, (k, 3)."""
+    def boundary(self) -> Index:
+        """All boundary triangles, outward oriented, (k, 3). Raises `MeshError` when three tetrahedra share a face."""
         triangles = self.tets[:, OUTWARD].reshape(-1, 3)
         _, first, counts = np.unique(row_keys(triangles, len(self.points)), return_index=True, return_counts=True)
         if (counts > 2).any():
-            place = _place(self.points[triangles[first[counts > 2][0]]].mean(axis=0))
-            raise MeshError(f"three or more tetrahedra share one face, near {place} mm")
+            centre = self.points[triangles[first[counts > 2][0]]].mean(axis=0)
+            raise MeshError(f"three or more tetrahedra share one face, near {_coordinates(centre)} mm")
         return _frozen(triangles[np.sort(first[counts == 1])])
 
     @cached_property
-    def edges(self) -> Array:
-        """All edges, the smaller vertex first, sorted, (k, 2); a second-order mesh has a node more on each."""
+    def edges(self) -> Index:
+        """All edges, the smaller vertex first, sorted, (e, 2); a second-order mesh has one more node on each."""
         pairs = np.sort(self.tets[:, EDGES].reshape(-1, 2), axis=1)
         keys = np.unique(pairs[:, 0] * len(self.points) + pairs[:, 1])
         return _frozen(np.column_stack(np.divmod(keys, len(self.points))))
 
-    def has_edges(self, pairs: Array) -> Array:
-        """Which of the vertex pairs (k, 2) are edges of the mesh, (k,) bool."""
+    def has_edges(self, pairs: Index) -> Mask:
+        """True for each of the vertex pairs (k, 2) that is an edge of the mesh, (k,)."""
         return find_rows(pairs, self.edges, len(self.points)) >= 0
 
-    def plane(self, axis: int, value: float) -> Array:
-        """All triangles of the mesh, inner ones too, that lie in the plane x[axis] = value (mm), (k, 3).
+    def plane(self, axis: int, value: float) -> Index:
+        """All triangles of the mesh, interior ones too, that lie in the plane x[axis] = value (mm), (k, 3).
 
         Their normals point along the positive axis.
         """
-        on = np.abs(self.points[:, axis] - value) < 1e-9 * np.ptp(self.points, axis=0).max()
+        on_plane = np.abs(self.points[:, axis] - value) < 1e-9 * np.ptp(self.points, axis=0).max()
         triangles = self.tets[:, OUTWARD].reshape(-1, 3)
-        triangles = triangles[on[triangles].all(axis=1)]
+        triangles = triangles[on_plane[triangles].all(axis=1)]
         _, first = np.unique(row_keys(triangles, len(self.points)), return_index=True)
         triangles = triangles[first]
-        turned = normals(self.points[triangles])[:, axis] < 0
-        triangles[turned] = triangles[turned][:, ::-1]
+        reversed_ = normals(self.points[triangles])[:, axis] < 0
+        triangles[reversed_] = triangles[reversed_][:, ::-1]
         return _frozen(triangles)
 
     def area(self, name: str) -> float:
@@ -130,27 +141,30 @@ class Mesh:
         return float(np.linalg.norm(normals(self.points[self.faces[name]]), axis=1).sum() / 2)
 
     def enclosed_volume(self, name: str) -> float:
-        """Volume of the air that a named face encloses, closed by the plane z = 0 where it is cut by it, mm3.
+        """Volume of the air that a named face encloses, closed by the plane z = 0 if that cuts it, mm3.
 
-        V = -1/3 sum over triangles of the integral of x . n dA, n out of the solid; the closing plane contains the
-        origin and adds nothing. Raises `MeshError` when the face has an open edge away from z = 0.
+        V = -1/3 sum over triangles of the integral of x . n dA (divergence theorem), n out of the solid; the plane
+        z = 0 contains the origin and adds nothing. Raises `MeshError` when the face has an open edge away from z = 0.
         """
         triangles = self.faces[name]
         open_ends = open_edges(triangles, len(self.points))
         height = np.abs(self.points[open_ends, 2])
         if len(height) and height.max() > 1e-9 * np.ptp(self.points, axis=0).max():
-            place = _place(self.points[open_ends[np.argmax(height.max(axis=1))]].mean(axis=0))
-            raise MeshError(f"the face {name} encloses no volume: it has an open edge near {place} mm, away from z = 0")
+            middle = self.points[open_ends[np.argmax(height.max(axis=1))]].mean(axis=0)
+            raise MeshError(
+                f"the face {name} encloses no volume: it has an open edge near {_coordinates(middle)} mm, "
+                "away from z = 0"
+            )
         a, b, c = np.moveaxis(self.points[triangles], 1, 0)
         return float(-np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
     @cached_property
     def quality(self) -> Quality:
-        """Shape of the elements."""
+        """Shape measures of the tetrahedra."""
         return measure_quality(self.points, self.tets)
 
     def mirrored(self) -> "Mesh":
-        """The whole body from its half z >= 0: mirrored at z = 0, the face `sym` gone, the other faces completed.
+        """Both halves of a body from its half z >= 0: mirrored at z = 0, without the face `sym`, other faces completed.
 
         Vertices on `sym` are shared by both halves; the first half keeps its numbering. Raises `MeshError` when there
         is no face `sym` in the plane z = 0.
@@ -163,16 +177,17 @@ class Mesh:
         if np.abs(self.points[shared, 2]).max() > 1e-9 * np.ptp(self.points, axis=0).max():
             raise MeshError("the face sym must lie in the plane z = 0")
         count = len(self.points)
-        twin = np.full(count, -1)
-        twin[shared] = shared
-        alone = np.flatnonzero(twin < 0)
-        twin[alone] = count + np.arange(len(alone))
-        points = np.vstack([self.points, self.points[alone] * [1, 1, -1]])
-        faces = {name: np.vstack([f, twin[f]]) for name, f in self.faces.items() if name != "sym"}
-        return Mesh(points, np.vstack([self.tets, twin[self.tets]]), faces)
+        image = np.full(count, -1)
+        image[shared] = shared
+        unshared = np.flatnonzero(image < 0)
+        image[unshared] = count + np.arange(len(unshared))
+        points = np.vstack([self.points, self.points[unshared] * [1, 1, -1]])
+        faces = {name: np.vstack([f, image[f]]) for name, f in self.faces.items() if name != "sym"}
+        return Mesh(points, np.vstack([self.tets, image[self.tets]]), faces)
 
 
-def _checked(points: Array, tets: Array, faces: Mapping[str, Array]) -> tuple[Array, Array, dict[str, Array]]:
+def _checked(points: Array, tets: Index, faces: Mapping[str, Index]) -> tuple[Array, Index, dict[str, Index]]:
+    """Copies of the arrays with their shapes and indices checked. Raises `MeshError`."""
     points = np.array(points, dtype=np.float64)
     tets = np.array(tets, dtype=np.int64)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
@@ -186,19 +201,19 @@ def _checked(points: Array, tets: Array, faces: Mapping[str, Array]) -> tuple[Ar
     return points, tets, groups
 
 
-def _frozen(array: Array) -> Array:
+def _frozen(array: Frozen) -> Frozen:
     array.setflags(write=False)
     return array
 
 
-def _read(path: Path) -> tuple[Array, Array, dict[str, Array]]:
+def _read(path: Path) -> tuple[Array, Index, dict[str, Index]]:
     """Points (n, 3), tetrahedra (m, 4) and named triangles {name: (k, 3)} of a mesh file; see `Mesh.read`."""
     import meshio
 
     if not path.is_file():
         raise MeshError(f"the mesh file {path} does not exist")
     try:
-        # meshio prints its own remarks; nothing of this project prints from the inside
+        # meshio prints remarks; the library functions of this project print nothing
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             content = meshio.read(path)
     except (Exception, SystemExit) as error:
@@ -214,28 +229,28 @@ def _read(path: Path) -> tuple[Array, Array, dict[str, Array]]:
     return content.points, np.vstack(tets), faces
 
 
-def _named_triangles(content: Any) -> dict[str, Array]:
-    """The triangles of each named physical group; a triangle listed in several groups stands in each of them."""
-    faces: dict[str, Array] = {}
+def _named_triangles(content: Any) -> dict[str, Index]:
+    """The triangles of each named physical group; a triangle in several groups is listed under each of their names."""
+    faces: dict[str, Index] = {}
     for name in content.field_data:
-        parts = [
-            block.data[np.asarray(chosen, dtype=np.int64), :3]
-            for block, chosen in zip(content.cells, content.cell_sets.get(name, []), strict=False)
-            if block.type in ("triangle", "triangle6") and chosen is not None and len(chosen)
+        blocks = [
+            block.data[np.asarray(rows, dtype=np.int64), :3]
+            for block, rows in zip(content.cells, content.cell_sets.get(name, []), strict=False)
+            if block.type in ("triangle", "triangle6") and rows is not None and len(rows)
         ]
-        if not parts and "gmsh:physical" in content.cell_data and content.field_data[name][1] == 2:
+        if not blocks and "gmsh:physical" in content.cell_data and content.field_data[name][1] == 2:
             tag = content.field_data[name][0]
-            parts = [
+            blocks = [
                 block.data[np.asarray(groups) == tag][:, :3]
                 for block, groups in zip(content.cells, content.cell_data["gmsh:physical"], strict=True)
                 if block.type in ("triangle", "triangle6")
             ]
-        if sum(map(len, parts)):
-            faces[name] = np.vstack(parts)
+        if sum(map(len, blocks)):
+            faces[name] = np.vstack(blocks)
     return faces
 
 
-def _write(path: Path, points: Array, tets: Array, faces: Mapping[str, Array]) -> None:
+def _write(path: Path, points: Array, tets: Index, faces: Mapping[str, Index]) -> None:
     """Write a .msh with physical groups or a .vtu of the tetrahedra; see `Mesh.write`."""
     import meshio
 
@@ -252,5 +267,5 @@ def _write(path: Path, points: Array, tets: Array, faces: Mapping[str, Array]) -
     meshio.write(path, content, file_format="gmsh22", binary=False)
 
 
-def _place(point: Iterable[float]) -> str:
+def _coordinates(point: Iterable[float]) -> str:
     return "(" + ", ".join(f"{x:.3g}" for x in point) + ")"

@@ -1,15 +1,16 @@
-"""How well tetrahedra are shaped."""
+"""Shape measures of tetrahedra."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from geometry.topology import EDGES, OUTWARD, Array, normals, signed_volumes
+from geometry.arrays import Array, Index
+from geometry.topology import EDGES, OUTWARD, normals, signed_volumes
 
 
 @dataclass(frozen=True)
 class Quality:
-    """How well the tetrahedra are shaped.
+    """Shape of the tetrahedra of a mesh.
 
     The measure is the radius ratio 3 r_inscribed / R_circumscribed: 1 for the regular tetrahedron, 0 for a flat one.
     """
@@ -17,14 +18,12 @@ class Quality:
     count: int  #: number of tetrahedra
     minimum: float  #: smallest radius ratio
     mean: float  #: mean radius ratio
-    worst: int  #: index of the tetrahedron with the smallest radius ratio
-    place: tuple[float, float, float]  #: its centre, mm
-    aspect: float  #: largest ratio of longest edge to smallest height of one tetrahedron (1.22 when regular)
+    position: tuple[float, float, float]  #: centroid of the tetrahedron with the smallest radius ratio, mm
     longest_edge: float  #: mm
 
 
-def measure_quality(points: Array, tets: Array) -> Quality:
-    """Quality of positively oriented tetrahedra (m, 4) on points (n, 3)."""
+def measure_quality(points: Array, tets: Index) -> Quality:
+    """Quality of positively oriented tetrahedra (m, 4) on points (n, 3), mm."""
     corners, volumes = points[tets], signed_volumes(points, tets)
     areas = np.linalg.norm(normals(corners[:, OUTWARD].reshape(-1, 3, 3)), axis=1).reshape(-1, 4) / 2
     a, b, c = (corners[:, i] - corners[:, 0] for i in (1, 2, 3))
@@ -33,16 +32,12 @@ def measure_quality(points: Array, tets: Array) -> Quality:
     centre = aa * np.cross(b, c) + bb * np.cross(c, a) + cc * np.cross(a, b)
     radius = np.linalg.norm(centre, axis=1) / (12 * volumes)
     ratio = 9 * volumes / areas.sum(axis=1) / radius
-    edges = np.linalg.norm(corners[:, EDGES[:, 0]] - corners[:, EDGES[:, 1]], axis=2).max(axis=1)
-    aspect = edges * areas.max(axis=1) / (3 * volumes)
-    worst = int(np.argmin(ratio))
-    x, y, z = (float(v) for v in corners[worst].mean(axis=0))
+    edges = np.linalg.norm(corners[:, EDGES[:, 0]] - corners[:, EDGES[:, 1]], axis=2)
+    x, y, z = (float(v) for v in corners[int(np.argmin(ratio))].mean(axis=0))
     return Quality(
         count=len(ratio),
         minimum=float(ratio.min()),
         mean=float(ratio.mean()),
-        worst=worst,
-        place=(x, y, z),
-        aspect=float(aspect.max()),
+        position=(x, y, z),
         longest_edge=float(edges.max()),
     )

@@ -331,7 +331,7 @@ def _body_table(path: Path, design: "Design", body: "Body") -> Table:
     table.add_row(body.cavities[0], f"{halves * air:.7g} mm3 in the whole body; closed form {design.cavity_volume:.7g}")
     table.add_row("tetrahedra", str(quality.count))
     table.add_row(
-        "radius ratio", f"smallest {quality.minimum:.3f} at {_point(quality.place)} mm, mean {quality.mean:.3f}"
+        "radius ratio", f"smallest {quality.minimum:.3f} at {_point(quality.position)} mm, mean {quality.mean:.3f}"
     )
     table.add_row("longest edge", f"{quality.longest_edge:.3g} mm")
     return table

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from fem.discretisation import FORMULATIONS
-from geometry import Mesh
+from geometry import Design, Mesh
 from geometry.arrays import Array, Mask
 
 Grid = Mask
@@ -91,20 +91,26 @@ def fork(gap: float, length: float = 6.0, layers: int = 3) -> Mesh:
     return named(mesh, clamp=on_plane(mesh, 0, 0.0), prongs=inner, above=above, below=below)
 
 
+def cell_boundaries(design: Design) -> Array:
+    """Positions x (k,) of the planes between the cells of a drawn body, mm: as many cells as fit, centred."""
+    count = int(design.length / design.pitch)
+    return design.length / 2 + design.pitch * (np.arange(count + 1) - count / 2)
+
+
 def inside(mesh: Mesh, low: float, high: float) -> tuple[Array, np.ndarray]:
-    """Points and tetrahedra between two planes, the tetrahedra by the numbers of those points sorted by place."""
+    """Points and tetrahedra between two planes x = const, the points sorted by position and numbered anew."""
     centre = mesh.points[mesh.tets][:, :, 0].mean(axis=1)
     tets = mesh.tets[(centre > low) & (centre < high)]
     used = np.unique(tets)
     points = mesh.points[used] - [low, 0, 0]
     order = np.lexsort(np.round(points, 6).T)
-    place = np.empty(len(mesh.points), dtype=int)
-    place[used[order]] = np.arange(len(used))
-    return points[order], place[tets]
+    rank = np.empty(len(mesh.points), dtype=int)
+    rank[used[order]] = np.arange(len(used))
+    return points[order], rank[tets]
 
 
 def reference_arm() -> Mesh:
-    """The mesh on which other codes solved Test II; what they got is in the design note "mechanics"."""
+    """The mesh on which other finite element codes solved experiment II (`tests/verification`)."""
     return Mesh.read(DATA / "t2_coarse.msh")
 
 

@@ -1,4 +1,4 @@
-"""What every family must keep: names, closed surfaces, symmetry, equal cells, the curve on the mesh."""
+"""Properties of the bodies of every family: face names, closed surface, symmetry, equal cells, curve along edges."""
 
 import hashlib
 import threading
@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from bodies import inside
+from bodies import cell_boundaries, inside
 
 from geometry import (
     FAMILIES,
@@ -44,13 +44,13 @@ def design(request: pytest.FixtureRequest) -> Design:
     return request.param
 
 
-def twins(points: np.ndarray, image: np.ndarray) -> np.ndarray:
+def matching(points: np.ndarray, image: np.ndarray) -> np.ndarray:
     """For each row of `image` the index of the equal row of `points` (to 1e-9)."""
     order, other = (np.lexsort(np.round(p, 6).T) for p in (points, image))
     assert points[order] == pytest.approx(image[other], abs=1e-9)
-    found = np.empty(len(points), dtype=int)
-    found[other] = order
-    return found
+    match = np.empty(len(points), dtype=int)
+    match[other] = order
+    return match
 
 
 def rows(indices: np.ndarray) -> set[tuple[int, ...]]:
@@ -62,12 +62,12 @@ def test_every_boundary_triangle_has_one_name_and_the_surface_is_closed(design: 
     named = np.vstack(list(mesh.faces.values()))
     assert len(rows(named)) == len(named) == len(mesh.boundary)
     directed = named[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    # each edge is walked once in each direction: closed, and all triangles outward together
+    # each edge occurs once in each direction: the surface is closed and its triangles are oriented alike
     assert set(map(tuple, directed.tolist())) == set(map(tuple, directed[:, ::-1].tolist()))
     assert len(np.unique(directed, axis=0)) == len(directed)
 
 
-def test_planes_are_where_they_are_named_and_face_outward(design: Design) -> None:
+def test_named_planes_have_their_position_and_face_outward(design: Design) -> None:
     mesh = meshed(design, 4).mesh
     for name, axis, value, sign in [("clamp", 0, 0, -1), ("tip", 0, design.length, 1), ("sym", 2, 0, -1)]:
         corners = mesh.points[mesh.faces[name]]
@@ -80,28 +80,27 @@ def test_planes_are_where_they_are_named_and_face_outward(design: Design) -> Non
 
 
 def test_body_fills_its_extent(design: Design) -> None:
-    whole = meshed(design, 4).full()
-    assert np.ptp(whole.mesh.points, axis=0) == pytest.approx(design.extent, rel=1e-12)
-    assert not whole.half
-    assert whole.full() is whole
-    assert design.width == design.extent[2]
+    full = meshed(design, 4).full()
+    assert np.ptp(full.mesh.points, axis=0) == pytest.approx(design.extent, rel=1e-12)
+    assert not full.half
+    assert full.full() is full
 
 
 def test_body_is_mirror_symmetric_about_its_middle(design: Design) -> None:
     mesh = meshed(design, 4).mesh
-    twin = twins(mesh.points, mesh.points * [-1, 1, 1] + [design.length, 0, 0])
-    assert rows(twin[mesh.tets]) == rows(mesh.tets)
-    assert rows(twin[mesh.faces["clamp"]]) == rows(mesh.faces["tip"])
+    image = matching(mesh.points, mesh.points * [-1, 1, 1] + [design.length, 0, 0])
+    assert rows(image[mesh.tets]) == rows(mesh.tets)
+    assert rows(image[mesh.faces["clamp"]]) == rows(mesh.faces["tip"])
     for name in mesh.faces.keys() - {"clamp", "tip"}:
-        assert rows(twin[mesh.faces[name]]) == rows(mesh.faces[name])
+        assert rows(image[mesh.faces[name]]) == rows(mesh.faces[name])
 
 
 @pytest.mark.parametrize(
     "design", [PneuNet(chambers=5), Semicircular(chambers=5), BisectedCircle(), SemicircularSingle()]
 )
 def test_inner_cells_are_equal(design: Design) -> None:
-    mesh, cells = meshed(design, 4).mesh, design.cells
-    assert np.diff(cells) == pytest.approx(np.full(len(cells) - 1, design.pitch))
+    mesh, cells = meshed(design, 4).mesh, cell_boundaries(design)
+    assert len(cells) == (6 if isinstance(design, PneuNet | Semicircular) else 12)
     points, tets = inside(mesh, cells[1], cells[2])
     for low, high in pairwise(cells[2:-1]):
         other_points, other_tets = inside(mesh, low, high)
@@ -129,30 +128,30 @@ def test_tip_and_clamp_have_an_edge_at_the_height_of_the_curve(design: Design) -
         vertices = np.unique(mesh.faces[name])
         edge = vertices[np.abs(mesh.points[vertices, 1] - design.curve_y) < 1e-9]
         edge = edge[np.argsort(mesh.points[edge, 2])]
-        assert np.ptp(mesh.points[edge, 2]) == pytest.approx(design.width / 2)
+        assert np.ptp(mesh.points[edge, 2]) == pytest.approx(design.extent[2] / 2)
         assert mesh.has_edges(np.column_stack([edge[:-1], edge[1:]])).all()
 
 
-def test_plane_of_the_curve_is_whole_mesh_faces(design: Design) -> None:
+def test_plane_of_the_curve_consists_of_mesh_faces(design: Design) -> None:
     mesh = meshed(design, 4).mesh
     a, b, c = np.moveaxis(mesh.points[mesh.plane(1, design.curve_y)], 1, 0)
     area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
-    assert area == pytest.approx(design.length * design.width / 2, rel=1e-12)
+    assert area == pytest.approx(design.length * design.extent[2] / 2, rel=1e-12)
 
 
-def test_elements_are_not_worse_than_measured(design: Design) -> None:
-    floors = {6: 0.08, 4: 0.12, 2.5: 0.14}
-    for size, floor in floors.items():
+def test_radius_ratio_of_the_elements_is_bounded(design: Design) -> None:
+    bounds = {6: 0.08, 4: 0.12, 2.5: 0.14}
+    for size, bound in bounds.items():
         quality = meshed(design, size).mesh.quality
-        assert quality.minimum > floor
+        assert quality.minimum > bound
         assert quality.mean > 0.4
         assert quality.longest_edge < 1.9 * size
 
 
 def test_equal_designs_give_equal_meshes(design: Design) -> None:
     def digest(body: Body) -> str:
-        parts = [body.mesh.points, body.mesh.tets, *body.mesh.faces.values()]
-        return hashlib.sha256(b"".join(np.ascontiguousarray(part).tobytes() for part in parts)).hexdigest()
+        arrays = [body.mesh.points, body.mesh.tets, *body.mesh.faces.values()]
+        return hashlib.sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in arrays)).hexdigest()
 
     assert digest(replace(design).body(4)) == digest(meshed(design, 4))
 
@@ -187,8 +186,8 @@ def test_sizes_that_do_not_suit_the_body_are_refused(size: float) -> None:
 def test_body_without_its_curve_is_refused() -> None:
     mesh = meshed(PneuNet(), 4).mesh
     with pytest.raises(MeshError, match="no mesh vertex at each of its ends"):
-        Body(mesh, "astray", 112, 10, 1.5)
+        Body(mesh, "body", 112, 10, 1.5)
     with pytest.raises(MeshError, match="no face named cavity_lower"):
-        Body(mesh, "astray", 112, 10, 1, True, ("cavity", "cavity_lower"))
+        Body(mesh, "body", 112, 10, 1, True, ("cavity", "cavity_lower"))
     with pytest.raises(MeshError, match="does not run along mesh edges"):
-        Body(mesh, "astray", 112, 10, 5)
+        Body(mesh, "body", 112, 10, 5)

@@ -1,11 +1,11 @@
-"""Graded meshes: smaller elements where they are asked for, and everything else as it was."""
+"""Graded meshes: smaller elements at re-entrant edges or thin walls; symmetry, cells and volumes as without grading."""
 
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
-from bodies import inside
+from bodies import cell_boundaries, inside
 
 from geometry import GRADINGS, BisectedCircle, Body, Design, Grading, PneuNet, Semicircular, SemicircularSingle
 from pipeline.config.config import load_config
@@ -24,22 +24,22 @@ def grading(request: pytest.FixtureRequest) -> Grading:
     return GRADINGS[request.param]
 
 
-def size_near(body: Body, place: tuple[float, float, float], reach: float) -> float:
-    """Mean length of the edges around a place, mm."""
+def size_near(body: Body, position: tuple[float, float, float], radius: float) -> float:
+    """Mean length of the edges whose middle is within `radius` of a position, mm."""
     ends = body.mesh.points[body.mesh.edges]
-    near = np.linalg.norm(ends.mean(axis=1) - place, axis=1) < reach
+    near = np.linalg.norm(ends.mean(axis=1) - position, axis=1) < radius
     assert near.sum() > 3
     return float(np.linalg.norm(ends[near, 0] - ends[near, 1], axis=1).mean())
 
 
 def cell(body: Body, low: float, high: float) -> tuple[np.ndarray, set[tuple[int, ...]]]:
-    """Points between two planes, by place, and the tetrahedra by the ranks of their points."""
+    """Sorted points between two planes, and the tetrahedra by the ranks of their points."""
     points, tets = inside(body.mesh, low, high)
     return points, set(map(tuple, np.sort(tets, axis=1).tolist()))
 
 
 def test_cells_stay_equal_and_the_curve_stays_on_edges(design: Design, grading: Grading) -> None:
-    body, cells = design.body(4, grading), design.cells
+    body, cells = design.body(4, grading), cell_boundaries(design)
     points, tets = cell(body, cells[1], cells[2])
     for low, high in pairwise(cells[2:-1]):
         others, other_tets = cell(body, low, high)
@@ -51,14 +51,14 @@ def test_cells_stay_equal_and_the_curve_stays_on_edges(design: Design, grading: 
 
 def test_volumes_are_those_of_the_drawing(design: Design, grading: Grading) -> None:
     body, plain = design.body(4, grading), design.body(4)
-    for found, coarse, exact in (
+    for volume, coarse, exact in (
         (body.mesh.volume, plain.mesh.volume, design.solid_volume / 2),
         (body.mesh.enclosed_volume("cavity"), plain.mesh.enclosed_volume("cavity"), design.cavity_volume / 2),
     ):
         if isinstance(design, PneuNet):
-            assert found == pytest.approx(exact, rel=1e-12)
-        else:  # the chords of the circles are shorter than those of the even mesh
-            assert abs(found - exact) < 0.8 * abs(coarse - exact)
+            assert volume == pytest.approx(exact, rel=1e-12)
+        else:  # the chords of the circles are shorter than without grading
+            assert abs(volume - exact) < 0.8 * abs(coarse - exact)
 
 
 def test_elements_are_no_worse(design: Design, grading: Grading) -> None:
@@ -69,31 +69,31 @@ def test_elements_are_no_worse(design: Design, grading: Grading) -> None:
 
 
 @pytest.mark.parametrize("name", GRADED)
-def test_elements_are_small_where_they_are_asked_for(name: str) -> None:
+def test_elements_are_small_at_the_graded_positions(name: str) -> None:
     design = PneuNet(chambers=2)
     body, plain = design.body(6, GRADINGS[name]), design.body(6)
-    asked = {"edges": (3.0, 2.0, 2.75), "walls": (2.5, 10.0, 2.0)}[name]
-    assert size_near(body, asked, 2.5) < 0.85 * size_near(plain, asked, 2.5)
+    position = {"edges": (3.0, 2.0, 2.75), "walls": (2.5, 10.0, 2.0)}[name]
+    assert size_near(body, position, 2.5) < 0.85 * size_near(plain, position, 2.5)
     away = (12.0, 0.5, 6.0)  # on the base, below a gap
     assert size_near(body, away, 2.5) > 0.8 * size_near(plain, away, 2.5)
 
 
 def test_finer_grading_follows_the_size() -> None:
-    """Both sizes scale, so that a ladder of graded meshes converges."""
+    """Both sizes scale with the mesh size, so that a series of graded meshes converges."""
     design = PneuNet(chambers=2)
     wall = (2.5, 10.0, 2.0)
     coarse, fine = (size_near(design.body(size, GRADINGS["walls"]), wall, 2.5) for size in (5, 2.5))
     assert fine == pytest.approx(coarse / 2, rel=0.25)
 
 
-def test_no_grading_is_the_even_mesh() -> None:
+def test_grading_off_is_the_default() -> None:
     design = PneuNet(chambers=2)
     plain, off = design.body(5).mesh, design.body(5, GRADINGS["off"]).mesh
     assert np.array_equal(plain.points, off.points)
     assert np.array_equal(plain.tets, off.tets)
 
 
-def test_a_drawing_of_ones_own_is_graded_too(configs: Path) -> None:
+def test_a_cad_file_is_graded_too(configs: Path) -> None:
     design = load_config(configs / "finger.yaml").design
     body, plain = design.body(4, GRADINGS["edges"]), design.body(4)
     assert len(body.mesh.tets) > 1.3 * len(plain.mesh.tets)

@@ -69,9 +69,8 @@ def test_regular_tetrahedron_is_perfect() -> None:
     quality = Mesh(REGULAR, np.array([[0, 1, 2, 3]]), {}).quality
     assert quality.minimum == pytest.approx(1, abs=1e-14)
     assert quality.mean == pytest.approx(1, abs=1e-14)
-    assert quality.aspect == pytest.approx(np.sqrt(1.5))
     assert quality.longest_edge == pytest.approx(np.sqrt(8))
-    assert (quality.count, quality.worst, quality.place) == (1, 0, (0, 0, 0))
+    assert (quality.count, quality.position) == (1, (0, 0, 0))
 
 
 def test_radius_ratio_of_the_corner_tetrahedron() -> None:

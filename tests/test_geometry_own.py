@@ -1,4 +1,4 @@
-"""A user's own body: CAD files and ready meshes, and what is said about those that cannot be used."""
+"""Bodies from CAD and mesh files, and the messages for files that cannot be used."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geometry import DesignError, Mesh, MeshError, OwnMesh, OwnSolid, PneuNet
-from geometry.manifold import count_pieces
+from geometry import CadFile, DesignError, Mesh, MeshError, MeshFile, PneuNet
+from geometry.manifold import count_components
 from geometry.meshing.solid import session
 
 Draw = Callable[[Any], Any]
@@ -41,9 +41,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("own")
 
 
-def own(path: Path, **changes: Any) -> OwnSolid:
+def own(path: Path, **changes: Any) -> CadFile:
     spec: dict[str, Any] = {"clamp": 0, "tip": 60, "curve": 1.5, "air": {"cavity": (30, 5, 0)}}
-    return OwnSolid(str(path), **(spec | changes))
+    return CadFile(str(path), **(spec | changes))
 
 
 SOLID = 60 * 12 * 15 + np.pi * 9 * 4 - 54 * 7 * 10
@@ -65,7 +65,6 @@ def test_cad_file_becomes_a_body(folder: Path, suffix: str, symmetric: bool) -> 
     assert mesh.area("clamp") == pytest.approx(share * 12 * 15)
     assert (body.half, body.length, body.curve_y, body.pitch) == (symmetric, 60, 1.5, 10)
     assert np.diff(mesh.points[body.curve_vertices, 0]).max() <= 4 + 1e-9
-    assert design.cells == pytest.approx(np.arange(0, 61, 10))
     assert mesh.quality.minimum > 0.1
 
 
@@ -199,12 +198,11 @@ def pneunet(folder: Path) -> Path:
 
 def test_ready_mesh_becomes_a_body(pneunet: Path) -> None:
     drawn = PneuNet(chambers=2)
-    design = OwnMesh(str(pneunet), curve=1)
+    design = MeshFile(str(pneunet), curve=1)
     assert design.extent == pytest.approx(drawn.extent)
     assert design.solid_volume == pytest.approx(drawn.solid_volume)
     assert design.cavity_volume == pytest.approx(drawn.cavity_volume)
     assert design.length == pytest.approx(22)
-    assert design.cells == pytest.approx([0, 11, 22])
     assert design.body(3) is design.ready
     assert len(design.digest) == 64
 
@@ -213,8 +211,8 @@ def test_mesh_in_metres_needs_its_unit(pneunet: Path, tmp_path: Path) -> None:
     mesh = Mesh.read(pneunet)
     Mesh(np.add(mesh.points, [3, 0, 0]) / 1000, mesh.tets, mesh.faces).write(tmp_path / "metres.msh")
     with pytest.raises(DesignError, match=r"file, unit: the body measures .* in another unit"):
-        OwnMesh(str(tmp_path / "metres.msh"), curve=1)
-    assert OwnMesh(str(tmp_path / "metres.msh"), curve=1, unit=1000).length == pytest.approx(22)
+        MeshFile(str(tmp_path / "metres.msh"), curve=1)
+    assert MeshFile(str(tmp_path / "metres.msh"), curve=1, unit=1000).length == pytest.approx(22)
 
 
 def renamed(mesh: Mesh, **names: str) -> Mesh:
@@ -257,7 +255,7 @@ BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
 
 def test_pieces_are_counted() -> None:
     mesh = PneuNet().body(5).mesh
-    assert [count_pieces(m) for m in (mesh, twice(mesh), twice(twice(mesh)))] == [1, 2, 4]
+    assert [count_components(m) for m in (mesh, twice(mesh), twice(twice(mesh)))] == [1, 2, 4]
 
 
 @pytest.mark.parametrize("case", BAD_MESHES)
@@ -265,10 +263,10 @@ def test_meshes_that_cannot_be_used(case: str, pneunet: Path, tmp_path: Path) ->
     change, sentence = BAD_MESHES[case]
     change(Mesh.read(pneunet)).write(tmp_path / "bad.msh")
     with pytest.raises(DesignError, match=sentence) as caught:
-        OwnMesh(str(tmp_path / "bad.msh"), curve=1)
+        MeshFile(str(tmp_path / "bad.msh"), curve=1)
     assert caught.value.keys[0] == "file"
 
 
 def test_mesh_that_misses_the_curve_is_refused(pneunet: Path) -> None:
     with pytest.raises(DesignError, match=r"file: the material curve y = 1\.5 mm, z = 0"):
-        OwnMesh(str(pneunet), curve=1.5)
+        MeshFile(str(pneunet), curve=1.5)

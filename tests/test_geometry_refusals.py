@@ -1,4 +1,4 @@
-"""Impossible dimensions are refused by name."""
+"""Impossible dimensions raise `DesignError` with the names of their config keys."""
 
 from dataclasses import fields
 

@@ -1,4 +1,4 @@
-"""Bodies are tested by what they must weigh."""
+"""Volumes and areas of the meshed bodies against closed forms."""
 
 from math import cos, pi, sin
 
@@ -21,7 +21,7 @@ def test_pneunet_by_hand() -> None:
     assert design.length == 112
     assert design.cavity_volume == 11 * 6 * 11 * 13 + 10 * 4 * 2 * 2
     assert design.solid_volume == 112 * 15 * 5 + 11 * 8 * 15 * 12 - design.cavity_volume
-    assert design.cells[[0, 1, -1]] == pytest.approx([1, 11, 111])
+    assert design.pitch == 10
 
 
 @pytest.mark.parametrize("size", [6, 4, 3, 2])

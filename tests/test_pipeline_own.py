@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from geometry import OwnMesh, OwnSolid
+from geometry import CadFile, MeshFile
 from geometry.meshing.solid import session
 from pipeline.cli import app
 from pipeline.config.config import load_config
@@ -58,8 +58,8 @@ def draw(path: Path) -> None:
 def test_shipped_file_is_what_the_drawing_says(tmp_path: Path) -> None:
     draw(tmp_path / "finger.step")
     shipped = load_config(CONFIGS / "finger.yaml")
-    assert isinstance(shipped.design, OwnSolid)
-    again = OwnSolid(str(tmp_path / "finger.step"), 0, 80, 1, shipped.design.air)
+    assert isinstance(shipped.design, CadFile)
+    again = CadFile(str(tmp_path / "finger.step"), 0, 80, 1, shipped.design.air)
     assert again.solid_volume == pytest.approx(shipped.design.solid_volume, rel=1e-9)
     assert shipped.design.solid_volume == pytest.approx(
         80 * (13 * 16 - (4 - 3.14159265) * 9 / 2) - 76 * 9.5 * 13, rel=1e-6
@@ -106,7 +106,7 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_ready_mesh_stays_as_it_is(ready: Path) -> None:
     config = load_config(ready)
-    assert isinstance(config.design, OwnMesh)
+    assert isinstance(config.design, MeshFile)
     body = Scene.meshed(config).body
     assert (body.half, body.length, config.mesh.formulation) == (True, pytest.approx(80.0), "p2p0")
     assert config.mesh.size_mm == pytest.approx(body.mesh.quality.longest_edge)

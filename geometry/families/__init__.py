@@ -1,1 +1,14 @@
 """Body families: one module each, and bodies read from files."""
+
+from geometry.design import Design
+from geometry.families.bisected_circle import BisectedCircle
+from geometry.families.pneunet import PneuNet
+from geometry.families.semicircular import Semicircular
+from geometry.families.semicircular_single import SemicircularSingle
+
+#: The drawn families by the name that a config gives them.
+FAMILIES: dict[str, type[Design]] = {
+    design.family: design for design in (PneuNet, Semicircular, SemicircularSingle, BisectedCircle)
+}
+
+__all__ = ["FAMILIES", "BisectedCircle", "PneuNet", "Semicircular", "SemicircularSingle"]

@@ -1,17 +1,16 @@
-"""Design (d): a round bar with two D-shaped cavities, parted by a flat wall across its middle."""
+"""Round arm with two D-shaped cavities, separated by a flat wall through its axis."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import acos, pi, sqrt
 from typing import ClassVar, final
 
-import numpy as np
-
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
+from geometry.families.semicircular_single import nominal_cells
 from geometry.grading import Grading
 from geometry.mesh import Mesh
-from geometry.meshing.mirror import repeat, slices
+from geometry.meshing.mirror import repeat
 from geometry.meshing.solid import RoundBar, Solid, mesh_solid
-from geometry.topology import Array
 
 
 @final
@@ -20,8 +19,7 @@ class BisectedCircle(SymmetricDesign):
     """A disc extruded along x with a dividing wall in the plane y = 0 and a cavity on each side; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity (the upper one, which is pressurised), cavity_lower,
-    outer. All dimensions are choices. A cell is nominal: as many equal cells as fit the cavity best, each about 4/3 of
-    the radius long.
+    outer. The paper gives no dimensions, so all of them are assumed. The cells are nominal (`nominal_cells`).
     """
 
     family: ClassVar[str] = "bisected_circle"
@@ -30,7 +28,7 @@ class BisectedCircle(SymmetricDesign):
     radius: float = 7.5  #: outer
     end_wall: float = 2.0  #: thickness of the solid at each end
     wall: float = 1.0  #: thickness of the round wall
-    divider: float = 1.5  #: thickness of the dividing wall; the material curve runs at half of it
+    divider: float = 1.5  #: thickness of the dividing wall, in the middle of which the material curve runs
 
     def __post_init__(self) -> None:
         check_numbers(self)
@@ -44,10 +42,6 @@ class BisectedCircle(SymmetricDesign):
             )
 
     @property
-    def cavities(self) -> tuple[str, ...]:
-        return ("cavity", "cavity_lower")
-
-    @property
     def extent(self) -> tuple[float, float, float]:
         return (self.length, 2 * self.radius, 2 * self.radius)
 
@@ -57,26 +51,22 @@ class BisectedCircle(SymmetricDesign):
 
     @property
     def pitch(self) -> float:
-        return slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)[1]
-
-    @property
-    def cells(self) -> Array:
-        count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
-        return self.end_wall + pitch * np.arange(count + 1)
+        return nominal_cells(self.length - 2 * self.end_wall, self.radius)[1]
 
     @property
     def solid_volume(self) -> float:
         return pi * self.radius**2 * self.length - 2 * self.cavity_volume
 
     @property
-    def cavity_volume(self) -> float:
-        """Of the upper cavity alone: a segment of the inner circle times the length between the end walls, mm3."""
+    def cavity_volumes(self) -> Mapping[str, float]:
+        """A segment of the inner circle times the length between the end walls, for each of the two cavities, mm3."""
         inner, height = self.radius - self.wall, self.divider / 2
         segment = inner**2 * acos(height / inner) - height * sqrt(inner**2 - height**2)
-        return segment * (self.length - 2 * self.end_wall)
+        volume = segment * (self.length - 2 * self.end_wall)
+        return {"cavity": volume, "cavity_lower": volume}
 
     def half_mesh(self, size: float, grading: Grading) -> Mesh:
-        count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
+        count, pitch = nominal_cells(self.length - 2 * self.end_wall, self.radius)
         middle = self.end_wall + pitch / 2
         edge = middle + pitch / 2
         material = {"end": self._halves(0, middle, self.radius, 0)}
@@ -89,5 +79,5 @@ class BisectedCircle(SymmetricDesign):
 
     @staticmethod
     def _halves(start: float, stop: float, radius: float, height: float) -> list[list[RoundBar]]:
-        """The parts y >= height and y <= -height of a round bar."""
+        """The parts y >= height and y <= -height of a round bar, start <= x <= stop, in mm."""
         return [[RoundBar(start, stop, 0, radius, bottom=height)], [RoundBar(start, stop, 0, radius, top=-height)]]

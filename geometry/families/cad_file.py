@@ -1,4 +1,4 @@
-"""A user's own body, drawn with a CAD program and saved as STEP or BREP."""
+"""A body from a CAD file (STEP or BREP)."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,19 +13,19 @@ import numpy as np
 from geometry.design import Body, Design, DesignError, check_size
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
-from geometry.meshing.cad import SUFFIXES, CadBody, Findings, Point, examine, mesh_cad
+from geometry.meshing.cad import SUFFIXES, CadBody, CadMeasures, Point, measure, mesh_cad
 from geometry.meshing.mirror import slices
-from geometry.topology import Array
 
 
 @final
 @dataclass(frozen=True)
-class OwnSolid(Design):
+class CadFile(Design):
     """One solid from a STEP or BREP file; all lengths in mm.
 
     It is drawn in the frame of all bodies: x along the length, y up, z across, and symmetric about z = 0 (or the half
-    z >= 0) unless `symmetric` is false. The file is read and checked on birth; `DesignError` names the key that is
-    wrong. Faces: clamp, tip, sym, the cavities by their names, outer. A cell is nominal, near `pitch` long.
+    z >= 0) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError` names the config
+    key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The cells are nominal: equal parts of
+    the length, about `cell` long.
     """
 
     family: ClassVar[str] = "own_solid"
@@ -37,7 +37,7 @@ class OwnSolid(Design):
     air: Mapping[str, Point]  #: name of a cavity -> a point (x, y, z) in it; the first is pressurised
     symmetric: bool = True  #: mesh only z >= 0
     cell: float = 10.0  #: length over which curvature is averaged, nominal
-    unit: float = 1.0  #: mm per unit of length in a BREP file, which does not say it
+    unit: float = 1.0  #: mm per unit of length of a BREP file, which does not store its unit
 
     def __post_init__(self) -> None:
         path = Path(self.file)
@@ -57,16 +57,16 @@ class OwnSolid(Design):
                 "air", "name at least one cavity by a point in it, for example cavity: [50 mm, 8 mm, 0 mm]"
             )
         object.__setattr__(self, "air", dict(self.air))
-        _ = self.findings
+        _ = self.measures
 
     @cached_property
-    def findings(self) -> Findings:
-        """What the file holds: bounds (mm) and volumes (mm3) of the whole body."""
-        return examine(self._cad)
+    def measures(self) -> CadMeasures:
+        """Bounds (mm) and volumes (mm3) of the body (both halves)."""
+        return measure(self._cad)
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of the file, so that results can be told from those of an older file of the same name."""
+        """SHA-256 of the file, so that results of an older file of the same name are not reused."""
         return sha256(Path(self.file).read_bytes()).hexdigest()
 
     @property
@@ -74,16 +74,12 @@ class OwnSolid(Design):
         return CadBody(Path(self.file), self.unit, self.clamp, self.tip, self.curve, self.symmetric, self.air)
 
     @property
-    def cavities(self) -> tuple[str, ...]:
-        return tuple(self.air)
-
-    @property
     def length(self) -> float:
         return self.tip - self.clamp
 
     @property
     def extent(self) -> tuple[float, float, float]:
-        x, y, z = (float(side) for side in np.subtract(self.findings.high, self.findings.low))
+        x, y, z = (float(side) for side in np.subtract(self.measures.high, self.measures.low))
         return (x, y, z)
 
     @property
@@ -95,16 +91,12 @@ class OwnSolid(Design):
         return slices(self.length, self.cell)[1]
 
     @property
-    def cells(self) -> Array:
-        return np.linspace(0, self.length, slices(self.length, self.cell)[0] + 1)
-
-    @property
     def solid_volume(self) -> float:
-        return self.findings.solid_volume
+        return self.measures.solid_volume
 
     @property
-    def cavity_volume(self) -> float:
-        return self.findings.air_volumes[self.cavities[0]]
+    def cavity_volumes(self) -> Mapping[str, float]:
+        return {name: self.measures.air_volumes[name] for name in self.air}
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
         check_size(size, self.extent, self.solid_volume / (2 if self.symmetric else 1))

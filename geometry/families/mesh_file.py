@@ -1,5 +1,6 @@
-"""A user's own body as a ready mesh with named faces."""
+"""A body from a mesh file with named faces."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -15,19 +16,17 @@ from geometry.manifold import check_manifold
 from geometry.mesh import Mesh, MeshError
 from geometry.meshing.cad import LARGEST, SMALLEST
 from geometry.meshing.mirror import slices
-from geometry.topology import Array
 
 
 @final
 @dataclass(frozen=True)
-class OwnMesh(Design):
+class MeshFile(Design):
     """A mesh of tetrahedra from a file (Gmsh .msh) whose physical groups name its faces; lengths in mm.
 
-    Needed groups: clamp and tip (flat, in planes x = const), cavity; further cavities are the groups whose names begin
-    with cavity. A group sym in the plane z = 0 makes it a half body. The material curve (y = curve, z = 0, from
-    clamp to tip) must run along element edges. The file is read and checked on birth; `DesignError` names the key that
-    is wrong.
-    A size asked for later changes nothing: the mesh stays as it is.
+    Required groups: clamp and tip (flat, in planes x = const), cavity; further cavities are the groups whose names
+    begin with cavity. A group sym in the plane z = 0 makes it a half body. The material curve (y = curve, z = 0, from
+    clamp to tip) must run along element edges. The constructor reads and checks the file; its `DesignError` names the
+    config key to change. The cells are nominal: equal parts of the length, about `cell` long.
     """
 
     family: ClassVar[str] = "own_mesh"
@@ -45,7 +44,7 @@ class OwnMesh(Design):
 
     @cached_property
     def ready(self) -> Body:
-        """The body, clamped at x = 0."""
+        """The body, moved along x so that its clamp is at x = 0."""
         try:
             return self._read()
         except MeshError as error:
@@ -53,13 +52,13 @@ class OwnMesh(Design):
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of the file, so that results can be told from those of an older file of the same name."""
+        """SHA-256 of the file, so that results of an older file of the same name are not reused."""
         return sha256(Path(self.file).read_bytes()).hexdigest()
 
     def _read(self) -> Body:
         mesh = Mesh.read(self.file)
         check_manifold(mesh)
-        mesh, length = self._placed(mesh)
+        mesh, length = self._in_frame(mesh)
         names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
         if "cavity" not in names:
             raise MeshError(f"the mesh has no face named cavity; it has {', '.join(mesh.faces)}")
@@ -69,8 +68,8 @@ class OwnMesh(Design):
         pitch = slices(length, self.cell)[1]
         return Body(mesh, self.family, length, pitch, self.curve, "sym" in mesh.faces, names)
 
-    def _placed(self, mesh: Mesh) -> tuple[Mesh, float]:
-        """The mesh in mm and clamped at x = 0, and its length."""
+    def _in_frame(self, mesh: Mesh) -> tuple[Mesh, float]:
+        """The mesh in mm, with its clamp at x = 0, and its length (mm). Raises `MeshError` or `DesignError`."""
         points = mesh.points * self.unit
         sides = np.ptp(points, axis=0)
         if not SMALLEST <= sides.max() <= LARGEST:
@@ -93,10 +92,6 @@ class OwnMesh(Design):
         return Mesh(points - [ends[0], 0, 0], mesh.tets, mesh.faces), ends[1] - ends[0]
 
     @property
-    def cavities(self) -> tuple[str, ...]:
-        return self.ready.cavities
-
-    @property
     def length(self) -> float:
         return self.ready.length
 
@@ -114,21 +109,18 @@ class OwnMesh(Design):
         return self.ready.pitch
 
     @property
-    def cells(self) -> Array:
-        return np.linspace(0, self.length, slices(self.length, self.cell)[0] + 1)
-
-    @property
     def solid_volume(self) -> float:
-        return self._whole * self.ready.mesh.volume
+        return self._halves * self.ready.mesh.volume
+
+    @cached_property
+    def cavity_volumes(self) -> Mapping[str, float]:
+        return {name: self._halves * self.ready.mesh.enclosed_volume(name) for name in self.ready.cavities}
 
     @property
-    def cavity_volume(self) -> float:
-        return self._whole * self.ready.mesh.enclosed_volume(self.cavities[0])
-
-    @property
-    def _whole(self) -> int:
+    def _halves(self) -> int:
+        """Number of times that the meshed volume is in the body."""
         return 2 if self.ready.half else 1
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        """The mesh as it was read; neither `size` nor `grading` is used."""
+        """The mesh of the file; `size` and `grading` are not used."""
         return self.ready

@@ -1,16 +1,14 @@
-"""Design (a): gapped chambers on a strip, the "fast" pneu-net."""
+"""Pneu-net with gaps between its chambers ("fast" pneu-net), the first arm of the paper."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, final
-
-import numpy as np
 
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import repeat
 from geometry.meshing.solid import Box, Solid, mesh_solid
-from geometry.topology import Array
 
 
 @final
@@ -20,7 +18,8 @@ class PneuNet(SymmetricDesign):
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, gap (the facing walls of neighbouring chambers and the
     strip between them), outer. Width, height, strip, gap and chamber length are those of the paper (w, H, t, t1, t2);
-    all others are choices.
+    the other dimensions, which the paper does not give, are assumed. A cell extends from the middle of one gap to the
+    middle of the next.
     """
 
     family: ClassVar[str] = "pneunet"
@@ -28,7 +27,7 @@ class PneuNet(SymmetricDesign):
     chambers: int = 11
     width: float = 15.0  #: across, w
     chamber_length: float = 8.0  #: outer, along x, t2
-    gap: float = 2.0  #: between chambers, and the slab at each end, t1
+    gap: float = 2.0  #: between chambers, and thickness of the solid at each end, t1
     chamber_height: float = 12.0  #: above the strip, outer, H
     strip: float = 3.0  #: thickness of the strip, t
     base: float = 2.0  #: thickness of the base plate under it, b; the material curve runs at half of it
@@ -52,10 +51,6 @@ class PneuNet(SymmetricDesign):
             )
 
     @property
-    def cavities(self) -> tuple[str, ...]:
-        return ("cavity",)
-
-    @property
     def length(self) -> float:
         return self.chambers * self.chamber_length + (self.chambers + 1) * self.gap
 
@@ -72,23 +67,18 @@ class PneuNet(SymmetricDesign):
         return self.gap + self.chamber_length
 
     @property
-    def cells(self) -> Array:
-        """From the middle of one gap to the middle of the next; the slabs at the ends count as gaps."""
-        return self.gap / 2 + self.pitch * np.arange(self.chambers + 1)
-
-    @property
     def solid_volume(self) -> float:
         plates = self.length * self.width * (self.base + self.strip)
         blocks = self.chambers * self.chamber_length * self.width * self.chamber_height
         return plates + blocks - self.cavity_volume
 
     @property
-    def cavity_volume(self) -> float:
+    def cavity_volumes(self) -> Mapping[str, float]:
         inside = self.chamber_length - 2 * self.wall
         across = self.width - 2 * self.side_wall
         cavities = self.chambers * inside * across * (self.strip + self.chamber_height - self.roof)
         channels = (self.chambers - 1) * (self.gap + 2 * self.wall) * self.channel**2
-        return cavities + channels
+        return {"cavity": cavities + channels}
 
     def half_mesh(self, size: float, grading: Grading) -> Mesh:
         middle = self.gap + self.chamber_length / 2
@@ -96,7 +86,11 @@ class PneuNet(SymmetricDesign):
         return repeat(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
-        """The end piece with half a chamber and, with a neighbour, the other half up to the middle of the gap."""
+        """The end piece and the half cell that are repeated.
+
+        The end piece reaches to the middle of the first chamber (x = middle, mm). With more than one chamber the half
+        cell reaches from there to the middle of the first gap (x = edge, mm).
+        """
         z, ceiling = self.width / 2, self.base + self.strip + self.chamber_height
         near, far = self.gap, self.gap + self.chamber_length
 

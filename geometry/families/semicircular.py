@@ -1,17 +1,15 @@
-"""Design (b): a half disc on a base plate, with chambers parted by solid partitions and a smooth outside."""
+"""Semicircular arm with a row of chambers: a half disc on a base plate, solid partitions, smooth outside."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, pi
 from typing import ClassVar, final
-
-import numpy as np
 
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import repeat
 from geometry.meshing.solid import Box, RoundBar, Shape, Solid, mesh_solid
-from geometry.topology import Array
 
 
 @final
@@ -19,8 +17,9 @@ from geometry.topology import Array
 class Semicircular(SymmetricDesign):
     """A half disc extruded along x on a base plate of the same width, with a row of chambers; all lengths in mm.
 
-    Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. The source shows this body without dimensions:
-    all of them are choices, the width, the length and the air channel being those of the pneu-net.
+    Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. The paper shows this body without dimensions, so
+    all of them are assumed; width, length and air channel are those of the pneu-net. A cell extends from the middle of
+    one partition to the middle of the next.
     """
 
     family: ClassVar[str] = "semicircular"
@@ -46,10 +45,6 @@ class Semicircular(SymmetricDesign):
             )
 
     @property
-    def cavities(self) -> tuple[str, ...]:
-        return ("cavity",)
-
-    @property
     def length(self) -> float:
         return self.chambers * self.chamber_length + (self.chambers - 1) * self.partition + 2 * self.end_wall
 
@@ -66,20 +61,14 @@ class Semicircular(SymmetricDesign):
         return self.chamber_length + self.partition
 
     @property
-    def cells(self) -> Array:
-        """From the middle of one partition to the middle of the next; the end cells stop at the ends of the body."""
-        middles = self.end_wall - self.partition / 2 + self.pitch * np.arange(self.chambers + 1)
-        return np.clip(middles, 0, self.length)
-
-    @property
     def solid_volume(self) -> float:
         section = 2 * self.radius * self.base + pi / 2 * self.radius**2
         return section * self.length - self.cavity_volume
 
     @property
-    def cavity_volume(self) -> float:
+    def cavity_volumes(self) -> Mapping[str, float]:
         cavities = self.chambers * self.chamber_length * pi / 2 * (self.radius - self.wall) ** 2
-        return cavities + (self.chambers - 1) * self.partition * self.channel**2
+        return {"cavity": cavities + (self.chambers - 1) * self.partition * self.channel**2}
 
     def half_mesh(self, size: float, grading: Grading) -> Mesh:
         middle = self.end_wall + self.chamber_length / 2
@@ -87,6 +76,11 @@ class Semicircular(SymmetricDesign):
         return repeat(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
+        """The end piece and the half cell that are repeated.
+
+        The end piece reaches to the middle of the first chamber (x = middle, mm). With more than one chamber the half
+        cell reaches from there to the middle of the first partition (x = edge, mm).
+        """
         near, far = self.end_wall, self.end_wall + self.chamber_length
         end = dome(0, middle, self.radius, self.base)
         hollow: list[Shape] = [cavity(near, middle, self.radius - self.wall, self.base)]
@@ -100,7 +94,7 @@ class Semicircular(SymmetricDesign):
 
 
 def dome(start: float, stop: float, radius: float, base: float) -> list[list[Shape]]:
-    """The half z >= 0 of a base plate, cut at half its thickness, with a half disc on it."""
+    """The half z >= 0 of a base plate, cut at half its thickness, with a half disc on it; start <= x <= stop, in mm."""
     return [
         [Box((start, 0, 0), (stop, base / 2, radius))],
         [Box((start, base / 2, 0), (stop, base, radius)), cavity(start, stop, radius, base)],
@@ -108,5 +102,5 @@ def dome(start: float, stop: float, radius: float, base: float) -> list[list[Sha
 
 
 def cavity(start: float, stop: float, radius: float, base: float) -> RoundBar:
-    """The half z >= 0 of a half disc on the base plate."""
+    """The half z >= 0 of a half disc on the base plate; start <= x <= stop, in mm."""
     return RoundBar(start, stop, base, radius, bottom=base)

@@ -1,10 +1,9 @@
-"""Design (c): a half disc on a base plate, with one cavity along its whole length."""
+"""Semicircular arm with a single cavity: a half disc on a base plate."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import ClassVar, final
-
-import numpy as np
 
 from geometry.design import SymmetricDesign, check_less, check_numbers
 from geometry.families.semicircular import cavity, dome
@@ -12,7 +11,6 @@ from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import repeat, slices
 from geometry.meshing.solid import Solid, mesh_solid
-from geometry.topology import Array
 
 
 @final
@@ -20,9 +18,8 @@ from geometry.topology import Array
 class SemicircularSingle(SymmetricDesign):
     """A half disc extruded along x on a base plate of the same width, with a single cavity; all lengths in mm.
 
-    Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. All dimensions are choices, those of the
-    semicircular body with chambers. Without chambers a cell is nominal: as many equal cells as fit the cavity best,
-    each about 4/3 of the radius long.
+    Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. The paper gives no dimensions, so those of the
+    semicircular arm with chambers are assumed. The cells are nominal (`nominal_cells`).
     """
 
     family: ClassVar[str] = "semicircular_single"
@@ -39,10 +36,6 @@ class SemicircularSingle(SymmetricDesign):
         check_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
 
     @property
-    def cavities(self) -> tuple[str, ...]:
-        return ("cavity",)
-
-    @property
     def extent(self) -> tuple[float, float, float]:
         return (self.length, self.base + self.radius, 2 * self.radius)
 
@@ -52,12 +45,7 @@ class SemicircularSingle(SymmetricDesign):
 
     @property
     def pitch(self) -> float:
-        return slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)[1]
-
-    @property
-    def cells(self) -> Array:
-        count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
-        return self.end_wall + pitch * np.arange(count + 1)
+        return nominal_cells(self.length - 2 * self.end_wall, self.radius)[1]
 
     @property
     def solid_volume(self) -> float:
@@ -65,11 +53,11 @@ class SemicircularSingle(SymmetricDesign):
         return section * self.length - self.cavity_volume
 
     @property
-    def cavity_volume(self) -> float:
-        return pi / 2 * (self.radius - self.wall) ** 2 * (self.length - 2 * self.end_wall)
+    def cavity_volumes(self) -> Mapping[str, float]:
+        return {"cavity": pi / 2 * (self.radius - self.wall) ** 2 * (self.length - 2 * self.end_wall)}
 
     def half_mesh(self, size: float, grading: Grading) -> Mesh:
-        count, pitch = slices(self.length - 2 * self.end_wall, 4 / 3 * self.radius)
+        count, pitch = nominal_cells(self.length - 2 * self.end_wall, self.radius)
         middle = self.end_wall + pitch / 2
         edge = middle + pitch / 2
         inner = self.radius - self.wall
@@ -79,3 +67,8 @@ class SemicircularSingle(SymmetricDesign):
             material["cell"] = dome(middle, edge, self.radius, self.base)
             hollow.append(cavity(middle, edge, inner, self.base))
         return repeat(mesh_solid(Solid(material, {"cavity": hollow}), size, grading), middle, edge, 2 * (count - 1))
+
+
+def nominal_cells(cavity_length: float, radius: float) -> tuple[int, float]:
+    """Number and pitch (mm) of the nominal cells of an arm without chambers: equal parts, about 4/3 radii long."""
+    return slices(cavity_length, 4 / 3 * radius)

@@ -1,7 +1,8 @@
-"""A solid from a CAD file: what it is found to be, and its mesh. Works in the Gmsh session of `geometry.meshing.solid`.
+"""A solid from a CAD file: its measures and its mesh. Works in the Gmsh session of `geometry.meshing.solid`.
 
-The body is drawn in its frame: x along the length, y up, z across. The air is what remains of a box around the body;
-the piece of it around the outside touches the box, every other piece is a cavity and must be named by a point in it.
+The body is drawn in its frame: x along the length, y up, z across. The air is a box around the body minus the body; the
+component of it at the corners of the box is the outside, every other component is a cavity and must be named by a point
+in it.
 """
 
 from collections.abc import Iterator, Mapping
@@ -13,24 +14,24 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from geometry.design import DesignError
-from geometry.grading import Grading, grade
+from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.face_names import name_faces
-from geometry.meshing.solid import SolidMesh, Volume, collected, mend, session, walls_between
+from geometry.meshing.size_field import set_size_field
+from geometry.meshing.solid import SolidMesh, Volume, collect_mesh, optimize, session, walls_between
 
 Point: TypeAlias = tuple[float, float, float]
 
 SUFFIXES = (".step", ".stp", ".brep", ".brp")
-#: A soft actuator shorter or longer than this (mm) is taken for a file in another unit.
+#: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
-
-#: A tetrahedron whose radius ratio is less than this is mended.
+#: A mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 FLAT = 0.05
 
 
 @dataclass(frozen=True)
 class CadBody:
-    """Where to find a solid and how to read it; lengths in mm."""
+    """A solid in a CAD file and how to read it; lengths in mm."""
 
     path: Path
     unit: float  #: mm per unit of length of the file (STEP files carry their unit, so 1 for them)
@@ -42,25 +43,25 @@ class CadBody:
 
 
 @dataclass(frozen=True)
-class Findings:
-    """What the file holds, whether or not half of it is meshed; mm and mm3."""
+class CadMeasures:
+    """Measures of the body, both halves even if only one is meshed."""
 
-    low: Point  #: least x, y, z of the whole body
-    high: Point
-    solid_volume: float  #: of the whole body
-    air_volumes: Mapping[str, float]  #: of the whole cavities
+    low: Point  #: smallest x, y and z, mm
+    high: Point  #: largest x, y and z, mm
+    solid_volume: float  #: mm3
+    air_volumes: Mapping[str, float]  #: by the name of the cavity, mm3
 
 
-def examine(body: CadBody) -> Findings:
-    """Read the file and check all that can be checked without a mesh. Raises `DesignError` naming the key."""
+def measure(body: CadBody) -> CadMeasures:
+    """Read the file and check all that can be checked without a mesh. Raises `DesignError` with the config key."""
     with _read(body) as (gmsh, blocks, air):
         occ = gmsh.model.occ
-        whole = 2 if body.half else 1
-        volumes = {name: whole * float(occ.getMass(*volume)) for volume, name in air.items()}
+        halves = 2 if body.half else 1
+        volumes = {name: halves * float(occ.getMass(*volume)) for volume, name in air.items()}
         low, high = _bounds(gmsh, blocks)
         if body.half:
             low = (low[0], low[1], -high[2])
-        return Findings(low, high, whole * sum(float(occ.getMass(*block)) for block in blocks), volumes)
+        return CadMeasures(low, high, halves * sum(float(occ.getMass(*block)) for block in blocks), volumes)
 
 
 def mesh_cad(body: CadBody, size: float, grading: Grading) -> Mesh:
@@ -76,19 +77,20 @@ def mesh_cad(body: CadBody, size: float, grading: Grading) -> Mesh:
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8, as in the round families
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
-        grade(gmsh, size, grading, half=body.half, piece=False)
+        set_size_field(gmsh, size, grading, half=body.half, mirrored=False)
         gmsh.model.mesh.generate(3)
-        mend(gmsh, FLAT)
-        mesh = collected(gmsh, material, walls, ["body"], list(body.air))
-    return _finished(body, mesh)
+        optimize(gmsh, FLAT)
+        mesh = collect_mesh(gmsh, material, walls, ["body"], list(body.air))
+    return _named_mesh(body, mesh)
 
 
-def _finished(body: CadBody, mesh: SolidMesh) -> Mesh:
+def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
+    """The mesh with its clamp at x = 0 and named faces; points near the named planes are moved into them."""
     points = mesh.points - [body.clamp, 0, 0]
     length = body.tip - body.clamp
-    scale = 1e-6 * length
+    tolerance = 1e-6 * length
     for axis, position in ((0, 0.0), (0, length), (1, body.curve), (2, 0.0)):
-        near = np.abs(points[:, axis] - position) < scale  # files carry about seven digits
+        near = np.abs(points[:, axis] - position) < tolerance  # files carry about seven digits
         points[near, axis] = position
     planes = {"clamp": (0, 0.0), "tip": (0, length)} | ({"sym": (2, 0.0)} if body.half else {})
     named = name_faces(points, mesh.regions["body"], mesh.walls, planes)
@@ -100,11 +102,11 @@ def _finished(body: CadBody, mesh: SolidMesh) -> Mesh:
 
 @contextmanager
 def _read(body: CadBody) -> Iterator[tuple[Any, list[Volume], dict[Volume, str]]]:
-    """The body in a session: its blocks, cut at the planes of the material curve, and the named air."""
+    """A session with the body: its blocks, cut at the planes of the material curve, and its named cavities."""
     with session() as gmsh:
         solid = _single_solid(gmsh, body)
         low, high = _bounds(gmsh, [solid])
-        _check_place(body, low, high)
+        _check_position(body, low, high)
         if body.half and low[2] < -1e-6 * (high[0] - low[0]):
             _check_symmetric(gmsh, solid)
             low = (low[0], low[1], 0.0)
@@ -113,6 +115,7 @@ def _read(body: CadBody) -> Iterator[tuple[Any, list[Volume], dict[Volume, str]]
 
 
 def _single_solid(gmsh: Any, body: CadBody) -> Volume:
+    """The solid of the file, in mm. Raises `DesignError` unless there is exactly one."""
     occ = gmsh.model.occ
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
     try:
@@ -132,14 +135,15 @@ def _single_solid(gmsh: Any, body: CadBody) -> Volume:
 
 
 def _bounds(gmsh: Any, volumes: list[Volume]) -> tuple[Point, Point]:
-    """Corners of the box around some volumes, mm, rounded to get rid of the margin of 1e-7 that the CAD kernel adds."""
+    """Corners of the bounding box of some volumes, mm, rounded because the CAD kernel adds a margin of 1e-7."""
     boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in volumes])
     left, bottom, near = (round(float(x), 6) + 0.0 for x in boxes[:, :3].min(axis=0))
     right, top, far = (round(float(x), 6) + 0.0 for x in boxes[:, 3:].max(axis=0))
     return (left, bottom, near), (right, top, far)
 
 
-def _check_place(body: CadBody, low: Point, high: Point) -> None:
+def _check_position(body: CadBody, low: Point, high: Point) -> None:
+    """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm)."""
     sides = np.subtract(high, low)
     measures = " x ".join(f"{side:.4g}" for side in sides)
     if not SMALLEST <= sides.max() <= LARGEST:
@@ -164,24 +168,24 @@ def _check_place(body: CadBody, low: Point, high: Point) -> None:
 
 
 def _check_symmetric(gmsh: Any, solid: Volume) -> None:
-    """The body and its mirror image at z = 0 must fill the same space."""
+    """Raise `DesignError` unless the body and its mirror image at z = 0 fill the same space."""
     occ = gmsh.model.occ
     image = occ.copy([solid])
     occ.mirror(image, 0, 0, 1, 0)
-    left, _ = occ.cut([solid], image, removeObject=False, removeTool=True)
-    beyond = sum(float(occ.getMass(*volume)) for volume in left if volume[0] == 3)
-    share = beyond / float(occ.getMass(*solid))
-    if left:
-        occ.remove(left, recursive=True)
+    rest, _ = occ.cut([solid], image, removeObject=False, removeTool=True)
+    fraction = sum(float(occ.getMass(*volume)) for volume in rest if volume[0] == 3) / float(occ.getMass(*solid))
+    if rest:
+        occ.remove(rest, recursive=True)
     occ.synchronize()
-    if share > 1e-6:
+    if fraction > 1e-6:
         raise DesignError(
-            "symmetric", f"the halves of the body about z = 0 differ ({100 * share:.2g} % of its volume); write false"
+            "symmetric",
+            f"the halves of the body about z = 0 differ ({100 * fraction:.2g} % of its volume); write false",
         )
 
 
 def _fragments(gmsh: Any, body: CadBody, solid: Volume, low: Point, high: Point) -> tuple[list[Volume], list[Volume]]:
-    """The body cut along its material curve, and the pieces of air in a box around it."""
+    """The blocks of the body, cut along its material curve, and the components of the air in a box around it."""
     occ = gmsh.model.occ
     margin = 0.1 * max(np.subtract(high, low))
     start, stop = np.subtract(low, margin), np.add(high, margin)
@@ -197,13 +201,13 @@ def _fragments(gmsh: Any, body: CadBody, solid: Volume, low: Point, high: Point)
     ]
     blocks = []
     for window in windows:
-        found, _ = occ.intersect([solid], [window], removeObject=False, removeTool=True)
-        blocks += [volume for volume in found if volume[0] == 3]
+        parts, _ = occ.intersect([solid], [window], removeObject=False, removeTool=True)
+        blocks += [volume for volume in parts if volume[0] == 3]
     occ.remove([solid], recursive=True)
     _, children = occ.fragment(blocks + air, [])
     occ.synchronize()
-    inside = {child for found in children[: len(blocks)] for child in found if child[0] == 3}
-    around = {child for found in children[len(blocks) :] for child in found if child[0] == 3} - inside
+    inside = {child for parts in children[: len(blocks)] for child in parts if child[0] == 3}
+    around = {child for parts in children[len(blocks) :] for child in parts if child[0] == 3} - inside
     return sorted(inside), sorted(around)
 
 
@@ -214,31 +218,32 @@ def _box(occ: Any, low: Any, high: Any) -> int:
 def _named_air(
     gmsh: Any, body: CadBody, blocks: list[Volume], air: list[Volume], low: Point, high: Point
 ) -> dict[Volume, str]:
-    """The piece of air each point lies in; all pieces but the outside must have a name."""
+    """The name of each cavity. Raises `DesignError` unless every cavity has exactly one of the given points in it."""
     corner = np.add(high, 0.05 * max(np.subtract(high, low)))
     outside = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(corner))]
     named: dict[Volume, str] = {}
     for name, point in body.air.items():
-        place = "(" + ", ".join(f"{x:g}" for x in point) + ") mm"
+        coordinates = "(" + ", ".join(f"{x:g}" for x in point) + ") mm"
         if body.half:
             point = (point[0], point[1], max(abs(point[2]), 1e-5 * (high[2] - low[2])))
         holders = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(point))]
         if not holders:
             in_solid = any(gmsh.model.isInside(3, volume[1], list(point)) for volume in blocks)
             where = "in the material" if in_solid else "away from the body"
-            raise DesignError(f"air.{name}", f"the point {place} lies {where}; give a point in the cavity")
+            raise DesignError(f"air.{name}", f"the point {coordinates} lies {where}; give a point in the cavity")
         if holders[0] in outside:
             raise DesignError(
                 f"air.{name}",
-                f"the point {place} lies outside the body or in a cavity that is open to the outside; close its inlet",
+                f"the point {coordinates} lies outside the body or in a cavity that is open to the outside; "
+                "close its inlet",
             )
         if holders[0] in named:
             raise DesignError(
-                f"air.{name}", f"the point {place} lies in the same cavity as that of {named[holders[0]]}"
+                f"air.{name}", f"the point {coordinates} lies in the same cavity as that of {named[holders[0]]}"
             )
         named[holders[0]] = name
     for volume in air:
         if volume not in named and volume not in outside:
-            place = ", ".join(f"{x:.4g}" for x in gmsh.model.occ.getCenterOfMass(*volume))
-            raise DesignError("air", f"the body has one more cavity, around ({place}) mm; name it by a point in it")
+            centre = ", ".join(f"{x:.4g}" for x in gmsh.model.occ.getCenterOfMass(*volume))
+            raise DesignError("air", f"the body has one more cavity, around ({centre}) mm; name it by a point in it")
     return named

@@ -1,32 +1,33 @@
-"""Every boundary triangle of a body under exactly one name."""
+"""Names for the boundary triangles of a body, exactly one for each."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
+from geometry.arrays import Array, Index
 from geometry.mesh import Mesh
-from geometry.topology import Array, find_rows
+from geometry.topology import find_rows
 
 
-def name_faces(points: Array, tets: Array, walls: Mapping[str, Array], planes: Mapping[str, tuple[int, float]]) -> Mesh:
+def name_faces(points: Array, tets: Index, walls: Mapping[str, Index], planes: Mapping[str, tuple[int, float]]) -> Mesh:
     """The mesh whose boundary triangles are named by the air they touch, else by the plane they lie in, else `outer`.
 
-    points (n, 3), mm; tets (m, 4); walls: name -> (k, 3) triangles, those inside the body being ignored; planes:
+    points (n, 3), mm; tets (m, 4); walls: name of the air -> (k, 3) triangles, interior ones are ignored; planes:
     name -> (axis, position in mm). A name without triangles is left out.
     """
     boundary = Mesh(points, tets, {}).boundary
     free = np.ones(len(boundary), dtype=bool)
     tolerance = 1e-9 * np.ptp(points, axis=0).max()
-    air: dict[str, Array] = {}
+    air: dict[str, Index] = {}
     for name, triangles in walls.items():
         rows = find_rows(triangles, boundary, len(points))
         rows = rows[rows >= 0]
         air[name] = boundary[rows]
         free[rows] = False
-    flat: dict[str, Array] = {}
+    flat: dict[str, Index] = {}
     for name, (axis, position) in planes.items():
-        on = (np.abs(points[boundary][:, :, axis] - position) < tolerance).all(axis=1) & free
-        flat[name] = boundary[on]
-        free &= ~on
+        on_plane = (np.abs(points[boundary][:, :, axis] - position) < tolerance).all(axis=1) & free
+        flat[name] = boundary[on_plane]
+        free &= ~on_plane
     faces = flat | air | {"outer": boundary[free]}
     return Mesh(points, tets, {name: triangles for name, triangles in faces.items() if len(triangles)})

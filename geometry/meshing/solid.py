@@ -1,4 +1,4 @@
-"""Solids described as data and meshed by Gmsh; this module is the only door to Gmsh."""
+"""Solids described as data and meshed by Gmsh; only this module imports Gmsh."""
 
 import ctypes
 import os
@@ -12,19 +12,21 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from geometry.grading import OFF, Grading, grade
+from geometry.arrays import Array, Index
+from geometry.grading import OFF, Grading
 from geometry.mesh import MeshError
-from geometry.topology import Array
+from geometry.meshing.size_field import set_size_field
 
-#: No chord of a circle spans more than this angle, rad: it cuts the radius by 2 % at most.
+#: Largest angle of a chord of a circle, rad: its middle lies 2 % of the radius inside the circle.
 LARGEST_ARC = np.pi / 8
 
-#: A graded mesh with a tetrahedron whose radius ratio is less than this is mended.
+#: A graded mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 POOR = 0.1
 
 _ONE_SESSION = threading.Lock()  # Gmsh has one global state per process
 
-Volume: TypeAlias = tuple[int, int]  # (3, tag), as Gmsh names a volume
+#: (3, tag), as Gmsh identifies a volume.
+Volume: TypeAlias = tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -54,9 +56,9 @@ Shape: TypeAlias = Box | RoundBar
 class Solid:
     """Material minus air.
 
-    `material` names the regions; a region is a sequence of blocks, each the union of some shapes. Faces between two
-    blocks stay in the mesh (so they place vertices), faces inside a block vanish. `air` lists the empty shapes by the
-    name that the wall around them will carry; what is both is air.
+    `material` maps the names of regions to blocks, each the union of some shapes. Faces between two blocks remain faces
+    of the mesh (so that vertices lie on them), faces inside a block vanish. `air` maps the name of the wall around it
+    to empty shapes; where material and air overlap there is air.
     """
 
     material: Mapping[str, Sequence[Sequence[Shape]]]
@@ -68,21 +70,21 @@ class SolidMesh:
     """A meshed solid, before it is assembled to a body."""
 
     points: Array  #: (n, 3), mm
-    regions: Mapping[str, Array]  #: region -> (m, 4) tetrahedra
-    walls: Mapping[str, Array]  #: name of the air -> (k, 3) triangles of the material around it
+    regions: Mapping[str, Index]  #: region -> (m, 4) tetrahedra
+    walls: Mapping[str, Index]  #: name of the air -> (k, 3) triangles of the material around it
 
 
 @contextmanager
 def session() -> Iterator[Any]:
     """A silent, deterministic, single-threaded Gmsh session; yields the `gmsh` module.
 
-    Errors of Gmsh leave it as `MeshError`.
+    Raises `MeshError` for every error of Gmsh.
     """
     import gmsh
 
-    with _ONE_SESSION, _without_remarks():
+    with _ONE_SESSION, _silenced():
         gmsh.initialize([], readConfigFiles=False, run=False, interruptible=False)
-        _take_signals_back()
+        _restore_signals()
         try:
             for option, value in _OPTIONS.items():
                 gmsh.option.setNumber(option, value)
@@ -98,23 +100,25 @@ def session() -> Iterator[Any]:
 
 
 @contextmanager
-def _without_remarks() -> Iterator[None]:
-    """Nothing on the standard output: the libraries inside Gmsh write there whatever its verbosity is."""
+def _silenced() -> Iterator[None]:
+    """Redirect the standard output to nowhere: libraries inside Gmsh write there whatever its verbosity is."""
     c = ctypes.CDLL(None)
     c.fflush(None)
-    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
+    stdout, devnull = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(devnull, 1)
     try:
         yield
     finally:
         c.fflush(None)
-        os.dup2(kept, 1)
-        os.close(kept)
-        os.close(nowhere)
+        os.dup2(stdout, 1)
+        os.close(stdout)
+        os.close(devnull)
 
 
-def _take_signals_back() -> None:
-    """Gmsh takes these from Python when it starts; a broken pipe would then end the process without a word."""
+def _restore_signals() -> None:
+    """Give back to Python the signals that Gmsh handles once started: with its handlers a broken pipe would end the
+    process without a message.
+    """
     if threading.current_thread() is threading.main_thread():  # others may not set handlers
         for number in (signal.SIGHUP, signal.SIGPIPE, signal.SIGTERM):
             signal.signal(number, signal.getsignal(number))
@@ -140,7 +144,7 @@ def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
         voids = [(name, _drawn(occ, shape)) for name, shapes in solid.air.items() for shape in shapes]
         parents = [(name, volume) for name, volumes in blocks for volume in volumes] + voids
         _, children = occ.fragment([volume for _, volume in parents], [])
-        owners = [(name, child) for (name, _), found in zip(parents, children, strict=True) for child in found]
+        owners = [(name, child) for (name, _), parts in zip(parents, children, strict=True) for child in parts]
         air = {child: name for name, child in owners if name in solid.air}
         material = {child: name for name, child in owners if name in solid.material and child not in air}
         occ.synchronize()
@@ -149,19 +153,21 @@ def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
         occ.synchronize()
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)  # without it Gmsh refines to a tenth of the body
-        grade(gmsh, size, grading)
+        set_size_field(gmsh, size, grading)
         _divide_round_walls(gmsh, size, grading)
         gmsh.model.mesh.generate(3)
         if grading != OFF:
-            mend(gmsh, POOR)
-        return collected(gmsh, material, walls, list(solid.material), list(solid.air))
+            optimize(gmsh, POOR)
+        return collect_mesh(gmsh, material, walls, list(solid.material), list(solid.air))
 
 
-def mend(gmsh: Any, least: float) -> None:
-    """Let Netgen's optimiser work on a mesh with a tetrahedron whose radius ratio is below `least`, such as HXT leaves
-    in thin walls now and then."""
+def optimize(gmsh: Any, minimum: float) -> None:
+    """Optimize the mesh of the session with Netgen if a tetrahedron has a radius ratio below `minimum`.
+
+    HXT sometimes leaves such tetrahedra in thin walls.
+    """
     tags, _ = gmsh.model.mesh.getElementsByType(4)
-    if min(gmsh.model.mesh.getElementQualities(tags, "gamma")) < least:
+    if min(gmsh.model.mesh.getElementQualities(tags, "gamma")) < minimum:
         gmsh.model.mesh.optimize("Netgen")
 
 
@@ -183,7 +189,7 @@ def _drawn(occ: Any, shape: Shape) -> Volume:
 
 
 def walls_between(gmsh: Any, material: Mapping[Volume, str], air: Mapping[Volume, str]) -> dict[int, str]:
-    """The faces between a material volume and an air volume, with the name of the air."""
+    """The tags of the faces between a material volume and an air volume, with the name of the air."""
     solid_faces = {tag for volume in material for _, tag in _faces(gmsh, volume)}
     return {tag: name for volume, name in air.items() for _, tag in _faces(gmsh, volume) if tag in solid_faces}
 
@@ -195,8 +201,8 @@ def _faces(gmsh: Any, volume: Volume) -> list[tuple[int, int]]:
 def _divide_round_walls(gmsh: Any, size: float, grading: Grading) -> None:
     """Divide round faces into straight strips along x, all arcs by the same angle.
 
-    So the two sides of a round wall face each other vertex to vertex, and its thickness is that of the drawing times
-    the cosine of half the angle everywhere. Freely meshed, coarse chords of one side can come near the other side.
+    The two sides of a round wall then face each other vertex to vertex, and its thickness is everywhere that of the
+    drawing times the cosine of half the angle. Freely meshed, coarse chords of one side can come near the other side.
     Round walls are thin and end in re-entrant edges: with a grading they get its smallest size, and only their sides
     are divided here.
     """
@@ -204,15 +210,15 @@ def _divide_round_walls(gmsh: Any, size: float, grading: Grading) -> None:
     radii = {tag: _radius(model, tag) for _, tag in model.getEntities(1) if model.getType(1, tag) == "Circle"}
     if not radii:
         return
-    size *= grading.share
+    size *= grading.fraction
     angle = min(size / max(radii.values()), LARGEST_ARC)
     round_faces = [face for face in model.getEntities(2) if model.getType(*face) == "Cylinder"]
     sides = model.getBoundary(round_faces, combined=False, oriented=False)
     for _, curve in model.getEntities(1) if grading == OFF else sorted(set(sides)):
-        measure, step = model.occ.getMass(1, curve), size
+        length, step = model.occ.getMass(1, curve), size
         if curve in radii:
-            measure, step = measure / radii[curve], angle
-        model.mesh.setTransfiniteCurve(curve, int(np.ceil(measure / step - 1e-6)) + 1)
+            length, step = length / radii[curve], angle  # of the arc in rad
+        model.mesh.setTransfiniteCurve(curve, int(np.ceil(length / step - 1e-6)) + 1)
     for _, face in model.getEntities(2):
         sides = model.getBoundary([(2, face)], oriented=False)
         if model.getType(2, face) == "Cylinder" and len(sides) == 4:
@@ -220,19 +226,20 @@ def _divide_round_walls(gmsh: Any, size: float, grading: Grading) -> None:
 
 
 def _radius(model: Any, arc: int) -> float:
+    """Radius of a circular arc, mm."""
     middle = float(np.mean(model.getParametrizationBounds(1, arc)))
     return 1 / float(model.getCurvature(1, arc, [middle])[0])
 
 
-def collected(
+def collect_mesh(
     gmsh: Any, material: Mapping[Volume, str], walls: Mapping[int, str], regions: Sequence[str], names: Sequence[str]
 ) -> SolidMesh:
-    """The mesh of the session: the tetrahedra of each region, the triangles of each name."""
+    """The mesh of the session: the tetrahedra of each region, the triangles of the walls by name."""
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     index = np.zeros(int(tags.max()) + 1, dtype=np.int64)
     index[tags] = np.arange(len(tags))
 
-    def elements(dimension: int, entity: int, corners: int) -> Array:
+    def elements(dimension: int, entity: int, corners: int) -> Index:
         kind = {3: 4, 2: 2}[dimension]
         nodes = gmsh.model.mesh.getElementsByType(kind, entity)[1]
         return index[nodes].reshape(-1, corners)

@@ -10,7 +10,7 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
-from geometry import FAMILIES, Design, DesignError, OwnMesh, OwnSolid
+from geometry import FAMILIES, CadFile, Design, DesignError, MeshFile
 from geometry.design import check_size
 from pipeline.config.document import Document, read_document
 from pipeline.config.schema import EFFECTS, FULLY_INTEGRATED, LAWS, OWN, checked
@@ -185,11 +185,11 @@ def _design(document: Document, content: Any, family: str) -> tuple[Design, floa
     try:
         if family == OWN:
             values["file"] = str(document.path.parent / values["file"])
-            own = OwnSolid if "air" in values else OwnMesh
+            own = CadFile if "air" in values else MeshFile
             design: Design = own(**values)
         else:
             design = FAMILIES[family](**values)
-        if isinstance(design, OwnMesh):
+        if isinstance(design, MeshFile):
             if content.accuracy is not None:
                 raise document.wrong(
                     ("accuracy",), "a ready mesh cannot be made finer; leave it out, or give a drawing"
@@ -298,7 +298,7 @@ def poisson_ratio(constants: Mapping[str, float]) -> float:
 def _dimensions(design: Any) -> dict[str, Any]:
     """The keys of a design as in the YAML; a file stands there with the digest of what is in it."""
     values = {field.name: getattr(design, field.name) for field in fields(design)}
-    if isinstance(design, OwnSolid | OwnMesh):
+    if isinstance(design, CadFile | MeshFile):
         values |= {"file": Path(design.file).name, "sha256": design.digest}
     if "air" in values:
         values["air"] = {name: list(point) for name, point in values["air"].items()}

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, get_type_hints
 import pydantic
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
-from geometry import FAMILIES, GRADINGS, OwnMesh, OwnSolid
+from geometry import FAMILIES, GRADINGS, CadFile, MeshFile
 from pipeline.config.document import Document
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import quoted
@@ -284,7 +284,7 @@ def _design(family: str, document: Document) -> Any:
     if family != OWN:
         return FAMILIES[family]
     file = document.content["geometry"].get("file", "")
-    return OwnMesh if str(file).lower().endswith(".msh") else OwnSolid
+    return MeshFile if str(file).lower().endswith(".msh") else CadFile
 
 
 def _model(design: Any, law: str) -> type[pydantic.BaseModel]:
@@ -298,7 +298,7 @@ def _model(design: Any, law: str) -> type[pydantic.BaseModel]:
         density=(PositiveDensity, ...),
         **constants,
     )
-    mesh: Any = (_ReadyMesh, _ReadyMesh()) if design is OwnMesh else (_Mesh, ...)
+    mesh: Any = (_ReadyMesh, _ReadyMesh()) if design is MeshFile else (_Mesh, ...)
     return pydantic.create_model(
         "Document", __base__=_Document, geometry=(geometry, ...), material=(material, ...), mesh=mesh
     )

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 from cases import CONFIGS, Check, HardCase, Scene
 
-from geometry import Body
+from geometry import Body, Mesh
+from geometry.topology import EDGES, OUTWARD, normals
 from pipeline.config.config import Config, load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
@@ -77,8 +78,16 @@ def line_of(case: HardCase) -> Line:
         min((row["min_J"] for row in rows), default=np.nan),
         min((row["min_stretch"] for row in rows), default=np.nan),
         max((row["max_stretch"] for row in rows), default=np.nan),
-        found.body.mesh.quality.aspect,
+        _largest_aspect_ratio(found.body.mesh),
     )
+
+
+def _largest_aspect_ratio(mesh: Mesh) -> float:
+    """Largest ratio of the longest edge to the smallest height of one tetrahedron (1.22 when regular)."""
+    corners = mesh.points[mesh.tets]
+    edges = np.linalg.norm(corners[:, EDGES[:, 0]] - corners[:, EDGES[:, 1]], axis=2).max(axis=1)
+    areas = np.linalg.norm(normals(corners[:, OUTWARD].reshape(-1, 3, 3)), axis=1).reshape(-1, 4) / 2
+    return float((edges * areas.max(axis=1) / (3 * mesh.volumes)).max())
 
 
 def solve(scene: Scene) -> Solved:

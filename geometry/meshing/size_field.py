@@ -1,0 +1,98 @@
+"""The field of element sizes that Gmsh follows when a mesh is graded.
+
+Works in the Gmsh session of `geometry.meshing.solid` on what is meshed: a half body, or the end piece and half cell of
+one that are repeated.
+"""
+
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.grading import OFF, Grading
+
+#: True if a point (3,) lies in the material.
+Inside: TypeAlias = Callable[[Array], bool]
+
+#: Number of points around an edge that are tested for material.
+AROUND = 8
+#: Distance of these points from the edge, and of points just under a face, over the length of what is meshed.
+NEAR = 1e-3
+#: Largest depth at which the far side of a wall is searched, over the smallest side of what is meshed.
+DEEPEST = 0.25
+#: Number of depths that are tested.
+STEPS = 40
+#: A wall is thin if it is at most this many times as thick as the thinnest one.
+THIN = 1.6
+#: Number of samples per curve, or per side of a face, from which Gmsh measures the distance.
+SAMPLES = 40
+
+
+def set_size_field(gmsh: Any, size: float, grading: Grading, half: bool = True, mirrored: bool = True) -> None:
+    """Give the solid in the session a field of element sizes, `size` (mm) being the largest.
+
+    half: the body continues beyond z = 0 as its mirror image; mirrored: also beyond its largest x.
+    """
+    if grading == OFF:
+        return
+    model, field = gmsh.model, gmsh.model.mesh.field
+    inside, near = _material_test(model, half, mirrored)
+    if grading.at == "edges":
+        kind, tags = "CurvesList", [tag for _, tag in model.getEntities(1) if _is_reentrant(model, tag, inside, near)]
+    else:
+        kind, tags = "SurfacesList", _thin_walls(model, inside, near)
+    if not tags:
+        return
+    distance, sizes = field.add("Distance"), field.add("MathEval")
+    field.setNumbers(distance, kind, tags)
+    field.setNumber(distance, "Sampling", SAMPLES)
+    field.setString(sizes, "F", f"{grading.fraction * size:.9g} + {grading.growth:.9g} * F{distance}")
+    field.setAsBackgroundMesh(sizes)
+
+
+def _material_test(model: Any, half: bool, mirrored: bool) -> tuple[Inside, float]:
+    """The test whether a point lies in the solid or its mirror images, and the distance (mm) that counts as near."""
+    box = model.getBoundingBox(-1, -1)
+    end, near = box[3], NEAR * (box[3] - box[0])
+    volumes = [tag for _, tag in model.getEntities(3)]
+
+    def inside(point: Array) -> bool:
+        x, y, z = point
+        position = [2 * end - x if mirrored and x > end else x, y, abs(z) if half else z]
+        return any(model.isInside(3, tag, position) for tag in volumes)
+
+    return inside, near
+
+
+def _is_reentrant(model: Any, curve: int, inside: Inside, near: float) -> bool:
+    """True if more than a half space around the middle of a curve is material, but not all of it."""
+    low, high = model.getParametrizationBounds(1, curve)
+    middle = [(low[0] + high[0]) / 2]
+    position, tangent = np.array(model.getValue(1, curve, middle)), np.array(model.getDerivative(1, curve, middle))
+    tangent /= np.linalg.norm(tangent)
+    normal = np.cross(tangent, np.eye(3)[np.argmin(np.abs(tangent))])
+    normal /= np.linalg.norm(normal)
+    binormal = np.cross(tangent, normal)
+    angles = (np.arange(AROUND) + 0.5) * 2 * np.pi / AROUND
+    filled = sum(inside(position + near * (np.cos(a) * normal + np.sin(a) * binormal)) for a in angles)
+    return AROUND / 2 < filled < AROUND
+
+
+def _thin_walls(model: Any, inside: Inside, near: float) -> list[int]:
+    """Tags of the faces behind which the material is at most THIN times as thick as where it is thinnest."""
+    box = np.array(model.getBoundingBox(-1, -1))
+    depths = np.linspace(near, DEEPEST * float((box[3:] - box[:3]).min()), STEPS)
+    thickness = {}
+    for _, face in model.getEntities(2):
+        low, high = model.getParametrizationBounds(2, face)
+        middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
+        position, normal = np.array(model.getValue(2, face, middle)), np.array(model.getNormal(face, middle))
+        behind, before = inside(position - near * normal), inside(position + near * normal)
+        if behind == before:  # between two regions of the material, or in a hole of the face
+            continue
+        inward = -normal if behind else normal
+        through = next((float(depth) for depth in depths if not inside(position + depth * inward)), None)
+        if through is not None:
+            thickness[int(face)] = through
+    return [face for face, depth in thickness.items() if depth <= THIN * min(thickness.values())]
