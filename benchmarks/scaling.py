@@ -22,12 +22,13 @@ from geometry import Centreline, PneuNet
 from rod import (
     Curvature,
     Identification,
+    Load,
     Reference,
     Rod,
     cell_averaged,
     end_displacement_closure,
     identify,
-    moment_from_force,
+    moment_from_load,
     scaled,
     straightness,
     without_stretch,
@@ -46,8 +47,7 @@ class Arm:
     pressure: float  #: kPa
     free: Centreline  #: II
     held: Centreline  #: III
-    force: float  #: N, F_y of III
-    couple: float  #: N mm, of that force about the end of the curve
+    load: Load  #: of III
     kappa_0: Curvature
     numbers: Identification
 
@@ -86,12 +86,12 @@ def solved(chambers: int, pressures: Sequence[float], size: float) -> list[Arm]:
     for pressure in pressures:
         curves = {name: steps[name, pressure][0].centreline(steps[name, pressure][1]) for name in ("II", "III")}
         experiment, step = steps["III", pressure]
-        force = (float(experiment.end_force(step)[0]), float(experiment.end_force(step)[1]))
+        fx, fy = experiment.end_force(step)[:2]
+        load = Load((float(fx), float(fy)), experiment.end_couple(step))
         kappa_0, kappa = (cell_averaged(curves[name], body.pitch) for name in ("II", "III"))
-        couple = experiment.end_couple(step)
-        moment = moment_from_force(without_stretch(curves["III"]), force, couple)
-        found = identify(kappa_0, kappa, moment, end_displacement_closure(curves["II"], curves["III"], force))
-        arms.append(Arm(chambers, pressure, curves["II"], curves["III"], force[1], couple, kappa_0, found))
+        moment = moment_from_load(without_stretch(curves["III"]), load)
+        found = identify(kappa_0, kappa, moment, end_displacement_closure(curves["II"], curves["III"], load))
+        arms.append(Arm(chambers, pressure, curves["II"], curves["III"], load, kappa_0, found))
     return arms
 
 
@@ -112,7 +112,7 @@ def held_against(arm: Arm, known: Reference) -> Row:
     guess = scaled(known, length=arm.free.length, pressure=arm.pressure)
     start = (float(arm.free.x[0]), float(arm.free.y[0]))
     rod = Rod(arm.free.length, guess.kappa_0, guess.law, 0.0, start)
-    held = rod.solve(end_y=float(arm.held.y[-1]), moment=arm.couple)
+    held = rod.under(arm.load, end_y=float(arm.held.y[-1]))
     distances = []
     for shape, curve in ((rod.solve(), arm.free), (held, arm.held)):
         off = shape.positions(curve.s - curve.s[0]) - np.column_stack([curve.x, curve.y])
@@ -124,7 +124,7 @@ def held_against(arm: Arm, known: Reference) -> Row:
         guess.kappa_0 / arm.middle,
         guess.law.alpha2 / arm.numbers.law.alpha2,
         *distances,
-        float(held.force[1]) / arm.force - 1.0,
+        float(held.force[1]) / arm.load.force[1] - 1.0,
     )
 
 

@@ -111,7 +111,7 @@ def _rows(variant: Variant, context: RunContext) -> tuple[list[dict[str, Any]], 
             "state": variant.state,
             "pressure_kPa": one.pressure_kPa,
             "kappa_0_middle_per_mm": record["kappa_0"]["middle_per_mm"][k],
-            "end_force_N": one.loaded.end_force[1],
+            "end_force_N": one.loaded.load.force[1],
             "end_y_II_mm": one.free.row["end_y_mm"],
             **{name: record[name][k] for name in ("alpha1_N_mm2", "alpha2_N_mm2")},
             "d_mm": None if record["single_line_suffices"][k] else record["d_mm"][k],  # one line has no break

@@ -2,7 +2,7 @@
 
 from rod.curves.cell_average import cell_averaged
 from rod.curves.closure import Closure, end_displacement_closure
-from rod.curves.curve import Curvature, Moment, moment_from_force, without_stretch
+from rod.curves.curve import Curvature, Moment, moment_from_load, without_stretch
 from rod.curves.extension import Extension, extension
 from rod.curves.gaussian_process import Smoothing, gaussian_process, shared_smoothing
 from rod.curves.uncertainty import Interval
@@ -13,10 +13,10 @@ from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, profile_o
 from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, shortest_break
 from rod.law import FiveParameters, RodError
+from rod.load import Load
 from rod.mechanics.equilibrium import Rod, RodSolution
 from rod.pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
 from rod.scaling import Reference, Scaled, scaled
-from rod.synthetic import SyntheticArm
 
 __all__ = [
     "EXPORTS",
@@ -30,6 +30,7 @@ __all__ = [
     "Interval",
     "LineFit",
     "LinearRange",
+    "Load",
     "LoadedShape",
     "Moment",
     "MomentRange",
@@ -43,7 +44,6 @@ __all__ = [
     "Scaled",
     "Smoothing",
     "Straightness",
-    "SyntheticArm",
     "cell_averaged",
     "compare_laws",
     "end_displacement_closure",
@@ -53,7 +53,7 @@ __all__ = [
     "gaussian_process",
     "identify",
     "linear_range",
-    "moment_from_force",
+    "moment_from_load",
     "next_pressure",
     "profile_over_break",
     "rest_curvature",

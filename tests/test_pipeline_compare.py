@@ -9,7 +9,7 @@ from fem import Seconds
 from geometry import Centreline
 from pipeline.simulation.simulate import Record
 from pipeline.validation.compare import CURVE_COLUMNS, Rods, held_against, rows_of
-from rod import Extension, FiveParameters, MomentRange, Rod
+from rod import Extension, FiveParameters, Load, MomentRange, Rod
 
 LENGTH, PITCH = 112.0, 10.0
 ROD = Rod(LENGTH, -0.015, FiveParameters(190.0, 400.0, 0.0, 0.0, 6.0), 0.0, (0.0, 1.0))
@@ -30,9 +30,9 @@ def record(experiment: str, rod: Rod, **loads) -> Record:
     """What finite elements would give if they were this rod under these loads."""
     shape = rod.solve(**loads)
     x, y = shape.positions(S).T
-    force = (float(shape.force[0]), float(shape.force[1]))
+    load = Load((float(shape.force[0]), float(shape.force[1])))
     empty = np.zeros((0, 3))
-    return Record(experiment, 24.0, {}, Centreline(S, x, y), force, 0.0, empty, {}, (), Seconds())
+    return Record(experiment, 24.0, {}, Centreline(S, x, y), load, empty, {}, (), Seconds())
 
 
 @pytest.mark.parametrize(
@@ -88,7 +88,8 @@ def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
 
 
 def test_the_couple_of_the_held_edge_is_part_of_the_load() -> None:
-    held = replace(record("III", ROD, end_y=1.0, moment=0.5), end_couple=0.5)
+    held = record("III", ROD, end_y=1.0, moment=0.5)
+    held = replace(held, load=replace(held.load, couple=0.5))
     assert abs(held_against(rods(ROD), held, PITCH).row()["force_error"]) < 1e-7
 
 

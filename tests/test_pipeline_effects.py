@@ -54,7 +54,7 @@ def test_half_and_whole_body_give_the_same_end(tmp_path: Path) -> None:
     assert whole["II"].degrees_of_freedom > 1.7 * half["II"].degrees_of_freedom
     assert np.abs(ends(half) - ends(whole)).max() < 1e-6 * 32
     for one, other in zip(half["III"].records, whole["III"].records, strict=True):
-        assert one.end_force == pytest.approx(other.end_force, rel=1e-4, abs=1e-8)
+        assert one.load.force == pytest.approx(other.load.force, rel=1e-4, abs=1e-8)
         assert one.row["cavity_volume_mm3"] == pytest.approx(other.row["cavity_volume_mm3"], rel=1e-8)
 
 

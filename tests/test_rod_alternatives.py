@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from synthetic_arm import SyntheticArm
 
-from rod import Curvature, FiveParameters, Moment, Rod, RodError, cell_averaged, moment_from_force
+from rod import Curvature, FiveParameters, Load, Moment, Rod, RodError, cell_averaged, moment_from_load
 from rod.identification.alternatives import AS_GOOD, Candidate, Observation, compare_laws, simplest
 from rod.identification.shape_fit import rest_curvature
-from rod.synthetic import SyntheticArm
 
 S = np.linspace(0.125, 111.875, 448)
 #: moments of three loads, one after the other larger, none a multiple of another
@@ -67,7 +67,7 @@ def test_a_rod_with_a_soft_cell_held_at_other_ends():
     for end_y in (0.0, 10.0, -10.0):
         shape = rod.solve(end_y=end_y)
         curve = type(free)(free.s, *shape.positions(free.s).T)
-        moment = moment_from_force(curve, tuple(shape.force))
+        moment = moment_from_load(curve, Load(tuple(shape.force)))
         observations.append(Observation(cell_averaged(free, 10.0), cell_averaged(curve, 10.0), moment))
     candidates = compare_laws(observations[0], observations[1:])
     assert simplest(candidates).name == "two slopes"

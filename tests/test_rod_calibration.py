@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
+from synthetic_arm import SyntheticArm
 
 from rod import (
     FiveParameters,
     LoadedShape,
-    SyntheticArm,
     cell_averaged,
     end_displacement_closure,
     fit_rod,
     gaussian_process,
     identify,
-    moment_from_force,
+    moment_from_load,
     shared_smoothing,
     without_stretch,
 )
@@ -21,25 +21,25 @@ NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 PITCH = 10.0
 
 
-def known(free, loaded, force, couple=0.0):
+def known(free, loaded, load):
     """Moment and movement of the end, as the pipeline takes them."""
-    return moment_from_force(without_stretch(loaded), force, couple), end_displacement_closure(free, loaded, force)
+    return moment_from_load(without_stretch(loaded), load), end_displacement_closure(free, loaded, load)
 
 
-def by_cells(free, loaded, force, seed):
+def by_cells(free, loaded, load, seed):
     curvatures = (cell_averaged(c, PITCH) for c in (free, loaded))
-    return identify(*curvatures, *known(free, loaded, force), draws=300, seed=seed)
+    return identify(*curvatures, *known(free, loaded, load), draws=300, seed=seed)
 
 
-def by_process(free, loaded, force, seed):
+def by_process(free, loaded, load, seed):
     smoothing = shared_smoothing([free, loaded], PITCH)
     curvatures = (gaussian_process(c, smoothing) for c in (free, loaded))
-    return identify(*curvatures, *known(free, loaded, force), draws=300, seed=seed)
+    return identify(*curvatures, *known(free, loaded, load), draws=300, seed=seed)
 
 
-def by_rod(free, loaded, force, seed):
-    start = by_cells(free, loaded, force, seed).law
-    return fit_rod(LoadedShape(free, loaded, force, PITCH), [start], draws=300, seed=seed)
+def by_rod(free, loaded, load, seed):
+    start = by_cells(free, loaded, load, seed).law
+    return fit_rod(LoadedShape(free, loaded, load, PITCH), [start], draws=300, seed=seed)
 
 
 def drawn_law(random):
@@ -60,8 +60,8 @@ def coverage(estimate, draws):
     for seed in range(draws):
         arm = SyntheticArm(
             drawn_law(random),
-            wiggle=0.2 * random.standard_normal(),
-            compliance_wiggle=0.5 * random.standard_normal(),
+            ripple=0.2 * random.standard_normal(),
+            compliance_ripple=0.5 * random.standard_normal(),
             phase=random.uniform(0.0, 2.0 * np.pi),
             noise=0.005,
             force_noise=1e-3,

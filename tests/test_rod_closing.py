@@ -3,17 +3,18 @@
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from synthetic_arm import SyntheticArm
 
 from geometry import Centreline
 from rod import (
     FiveParameters,
+    Load,
     Rod,
     RodError,
-    SyntheticArm,
     cell_averaged,
     end_displacement_closure,
     identify,
-    moment_from_force,
+    moment_from_load,
     rest_curvature,
     without_stretch,
 )
@@ -25,10 +26,10 @@ STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
 
 def test_the_weights_add_the_law_up_to_the_movement_of_the_end():
     """No wiggle, no noise: exact for turns of more than a right angle, but for the grid."""
-    free, loaded, force = SyntheticArm(STEP, kappa_0=0.025, node_spacing=0.5).curves()
-    found = end_displacement_closure(free, loaded, force)
+    free, loaded, load = SyntheticArm(STEP, kappa_0=0.025, node_spacing=0.5).curves()
+    found = end_displacement_closure(free, loaded, load)
     assert found.value == pytest.approx(free.y[-1] - loaded.y[-1], rel=1e-4)  # the force points down
-    moment = moment_from_force(loaded, force)
+    moment = moment_from_load(loaded, load)
     grid = fine_grid(112.0)
     delta = STEP.deviation(grid, CubicSpline(moment.s, moment.value)(grid))
     assert found.weights @ delta == pytest.approx(found.value, rel=1e-3)
@@ -36,10 +37,10 @@ def test_the_weights_add_the_law_up_to_the_movement_of_the_end():
 
 
 def test_stretch_does_not_count():
-    free, loaded, force = SyntheticArm(STEP, node_spacing=0.5).curves()
+    free, loaded, load = SyntheticArm(STEP, node_spacing=0.5).curves()
     longer = Centreline(loaded.s, 1.02 * loaded.x, 1.02 * loaded.y)
-    assert end_displacement_closure(free, longer, force).value == pytest.approx(
-        end_displacement_closure(free, loaded, force).value, rel=1e-9
+    assert end_displacement_closure(free, longer, load).value == pytest.approx(
+        end_displacement_closure(free, loaded, load).value, rel=1e-9
     )
 
 
@@ -51,18 +52,18 @@ def rods_force(free, loaded, law):
 @pytest.mark.parametrize("phase", [0.0, 0.5 * np.pi, np.pi])
 def test_the_closed_numbers_predict_the_force(phase):
     """A cell that answers with a wiggle hides at the clamp, where no average sees all of it."""
-    arm = SyntheticArm(STEP, wiggle=0.2, compliance_wiggle=0.5, phase=phase, node_spacing=0.5)
-    free, loaded, force = arm.curves()
-    data = cell_averaged(free, 10.0), cell_averaged(loaded, 10.0), moment_from_force(without_stretch(loaded), force)
+    arm = SyntheticArm(STEP, ripple=0.2, compliance_ripple=0.5, phase=phase, node_spacing=0.5)
+    free, loaded, load = arm.curves()
+    data = cell_averaged(free, 10.0), cell_averaged(loaded, 10.0), moment_from_load(without_stretch(loaded), load)
     open_end = identify(*data, draws=10).law
-    closed = identify(*data, end_displacement_closure(free, loaded, force), draws=10).law
-    errors = [abs(rods_force(free, loaded, law) / force[1] - 1.0) for law in (open_end, closed)]
+    closed = identify(*data, end_displacement_closure(free, loaded, load), draws=10).law
+    errors = [abs(rods_force(free, loaded, law) / load.force[1] - 1.0) for law in (open_end, closed)]
     assert errors[1] < max(0.5 * errors[0], 0.015)
 
 
 def test_what_cannot_close_is_refused():
-    free, loaded, force = SyntheticArm(STEP).curves()
+    free, loaded, load = SyntheticArm(STEP).curves()
     with pytest.raises(RodError, match="Without an end force"):
-        end_displacement_closure(free, loaded, (0.0, 0.0))
+        end_displacement_closure(free, loaded, Load())
     with pytest.raises(RodError, match="has not moved"):
-        end_displacement_closure(free, free, force)
+        end_displacement_closure(free, free, load)

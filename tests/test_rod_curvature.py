@@ -4,12 +4,14 @@ import dataclasses
 
 import numpy as np
 import pytest
+from synthetic_arm import SyntheticArm
 
 from geometry import Centreline
-from rod import Curvature, RodError, Smoothing, SyntheticArm, cell_averaged, gaussian_process, shared_smoothing
-from rod.curves.curve import chord_angles, fine_grid, mean_angle_weights, moment_from_force
+from rod import Curvature, RodError, Smoothing, cell_averaged, gaussian_process, shared_smoothing
+from rod.curves.curve import chord_angles, fine_grid, mean_angle_weights, moment_from_load
 from rod.curves.gaussian_process import _posterior
 from rod.law import FiveParameters
+from rod.load import Load
 
 PITCH = 10.0
 NODES = np.linspace(0.0, 112.0, 113)
@@ -59,7 +61,7 @@ def test_linear_curvature_is_found_and_reversed_with_the_curve(estimate):
 
 
 def test_a_wiggle_with_the_pitch_leaves_cell_averages_alone():
-    arm = SyntheticArm(LAW, wiggle=0.3, phase=1.0)
+    arm = SyntheticArm(LAW, ripple=0.3, phase=1.0)
     rest, _, _ = arm.curves()
     assert cell_averaged(rest, PITCH).kappa == pytest.approx(0.03, rel=1e-4)
     assert by_process(rest).kappa == pytest.approx(0.03, rel=0.03)
@@ -156,7 +158,7 @@ def test_standard_deviation_of_cell_averages_is_calibrated():
 
 
 def test_the_length_scale_keeps_the_rule_and_is_shared():
-    free, loaded, _ = SyntheticArm(LAW, wiggle=0.3).curves()
+    free, loaded, _ = SyntheticArm(LAW, ripple=0.3).curves()
     smoothing = shared_smoothing([free, loaded], PITCH)
     assert smoothing.length_scale >= 1.5 * PITCH * 0.999
     tight = shared_smoothing([free, loaded], PITCH, shortest=4.0)
@@ -166,10 +168,10 @@ def test_the_length_scale_keeps_the_rule_and_is_shared():
 
 def test_moment_by_equation_7():
     curve = arc(0.01)
-    moment = moment_from_force(curve, (0.02, -0.05))
+    moment = moment_from_load(curve, Load((0.02, -0.05)))
     assert moment.value[-1] == 0.0
     assert moment.value[0] == pytest.approx(curve.x[-1] * -0.05 - curve.y[-1] * 0.02)
-    assert moment_from_force(curve, (0.0, 0.0), end_moment=2.0).value == pytest.approx(2.0)
+    assert moment_from_load(curve, Load(couple=2.0)).value == pytest.approx(2.0)
 
 
 def test_profile_reaches_from_clamp_to_tip():

@@ -4,9 +4,10 @@ import dataclasses
 
 import numpy as np
 import pytest
+from synthetic_arm import SyntheticArm
 
 from geometry import Centreline
-from rod import FiveParameters, RodError, SyntheticArm
+from rod import FiveParameters, Load, RodError
 from rod.curves.curve import without_stretch
 from rod.identification.shape_fit import LoadedShape, fit_rod, profile_over_break, rest_curvature
 
@@ -36,14 +37,14 @@ def test_round_trip():
 
 
 def test_a_wiggle_in_the_cells_does_not_mislead():
-    found = fit_rod(shape_of(GAP, wiggle=0.25, compliance_wiggle=0.6, phase=1.0), [off(GAP, 1.1)], draws=40)
+    found = fit_rod(shape_of(GAP, ripple=0.25, compliance_ripple=0.6, phase=1.0), [off(GAP, 1.1)], draws=40)
     assert found.law.d == pytest.approx(7.0, abs=0.3)
     assert found.law.alpha1 == pytest.approx(190.0, rel=0.05)
     assert found.law.alpha2 == pytest.approx(400.0, rel=1e-3)
 
 
 def test_noise_is_borne_and_widens_the_intervals():
-    quiet, loud = (fit_rod(shape_of(GAP, wiggle=0.2, noise=n, seed=3), [GAP], draws=100) for n in (0.001, 0.006))
+    quiet, loud = (fit_rod(shape_of(GAP, ripple=0.2, noise=n, seed=3), [GAP], draws=100) for n in (0.001, 0.006))
     for found in (quiet, loud):
         assert found.alpha2.value == pytest.approx(400.0, rel=0.01)
         assert 0.05 < found.law.d / 112.0 < 0.15
@@ -67,7 +68,7 @@ def test_profile_over_the_break_is_lowest_at_the_break():
 
 
 def test_rest_curvature_gives_back_the_chords():
-    arm = SyntheticArm(STEP, wiggle=0.3)
+    arm = SyntheticArm(STEP, ripple=0.3)
     free, _, _ = arm.curves()
     theta0, profile = rest_curvature(free)
     assert theta0 == pytest.approx(0.0, abs=1e-3)
@@ -82,25 +83,25 @@ def test_without_stretch_keeps_angles_and_rest_length():
     assert back.x == pytest.approx(free.x, abs=1e-2)
 
 
-FREE, LOADED, FORCE = SyntheticArm(STEP).curves()
+FREE, LOADED, LOAD = SyntheticArm(STEP).curves()
 
 
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
         (
-            lambda: LoadedShape(FREE, Centreline(2 * LOADED.s, LOADED.x, LOADED.y), FORCE, 10.0),
+            lambda: LoadedShape(FREE, Centreline(2 * LOADED.s, LOADED.x, LOADED.y), LOAD, 10.0),
             r"of one material curve",
         ),
-        (lambda: LoadedShape(FREE, LOADED, (0.0, 0.0), 10.0), r"Without an end force"),
-        (lambda: fit_rod(LoadedShape(FREE, LOADED, FORCE, 10.0), []), r"needs a law to start from"),
+        (lambda: LoadedShape(FREE, LOADED, Load(), 10.0), r"Without an end force"),
+        (lambda: fit_rod(LoadedShape(FREE, LOADED, LOAD, 10.0), []), r"needs a law to start from"),
         (
-            lambda: fit_rod(LoadedShape(FREE, LOADED, FORCE, 10.0), [STEP], breaks=(0.5, 0.2)),
+            lambda: fit_rod(LoadedShape(FREE, LOADED, LOAD, 10.0), [STEP], breaks=(0.5, 0.2)),
             r"must lie between 0 and 1",
         ),
         (
             lambda: fit_rod(
-                LoadedShape(FREE, dataclasses.replace(LOADED, y=LOADED.y + np.linspace(0, 200, 113)), FORCE, 10.0),
+                LoadedShape(FREE, dataclasses.replace(LOADED, y=LOADED.y + np.linspace(0, 200, 113)), LOAD, 10.0),
                 [STEP],
             ),
             r"No rod near the laws to start from|The end cannot be",

@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from synthetic_arm import SyntheticArm
 
 from rod import (
     Curvature,
@@ -12,11 +13,10 @@ from rod import (
     Moment,
     Rod,
     RodError,
-    SyntheticArm,
     cell_averaged,
     gaussian_process,
     identify,
-    moment_from_force,
+    moment_from_load,
     shared_smoothing,
     shortest_break,
 )
@@ -30,15 +30,15 @@ NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 
 
 def by_cells(arm, seed=0):
-    free, loaded, force = arm.curves(seed)
-    return cell_averaged(free, arm.pitch), cell_averaged(loaded, arm.pitch), moment_from_force(loaded, force)
+    free, loaded, load = arm.curves(seed)
+    return cell_averaged(free, arm.pitch), cell_averaged(loaded, arm.pitch), moment_from_load(loaded, load)
 
 
 def by_process(arm, seed=0):
-    free, loaded, force = arm.curves(seed)
+    free, loaded, load = arm.curves(seed)
     smoothing = shared_smoothing([free, loaded], arm.pitch)
     estimates = (gaussian_process(c, smoothing) for c in (free, loaded))
-    return *estimates, moment_from_force(loaded, force)
+    return *estimates, moment_from_load(loaded, load)
 
 
 @pytest.mark.parametrize("law", [MEETING, STEP])
@@ -60,7 +60,7 @@ def test_round_trip_from_the_rod_itself(law):
 
 @pytest.mark.parametrize("law", [MEETING, STEP])
 def test_cells_find_the_numbers_behind_a_wiggle(law):
-    found = identify(*by_cells(SyntheticArm(law, wiggle=0.25, node_spacing=0.5)), draws=50)
+    found = identify(*by_cells(SyntheticArm(law, ripple=0.25, node_spacing=0.5)), draws=50)
     assert found.two_lines
     assert found.law.d == pytest.approx(law.d, abs=0.05)
     assert found.law.alpha2 == pytest.approx(law.alpha2, rel=1e-3)
@@ -70,7 +70,7 @@ def test_cells_find_the_numbers_behind_a_wiggle(law):
 @pytest.mark.parametrize("data", [by_cells, by_process])
 @pytest.mark.parametrize("law", [MEETING, STEP])
 def test_two_lines_are_found_with_their_break_at_the_soft_cell(data, law):
-    arm = SyntheticArm(law, wiggle=0.2, compliance_wiggle=0.1, phase=0.7, noise=0.003)
+    arm = SyntheticArm(law, ripple=0.2, compliance_ripple=0.1, phase=0.7, noise=0.003)
     found = identify(*data(arm), draws=100)
     assert found.two_lines
     assert 0.05 <= found.law.d / arm.length <= 0.15
@@ -82,7 +82,7 @@ def test_two_lines_are_found_with_their_break_at_the_soft_cell(data, law):
 
 @pytest.mark.parametrize("data", [by_cells, by_process])
 def test_one_line_is_found_where_there_is_one(data):
-    arm = SyntheticArm(ONE, wiggle=0.2, compliance_wiggle=0.15, phase=0.7, noise=0.003)
+    arm = SyntheticArm(ONE, ripple=0.2, compliance_ripple=0.15, phase=0.7, noise=0.003)
     found = identify(*data(arm), draws=100)
     assert not found.two_lines
     assert found.single_line.alpha.value == pytest.approx(200.0, rel=0.02)
@@ -92,7 +92,7 @@ def test_one_line_is_found_where_there_is_one(data):
 
 def test_nearly_one_line_stays_one_line():
     """Rigidity rising by 3 % along the arm, as measured without contact: not worth three more numbers."""
-    arm = SyntheticArm(ONE, wiggle=0.2, noise=0.001)
+    arm = SyntheticArm(ONE, ripple=0.2, noise=0.001)
     free, loaded, moment = by_cells(arm)
     rising = 1.0 - 0.03 * loaded.s / arm.length
     bent = dataclasses.replace(loaded, kappa=free.kappa + (loaded.kappa - free.kappa) * rising)
@@ -102,11 +102,11 @@ def test_nearly_one_line_stays_one_line():
 
 
 def test_profile_over_d_is_kept_and_lowest_at_d():
-    found = identify(*by_cells(SyntheticArm(STEP, wiggle=0.2)), draws=20)
+    found = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), draws=20)
     lowest = found.profile[np.argmin(found.profile[:, 1]), 0]
     assert lowest == pytest.approx(found.law.d, abs=found.profile[1, 0] - found.profile[0, 0])
     assert found.profile[0, 0] == pytest.approx(0.05 * 112.0)
-    narrow = identify(*by_cells(SyntheticArm(STEP, wiggle=0.2)), breaks=(0.2, 0.3), draws=20)
+    narrow = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), breaks=(0.2, 0.3), draws=20)
     assert 0.2 <= narrow.law.d / 112.0 <= 0.3
 
 
@@ -160,7 +160,7 @@ def test_the_range_of_the_break_begins_in_the_first_cell() -> None:
 
 
 def test_an_arm_of_seven_cells_gives_its_numbers() -> None:
-    arm = SyntheticArm(FiveParameters(190.0, 380.0, 0.0, 0.0, 8.0), length=72.0, wiggle=0.2, node_spacing=0.5)
+    arm = SyntheticArm(FiveParameters(190.0, 380.0, 0.0, 0.0, 8.0), length=72.0, ripple=0.2, node_spacing=0.5)
     found = identify(*by_cells(arm), draws=50)
     assert found.law.alpha2 == pytest.approx(380.0, rel=0.02)
     assert found.two_lines

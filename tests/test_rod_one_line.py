@@ -5,14 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from synthetic_arm import SyntheticArm
 from test_rod_calibration import known
 
 from geometry import Centreline
 from rod import (
     FiveParameters,
     Identification,
+    Load,
     Rod,
-    SyntheticArm,
     cell_averaged,
     identify,
     rest_curvature,
@@ -26,6 +27,7 @@ TABLE = np.loadtxt(
 )
 FREE, LOADED = (Centreline(TABLE[:, 0], TABLE[:, k], TABLE[:, k + 1]) for k in (1, 3))
 FORCE, COUPLE = 0.0177597378, 0.0447686944  #: N, N mm in III
+LOAD = Load((0.0, FORCE), COUPLE)
 HIGHER = {"end_y": float(LOADED.y[-1]) + 10.0, "force": 0.0418586797, "moment": 0.0366723501}
 PITCH = 108.0 / 11  #: mm
 
@@ -49,7 +51,7 @@ def rough(curve: Centreline, noise: float) -> Centreline:
 def identified(every: int = 1, noise: float = 0.0) -> Identification:
     free, loaded = (rough(thinned(curve, every), noise) for curve in (FREE, LOADED))
     curvatures = (cell_averaged(curve, PITCH) for curve in (free, loaded))
-    return identify(*curvatures, *known(free, loaded, (0.0, FORCE), COUPLE), draws=100)
+    return identify(*curvatures, *known(free, loaded, LOAD), draws=100)
 
 
 def rod_of(found: Identification) -> Rod:
@@ -82,7 +84,7 @@ def test_the_line_predicts_the_force_of_another_load() -> None:
 
 def test_an_arm_that_closes_the_wrong_way_keeps_the_line_of_its_cells() -> None:
     """Where the arm hardly bends the end may move against the moment, within the error of that."""
-    moment, moved = known(FREE, LOADED, (0.0, FORCE), COUPLE)
+    moment, moved = known(FREE, LOADED, LOAD)
     wrong = replace(moved, value=-0.3 * moved.value, error=0.1 * abs(moved.value))
     line = identify(*(cell_averaged(curve, PITCH) for curve in (FREE, LOADED)), moment, wrong, draws=50).single_line
     assert 1500.0 < line.alpha.value < 10_000.0
@@ -91,11 +93,11 @@ def test_an_arm_that_closes_the_wrong_way_keeps_the_line_of_its_cells() -> None:
 
 def test_what_is_rough_in_both_curves_is_no_error_of_their_difference() -> None:
     curvatures = [cell_averaged(curve, PITCH) for curve in (FREE, LOADED)]
-    seen = Seen.of(*curvatures, *known(FREE, LOADED, (0.0, FORCE)))
+    seen = Seen.of(*curvatures, *known(FREE, LOADED, Load((0.0, FORCE))))
     assert np.trace(seen.noise) < 0.01 * np.trace(seen.covariance)
     arm = SyntheticArm(FiveParameters(300.0, 300.0, 0.0, 0.0, 11.0), noise=0.005)
-    free, loaded, force = arm.curves(0)
-    seen = Seen.of(cell_averaged(free, arm.pitch), cell_averaged(loaded, arm.pitch), *known(free, loaded, force))
+    free, loaded, load = arm.curves(0)
+    seen = Seen.of(cell_averaged(free, arm.pitch), cell_averaged(loaded, arm.pitch), *known(free, loaded, load))
     assert np.trace(seen.noise) == pytest.approx(np.trace(seen.covariance), rel=0.5)
 
 
@@ -110,14 +112,14 @@ def test_intervals_contain_the_truth(offset: float, closed: bool) -> None:
         m0 = offset * 0.0455 * alpha * random.standard_normal()  # 0.0455 alpha is the moment at the clamp
         arm = SyntheticArm(
             FiveParameters(alpha, alpha, m0, m0, 11.0),
-            wiggle=0.2 * random.standard_normal(),
-            compliance_wiggle=0.5 * random.standard_normal(),
+            ripple=0.2 * random.standard_normal(),
+            compliance_ripple=0.5 * random.standard_normal(),
             phase=random.uniform(0.0, 2.0 * np.pi),
             noise=0.005,
             force_noise=1e-3,
         )
-        free, loaded, force = arm.curves(seed)
-        moment, moved = known(free, loaded, force)
+        free, loaded, load = arm.curves(seed)
+        moment, moved = known(free, loaded, load)
         curvatures = (cell_averaged(curve, arm.pitch) for curve in (free, loaded))
         line = identify(*curvatures, moment, moved if closed else None, draws=100, seed=seed).single_line
         inside += [line.alpha.low <= alpha <= line.alpha.high, line.m0.low <= m0 <= line.m0.high]

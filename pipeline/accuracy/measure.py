@@ -78,7 +78,7 @@ def numbers_of(found: Parameters, stride: int = 1, fit: float = 0.0) -> dict[str
         "alpha1_N_mm2": numbers["alpha1"].value,
         "alpha2_N_mm2": numbers["alpha2"].value,
         "d_mm": numbers["d"].value if found.by_cells.two_lines else None,
-        "force_N": found.loaded.end_force[1],
+        "force_N": found.loaded.load.force[1],
         "end_mm": [found.free.row["end_x_mm"], found.free.row["end_y_mm"]],
         "alpha2_std_N_mm2": numbers["alpha2"].std,
         "stress_error": max(found.free.row["stress_error"], found.loaded.row["stress_error"]),

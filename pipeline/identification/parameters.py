@@ -28,7 +28,7 @@ from rod import (
     fit_rod,
     gaussian_process,
     identify,
-    moment_from_force,
+    moment_from_load,
     rest_curvature,
     shared_smoothing,
     shortest_break,
@@ -123,7 +123,7 @@ class Parameters:
 
 def observed(parameters: Parameters, record: Record) -> Observation:
     """A loaded record at the pressure of the parameters as laws are compared on it. Raises RodError."""
-    moment = moment_from_force(record.centreline, record.end_force, record.end_couple)
+    moment = moment_from_load(record.centreline, record.load)
     return Observation(parameters.kappa_0, cell_averaged(record.centreline, parameters.kappa.pitch), moment)
 
 
@@ -148,7 +148,7 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
     by_cells = identify(kappa_0, kappa, moment, moved)
     by_process = identify(smooth_0, smooth, moment, moved)
-    as_it_is = moment_from_force(loaded.centreline, loaded.end_force, loaded.end_couple)
+    as_it_is = moment_from_load(loaded.centreline, loaded.load)
     return Parameters(
         pressure_kPa=pressure,
         free=free,
@@ -160,7 +160,7 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
         by_process=by_process,
         extensible=identify(kappa_0, kappa, as_it_is, moved),
         extension=extension(*curves, pitch),
-        by_rod=_closest_rod(LoadedShape(*curves, loaded.end_force, pitch, loaded.end_couple), by_cells, by_process),
+        by_rod=_closest_rod(LoadedShape(*curves, loaded.load, pitch), by_cells, by_process),
     )
 
 
@@ -173,8 +173,8 @@ def numbers_of_cells(free: Record, loaded: Record, pitch: float) -> Identificati
 
 def _moment_and_closure(free: Record, loaded: Record) -> tuple[Moment, Closure]:
     # levers of the curve without its stretch, for the rod that takes the numbers has none
-    moment = moment_from_force(without_stretch(loaded.centreline), loaded.end_force, loaded.end_couple)
-    return moment, end_displacement_closure(free.centreline, loaded.centreline, loaded.end_force)
+    moment = moment_from_load(without_stretch(loaded.centreline), loaded.load)
+    return moment, end_displacement_closure(free.centreline, loaded.centreline, loaded.load)
 
 
 def _closest_rod(shape: LoadedShape, *starts: Identification) -> RodFit | None:

@@ -18,6 +18,7 @@ from pipeline.progress import Progress, ToQueue, relayed
 from pipeline.simulation.loadcase import Case
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
+from rod import Load
 
 #: the loaded one first, for it takes longest
 EXPERIMENTS = ("III", "II", "I")
@@ -31,8 +32,7 @@ class Record:
     pressure_kPa: float
     row: dict[str, Any]  #: as in experiments.json
     centreline: Centreline
-    end_force: tuple[float, float]  #: N
-    end_couple: float  #: N mm, moment of the end force about the curve's end
+    load: Load  #: end force, and its couple about the end of the curve
     displacement: Array = field(repr=False)  #: (n, 3), mm
     fields: dict[str, Array] = field(repr=False)  #: per element
     effects: tuple[str, ...]  #: names of the effects that took part
@@ -236,8 +236,7 @@ def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, mat
         pressure_kPa=pressure_kPa,
         row=row,
         centreline=curve,
-        end_force=(float(force[0]), float(force[1])),
-        end_couple=experiment.end_couple(step),
+        load=Load((float(force[0]), float(force[1])), experiment.end_couple(step)),
         displacement=step.displacement,
         fields=fem.element_fields(step, material),
         effects=step.effects,

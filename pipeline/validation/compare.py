@@ -10,7 +10,7 @@ from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.simulate import Outcome, Record
-from rod import MomentRange, Rod, RodError, RodSolution, cell_averaged, moment_from_force, without_stretch
+from rod import Load, MomentRange, Rod, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
 
 CURVE_COLUMNS = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
@@ -63,7 +63,7 @@ class Comparison:
         )
         ends = np.unwrap([float(curve.angle[-1]), float(self.shape.theta[-1])])
         row["end_angle_error_rad"] = float(ends[1] - ends[0])
-        force = self.record.end_force[1]
+        force = self.record.load.force[1]
         if force and self.record.experiment == "III":
             row["force_N"], row["rod_force_N"] = force, float(self.shape.force[1])
             row["force_error"] = float(self.shape.force[1]) / force - 1.0
@@ -115,27 +115,24 @@ def compare(found: Sequence[Parameters]) -> tuple[Comparison, ...]:
 def held_against(rods: Rods, record: Record, pitch: float, load: str = "", in_sample: bool = True) -> Comparison:
     """The rod under the load of a record: its end at the height of III with the couple that the held edge exerts
     there, the force of dead, nothing in II."""
-    loads: dict[str, Any] = {}
     length = record.centreline.length
     identified = rods.inextensible.length
     if abs(length - identified) > 1e-6 * identified:
         reason = f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm."
         return Comparison(record, None, reason, pitch, load=load, in_sample=in_sample)
-    if record.experiment == "III":
-        loads = {"end_y": float(record.centreline.y[-1]), "moment": record.end_couple}
-    if record.experiment == "dead":
-        loads = {"force": record.end_force, "moment": record.end_couple}
+    applied = record.load if record.experiment in ("III", "dead") else Load()
+    end_y = float(record.centreline.y[-1]) if record.experiment == "III" else None
     try:
-        shape = rods.inextensible.solve(**loads)
+        shape = rods.inextensible.under(applied, end_y)
     except RodError as failure:
         return Comparison(record, None, str(failure), pitch, load=load, in_sample=in_sample)
     warning = rods.moment_range.warning(shape)
-    return Comparison(record, shape, "", pitch, _solved(rods.extensible, loads), warning, load, in_sample)
+    return Comparison(record, shape, "", pitch, _solved(rods.extensible, applied, end_y), warning, load, in_sample)
 
 
-def _solved(rod: Rod, loads: Mapping[str, Any]) -> RodSolution | None:
+def _solved(rod: Rod, load: Load, end_y: float | None) -> RodSolution | None:
     try:
-        return rod.solve(**loads)
+        return rod.under(load, end_y)
     except RodError:  # the inextensible rod stands for both
         return None
 
@@ -156,7 +153,7 @@ def curve_rows(
 def rows_of(record: Record, shape: RodSolution | None, pitch: float) -> list[tuple[Any, ...]]:
     """The curve of one record and its rod, in the order of `CURVE_COLUMNS`."""
     curve = record.centreline
-    moment = moment_from_force(curve, record.end_force, record.end_couple)
+    moment = moment_from_load(curve, record.load)
     s = curve.s - curve.s[0]
     kappa, std = _curvature(curve, s, pitch)
     middles = 0.5 * (s[1:] + s[:-1])

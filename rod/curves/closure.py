@@ -19,6 +19,7 @@ from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.curve import chord_angles, mean_angle_weights
 from rod.law import RodError
+from rod.load import Load
 
 #: relative error of the movement that five numbers explain: what wiggles within cells, which a rod has not, add to it
 #: where they do not average out, at the clamp and at d
@@ -34,15 +35,15 @@ class Closure:
     error: float  #: mm, standard deviation
 
 
-def end_displacement_closure(free: Centreline, loaded: Centreline, force: tuple[float, float]) -> Closure:
+def end_displacement_closure(free: Centreline, loaded: Centreline, load: Load) -> Closure:
     """How the end of Test III has moved from where it is in Test II, along its end force (N).
 
     Raises `RodError` where there is no force or the end has not moved.
     """
-    s, size = free.s - free.s[0], float(np.hypot(*force))
+    s, size = free.s - free.s[0], load.force_size
     if not size > 0.0:
         raise RodError("Without an end force there is no direction in which the end could be closed.")
-    ex, ey = force[0] / size, force[1] / size
+    ex, ey = load.force[0] / size, load.force[1] / size
     before, after = chord_angles(free), chord_angles(loaded)
     turn, mean = after - before, 0.5 * (before + after)
     lever = np.diff(s) * np.sinc(turn / (2.0 * np.pi)) * (ey * np.cos(mean) - ex * np.sin(mean))

@@ -17,6 +17,7 @@ import numpy as np
 from geometry import Centreline
 from geometry.arrays import Array
 from rod.law import RodError
+from rod.load import Load
 
 #: intervals per length of the grid on which resolutions are expressed
 GRID_CELLS = 448
@@ -90,14 +91,24 @@ class Moment:
             object.__setattr__(self, name, array)
 
 
-def moment_from_force(centreline: Centreline, force: tuple[float, float], end_moment: float = 0.0) -> Moment:
-    """M(s) = (r(l) - r(s)) x F + M(l) (paper, equation (7)) at the nodes of the curve.
+def moment_from_load(centreline: Centreline, load: Load) -> Moment:
+    """Bending moment at the nodes of the loaded curve (paper, equation (7), with couple and weight).
 
-    force: (F_x, F_y) N of the full body on the end s = l; end_moment: N mm. It holds whatever the law of the rod.
+        M(s) = (r(l) - r(s)) x F + couple + integral from s to l of (r(t) - r(s)) x q dt
+
+    It is statics alone and holds whatever the law of the rod. The integral is by the trapezoidal rule.
     """
-    fx, fy = force
-    moment = (centreline.x[-1] - centreline.x) * fy - (centreline.y[-1] - centreline.y) * fx
-    return Moment(centreline.s - centreline.s[0], moment + end_moment)
+    s, x, y = centreline.s - centreline.s[0], centreline.x, centreline.y
+    (fx, fy), (qx, qy) = load.force, load.weight
+    moment = (x[-1] - x) * fy - (y[-1] - y) * fx
+    moment += _lever_integral(s, x) * qy - _lever_integral(s, y) * qx
+    return Moment(s, moment + load.couple)
+
+
+def _lever_integral(s: Array, x: Array) -> Array:
+    """(n,) mm2: integral from s to l of x(t) - x(s) dt."""
+    pieces = np.diff(s) * 0.5 * (x[1:] + x[:-1])
+    return np.append(np.cumsum(pieces[::-1])[::-1], 0.0) - (s[-1] - s) * x
 
 
 def chord_angles(centreline: Centreline) -> Array:

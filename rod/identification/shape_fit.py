@@ -22,7 +22,7 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from geometry import Centreline
 from geometry.arrays import Array
-from rod.curves.curve import Moment, chord_angles, moment_from_force, without_stretch
+from rod.curves.curve import Moment, chord_angles, moment_from_load, without_stretch
 from rod.curves.uncertainty import (
     Interval,
     effective_observations,
@@ -34,6 +34,7 @@ from rod.curves.uncertainty import (
 from rod.identification.regression import HARMONICS, OFFSET, RIPPLE, harmonics
 from rod.identification.two_lines import NEAREST, default_breaks
 from rod.law import FiveParameters, RodError
+from rod.load import Load
 from rod.mechanics.equilibrium import Rod, RodSolution
 
 #: relative error of the end force that is always assumed
@@ -50,14 +51,13 @@ class LoadedShape:
 
     free: Centreline  #: Test II
     loaded: Centreline  #: Test III
-    force: tuple[float, float]  #: N, F_x and F_y of the full body on the end of Test III
+    load: Load  #: of the full body in experiment III; its force is what holds the end
     pitch: float  #: mm
-    couple: float = 0.0  #: N mm, moment of that force about the end of the curve
 
     def __post_init__(self) -> None:
         if self.free.s.shape != self.loaded.s.shape or np.max(np.abs(self.free.s - self.loaded.s)) > 1e-6 * self.length:
             raise RodError("Both shapes must be of one material curve, with the same points s.")
-        if not math.hypot(*self.force) > 0.0:
+        if not self.load.force_size > 0.0:
             raise RodError("Without an end force there is no moment from which rigidities could be read.")
 
     @property
@@ -136,7 +136,8 @@ def fit_rod(
     # the same numbers with the end held where it was seen, against the shape as it was seen
     rod = replace(task, shape=shape).solved(found.x)
     distance = np.hypot(*(rod.positions(shape.s) - shape.points).T)
-    off = math.hypot(rod.force[0] - shape.force[0], rod.force[1] - shape.force[1]) / math.hypot(*shape.force)
+    fx, fy = shape.load.force
+    off = math.hypot(rod.force[0] - fx, rod.force[1] - fy) / shape.load.force_size
     return RodFit(
         law,
         **intervals,
@@ -184,7 +185,7 @@ class _Task:
             raise RodError(f"The range of d over the length must lie between 0 and 1; {low:g} ... {high:g} does not.")
         if low < high:
             low = min(max(low, NEAREST * shape.pitch / shape.length), high)
-        moment = moment_from_force(shape.loaded, shape.force, shape.couple)
+        moment = moment_from_load(shape.loaded, shape.load)
         bent = max(float(np.abs(law.deviation(moment.s, moment.value)).max()) for law in starts)
         compliance, offset = 1.0 / starts[0].alpha2, OFFSET * bent
         n = len(shape.s)
@@ -222,7 +223,7 @@ class _Task:
         wiggle = deviation * (z[5:] @ np.array(harmonics(s, self.shape.pitch)))
         kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + wiggle])
         rod = Rod(self.shape.length, kappa_0, law, theta0=self.theta0, start=(float(loaded.x[0]), float(loaded.y[0])))
-        return rod.solve(end_y=float(loaded.y[-1]), moment=self.shape.couple)
+        return rod.under(self.shape.load, end_y=float(loaded.y[-1]))
 
     def residual(self, z: Array) -> Array:
         prior = np.concatenate([z[[1, 3]], z[5:] / RIPPLE])
@@ -231,7 +232,8 @@ class _Task:
         except RodError:
             return np.full(2 * len(self.shape.s) + 2 + len(prior), _NO_ROD)
         off = (rod.positions(self.shape.s) - self.shape.points) * self.weight
-        force = (rod.force - np.array(self.shape.force)) / (FORCE_ERROR * math.hypot(*self.shape.force))
+        load = self.shape.load
+        force = (rod.force - np.array(load.force)) / (FORCE_ERROR * load.force_size)
         return np.concatenate([off.T.ravel(), force, prior])
 
     def minimised(self, z: Array) -> OptimizeResult:

@@ -20,6 +20,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.curves.extension import Extension
 from rod.law import FiveParameters, RodError
+from rod.load import Load, pair
 from rod.mechanics.continuation import Point, Problem, follow
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.mechanics.shooting import ABSCISSAE
@@ -117,38 +118,39 @@ class Rod:
         if end is not None and (end_x is not None or end_y is not None):
             raise RodError("Give either end = (x, y) or one of end_x and end_y, not both.")
         if end is not None:
-            end_x, end_y = _pair(end, "end")
+            end_x, end_y = pair(end, "end")
         if force is not None and (end_x is not None or end_y is not None):
             raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
-        if not math.isfinite(moment):
-            raise RodError("The end moment must be a finite number.")
-        loads = _Loads(
-            _pair((0.0, 0.0) if force is None else force, "force"),
-            (end_x, end_y),
-            float(moment),
-            _pair(weight, "weight"),
-            _grow_together(order, end_x, end_y, loaded=force is not None or moment != 0.0 or any(weight)),
-        )
-        solution = self._solved(self.steps, loads)
-        refinement = _refinement(self, solution, loads)
+        load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment, pair(weight, "weight"))
+        loaded = force is not None or load.couple != 0.0 or any(load.weight)
+        case = _LoadCase(load, (end_x, end_y), _grow_together(order, end_x, end_y, loaded=loaded))
+        solution = self._solved(self.steps, case)
+        refinement = _refinement(self, solution, load)
         if refinement > 1.0:
-            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.law, refinement), loads)
+            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.law, refinement), case)
         return solution
 
-    def _solved(self, steps: Steps, loads: "_Loads") -> RodSolution:
-        problem = _problem(self, steps, loads)
+    def under(self, load: Load, end_y: float | None = None) -> RodSolution:
+        """The equilibrium under a load, grown "as tested".
+
+        With end_y (mm) the end is held at that height as in experiment III: couple and weight act, and the force of the
+        load is not used, for it follows. Raises `RodError` as `solve` does.
+        """
+        force = load.force if end_y is None else None
+        return self.solve(force, end_y=end_y, moment=load.couple, weight=load.weight)
+
+    def _solved(self, steps: Steps, case: "_LoadCase") -> RodSolution:
+        problem = _problem(self, steps, case)
         return _solution(self, problem, *follow(problem))
 
 
 @dataclass(frozen=True)
-class _Loads:
-    """What acts on the rod, in mm and N."""
+class _LoadCase:
+    """Loads and end conditions of one solve."""
 
-    force: tuple[float, float]
-    end: tuple[float | None, float | None]
-    moment: float
-    weight: tuple[float, float]
-    together: bool
+    load: Load
+    end: tuple[float | None, float | None]  #: mm, prescribed x and y of the end
+    together: bool  #: kappa_0 grows with the loads
 
 
 def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, loaded: bool) -> bool:
@@ -160,26 +162,19 @@ def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, lo
     return order == "together" and (loaded or end_x is not None or end_y is not None)
 
 
-def _pair(values: Sequence[float], name: str) -> tuple[float, float]:
-    pair = tuple(float(v) for v in values)
-    if len(pair) != 2 or not all(math.isfinite(v) for v in pair):
-        raise RodError(f"{name} is a pair of finite numbers, x and y; {values!r} is not.")
-    return pair
-
-
-def _refinement(rod: Rod, solution: RodSolution, loads: _Loads) -> float:
+def _refinement(rod: Rod, solution: RodSolution, load: Load) -> float:
     """How much finer than the usual the steps must be: at large forces errors grow like exp(s sqrt(F/alpha))."""
     softest = min(rod.law.alpha1, rod.law.alpha2)
-    force = np.hypot(*solution.force) + rod.length * math.hypot(*loads.weight)
+    force = np.hypot(*solution.force) + rod.length * math.hypot(*load.weight)
     growth = rod.length * math.sqrt(force / softest)
     return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
 
 
-def _problem(rod: Rod, steps: Steps, loads: _Loads) -> Problem:
+def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
     """The loads on the rod in units of its length l and rigidity B = alpha2: moments B/l, forces B/l^2."""
     law, length = rod.law, rod.length
     base = law.alpha2
-    end = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(loads.end)]
+    end = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(case.end)]
     reach = math.hypot(*end)
     if not reach < 1.0 and rod.extension is None:
         raise RodError(
@@ -196,12 +191,12 @@ def _problem(rod: Rod, steps: Steps, loads: _Loads) -> Problem:
         m0=np.where(steps.first, law.m01, law.m02) * (length / base),
         fade=rod.fade * length / base,
         theta0=rod.theta0,
-        free=np.array([True, loads.end[0] is not None, loads.end[1] is not None]),
-        force=np.array(loads.force) * unit,
-        weight=np.array(loads.weight) * (unit * length),
-        moment=loads.moment * length / base,
+        free=np.array([True, case.end[0] is not None, case.end[1] is not None]),
+        force=np.array(case.load.force) * unit,
+        weight=np.array(case.load.weight) * (unit * length),
+        moment=case.load.couple * length / base,
         end=np.array(end),
-        together=loads.together,
+        together=case.together,
     )
 
 

@@ -1,7 +1,7 @@
 """Curves of rods whose numbers are known: what an estimator must give back before it is trusted with finite-element
 curves.
 
-An arm like design (a): a curvature that wiggles within each cell, in the rest state and in its answer to a moment,
+An arm like design (a): a curvature that ripples within each cell, in the rest state and in its answer to a moment,
 nodes as a mesh spaces them, and measured positions with white noise.
 """
 
@@ -10,27 +10,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry import Centreline
-from rod.law import FiveParameters
-from rod.mechanics.equilibrium import Rod
+from rod import FiveParameters, Load, Rod
 
 
 @dataclass(frozen=True)
 class SyntheticArm:
-    """An arm with known numbers. Wiggles are relative: curvature times 1 + wiggle cos(2 pi s/pitch + phase)."""
+    """An arm with known numbers. Wiggles are relative: curvature times 1 + ripple cos(2 pi s/pitch + phase)."""
 
     law: FiveParameters
     kappa_0: float = 0.03  #: 1/mm, mean over a cell
     length: float = 112.0  #: mm
     pitch: float = 10.0  #: mm
     node_spacing: float = 1.0  #: mm, a whole fraction of the pitch
-    wiggle: float = 0.0  #: of kappa_0
-    compliance_wiggle: float = 0.0  #: of Delta
+    ripple: float = 0.0  #: of kappa_0
+    compliance_ripple: float = 0.0  #: of Delta
     phase: float = 0.0  #: rad
     noise: float = 0.0  #: mm, standard deviation of each measured coordinate
     force_noise: float = 0.0  #: relative standard deviation of the measured force
 
-    def curves(self, seed: int = 0) -> tuple[Centreline, Centreline, tuple[float, float]]:
-        """Test II, Test III (end height zero), both with noise, and the end force of Test III in N."""
+    def curves(self, seed: int = 0) -> tuple[Centreline, Centreline, Load]:
+        """Experiment II, experiment III (end height zero), both with noise, and the load of III."""
         nodes = np.linspace(0.0, self.length, round(self.length / self.node_spacing) + 1)
         rest, loaded = self._rods()
         held = loaded.solve(end_y=0.0)
@@ -40,16 +39,16 @@ class SyntheticArm:
             for shape in (rest.solve(), held)
         )
         force = (float(held.force[0]), float(held.force[1]) * (1.0 + self.force_noise * random.standard_normal()))
-        return Centreline(nodes, *free.T), Centreline(nodes, *bent.T), force
+        return Centreline(nodes, *free.T), Centreline(nodes, *bent.T), Load(force)
 
     def _rods(self) -> tuple[Rod, Rod]:
         s = np.linspace(0.0, self.length, 1121)
         wave = np.cos(2.0 * np.pi * s / self.pitch + self.phase)
-        kappa_0 = self.kappa_0 * (1.0 + self.wiggle * wave)
+        kappa_0 = self.kappa_0 * (1.0 + self.ripple * wave)
         rest = Rod(self.length, np.column_stack([s, kappa_0]), self.law)
         loaded = rest
-        for _ in range(6 if self.compliance_wiggle else 0):  # the wiggle follows Delta, which follows the moment
+        for _ in range(6 if self.compliance_ripple else 0):  # the ripple follows Delta, which follows the moment
             moment = loaded.solve(end_y=0.0)
             delta = self.law.deviation(s, np.interp(s, moment.s, moment.moment))
-            loaded = replace(rest, kappa_0=np.column_stack([s, kappa_0 + self.compliance_wiggle * wave * delta]))
+            loaded = replace(rest, kappa_0=np.column_stack([s, kappa_0 + self.compliance_ripple * wave * delta]))
         return rest, loaded

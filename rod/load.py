@@ -1,0 +1,36 @@
+"""What acts on an arm besides its pressure, as one value: end force, end couple, dead weight."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rod.law import RodError
+
+
+@dataclass(frozen=True)
+class Load:
+    """A dead load on a clamped arm (the full body, both halves). Raises `RodError` for numbers that are not finite."""
+
+    force: tuple[float, float] = (0.0, 0.0)  #: N, F_x and F_y on the end s = l
+    couple: float = 0.0  #: N mm, on the end
+    weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, q_x and q_y per rest length, all along the arm
+
+    def __post_init__(self) -> None:
+        for name in ("force", "weight"):
+            object.__setattr__(self, name, pair(getattr(self, name), name))
+        if not math.isfinite(self.couple):
+            raise RodError("The end moment must be a finite number.")
+        object.__setattr__(self, "couple", float(self.couple))
+
+    @property
+    def force_size(self) -> float:
+        """N, |F|."""
+        return math.hypot(*self.force)
+
+
+def pair(values: Sequence[float], name: str) -> tuple[float, float]:
+    """(x, y) as finite floats. Raises `RodError`, naming what they are, for anything else."""
+    numbers = tuple(float(v) for v in values)
+    if len(numbers) != 2 or not all(math.isfinite(v) for v in numbers):
+        raise RodError(f"{name} is a pair of finite numbers, x and y; {values!r} is not.")
+    return numbers
