@@ -11,7 +11,7 @@ from pipeline.identification.parameters import identify_all
 from pipeline.identification.record import parameters_record
 from pipeline.progress import Progress
 from pipeline.simulation.scene import GAP, Scene, is_on
-from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 
 BASE = "as configured"
@@ -101,9 +101,9 @@ def _rows(variant: Variant, context: RunContext) -> tuple[list[dict[str, Any]], 
     found, refused = identify_all(outcomes, scene.body.pitch)
     record = parameters_record(config, found)
     cost = {
-        "seconds": sum(outcome.seconds.total for outcome in outcomes.values()),
-        "factorizations": sum(outcome.factorizations for outcome in outcomes.values()),
-        "degrees_of_freedom": max(outcome.degrees_of_freedom for outcome in outcomes.values()),
+        "seconds": outcomes.seconds.total,
+        "factorizations": outcomes.factorizations,
+        "degrees_of_freedom": outcomes.degrees_of_freedom,
     }
     rows = [
         {
@@ -112,7 +112,7 @@ def _rows(variant: Variant, context: RunContext) -> tuple[list[dict[str, Any]], 
             "pressure_kPa": one.pressure_kPa,
             "kappa_0_middle_per_mm": record["kappa_0"]["middle_per_mm"][k],
             "end_force_N": one.loaded.load.force[1],
-            "end_y_II_mm": one.free.row["end_y_mm"],
+            "end_y_II_mm": one.free.summary.end_mm[1],
             **{name: record[name][k] for name in ("alpha1_N_mm2", "alpha2_N_mm2")},
             "d_mm": None if record["single_line_suffices"][k] else record["d_mm"][k],  # one line has no break
             **{name: record[name][k] for name in ("single_line_suffices", "r2_single_line", "r2_two_lines")},
@@ -121,12 +121,7 @@ def _rows(variant: Variant, context: RunContext) -> tuple[list[dict[str, Any]], 
         }
         for k, one in enumerate(found)
     ]
-    return rows, [f"{variant.name}: {sentence}" for sentence in [*_failures(outcomes.values()), *refused]]
-
-
-def _failures(outcomes: Any) -> list[str]:
-    ended: Sequence[Outcome] = [outcome for outcome in outcomes if outcome.failure]
-    return [f"experiment {one.experiment} stopped before {one.failed_kPa:g} kPa: {one.failure}" for one in ended]
+    return rows, [f"{variant.name}: {sentence}" for sentence in [*outcomes.failures, *refused]]
 
 
 def _compared(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:

@@ -1,4 +1,4 @@
-"""Processes that compute side by side: how many threads each has, and that all end when one fails."""
+"""Pools of processes: how many threads each process has, and that all end when one fails."""
 
 import multiprocessing
 import os
@@ -12,11 +12,16 @@ SPAWN = multiprocessing.get_context("spawn")
 THREADS = ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
 
 
+def available_cores() -> int:
+    """The processor cores that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
 @contextmanager
-def side_by_side(jobs: int, threads: int, **options: Any) -> Iterator[ProcessPoolExecutor]:
+def process_pool(jobs: int, threads: int, **options: Any) -> Iterator[ProcessPoolExecutor]:
     """`jobs` workers of `threads` threads; `options` are those of ProcessPoolExecutor. An exception ends them all."""
-    kept = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(kept, str(threads)))
+    before = {name: os.environ.get(name) for name in THREADS}
+    os.environ.update(dict.fromkeys(before, str(threads)))
     try:
         with ProcessPoolExecutor(jobs, SPAWN, **options) as pool:
             try:
@@ -27,5 +32,5 @@ def side_by_side(jobs: int, threads: int, **options: Any) -> Iterator[ProcessPoo
                     child.terminate()
                 raise
     finally:
-        for name, value in kept.items():
+        for name, value in before.items():
             os.environ.pop(name) if value is None else os.environ.update({name: value})

@@ -18,10 +18,10 @@ from pipeline.identification.record import parameters_record
 from pipeline.progress import Progress
 from pipeline.report.page import render_report
 from pipeline.simulation.effects_record import effect_rows
-from pipeline.simulation.indicator import largest_indicator
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.simulation.simulate import simulate
 from pipeline.store.provenance import provenance
 from pipeline.store.store import Store, open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
@@ -44,12 +44,12 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
             compile_kernels(config.mesh.formulation)
         with _stage("experiments", progress, seconds):
             outcomes = simulate(scene, context)
-            store.save_json("experiments.json", _experiment_rows(outcomes))
+            store.save_json("experiments.json", outcomes.rows())
             store.save_json("effects.json", effect_rows(scene, outcomes))
         with _stage("identification", progress, seconds):
             found, refused = identify_all(outcomes, scene.body.pitch)
             outcomes, found, more = with_added_pressures(scene, context, outcomes, found)
-            store.save_json("experiments.json", _experiment_rows(outcomes))
+            store.save_json("experiments.json", outcomes.rows())
         with _stage("coarser mesh", progress, seconds):
             found = with_mesh_error(config, context, found)
             store.save_json("parameters.json", parameters_record(config, found))
@@ -62,10 +62,9 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
             validated.save(store, comparisons)
         with _stage("pictures", progress, seconds):
             draw_all(scene.body, outcomes, store)
-        stopped = [_failure(outcome) for outcome in outcomes.values() if outcome.failure]
-        failure = "; ".join([*stopped, *refused, *more, *validated.failures])
+        failure = "; ".join([*outcomes.failures, *refused, *more, *validated.failures])
         with _stage("report", progress, seconds):
-            indicator = largest_indicator(outcomes)
+            indicator = outcomes.largest_indicator
             errors = {
                 **({"indicator": indicator.record()} if indicator else {}),
                 **({"accuracy": choice.record(afterwards(choice, outcomes, found, indicator))} if choice else {}),
@@ -83,50 +82,23 @@ def _stage(name: str, progress: Progress, seconds: dict[str, float]) -> Iterator
     seconds[name] = perf_counter() - start
 
 
-def _failure(outcome: Outcome) -> str:
-    return f"experiment {outcome.experiment} stopped before {outcome.failed_kPa:g} kPa: {outcome.failure}"
-
-
-def _experiment_rows(outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
-    rows: list[dict[str, Any]] = []
-    for outcome in outcomes.values():
-        rows.extend(record.row for record in outcome.records)
-        if outcome.failure:
-            rows.append(
-                {
-                    "experiment": outcome.experiment,
-                    "pressure_kPa": outcome.failed_kPa,
-                    "status": "not converged",
-                    "reason": outcome.failure,
-                }
-            )
-    return rows
-
-
 def _write_report(
     store: Store,
     config: Config,
-    outcomes: Mapping[str, Outcome],
+    outcomes: Outcomes,
     seconds: Mapping[str, float],
     errors: Mapping[str, Any],
     failure: str,
 ) -> None:
-    spent = [outcome.seconds for outcome in outcomes.values()]
-    solver_seconds = {
-        stage: sum(getattr(one, stage) for one in spent)
-        for stage in ("set_up", "assembly", "analysis", "factorization", "solve")
-    }
-    solver_seconds["contact"] = sum(one.effects.get("self_contact", 0.0) for one in spent)
-    solver_seconds["assembly"] += sum(sum(one.effects.values()) for one in spent) - solver_seconds["contact"]
     record = {
         "config": config.record(),
         "config_hash": config.hash,
         **provenance(),
         "seconds": seconds,
-        "solver_seconds": solver_seconds,
-        "factorizations": {name: outcome.factorizations for name, outcome in outcomes.items()},
-        "degrees_of_freedom": {name: outcome.degrees_of_freedom for name, outcome in outcomes.items()},
-        "solver": sorted({outcome.solver for outcome in outcomes.values()}),
+        "solver_seconds": outcomes.seconds_by_stage,
+        "factorizations": {outcome.name: outcome.factorizations for outcome in outcomes},
+        "degrees_of_freedom": {outcome.name: outcome.degrees_of_freedom for outcome in outcomes},
+        "solver": sorted({outcome.solver for outcome in outcomes}),
         **errors,
         **({"failure": failure} if failure else {}),
     }

@@ -21,7 +21,7 @@ from pipeline.accuracy.plan import (
 from pipeline.config.config import Config, load_config
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
-from pipeline.simulation.indicator import Indicator
+from pipeline.simulation.outcome import Indicator, Outcomes
 from pipeline.store.store import open_store
 
 EXACT = {"kappa_0_per_mm": -0.016, "alpha2_N_mm2": 400.0, "force_N": 0.03}
@@ -118,7 +118,7 @@ def test_what_is_said_after_the_run(configs: Path, tmp_path: Path, piloted: list
     record = choice.record(after)
     assert record["after"]["believed_error"] == 0.025
     assert record["believed_error"] <= 0.02
-    assert afterwards(choice, {}, (), None) is None
+    assert afterwards(choice, Outcomes({}), (), None) is None
 
 
 def test_nothing_is_chosen_where_nothing_is_asked_for(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:

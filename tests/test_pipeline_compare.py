@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fem import Seconds
+from fem.solution import Extremes
 from geometry import Centreline
-from pipeline.simulation.simulate import Record
+from pipeline.simulation.outcome import Record, StateSummary
 from pipeline.validation.compare import CURVE_COLUMNS, Rods, held_against, rows_of
 from rod import Extension, FiveParameters, Load, MomentRange, Rod
 
@@ -32,7 +33,32 @@ def record(experiment: str, rod: Rod, **loads) -> Record:
     x, y = shape.positions(S).T
     load = Load((float(shape.force[0]), float(shape.force[1])))
     empty = np.zeros((0, 3))
-    return Record(experiment, 24.0, {}, Centreline(S, x, y), load, empty, {}, (), Seconds())
+    return Record(summary(experiment), Centreline(S, x, y), load, empty, {}, (), Seconds())
+
+
+def summary(experiment: str) -> StateSummary:
+    """A state of which only the experiment and the pressure matter."""
+    rest = (0.0, 0.0, 0.0)
+    return StateSummary(
+        experiment=experiment,
+        pressure_kPa=24.0,
+        end_mm=(0.0, 0.0),
+        reaction_N=(0.0, 0.0),
+        clamp_reaction_N=(0.0, 0.0),
+        clamp_moment_N_mm=0.0,
+        cavity_volume_mm3=1.0,
+        stretch_of_curve=1.0,
+        extremes=Extremes(1.0, 1.0, 1.0, rest, rest, rest),
+        min_gap_mm=float("inf"),
+        stress_error=0.0,
+        stress_error_at_mm=rest,
+        negative_pivots=0,
+        newton_iterations=1,
+        factorizations=1,
+        cutbacks=0,
+        seconds=0.0,
+        remark="",
+    )
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ import io
 import json
 import subprocess
 import sys
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +17,9 @@ from pipeline.context import RunContext
 from pipeline.effects_study import BASE, about_contact, compare_effects, variants
 from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_rows
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 from pipeline.terminal import comparison
 
@@ -29,18 +29,18 @@ SHORT = ("geometry.chambers=3", "mesh.size=4 mm")
 
 def simulated(
     out: Path, name: str, *overrides: str, experiments: tuple[str, ...] = ("II",)
-) -> tuple[dict[str, Outcome], dict[str, dict[str, Any]]]:
+) -> tuple[Outcomes, dict[str, dict[str, Any]]]:
     """Outcomes, and the rows of effects.json by effect."""
     config = load_config(HERE / "configs" / f"{name}.yaml", overrides)
     scene = Scene.meshed(config)
     with open_store(out, config) as store:
         outcomes = simulate(scene, RunContext(store, 1, Silent()), experiments)
-    assert [outcome.failure for outcome in outcomes.values()] == [""] * len(experiments)
+    assert [outcome.failure for outcome in outcomes] == [None] * len(experiments)
     return outcomes, {row["effect"]: row for row in effect_rows(scene, outcomes)}
 
 
-def ends(outcomes: Mapping[str, Outcome]) -> np.ndarray:
-    return np.array([[r.row["end_x_mm"], r.row["end_y_mm"]] for o in outcomes.values() for r in o.records])
+def ends(outcomes: Outcomes) -> np.ndarray:
+    return np.array([record.summary.end_mm for record in outcomes.records])
 
 
 def test_half_and_whole_body_give_the_same_end(tmp_path: Path) -> None:
@@ -55,7 +55,7 @@ def test_half_and_whole_body_give_the_same_end(tmp_path: Path) -> None:
     assert np.abs(ends(half) - ends(whole)).max() < 1e-6 * 32
     for one, other in zip(half["III"].records, whole["III"].records, strict=True):
         assert one.load.force == pytest.approx(other.load.force, rel=1e-4, abs=1e-8)
-        assert one.row["cavity_volume_mm3"] == pytest.approx(other.row["cavity_volume_mm3"], rel=1e-8)
+        assert one.summary.cavity_volume_mm3 == pytest.approx(other.summary.cavity_volume_mm3, rel=1e-8)
 
 
 def test_contact_joins_when_walls_come_near(tmp_path: Path) -> None:
@@ -118,7 +118,7 @@ def test_weight_is_whole_at_every_pressure(tmp_path: Path) -> None:
     config = load_config(HERE / "configs/semicircular_coarse.yaml", SHORT)
     mass = config.material.density_tonne_mm3 * Scene.meshed(config).body.mesh.volume * 2
     for record in outcomes["II"].records:
-        assert record.row["clamp_reaction_N"] == pytest.approx([0.0, mass * 9810.0], abs=1e-6)
+        assert record.summary.clamp_reaction_N == pytest.approx([0.0, mass * 9810.0], abs=1e-6)
     assert rows["gravity"]["state"] == "on"
     assert rows["gravity"]["reason"].startswith("(0, -9.81, 0) m/s2 at every pressure")
 
@@ -129,8 +129,8 @@ def test_layer_keeps_the_length_of_the_curve(tmp_path: Path) -> None:
     plain, _ = simulated(tmp_path / "plain", *arguments, experiments=names)
     paper, rows = simulated(tmp_path / "paper", *arguments, "effects.strain_limiting_layer=on", experiments=names)
     for name in names:
-        assert max(abs(record.row["stretch_of_curve"] - 1.0) for record in plain[name].records) > 1e-2
-        assert max(abs(record.row["stretch_of_curve"] - 1.0) for record in paper[name].records) < 2e-3
+        assert max(abs(record.summary.stretch_of_curve - 1.0) for record in plain[name].records) > 1e-2
+        assert max(abs(record.summary.stretch_of_curve - 1.0) for record in paper[name].records) < 2e-3
     assert rows["strain_limiting_layer"]["state"] == "on"
     assert rows["strain_limiting_layer"]["share_of_time"] > 0.0
 
@@ -155,8 +155,8 @@ def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
     for layer in ("off", "on"):
         overrides = [f"effects.strain_limiting_layer={layer}"]
         found, _ = simulated(tmp_path / layer, f"{name}_coarse", *overrides, experiments=("II", "III"))
-        assert sum(outcome.factorizations for outcome in found.values()) <= 60
-        stretch = [record.row["stretch_of_curve"] for outcome in found.values() for record in outcome.records]
+        assert found.factorizations <= 60
+        stretch = [record.summary.stretch_of_curve for record in found.records]
         assert layer == "off" or np.abs(np.array(stretch) - 1.0).max() < 2e-3
 
 

@@ -83,8 +83,8 @@ def test_own_body_is_inflated(tmp_path: Path) -> None:
         outcomes = simulate(scene, RunContext(store, 1, Silent()), ("II",))
         rows = {row["effect"]: row for row in effect_rows(scene, outcomes)}
     (record,) = outcomes["II"].records
-    assert record.row["end_y_mm"] < 1.0 - 2.0
-    assert abs(record.row["stretch_of_curve"] - 1.0) < 2e-3
+    assert record.summary.end_mm[1] < 1.0 - 2.0
+    assert abs(record.summary.stretch_of_curve - 1.0) < 2e-3
     assert rows["self_contact"]["state"] == "off"
     assert rows["symmetry"]["state"] == rows["strain_limiting_layer"]["state"] == "on"
 

@@ -9,7 +9,7 @@ import pytest
 from pipeline.config.config import Config, load_config
 from pipeline.progress import Silent
 from pipeline.run import run
-from pipeline.simulation.loadcase import Case, up_to, validation_cases
+from pipeline.simulation.loadcase import LoadCase, PressureSchedule, up_to, validation_cases
 
 SHORT = """
 name: seven
@@ -46,8 +46,8 @@ def test_cases_are_named_by_their_load_and_go_on_from_the_run(config: Config) ->
     assert cases["III_end_3mm"].load == "end at +3 mm"
     assert cases["dead_0_0.01N"].load == "dead force 0, 0.01 N"
     assert cases["II"].load == ""
-    assert cases["II"].pressures_kPa == (6.0, 12.0, 15.0)
-    assert up_to(config, "III", 18.0) == Case("III", "III", (6.0, 12.0, 18.0))
+    assert cases["II"].schedule.pressures_kPa == (6.0, 12.0, 15.0)
+    assert up_to(config, "III", 18.0) == LoadCase("III", "III", PressureSchedule((6.0, 12.0, 18.0), 24.0))
 
 
 def test_rows_out_of_sample_stand_behind_those_in_sample(results: Path) -> None:

@@ -1,7 +1,7 @@
 """One rung of the ladder of accuracy, measured in a process of its own so that its peak of memory is its own."""
 
 import resource
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import as_completed
 from dataclasses import replace
 from pathlib import Path
@@ -17,17 +17,18 @@ from pipeline.accuracy.ladder import Rung
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.parameters import Parameters, identify_all
-from pipeline.processes import side_by_side
+from pipeline.processes import process_pool
 from pipeline.progress import Silent
+from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 
 
 def measured_apart(rungs: Sequence[Rung], jobs: int, keep: Any) -> None:
     """Measure rungs in processes of one thread and one rung each, `jobs` at a time; `keep(rung, record)` gets each as
     soon as it is finished."""
-    with side_by_side(jobs, 1, max_tasks_per_child=1) as pool:
+    with process_pool(jobs, 1, max_tasks_per_child=1) as pool:
         asked = {pool.submit(measure, rung): rung for rung in rungs}
         for future in as_completed(asked):
             keep(asked[future], future.result())
@@ -48,7 +49,7 @@ def measure(rung: Rung) -> dict[str, Any]:
     found, refused = identify_all(outcomes, scene.body.pitch)
     fit = perf_counter() - begin
     wall, spent = perf_counter() - start, _cpu_seconds() - cpu
-    stopped = [f"{one.experiment}: {one.failure}" for one in outcomes.values() if one.failure]
+    stopped = [f"{outcome.name}: {outcome.failure.reason}" for outcome in outcomes if outcome.failure]
     numbers = [numbers_of(one, 1, fit) for one in found]
     for stride in rung.strides[1:]:
         begin = perf_counter()
@@ -74,48 +75,44 @@ def numbers_of(found: Parameters, stride: int = 1, fit: float = 0.0) -> dict[str
         "stride": stride,
         "fit_seconds": fit,
         "points": len(found.free.centreline.s),
-        "kappa_0_per_mm": float(np.interp(found.kappa_0.length / 2, found.kappa_0.s, found.kappa_0.kappa)),
+        "kappa_0_per_mm": found.kappa_0_middle,
         "alpha1_N_mm2": numbers["alpha1"].value,
         "alpha2_N_mm2": numbers["alpha2"].value,
         "d_mm": numbers["d"].value if found.by_cells.two_lines else None,
         "force_N": found.loaded.load.force[1],
-        "end_mm": [found.free.row["end_x_mm"], found.free.row["end_y_mm"]],
+        "end_mm": list(found.free.summary.end_mm),
         "alpha2_std_N_mm2": numbers["alpha2"].std,
-        "stress_error": max(found.free.row["stress_error"], found.loaded.row["stress_error"]),
+        "stress_error": max(record.summary.stress_error for record in (found.free, found.loaded)),
     }
 
 
-def _size(body: Body, outcomes: Mapping[str, Outcome]) -> dict[str, Any]:
+def _size(body: Body, outcomes: Outcomes) -> dict[str, Any]:
     return {
-        "degrees_of_freedom": max(outcome.degrees_of_freedom for outcome in outcomes.values()),
+        "degrees_of_freedom": outcomes.degrees_of_freedom,
         "tetrahedra": len(body.mesh.tets),
         "radius_ratio": body.mesh.quality.minimum,
-        "factorizations": sum(outcome.factorizations for outcome in outcomes.values()),
+        "factorizations": outcomes.factorizations,
     }
 
 
-def _stages(outcomes: Mapping[str, Outcome]) -> dict[str, float]:
+def _stages(outcomes: Outcomes) -> dict[str, float]:
     """Seconds of the solver by what they were spent on."""
-    spent = [outcome.seconds for outcome in outcomes.values()]
-    contact = sum(one.effects.get("self_contact", 0.0) for one in spent)
-    effects = sum(sum(one.effects.values()) for one in spent) - contact
+    seconds = outcomes.seconds_by_stage
     return {
-        "set_up": sum(one.set_up + one.analysis for one in spent),
-        "assembly": sum(one.assembly for one in spent) + effects,
-        "factorization": sum(one.factorization + one.solve for one in spent),
-        "contact": contact,
+        "set_up": seconds["set_up"] + seconds["analysis"],
+        "assembly": seconds["assembly"],
+        "factorization": seconds["factorization"] + seconds["solve"],
+        "contact": seconds["contact"],
     }
 
 
-def _thinned(outcomes: Mapping[str, Outcome], stride: int) -> dict[str, Outcome]:
+def _thinned(outcomes: Outcomes, stride: int) -> Outcomes:
     """The outcomes with every so many-th node of their material curves, the last one always."""
-    return {
-        name: replace(
-            outcome,
-            records=tuple(replace(one, centreline=_every(one.centreline, stride)) for one in outcome.records),
-        )
-        for name, outcome in outcomes.items()
-    }
+
+    def thinned(records: tuple[Record, ...]) -> tuple[Record, ...]:
+        return tuple(replace(record, centreline=_every(record.centreline, stride)) for record in records)
+
+    return outcomes.with_records(thinned)
 
 
 def _every(curve: Centreline, stride: int) -> Centreline:

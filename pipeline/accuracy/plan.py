@@ -20,9 +20,8 @@ from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
 from pipeline.progress import Progress
-from pipeline.simulation.indicator import Indicator
+from pipeline.simulation.outcome import Indicator, Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import Outcome
 from pipeline.store.store import Store
 
 #: elements and grading that reach an accuracy with the fewest degrees of freedom
@@ -107,7 +106,7 @@ class Choice:
         if after:
             said.append(
                 f"by the error indicator of the run it leaves {_parts(after)} (the indicator is largest "
-                f"{after.indicator.place()})"
+                f"{after.indicator.location()})"
             )
         now = after or self
         reached = "is kept" if largest_error(now) <= self.asked else "is not reached"
@@ -148,7 +147,7 @@ def chosen(config: Config, store: Store, progress: Progress) -> tuple[Config, Ch
 
 
 def afterwards(
-    choice: Choice, outcomes: Mapping[str, Outcome], found: Sequence[Parameters], indicator: Indicator | None
+    choice: Choice, outcomes: Outcomes, found: Sequence[Parameters], indicator: Indicator | None
 ) -> Afterwards | None:
     """What the states of a run say of its errors; None where there are none.
 
@@ -156,7 +155,7 @@ def afterwards(
     """
     if indicator is None:
         return None
-    touched = any("self_contact" in record.effects for one in outcomes.values() for record in one.records)
+    touched = any("self_contact" in record.effects for record in outcomes.records)
     rigidities = [one.numbers_without_mesh["alpha2"] for one in found]
     alike = [one for one in found if one.pressure_kPa == choice.pilots_kPa]
     laws = [choice.law.with_indicator(indicator.stress_error)]

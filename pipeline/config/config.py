@@ -93,10 +93,6 @@ class Config:
     contact_faces: tuple[str, ...] | None  #: names of faces that can meet; None for those named gap
     source: str  #: the file it was read from, for messages
 
-    @property
-    def pressures_MPa(self) -> tuple[float, ...]:
-        return tuple(float(f"{pressure / 1000.0:.12g}") for pressure in self.pressures_kPa)
-
     def record(self) -> dict[str, Any]:
         """Everything that decides the results, ready for JSON; lengths in mm, constants of the law in MPa."""
         return {

@@ -1,14 +1,13 @@
 """Where the numbers are linear in the pressure, and pressures added by bisection where they are not."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
-import fem
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.simulation.loadcase import up_to
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import EXPERIMENTS, Outcome, simulate
+from pipeline.simulation.simulate import EXPERIMENTS, simulate
 from rod import LinearRange, linear_range, next_pressure
 
 Quantities = dict[str, tuple[list[float], list[float]]]
@@ -22,9 +21,8 @@ def quantities_of(found: Sequence[Parameters]) -> tuple[list[float], Quantities]
         for name in ("alpha1", "alpha2"):
             quantities[name][0].append(p.numbers_without_mesh[name].value)
             quantities[name][1].append(p.numbers_without_mesh[name].std)
-        middle = abs(p.kappa_0.s - p.kappa_0.length / 2).argmin()
-        quantities["kappa_0"][0].append(float(p.kappa_0.kappa[middle]))
-        quantities["kappa_0"][1].append(float(p.kappa_0.kappa_std[middle]))
+        quantities["kappa_0"][0].append(p.kappa_0_middle)
+        quantities["kappa_0"][1].append(p.kappa_0_middle_std)
     return [p.pressure_kPa for p in found], quantities
 
 
@@ -37,41 +35,27 @@ def covered_range(found: Sequence[Parameters]) -> LinearRange | None:
 def with_added_pressures(
     scene: Scene,
     context: RunContext,
-    outcomes: Mapping[str, Outcome],
+    outcomes: Outcomes,
     found: tuple[Parameters, ...],
-) -> tuple[dict[str, Outcome], tuple[Parameters, ...], tuple[str, ...]]:
+) -> tuple[Outcomes, tuple[Parameters, ...], tuple[str, ...]]:
     """Outcomes and numbers with up to `added_pressures` more pressures, each where it says most about the range,
     and a sentence where one could not be had.
 
     Nothing is added to a run that stopped early, and no pressure after one that fails. Raises RunFailed as `simulate`.
     """
-    outcomes = dict(outcomes)
     for _ in range(scene.config.added_pressures):
         pressure = next_pressure([p.pressure_kPa for p in found], covered_range(found))
-        if pressure is None or any(outcome.failure for outcome in outcomes.values()):
+        if pressure is None or outcomes.failures:
             break
         cases = [up_to(scene.config, name, pressure) for name in EXPERIMENTS]
         more = simulate(scene, context, cases)
-        stopped = [f"no pressure was added at {pressure:g} kPa: {one.failure}" for one in more.values() if one.failure]
+        reasons = [outcome.failure.reason for outcome in more if outcome.failure]
+        stopped = [f"no pressure was added at {pressure:g} kPa: {reason}" for reason in reasons]
         if stopped:
             return outcomes, found, tuple(stopped)
-        outcomes = {name: merged(outcomes[name], more[name]) for name in outcomes}
-        only = {name: replace(one, records=one.records[-1:]) for name, one in more.items()}
-        new, refused = identify_all(only, scene.body.pitch)
+        outcomes = outcomes.merged(more)
+        new, refused = identify_all(more.with_records(lambda records: records[-1:]), scene.body.pitch)
         if refused:
             return outcomes, found, refused
         found = tuple(sorted((*found, *new), key=lambda p: p.pressure_kPa))
     return outcomes, found, ()
-
-
-def merged(first: Outcome, more: Outcome) -> Outcome:
-    """One outcome with the records of both; what `more` took up from `first` counts once."""
-    known = {record.pressure_kPa for record in first.records}
-    new = [record for record in more.records if record.pressure_kPa not in known]
-    spent = sum((record.spent for record in new), fem.Seconds(set_up=more.seconds.set_up))
-    return replace(
-        first,
-        records=tuple(sorted((*first.records, *new), key=lambda record: record.pressure_kPa)),
-        seconds=first.seconds + spent,
-        factorizations=first.factorizations + sum(record.row["factorizations"] for record in new),
-    )

@@ -9,9 +9,10 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.parameters import NAMES, Parameters, numbers_of_cells
 from pipeline.richardson import extrapolated
-from pipeline.simulation.loadcase import Case
+from pipeline.simulation.loadcase import LoadCase, schedule
+from pipeline.simulation.outcome import Record
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import Record, simulate
+from pipeline.simulation.simulate import simulate
 from rod import Identification, RodError
 
 
@@ -30,11 +31,11 @@ def with_mesh_error(config: Config, context: RunContext, found: tuple[Parameters
         scene = Scene.meshed(second)
     except InputError:
         return found
-    pressures = tuple(p.pressure_kPa for p in found)
-    cases = [Case(f"coarser_{name}", name, pressures, config.end_y_mm) for name in ("III", "II")]
+    pressures = schedule(config, tuple(p.pressure_kPa for p in found))
+    cases = [LoadCase(f"coarser_{name}", name, pressures, config.end_y_mm) for name in ("III", "II")]
     outcomes = simulate(scene, context, cases)
-    free, loaded = ({r.pressure_kPa: r for r in outcomes[f"coarser_{name}"].records} for name in ("II", "III"))
-    others = [_numbers(p, free.get(p.pressure_kPa), loaded.get(p.pressure_kPa)) for p in found]
+    free, loaded = outcomes["coarser_II"], outcomes["coarser_III"]
+    others = [_numbers(p, free.at(p.pressure_kPa), loaded.at(p.pressure_kPa)) for p in found]
     values = [{name: one.value for name, one in p.numbers_without_mesh.items()} for p in found]
     deviations = mesh_deviations(values, others, config.mesh.size_mm, factor)
     return tuple(replace(p, mesh_std=stds) for p, stds in zip(found, deviations, strict=True))

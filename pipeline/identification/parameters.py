@@ -7,7 +7,9 @@ the cell averages, or their one line where that suffices: docs/identification.md
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from pipeline.simulation.simulate import Outcome, Record
+import numpy as np
+
+from pipeline.simulation.outcome import Outcomes, Record
 from rod import (
     Closure,
     Curvature,
@@ -41,6 +43,15 @@ DEFAULT = "cell_averaged"
 
 
 @dataclass(frozen=True)
+class Headline:
+    """The three numbers at one pressure by whose errors a result is judged."""
+
+    kappa_0_mid: float  #: 1/mm, rest curvature in the middle of the curve
+    alpha2: float  #: N mm2
+    force: float  #: N, end force along y in III
+
+
+@dataclass(frozen=True)
 class Parameters:
     """What one pressure gives: curvatures with and without load, moment, and the numbers of three estimators."""
 
@@ -63,6 +74,21 @@ class Parameters:
         """The numbers by the name of their estimator, the default first."""
         found: dict[str, Identification | RodFit] = {DEFAULT: self.by_cells, "gaussian_process": self.by_process}
         return found if self.by_rod is None else {**found, "rod_fit": self.by_rod}
+
+    @property
+    def kappa_0_middle(self) -> float:
+        """kappa_0(l/2), 1/mm, between the cells nearest to the middle by a straight line."""
+        return float(np.interp(self.kappa_0.length / 2, self.kappa_0.s, self.kappa_0.kappa))
+
+    @property
+    def kappa_0_middle_std(self) -> float:
+        """Standard deviation of kappa_0(l/2), 1/mm."""
+        return float(np.interp(self.kappa_0.length / 2, self.kappa_0.s, self.kappa_0.kappa_std))
+
+    @property
+    def headline(self) -> Headline:
+        """The numbers by whose errors a result is judged."""
+        return Headline(self.kappa_0_middle, self.numbers_without_mesh["alpha2"].value, self.loaded.load.force[1])
 
     @property
     def shortest_break(self) -> float:
@@ -127,7 +153,7 @@ def observed(parameters: Parameters, record: Record) -> Observation:
     return Observation(parameters.kappa_0, cell_averaged(record.centreline, parameters.kappa.pitch), moment)
 
 
-def identify_all(outcomes: Mapping[str, Outcome], pitch: float) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
+def identify_all(outcomes: Outcomes, pitch: float) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     """The numbers at every pressure reached in both II and III, and a sentence for each where there are none."""
     free = {record.pressure_kPa: record for record in outcomes["II"].records}
     loaded = {record.pressure_kPa: record for record in outcomes["III"].records}

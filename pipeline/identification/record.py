@@ -3,8 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.parameters import DEFAULT, Parameters
@@ -155,5 +153,5 @@ def _profiles(found: Sequence[Parameters]) -> dict[str, Any]:
         "kappa_0_per_mm": [profile[:, 1] for _, profile in rows],
         "cell_s_mm": found[0].kappa_0.s,
         "cell_averaged_per_mm": [p.kappa_0.kappa for p in found],
-        "middle_per_mm": [float(np.interp(p.kappa_0.length / 2, p.kappa_0.s, p.kappa_0.kappa)) for p in found],
+        "middle_per_mm": [p.kappa_0_middle for p in found],
     }

@@ -10,12 +10,10 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from pipeline.store.formats import CONVERGED
 from pipeline.store.old_keys import with_present_keys
 
 Rows = Sequence[Mapping[str, Any]]
-
-#: the `status` of a row of experiments.json whose pressure was reached
-SOLVED = "converged"
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,7 @@ class Results:
     @property
     def failures(self) -> Rows:
         """The rows of experiments.json whose pressure was not reached."""
-        return [row for row in self.experiments if row.get("status", SOLVED) != SOLVED]
+        return [row for row in self.experiments if row.get("status", CONVERGED) != CONVERGED]
 
     @property
     def in_sample(self) -> Rows:

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.report.results import SOLVED, Results
+from pipeline.report.results import Results
+from pipeline.store.formats import CONVERGED
 
 
 def number(value: Any) -> str:
@@ -104,6 +105,6 @@ def limits_met(results: Results) -> list[str]:
     sentences = []
     for row in results.experiments:
         if row.get("reason"):
-            met = "" if row.get("status") == SOLVED else f"{row.get('status')}: "
+            met = "" if row.get("status") == CONVERGED else f"{row.get('status')}: "
             sentences.append(f"{row['experiment']} at {row['pressure_kPa']:g} kPa: {met}{row['reason']}")
     return sentences

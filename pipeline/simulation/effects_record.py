@@ -1,14 +1,12 @@
 """Which effects took part in a run, and why."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from pipeline.config.config import FULLY_INTEGRATED, CavityPressure, Config, poisson_ratio
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene, gravity_breaks_symmetry, is_on
-from pipeline.simulation.simulate import Outcome
+from pipeline.store.json_values import JsonObject
 
 
-def effect_rows(scene: Scene, outcomes: Mapping[str, Outcome]) -> list[dict[str, Any]]:
+def effect_rows(scene: Scene, outcomes: Outcomes) -> list[JsonObject]:
     """Rows of effects.json: effect, state, reason, share of the solver's time (null where it has none of its own)."""
     config = scene.config
     states = {
@@ -25,16 +23,15 @@ def effect_rows(scene: Scene, outcomes: Mapping[str, Outcome]) -> list[dict[str,
             "effect": effect,
             "state": state,
             "reason": reason,
-            "share_of_time": None if effect in timeless else _share(effect, outcomes),
+            "share_of_time": None if effect in timeless else _fraction_of_time(effect, outcomes),
         }
         for effect, (state, reason) in states.items()
     ]
 
 
-def _share(effect: str, outcomes: Mapping[str, Outcome]) -> float:
-    total = sum(outcome.seconds.total for outcome in outcomes.values())
-    spent = sum(outcome.seconds.effects.get(effect, 0.0) for outcome in outcomes.values())
-    return spent / total if total > 0 else 0.0
+def _fraction_of_time(effect: str, outcomes: Outcomes) -> float:
+    seconds = outcomes.seconds
+    return seconds.effects.get(effect, 0.0) / seconds.total if seconds.total > 0 else 0.0
 
 
 def _pressure(config: Config) -> tuple[str, str]:
@@ -52,22 +49,20 @@ def _inside(pressure: CavityPressure) -> str:
     return f"holds {pressure.share:g} of the pressure of the run" if pressure.share else "holds none"
 
 
-def _contact(config: Config, outcomes: Mapping[str, Outcome]) -> tuple[str, str]:
-    asked = config.effects["self_contact"]
-    if asked == "off":
+def _contact(config: Config, outcomes: Outcomes) -> tuple[str, str]:
+    state = config.effects["self_contact"]
+    if state == "off":
         return "off", "switched off in the config"
-    if asked == "on":
+    if state == "on":
         return "on", "switched on in the config"
     touched = [
-        f"{name} from {min(first):g} kPa"
-        for name, outcome in outcomes.items()
+        f"{outcome.name} from {min(first):g} kPa"
+        for outcome in outcomes
         if (first := [record.pressure_kPa for record in outcome.records if "self_contact" in record.effects])
     ]
     if touched:
         return "on", f"walls came within reach of each other: {', '.join(touched)}"
-    nearest = min(
-        (record.row["min_gap_mm"] for outcome in outcomes.values() for record in outcome.records), default=0.0
-    )
+    nearest = min((record.summary.min_gap_mm for record in outcomes.records), default=0.0)
     return "off", f"no walls came within reach of each other; the smallest gap was {nearest:.2g} mm"
 
 

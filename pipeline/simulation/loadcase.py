@@ -1,4 +1,4 @@
-"""What is solved: one way of holding and loading the body, over a list of pressures."""
+"""What is solved: one way of supporting and loading the body, over a schedule of pressures."""
 
 from dataclasses import dataclass
 
@@ -6,19 +6,44 @@ from pipeline.config.config import Config
 
 
 @dataclass(frozen=True)
-class Case:
-    """One experiment with its load. Its states are remembered under its name."""
+class PressureSchedule:
+    """The pressures of a load case in the order in which they are solved, and the load factors that stand for them.
+
+    States are matched to their pressures by position in the schedule, never by their factors.
+    """
+
+    pressures_kPa: tuple[float, ...]
+    reference_kPa: float  #: the pressure at load factor 1: the largest of the run
+
+    @property
+    def reference_MPa(self) -> float:
+        """The pressure at load factor 1."""
+        return _MPa(self.reference_kPa)
+
+    @property
+    def factors(self) -> tuple[float, ...]:
+        """The load factor of each pressure."""
+        return tuple(_MPa(pressure) / self.reference_MPa for pressure in self.pressures_kPa)
+
+    def pressure_at(self, factor: float) -> float:
+        """The pressure (kPa) at any load factor, for messages."""
+        return 1000.0 * factor * self.reference_MPa
+
+
+def _MPa(pressure_kPa: float) -> float:
+    """kPa as MPa without the last digits, in which 0.017 differs from 17 / 1000."""
+    return float(f"{pressure_kPa / 1000.0:.12g}")
+
+
+@dataclass(frozen=True)
+class LoadCase:
+    """One experiment with its load. Its states are stored under its name."""
 
     name: str  #: I, II, III, III_end_10mm, dead_0_0.05N
     experiment: str  #: I, II, III or dead
-    pressures_kPa: tuple[float, ...]  #: ascending, none above the largest of the run
+    schedule: PressureSchedule
     end_y_mm: float = 0.0  #: displacement u_y of the end in III
     force_N: tuple[float, float] = (0.0, 0.0)  #: on the end in dead
-
-    @staticmethod
-    def of(config: Config, experiment: str) -> "Case":
-        """One of the three experiments I, II, III at the pressures of the run."""
-        return Case(experiment, experiment, config.pressures_kPa, config.end_y_mm)
 
     @property
     def load(self) -> str:
@@ -28,25 +53,35 @@ class Case:
         return f"end at {self.end_y_mm:+g} mm" if self.name != self.experiment else ""
 
 
-def up_to(config: Config, experiment: str, pressure: float) -> Case:
-    """I, II or III at one more pressure (kPa) and those of the run below it, from which the path goes on."""
-    below = tuple(known for known in config.pressures_kPa if known < pressure)
-    return Case(experiment, experiment, (*below, pressure), config.end_y_mm)
+def schedule(config: Config, pressures_kPa: tuple[float, ...] | None = None) -> PressureSchedule:
+    """The pressures of the run, or others that are scaled by the largest of the run."""
+    return PressureSchedule(config.pressures_kPa if pressures_kPa is None else pressures_kPa, config.pressures_kPa[-1])
 
 
-def validation_cases(config: Config) -> tuple[Case, ...]:
-    """The loads that the numbers are not fitted to; the longest first.
+def identification_case(config: Config, experiment: str) -> LoadCase:
+    """One of the three experiments I, II, III at the pressures of the run."""
+    return LoadCase(experiment, experiment, schedule(config), config.end_y_mm)
+
+
+def up_to(config: Config, experiment: str, pressure_kPa: float) -> LoadCase:
+    """I, II or III at one more pressure and those of the run below it, from which the path goes on."""
+    below = tuple(pressure for pressure in config.pressures_kPa if pressure < pressure_kPa)
+    return LoadCase(experiment, experiment, schedule(config, (*below, pressure_kPa)), config.end_y_mm)
+
+
+def validation_cases(config: Config) -> tuple[LoadCase, ...]:
+    """The loads that the parameters are not fitted to; the longest first.
 
     At pressures between those of the run that is II and III as well.
     """
-    asked, known = config.validation, config.pressures_kPa
-    between = tuple(pressure for pressure in asked.pressures_kPa if pressure not in known)
+    validation, of_run = config.validation, config.pressures_kPa
+    pressures = schedule(config, validation.pressures_kPa)
     cases = [
-        *(Case(f"III_end_{y:g}mm", "III", asked.pressures_kPa, end_y_mm=y) for y in asked.end_y_mm),
-        *(Case(f"dead_{x:g}_{y:g}N", "dead", asked.pressures_kPa, force_N=(x, y)) for x, y in asked.forces_N),
+        *(LoadCase(f"III_end_{y:g}mm", "III", pressures, end_y_mm=y) for y in validation.end_y_mm),
+        *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, force_N=(x, y)) for x, y in validation.forces_N),
     ]
+    between = tuple(pressure for pressure in validation.pressures_kPa if pressure not in of_run)
     if between:
-        every = tuple(sorted({*known, *between}))
-        whole = tuple(pressure for pressure in every if pressure <= between[-1])
-        cases += [Case(name, name, whole, config.end_y_mm) for name in ("III", "II")]
+        path = tuple(pressure for pressure in sorted({*of_run, *between}) if pressure <= between[-1])
+        cases += [LoadCase(name, name, schedule(config, path), config.end_y_mm) for name in ("III", "II")]
     return tuple(cases)

@@ -1,22 +1,18 @@
-"""The three experiments on one body, side by side in processes, each state kept when it is reached."""
+"""The load cases on one body, solved in parallel processes; each state is stored as soon as it is reached."""
 
-import multiprocessing
-import os
-import threading
 from collections.abc import Sequence
 from concurrent.futures.process import BrokenProcessPool
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass
 
 import fem
-from geometry import Centreline
-from geometry.arrays import Array, Index
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
-from pipeline.processes import SPAWN, side_by_side
-from pipeline.progress import Progress, ToQueue, relayed
-from pipeline.simulation.loadcase import Case
+from pipeline.processes import available_cores, process_pool
+from pipeline.progress import Progress
+from pipeline.simulation.loadcase import LoadCase, identification_case
+from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
+from pipeline.simulation.worker import connected, start_worker, worker_progress
 from pipeline.store.store import Store
 from rod import Load
 
@@ -24,52 +20,22 @@ from rod import Load
 EXPERIMENTS = ("III", "II", "I")
 
 
-@dataclass(frozen=True)
-class Record:
-    """One experiment at one pressure: what later stages need of it. Forces and volumes are those of the whole body."""
-
-    experiment: str
-    pressure_kPa: float
-    row: dict[str, Any]  #: as in experiments.json
-    centreline: Centreline
-    load: Load  #: end force, and its couple about the end of the curve
-    displacement: Array = field(repr=False)  #: (n, 3), mm
-    fields: dict[str, Array] = field(repr=False)  #: per element
-    effects: tuple[str, ...]  #: names of the effects that took part
-    spent: fem.Seconds
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """One experiment as far as it went."""
-
-    experiment: str  #: the name of its case
-    records: tuple[Record, ...]
-    failure: str  #: empty, or a sentence
-    failed_kPa: float  #: the pressure that was not reached, NaN where all were
-    lost: tuple[int, int]  #: attempts at it that failed, and the factorizations of all of them
-    seconds: fem.Seconds
-    factorizations: int
-    degrees_of_freedom: int
-    solver: str
-    points: Array = field(repr=False)  #: (n, 3) all nodes at rest, mm
-    nodes: Index = field(repr=False)  #: (e, 10), (e, 4) with linear elements
-
-
-def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | Case] = EXPERIMENTS) -> dict[str, Outcome]:
-    """Run the experiments, `context.jobs` at a time; one that fails does not stop the others.
+def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | LoadCase] = EXPERIMENTS) -> Outcomes:
+    """Solve the load cases, `context.jobs` at a time; one that fails does not stop the others.
 
     A name stands for that experiment at the pressures of the run. Raises RunFailed where the faces that are to touch
     cannot.
     """
-    cases = [one if isinstance(one, Case) else Case.of(scene.config, one) for one in experiments]
+    cases = [
+        entry if isinstance(entry, LoadCase) else identification_case(scene.config, entry) for entry in experiments
+    ]
     for case in sorted(cases, key=lambda case: case.name):
-        context.progress.experiment(case.name, case.pressures_kPa)
+        context.progress.experiment(case.name, case.schedule.pressures_kPa)
     try:
         if context.jobs == 1 or len(cases) == 1:
-            outcomes = [_experiment(case, scene, context.store, context.progress) for case in cases]
+            outcomes = [_solve(case, scene, context.store, context.progress) for case in cases]
         else:
-            outcomes = _side_by_side(scene, context, cases)
+            outcomes = _in_parallel(scene, context, cases)
     except fem.ContactError as failure:
         raise RunFailed(str(failure)) from None
     except BrokenProcessPool:
@@ -77,105 +43,106 @@ def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | Case
             "the process of an experiment was ended from outside, as happens when memory runs out; what is finished is "
             "kept, and the same command goes on from there, with --jobs 1 in less memory"
         ) from None
-    return {outcome.experiment: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.experiment)}
+    return Outcomes({outcome.name: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.name)})
 
 
-def _side_by_side(scene: Scene, context: RunContext, cases: Sequence[Case]) -> list[Outcome]:
+def _in_parallel(scene: Scene, context: RunContext, cases: Sequence[LoadCase]) -> list[Outcome]:
     jobs = min(context.jobs, len(cases))
-    queue = SPAWN.Queue()
-    queue.cancel_join_thread()  # a worker that was killed may hold the queue's lock for ever
-    threads = max(1, len(os.sched_getaffinity(0)) // jobs)
-    workers = side_by_side(jobs, threads, initializer=_take_queue, initargs=(queue,))
-    with relayed(queue, context.progress), workers as pool:
-        futures = [pool.submit(_in_worker, case, scene, context.store) for case in cases]
+    threads = max(1, available_cores() // jobs)
+    with (
+        connected(context.progress) as queue,
+        process_pool(jobs, threads, initializer=start_worker, initargs=(queue,)) as pool,
+    ):
+        futures = [pool.submit(_solve_in_worker, case, scene, context.store) for case in cases]
         return [future.result() for future in futures]
 
 
-_listener: list[ToQueue] = []
+def _solve_in_worker(case: LoadCase, scene: Scene, store: Store) -> Outcome:
+    return _solve(case, scene, store, worker_progress())
 
 
-def _take_queue(queue: Any) -> None:
-    """Runs first in a worker: interrupts are the main process's business, messages go into the queue.
-
-    A worker whose main process was killed ends as well, or it would write into a folder that another run holds, and
-    then wait for work for ever.
-    """
-    import signal
-
-    for interrupt in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(interrupt, signal.SIG_IGN)
-    threading.Thread(target=_end_with_main_process, daemon=True).start()
-    _listener.append(ToQueue(queue))
-
-
-def _end_with_main_process() -> None:
-    main_process = multiprocessing.parent_process()
-    if main_process is not None:
-        main_process.join()
-        os._exit(1)
-
-
-def _in_worker(case: Case, scene: Scene, store: Store) -> Outcome:
-    return _experiment(case, scene, store, _listener[0])
-
-
-def _experiment(case: Case, scene: Scene, store: Store, progress: Progress) -> Outcome:
-    name, asked, config = case.name, case.pressures_kPa, scene.config
+def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress) -> Outcome:
+    """Follow the load path of one case from its stored states on."""
     experiment = fem.Experiment.of(case.experiment, scene.body, case.end_y_mm, case.force_N)
     material = scene.material
-    largest = config.pressures_MPa[-1]
-    model = experiment.model(material, scene.effects(largest), config.mesh.formulation)
-    space = model.space
-    pressures = {float(f"{p / 1000.0:.12g}") / largest: p for p in asked}
-    remembered = _remembered(name, asked, space, store)
-    for step in remembered:
-        progress.step_done(name, pressures[step.factor], 0.0)
-
-    def keep(step: fem.Step) -> None:
-        store.save_state(name, pressures[step.factor], **fem.step_to_arrays(step))
-        progress.step_done(name, pressures[step.factor], step.seconds)
-
-    def watch(factor: float, iteration: int, residual: float) -> None:
-        progress.iteration(name, pressures[factor], iteration, residual)
-
-    failure, failed, lost = "", float("nan"), (0, 0)
+    effects = scene.effects(case.schedule.reference_MPa)
+    model = experiment.model(material, effects, scene.config.mesh.formulation)
+    listener = _PathListener(case, store, progress)
+    stored = listener.stored_steps(model.space)
+    failure = None
     try:
-        options = fem.PathOptions(fem.NewtonOptions(tolerance=config.newton_tolerance))
-        solution = fem.follow(model, list(pressures), options, watch=watch, keep=keep, resume=remembered)
+        options = fem.PathOptions(fem.NewtonOptions(tolerance=scene.config.newton_tolerance))
+        solution = fem.follow(
+            model, case.schedule.factors, options, watch=listener.iteration, keep=listener.step_done, resume=stored
+        )
     except fem.NotConverged as ended:
-        solution, failure = ended.partial, in_kPa(ended.end, largest, case)
-        lost = (ended.end.cutbacks, ended.end.factorizations)
-    steps, crossed = _apart(scene, solution.steps)
-    failure = crossed or failure
-    if failure:
-        failed = list(pressures.values())[len(steps)]
+        solution, end = ended.partial, ended.end
+        pressure = case.schedule.pressures_kPa[len(solution.steps)]
+        failure = Failure(pressure, failure_in_kPa(end, case), end.cutbacks, end.factorizations)
+    steps, intersection = _before_intersection(scene, solution.steps)
+    if intersection:
+        failure = Failure(case.schedule.pressures_kPa[len(steps)], intersection, 0, 0)
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))
+    pressures = case.schedule.pressures_kPa[: len(steps)]
     return Outcome(
-        experiment=name,
-        records=tuple(_record(experiment, step, pressures[step.factor], material) for step in steps),
+        name=case.name,
+        records=tuple(_record(experiment, *state, material) for state in zip(pressures, steps, strict=True)),
         failure=failure,
-        failed_kPa=failed,
-        lost=lost,
         seconds=seconds,
         factorizations=sum(step.factorizations for step in solution.steps),
         degrees_of_freedom=solution.degrees_of_freedom,
         solver=solution.solver,
-        points=space.points,
-        nodes=space.nodes,
+        points=model.space.points,
+        nodes=model.space.nodes,
     )
 
 
-def in_kPa(end: fem.End, largest_MPa: float, case: Case) -> str:
+@dataclass
+class _PathListener:
+    """Stores the states of a load path as they are reached and reports its progress, pressures in kPa."""
+
+    case: LoadCase
+    store: Store
+    progress: Progress
+    reached: int = 0  #: pressures of the schedule that are reached
+
+    @property
+    def _pressure(self) -> float:
+        """The pressure that is being solved."""
+        return self.case.schedule.pressures_kPa[self.reached]
+
+    def stored_steps(self, space: fem.Discretisation) -> list[fem.Step]:
+        """The finished steps of an earlier run with this configuration, up to the first that is missing."""
+        steps: list[fem.Step] = []
+        for pressure in self.case.schedule.pressures_kPa:
+            arrays = self.store.load_state(self.case.name, pressure)
+            if arrays is None:
+                break
+            steps.append(fem.step_from_arrays(space, arrays))
+            self.progress.step_done(self.case.name, pressure, 0.0)
+            self.reached += 1
+        return steps
+
+    def iteration(self, factor: float, iteration: int, residual: float) -> None:
+        self.progress.iteration(self.case.name, self._pressure, iteration, residual)
+
+    def step_done(self, step: fem.Step) -> None:
+        self.store.save_state(self.case.name, self._pressure, **fem.step_to_arrays(step))
+        self.progress.step_done(self.case.name, self._pressure, step.seconds)
+        self.reached += 1
+
+
+def failure_in_kPa(end: fem.End, case: LoadCase) -> str:
     """Why a path ended, in the units of the configuration."""
-    reached, asked = (f"{1000.0 * value * largest_MPa:.4g} kPa" for value in (end.reached, end.asked))
+    reached, target = (f"{case.schedule.pressure_at(factor):.4g} kPa" for factor in (end.reached, end.asked))
     if case.end_y_mm and end.share < 1.0:
         reached += f" with the end moved {end.share * case.end_y_mm:.4g} mm"
-        asked += f" and {case.end_y_mm:g} mm"
-    return f"no equilibrium found beyond {reached} on the way to {asked}: {end.cause}"
+        target += f" and {case.end_y_mm:g} mm"
+    return f"no equilibrium found beyond {reached} on the way to {target}: {end.cause}"
 
 
-def _apart(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:
-    """The steps before the body passes through itself where no contact is looked for, and a sentence if it does.
+def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:
+    """The steps before the body passes through itself where no contact is simulated, and a sentence if it does.
 
     Where contact is switched off it may.
     """
@@ -187,54 +154,11 @@ def _apart(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step],
     return steps, ""
 
 
-def _remembered(name: str, pressures: Sequence[float], space: fem.Discretisation, store: Store) -> list[fem.Step]:
-    """The finished steps of an earlier run with this configuration, up to the first that is missing."""
-    steps: list[fem.Step] = []
-    for pressure in pressures:
-        arrays = store.load_state(name, pressure)
-        if arrays is None:
-            break
-        steps.append(fem.step_from_arrays(space, arrays))
-    return steps
-
-
-def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, material: fem.Material) -> Record:
-    end, force = experiment.end(step), experiment.end_force(step)
+def _record(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, material: fem.Material) -> Record:
+    force = experiment.end_force(step)
     curve = experiment.centreline(step)
-    air = sum(step.cavity_volume(name) for name in experiment.body.cavities[:1]) * experiment.whole
-    clamp = experiment.clamp_force(step)
-    off = fem.stress_error(step, material)
-    row = {
-        "experiment": experiment.name,
-        "pressure_kPa": pressure_kPa,
-        "end_x_mm": end[0],
-        "end_y_mm": end[1],
-        "reaction_N": force.tolist(),
-        "clamp_reaction_N": clamp.tolist(),
-        "clamp_moment_N_mm": experiment.clamp_moment(step),
-        "cavity_volume_mm3": air,
-        "stretch_of_curve": curve.stretch,
-        "min_J": step.extremes.min_J,
-        "max_stretch": step.extremes.max_stretch,
-        "min_stretch": step.extremes.min_stretch,
-        "min_J_at_mm": step.extremes.min_J_at,
-        "max_stretch_at_mm": step.extremes.max_stretch_at,
-        "min_stretch_at_mm": step.extremes.min_stretch_at,
-        "min_gap_mm": step.min_gap,
-        "stress_error": off.energy,
-        "stress_error_at_mm": off.worst_at,
-        "negative_pivots": step.negative_pivots,
-        "newton_iterations": step.newton_iterations,
-        "factorizations": step.factorizations,
-        "cutbacks": step.cutbacks,
-        "seconds": step.seconds,
-        "status": "converged",
-        "reason": _remarks(step, material),
-    }
     return Record(
-        experiment=experiment.name,
-        pressure_kPa=pressure_kPa,
-        row=row,
+        summary=_summary(experiment, pressure_kPa, step, material),
         centreline=curve,
         load=Load((float(force[0]), float(force[1])), experiment.end_couple(step)),
         displacement=step.displacement,
@@ -244,6 +168,27 @@ def _record(experiment: fem.Experiment, step: fem.Step, pressure_kPa: float, mat
     )
 
 
-def _remarks(step: fem.Step, material: fem.Material) -> str:
-    """What limits the trust in an equilibrium; empty where nothing does."""
-    return "; ".join(filter(None, (fem.beyond_the_law(step.extremes, material), step.instability)))
+def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, material: fem.Material) -> StateSummary:
+    end, force, clamp = experiment.end(step), experiment.end_force(step), experiment.clamp_force(step)
+    error = fem.stress_error(step, material)
+    remarks = (fem.beyond_the_law(step.extremes, material), step.instability)
+    return StateSummary(
+        experiment=experiment.name,
+        pressure_kPa=pressure_kPa,
+        end_mm=(float(end[0]), float(end[1])),
+        reaction_N=(float(force[0]), float(force[1])),
+        clamp_reaction_N=(float(clamp[0]), float(clamp[1])),
+        clamp_moment_N_mm=experiment.clamp_moment(step),
+        cavity_volume_mm3=sum(step.cavity_volume(name) for name in experiment.body.cavities[:1]) * experiment.whole,
+        stretch_of_curve=experiment.centreline(step).stretch,
+        extremes=step.extremes,
+        min_gap_mm=step.min_gap,
+        stress_error=error.energy,
+        stress_error_at_mm=error.worst_at,
+        negative_pivots=step.negative_pivots,
+        newton_iterations=step.newton_iterations,
+        factorizations=step.factorizations,
+        cutbacks=step.cutbacks,
+        seconds=step.seconds,
+        remark="; ".join(filter(None, remarks)),
+    )

@@ -1,6 +1,6 @@
 """The rod held against the finite elements, and the curves of all experiments as one table."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.identification.parameters import Parameters
-from pipeline.simulation.simulate import Outcome, Record
+from pipeline.simulation.outcome import Outcomes, Record
 from rod import Load, MomentRange, Rod, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
 
 CURVE_COLUMNS = (
@@ -137,16 +137,12 @@ def _solved(rod: Rod, load: Load, end_y: float | None) -> RodSolution | None:
         return None
 
 
-def curve_rows(
-    outcomes: Mapping[str, Outcome], comparisons: Sequence[Comparison], pitch: float
-) -> list[tuple[Any, ...]]:
+def curve_rows(outcomes: Outcomes, comparisons: Sequence[Comparison], pitch: float) -> list[tuple[Any, ...]]:
     """Rows of curves.csv at the cell-averaged curvature's points, in the order of `CURVE_COLUMNS`."""
     shapes = {(c.record.experiment, c.record.pressure_kPa): c.shape for c in comparisons}
     rows: list[tuple[Any, ...]] = []
-    for outcome in outcomes.values():
-        for record in outcome.records:
-            shape = shapes.get((record.experiment, record.pressure_kPa))
-            rows.extend(rows_of(record, shape, pitch))
+    for record in outcomes.records:
+        rows.extend(rows_of(record, shapes.get((record.experiment, record.pressure_kPa)), pitch))
     return rows
 
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, observed
-from pipeline.simulation.loadcase import Case, validation_cases
+from pipeline.simulation.loadcase import LoadCase, validation_cases
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.simulation.simulate import simulate
 from pipeline.store.store import Store
 from pipeline.validation.compare import CURVE_COLUMNS, Comparison, Rods, held_against, rows_of
 from rod import PressurisedRod, Rod, RodError, compare_laws, simplest
@@ -44,8 +45,8 @@ def validate(scene: Scene, context: RunContext, found: Sequence[Parameters]) -> 
         return Validated((), (), ())
     outcomes = simulate(scene, context, list(cases.values()))
     failures = tuple(
-        f"validation {cases[name].load or name} stopped before {outcome.failed_kPa:g} kPa: {outcome.failure}"
-        for name, outcome in outcomes.items()
+        outcome.failure_sentence(f"validation {cases[outcome.name].load or outcome.name}")
+        for outcome in outcomes
         if outcome.failure
     )
     comparisons = _comparisons(scene, cases, outcomes, found)
@@ -78,24 +79,24 @@ def _between(found: Sequence[Parameters], rods: Sequence[Rod]) -> PressurisedRod
 
 def _comparisons(
     scene: Scene,
-    cases: Mapping[str, Case],
-    outcomes: Mapping[str, Outcome],
+    cases: Mapping[str, LoadCase],
+    outcomes: Outcomes,
     found: Sequence[Parameters],
 ) -> tuple[Comparison, ...]:
     rows = []
-    for name, outcome in outcomes.items():
+    for outcome in outcomes:
+        load = cases[outcome.name].load
         for record in outcome.records:
-            if not cases[name].load and record.pressure_kPa not in scene.config.validation.pressures_kPa:
+            if not load and record.pressure_kPa not in scene.config.validation.pressures_kPa:
                 continue  # the way to a pressure between
-            if not cases[name].load and record.pressure_kPa in {one.pressure_kPa for one in found}:
+            if not load and record.pressure_kPa in {one.pressure_kPa for one in found}:
                 continue  # added by bisection: in sample
             try:
                 rods = rods_between(found, record.pressure_kPa)
             except RodError as failure:
-                load = cases[name].load
                 rows.append(Comparison(record, None, str(failure), scene.body.pitch, load=load, in_sample=False))
                 continue
-            rows.append(held_against(rods, record, scene.body.pitch, cases[name].load, in_sample=False))
+            rows.append(held_against(rods, record, scene.body.pitch, load, in_sample=False))
     return tuple(sorted(rows, key=lambda one: (one.record.pressure_kPa, one.load)))
 
 

@@ -1,7 +1,6 @@
 """One case solved as a user would have it solved, from its configuration to its records; and its line of the table."""
 
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,9 +13,10 @@ from pipeline.config.config import Config, load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
-from pipeline.simulation.loadcase import Case
+from pipeline.simulation.loadcase import LoadCase, schedule
+from pipeline.simulation.outcome import Outcome
 from pipeline.simulation.scene import Scene as MeshedScene
-from pipeline.simulation.simulate import Outcome, simulate
+from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 
 
@@ -64,20 +64,21 @@ def line_of(case: HardCase) -> Line:
         found = solve(case.scene)
     except Refused as refused:
         return Line(case, str(refused), np.nan, 0, 0, 0, np.nan, np.nan, np.nan, np.inf)
-    outcome, rows = found.outcome, [record.row for record in found.outcome.records]
-    error, reason = np.nan, outcome.failure
+    outcome, states = found.outcome, [record.summary for record in found.outcome.records]
+    failure = outcome.failure
+    error, reason = np.nan, failure.reason if failure else ""
     if case.check is not None and not reason:
         error, reason = _error(case.check, found)
     return Line(
         case,
         reason,
         error,
-        len(rows),
-        sum(row["cutbacks"] for row in rows) + outcome.lost[0],
-        outcome.factorizations + outcome.lost[1],
-        min((row["min_J"] for row in rows), default=np.nan),
-        min((row["min_stretch"] for row in rows), default=np.nan),
-        max((row["max_stretch"] for row in rows), default=np.nan),
+        len(states),
+        sum(state.cutbacks for state in states) + (failure.cutbacks if failure else 0),
+        outcome.factorizations + (failure.factorizations if failure else 0),
+        min((state.extremes.min_J for state in states), default=np.nan),
+        min((state.extremes.min_stretch for state in states), default=np.nan),
+        max((state.extremes.max_stretch for state in states), default=np.nan),
         _largest_aspect_ratio(found.body.mesh),
     )
 
@@ -95,7 +96,7 @@ def solve(scene: Scene) -> Solved:
     with tempfile.TemporaryDirectory() as place:
         try:
             config, body = _configured(scene, Path(place))
-            case = Case("hard", scene.experiment, scene.pressures, config.end_y_mm, scene.force)
+            case = LoadCase("hard", scene.experiment, schedule(config, scene.pressures), config.end_y_mm, scene.force)
             with open_store(Path(place) / "out", config) as store:
                 outcome = simulate(MeshedScene(config, body), RunContext(store, 1, Silent()), [case])["hard"]
         except (InputError, RunFailed) as refused:
@@ -133,20 +134,20 @@ def _error(check: Check, found: Solved) -> tuple[float, str]:
     assert check.twin is not None
     twin = solve(check.twin)
     if twin.outcome.failure:
-        return np.nan, f"the twin was not solved: {twin.outcome.failure}"
+        return np.nan, f"the twin was not solved: {twin.outcome.failure.reason}"
     return _difference(check.of, mine, check.times * _quantity(check.of, twin), found), ""
 
 
 def _quantity(of: str, found: Solved) -> np.ndarray:
-    row = found.outcome.records[-1].row
-    keys: dict[str, Sequence[str]] = {
-        "end": ("end_x_mm", "end_y_mm"),
-        "force": ("reaction_N",),
-        "clamp": ("clamp_reaction_N",),
-        "volume": ("cavity_volume_mm3",),
-        "stretch": ("stretch_of_curve",),
+    state = found.outcome.records[-1].summary
+    quantities: dict[str, float | tuple[float, float]] = {
+        "end": state.end_mm,
+        "force": state.reaction_N,
+        "clamp": state.clamp_reaction_N,
+        "volume": state.cavity_volume_mm3,
+        "stretch": state.stretch_of_curve,
     }
-    return np.ravel(np.concatenate([np.atleast_1d(row[key]) for key in keys[of]]))
+    return np.atleast_1d(quantities[of])
 
 
 def _difference(of: str, mine: np.ndarray, other: np.ndarray, found: Solved) -> float:

@@ -1,0 +1,254 @@
+"""What the experiments leave behind: states with their numbers, how far each experiment went, and all of them."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+
+import fem
+from fem.solution import Extremes
+from geometry import Centreline
+from geometry.arrays import Array, Index
+from pipeline.store.formats import CONVERGED, NOT_CONVERGED
+from pipeline.store.json_values import JsonObject
+from rod import Load
+
+
+@dataclass(frozen=True)
+class StateSummary:
+    """The numbers of one equilibrium; forces, moments and volumes are those of the whole body."""
+
+    experiment: str  #: I, II, III or dead
+    pressure_kPa: float
+    end_mm: tuple[float, float]  #: current position of the end of the material curve
+    reaction_N: tuple[float, float]  #: on the end
+    clamp_reaction_N: tuple[float, float]
+    clamp_moment_N_mm: float
+    cavity_volume_mm3: float
+    stretch_of_curve: float  #: current length of the material curve over that at rest
+    extremes: Extremes
+    min_gap_mm: float  #: smallest signed gap between facing walls; infinity without such walls
+    stress_error: float  #: energy of the difference to the recovered stress over that of the stress
+    stress_error_at_mm: tuple[float, float, float]  #: centre of the element with the largest part of it
+    negative_pivots: int
+    newton_iterations: int
+    factorizations: int
+    cutbacks: int
+    seconds: float
+    remark: str  #: what limits the trust in this equilibrium; empty where nothing does
+
+    def row(self) -> JsonObject:
+        """The row of experiments.json."""
+        return {
+            "experiment": self.experiment,
+            "pressure_kPa": self.pressure_kPa,
+            "end_x_mm": self.end_mm[0],
+            "end_y_mm": self.end_mm[1],
+            "reaction_N": self.reaction_N,
+            "clamp_reaction_N": self.clamp_reaction_N,
+            "clamp_moment_N_mm": self.clamp_moment_N_mm,
+            "cavity_volume_mm3": self.cavity_volume_mm3,
+            "stretch_of_curve": self.stretch_of_curve,
+            "min_J": self.extremes.min_J,
+            "max_stretch": self.extremes.max_stretch,
+            "min_stretch": self.extremes.min_stretch,
+            "min_J_at_mm": self.extremes.min_J_at,
+            "max_stretch_at_mm": self.extremes.max_stretch_at,
+            "min_stretch_at_mm": self.extremes.min_stretch_at,
+            "min_gap_mm": self.min_gap_mm,
+            "stress_error": self.stress_error,
+            "stress_error_at_mm": self.stress_error_at_mm,
+            "negative_pivots": self.negative_pivots,
+            "newton_iterations": self.newton_iterations,
+            "factorizations": self.factorizations,
+            "cutbacks": self.cutbacks,
+            "seconds": self.seconds,
+            "status": CONVERGED,
+            "reason": self.remark,
+        }
+
+
+@dataclass(frozen=True)
+class Record:
+    """One experiment at one pressure: what later stages need of it. Forces are those on the whole body."""
+
+    summary: StateSummary
+    centreline: Centreline
+    load: Load  #: end force, and its couple about the end of the curve
+    displacement: Array = field(repr=False)  #: (n, 3), mm
+    fields: Mapping[str, Array] = field(repr=False)  #: per element
+    effects: tuple[str, ...]  #: names of the effects that took part
+    spent: fem.Seconds
+
+    @property
+    def experiment(self) -> str:
+        """I, II, III or dead."""
+        return self.summary.experiment
+
+    @property
+    def pressure_kPa(self) -> float:
+        """The pressure of the run."""
+        return self.summary.pressure_kPa
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A pressure that an experiment did not reach."""
+
+    pressure_kPa: float
+    reason: str  #: a sentence without full stop
+    cutbacks: int  #: attempts that failed on the way to it
+    factorizations: int  #: of these attempts
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One experiment as far as it went."""
+
+    name: str  #: of its load case
+    records: tuple[Record, ...]  #: in the order of the load case
+    failure: Failure | None  #: None where every pressure was reached
+    seconds: fem.Seconds
+    factorizations: int  #: of the states reached
+    degrees_of_freedom: int
+    solver: str  #: name of the linear solver
+    points: Array = field(repr=False)  #: (n, 3) all nodes at rest, mm
+    nodes: Index = field(repr=False)  #: (e, 10), (e, 4) with linear elements
+
+    def at(self, pressure_kPa: float) -> Record | None:
+        """The state at a pressure, None where it was not reached."""
+        return next((record for record in self.records if record.pressure_kPa == pressure_kPa), None)
+
+    def failure_sentence(self, subject: str = "") -> str:
+        """Which pressure was not reached and why; empty where all were. `subject` replaces "experiment NAME"."""
+        if self.failure is None:
+            return ""
+        subject = subject or f"experiment {self.name}"
+        return f"{subject} stopped before {self.failure.pressure_kPa:g} kPa: {self.failure.reason}"
+
+    def merged(self, more: "Outcome") -> "Outcome":
+        """One outcome with the records of both; states that `more` restored from this one count once."""
+        reached = {record.pressure_kPa for record in self.records}
+        added = [record for record in more.records if record.pressure_kPa not in reached]
+        spent = sum((record.spent for record in added), fem.Seconds(set_up=more.seconds.set_up))
+        return replace(
+            self,
+            records=tuple(sorted((*self.records, *added), key=lambda record: record.pressure_kPa)),
+            seconds=self.seconds + spent,
+            factorizations=self.factorizations + sum(record.summary.factorizations for record in added),
+        )
+
+
+@dataclass(frozen=True)
+class Indicator:
+    """How far the stress of the elements is from one recovered from it (`fem.stress_error`), in one state."""
+
+    stress_error: float  #: energy of the difference over that of the stress
+    experiment: str
+    pressure_kPa: float
+    at_mm: tuple[float, float, float]  #: centre of the element with the largest part of it
+
+    def record(self) -> JsonObject:
+        """The part of run.json about it."""
+        return {
+            "stress_error": self.stress_error,
+            "experiment": self.experiment,
+            "pressure_kPa": self.pressure_kPa,
+            "at_mm": self.at_mm,
+            "sentence": self.sentence(),
+        }
+
+    def location(self) -> str:
+        """The state and the position in the body, in words."""
+        return f"in {self.experiment} at {self.pressure_kPa:g} kPa, most of it at {fem.in_words(self.at_mm)}"
+
+    def sentence(self) -> str:
+        """For the report."""
+        return (
+            f"The stress of the elements differs from a smooth one recovered from it by at most "
+            f"{100 * self.stress_error:.2g} % in energy, {self.location()}"
+        )
+
+
+@dataclass(frozen=True)
+class Outcomes:
+    """The outcomes of several load cases on one body."""
+
+    by_name: Mapping[str, Outcome]  #: by the name of the load case, in alphabetical order
+
+    def __getitem__(self, name: str) -> Outcome:
+        return self.by_name[name]
+
+    def __iter__(self) -> Iterator[Outcome]:
+        return iter(self.by_name.values())
+
+    @property
+    def records(self) -> tuple[Record, ...]:
+        """All states that were reached."""
+        return tuple(record for outcome in self for record in outcome.records)
+
+    @property
+    def failures(self) -> tuple[str, ...]:
+        """A sentence for every experiment that stopped early."""
+        return tuple(outcome.failure_sentence() for outcome in self if outcome.failure)
+
+    @property
+    def seconds(self) -> fem.Seconds:
+        """Seconds of the solver over all experiments."""
+        return sum((outcome.seconds for outcome in self), fem.Seconds())
+
+    @property
+    def seconds_by_stage(self) -> dict[str, float]:
+        """Seconds by set_up, assembly, analysis, factorization, solve and contact; other effects are assembly."""
+        spent = self.seconds
+        contact = spent.effects.get("self_contact", 0.0)
+        return {
+            "set_up": spent.set_up,
+            "assembly": spent.assembly + sum(spent.effects.values()) - contact,
+            "analysis": spent.analysis,
+            "factorization": spent.factorization,
+            "solve": spent.solve,
+            "contact": contact,
+        }
+
+    @property
+    def factorizations(self) -> int:
+        """Factorizations of the states reached, over all experiments."""
+        return sum(outcome.factorizations for outcome in self)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Of the experiment with the most."""
+        return max(outcome.degrees_of_freedom for outcome in self)
+
+    @property
+    def largest_indicator(self) -> Indicator | None:
+        """The error indicator of the state in which it is largest; None where no state was reached."""
+        if not self.records:
+            return None
+        worst = max((record.summary for record in self.records), key=lambda summary: summary.stress_error)
+        return Indicator(worst.stress_error, worst.experiment, worst.pressure_kPa, worst.stress_error_at_mm)
+
+    def merged(self, more: "Outcomes") -> "Outcomes":
+        """These outcomes with the further states of `more`, which has the same load cases."""
+        return Outcomes({name: outcome.merged(more[name]) for name, outcome in self.by_name.items()})
+
+    def with_records(self, change: Callable[[tuple[Record, ...]], tuple[Record, ...]]) -> "Outcomes":
+        """The outcomes with their records replaced by `change(records)`."""
+        return Outcomes(
+            {name: replace(outcome, records=change(outcome.records)) for name, outcome in self.by_name.items()}
+        )
+
+    def rows(self) -> list[JsonObject]:
+        """The rows of experiments.json: every state, and behind those of an experiment the pressure it failed at."""
+        rows: list[JsonObject] = []
+        for outcome in self:
+            rows.extend(record.summary.row() for record in outcome.records)
+            if outcome.failure:
+                rows.append(
+                    {
+                        "experiment": outcome.name,
+                        "pressure_kPa": outcome.failure.pressure_kPa,
+                        "status": NOT_CONVERGED,
+                        "reason": outcome.failure.reason,
+                    }
+                )
+        return rows

@@ -1,0 +1,51 @@
+"""A worker process of an experiment: how it starts, when it ends, and where its progress goes."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from pipeline.processes import SPAWN
+from pipeline.progress import Progress, Silent, ToQueue, relayed
+
+
+class _Worker:
+    """The state of this process: who is told of its progress. Set once, when the process starts."""
+
+    progress: Progress = Silent()
+
+
+@contextmanager
+def connected(progress: Progress) -> Iterator[Any]:
+    """A queue for `start_worker`; while the block runs, `progress` receives what the workers report."""
+    queue = SPAWN.Queue()
+    queue.cancel_join_thread()  # a worker that was killed may hold the queue's lock for ever
+    with relayed(queue, progress):
+        yield queue
+
+
+def start_worker(queue: Any) -> None:
+    """Runs first in a worker: interrupts are left to the main process, progress goes into the queue.
+
+    A worker whose main process was killed ends as well, or it would write into a folder that another run uses, and
+    then wait for work for ever.
+    """
+    for interrupt in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(interrupt, signal.SIG_IGN)
+    threading.Thread(target=_end_with_main_process, daemon=True).start()
+    _Worker.progress = ToQueue(queue)
+
+
+def worker_progress() -> Progress:
+    """The listener of this worker."""
+    return _Worker.progress
+
+
+def _end_with_main_process() -> None:
+    main_process = multiprocessing.parent_process()
+    if main_process is not None:
+        main_process.join()
+        os._exit(1)

@@ -1,0 +1,98 @@
+"""Outcomes of experiments as values: merging, failures in sentences, the rows of experiments.json."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from fem import Seconds
+from fem.solution import Extremes
+from geometry import Centreline
+from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
+from rod import Load
+
+REST = (0.0, 0.0, 0.0)
+CURVE = Centreline(np.arange(5.0), np.arange(5.0), np.zeros(5))
+
+
+def record(pressure: float, stress_error: float = 0.1, factorizations: int = 3) -> Record:
+    summary = StateSummary(
+        experiment="II",
+        pressure_kPa=pressure,
+        end_mm=(100.0, -pressure),
+        reaction_N=(0.0, 0.0),
+        clamp_reaction_N=(0.0, 0.0),
+        clamp_moment_N_mm=0.0,
+        cavity_volume_mm3=1.0,
+        stretch_of_curve=1.0,
+        extremes=Extremes(1.0, 1.0, 1.0, REST, REST, REST),
+        min_gap_mm=float("inf"),
+        stress_error=stress_error,
+        stress_error_at_mm=REST,
+        negative_pivots=0,
+        newton_iterations=factorizations,
+        factorizations=factorizations,
+        cutbacks=0,
+        seconds=1.0,
+        remark="",
+    )
+    spent = Seconds(assembly=1.0, factorization=2.0, effects={"pressure": 0.25, "self_contact": 0.5})
+    return Record(summary, CURVE, Load(), np.zeros((2, 3)), {}, ("pressure",), spent)
+
+
+def outcome(name: str, *records: Record, failure: Failure | None = None) -> Outcome:
+    seconds = sum((one.spent for one in records), Seconds(set_up=0.5))
+    factorizations = sum(one.summary.factorizations for one in records)
+    return Outcome(name, records, failure, seconds, factorizations, 100, "LU", np.zeros((2, 3)), np.zeros((1, 4), int))
+
+
+def test_states_restored_from_an_earlier_path_count_once() -> None:
+    first = outcome("II", record(10.0), record(30.0))
+    more = outcome("II", record(10.0), record(20.0, factorizations=5))
+    merged = first.merged(more)
+    assert [one.pressure_kPa for one in merged.records] == [10.0, 20.0, 30.0]
+    assert merged.factorizations == 3 + 3 + 5
+    assert merged.seconds.set_up == 1.0
+    assert merged.seconds.factorization == 6.0
+
+
+def test_a_failure_is_a_sentence_and_a_row() -> None:
+    stopped = outcome("III", record(10.0), failure=Failure(20.0, "no luck", 2, 7))
+    outcomes = Outcomes({"II": outcome("II", record(10.0), record(20.0)), "III": stopped})
+    assert outcomes.failures == ("experiment III stopped before 20 kPa: no luck",)
+    assert stopped.failure_sentence("validation end at +3 mm") == (
+        "validation end at +3 mm stopped before 20 kPa: no luck"
+    )
+    rows = outcomes.rows()
+    assert [row["status"] for row in rows] == ["converged", "converged", "converged", "not converged"]
+    assert rows[-1] == {
+        "experiment": "III",
+        "pressure_kPa": 20.0,
+        "status": "not converged",
+        "reason": "no luck",
+    }
+    assert stopped.at(20.0) is None
+    assert stopped.at(10.0) is stopped.records[0]
+
+
+def test_the_indicator_is_that_of_the_worst_state() -> None:
+    outcomes = Outcomes({"II": outcome("II", record(10.0, 0.1), record(20.0, 0.3), record(30.0, 0.2))})
+    worst = outcomes.largest_indicator
+    assert worst is not None
+    assert (worst.stress_error, worst.pressure_kPa) == (0.3, 20.0)
+    assert "at most 30 % in energy, in II at 20 kPa" in worst.sentence()
+    assert Outcomes({}).largest_indicator is None
+
+
+def test_seconds_by_stage_add_up_to_the_total() -> None:
+    outcomes = Outcomes({"II": outcome("II", record(10.0)), "III": outcome("III", record(10.0), record(20.0))})
+    stages = outcomes.seconds_by_stage
+    assert sum(stages.values()) == outcomes.seconds.total
+    assert stages["contact"] == 1.5
+    assert stages["assembly"] == 3.75
+
+
+def test_records_can_be_replaced_in_all_outcomes() -> None:
+    outcomes = Outcomes({"II": outcome("II", record(10.0), record(20.0))})
+    last = outcomes.with_records(lambda records: records[-1:])
+    assert [one.pressure_kPa for one in last.records] == [20.0]
+    assert replace(outcomes["II"], records=last["II"].records) == last["II"]
