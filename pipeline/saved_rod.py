@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
-from pipeline.store.old_keys import with_present_keys
+from pipeline.store.formats import with_present_keys
 from rod import (
     EXPORTS,
     Arm,

@@ -1,6 +1,6 @@
 """Result files written before keys were renamed."""
 
-from pipeline.store.old_keys import RENAMED, with_present_keys
+from pipeline.store.formats import RENAMED, with_present_keys
 
 
 def test_renamed_keys_are_replaced_at_any_depth_and_others_stay() -> None:

@@ -6,7 +6,7 @@ from typing import Any
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.parameters import DEFAULT, Parameters
-from pipeline.store.old_keys import FORMAT
+from pipeline.store.formats import FORMAT
 from rod import Identification, Interval, LinearRange, rest_curvature
 
 ESTIMATORS = (DEFAULT, "gaussian_process", "rod_fit")

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.store.formats import CONVERGED
-from pipeline.store.old_keys import with_present_keys
+from pipeline.store.formats import CONVERGED, with_present_keys
 
 Rows = Sequence[Mapping[str, Any]]
 
