@@ -2,8 +2,10 @@
 
 from fem.archive import step_from_arrays, step_to_arrays
 from fem.discretisation import Discretisation
-from fem.effects.contact import ACTIVATION, BEHIND, ContactError, SelfContact
-from fem.effects.effect import Effect, Gravity, LineForce, Pressure
+from fem.effects.barrier import OVERLAP
+from fem.effects.contact import ACTIVATION, ContactError, SelfContact
+from fem.effects.effect import Effect
+from fem.effects.loads import Gravity, LineForce, Pressure
 from fem.effects.membrane import LayerError, StrainLimitingLayer
 from fem.equations.linear import available_solver
 from fem.experiments import Experiment
@@ -24,7 +26,7 @@ from fem.warm_up import compile_kernels
 
 __all__ = [
     "ACTIVATION",
-    "BEHIND",
+    "OVERLAP",
     "ContactError",
     "Discretisation",
     "Effect",

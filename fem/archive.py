@@ -28,7 +28,7 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
         "counts": np.array([getattr(step, name) for name in COUNTS]),
         "extremes": np.concatenate([np.atleast_1d(value) for value in astuple(step.extremes)]),
         "effects": np.array(step.effects, dtype=str),
-        "acting": np.array(step.acting, dtype=bool),
+        "active": np.array(step.active, dtype=bool),
         "instability": np.array(step.instability),
         "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
         "timed_effects": np.array(list(spent.effects), dtype=str),
@@ -55,7 +55,7 @@ def step_from_arrays(space: Discretisation, arrays: ArrayMap) -> Step:
         **dict(zip(COUNTS, arrays["counts"].tolist(), strict=True)),
         instability=str(arrays["instability"]),
         effects=tuple(arrays["effects"].tolist()),
-        acting=tuple(arrays["acting"].tolist()),
+        active=tuple(arrays["active"].tolist()),
         seconds=seconds,
         spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
     )

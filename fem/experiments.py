@@ -7,7 +7,8 @@ from typing import final
 
 import numpy as np
 
-from fem.effects.effect import Effect, LineForce
+from fem.effects.effect import Effect
+from fem.effects.loads import LineForce
 from fem.materials.material import Material
 from fem.model import Model
 from fem.solution import Step

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem.discretisation import Discretisation
-from fem.effects.effect import enclosed_volume
+from fem.effects.loads import enclosed_volume
 from fem.equations.state import Change
 from fem.supports import Where, nodes_at
 from geometry.arrays import Array
@@ -76,7 +76,7 @@ class Step:
     factorizations: int  #: since the previous step, failed attempts included
     cutbacks: int  #: attempts that failed since the previous step
     effects: tuple[str, ...]  #: names of the effects in the potential
-    acting: tuple[bool, ...]  #: which of the model's effects, in their order, are in the potential
+    active: tuple[bool, ...]  #: which of the model's effects, in their order, are in the potential
     seconds: float  #: since the previous step
     spent: Seconds  #: the same by what they were spent on; no set-up
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem.effects.effect import Pressure
+from fem.effects.loads import Pressure
 from fem.materials.material import StVenantKirchhoff
 from fem.model import Model
 from fem.path.loadpath import follow

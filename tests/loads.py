@@ -9,7 +9,8 @@ import skfem
 
 from fem import Effect, Material
 from fem.discretisation import Discretisation
-from fem.effects.effect import DeadForceTerm, Term
+from fem.effects.effect import Term
+from fem.effects.loads import DeadForceTerm
 from geometry.arrays import Array
 
 #: maps positions (..., 3) at rest in mm to forces (..., 3) per volume or area
@@ -38,7 +39,7 @@ class BodyForce(Effect):
         shape, _, positions, weight = tetrahedron_rule(space, 6)
         force = np.zeros_like(space.points)
         np.add.at(force, space.nodes, np.einsum("eq,qa,eqi->eai", weight, shape, self.density(positions)))
-        return DeadForceTerm("body_force", force, None)
+        return DeadForceTerm("body_force", force)
 
 
 @final
@@ -60,4 +61,4 @@ class Traction(Effect):
         shares = np.einsum("f,q,qa,fqi->fai", doubled, weight, shape, self.density(positions))
         force = np.zeros_like(space.points)
         np.add.at(force, faces.nodes, shares)
-        return DeadForceTerm("traction", force, None)
+        return DeadForceTerm("traction", force)

@@ -28,7 +28,7 @@ from fem import (
 from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
 from fem.effects.contact import STIFFNESS, BarrierTerm
-from fem.effects.effect import Term
+from fem.effects.effect import Term, UnilateralTerm
 from fem.materials.material import Material
 from fem.path.newton import NEAR
 from geometry import Body
@@ -48,7 +48,7 @@ def bend(body: Body, contact: list[Effect], pressures: list[float]) -> tuple[Exp
 @pytest.fixture(scope="module")
 def touching(short: Body) -> tuple[Experiment, tuple[Step, ...]]:
     """Test II at 5 kPa, where nothing touches, and at 37 kPa."""
-    return bend(short, [SelfContact("gap", waits=True)], [5.0, 37.0])
+    return bend(short, [SelfContact("gap", starts_inactive=True)], [5.0, 37.0])
 
 
 def crossings(step: Step) -> bool:
@@ -79,29 +79,29 @@ def test_contact_pushes_the_chambers_apart(short: Body, touching: tuple[Experime
     assert experiment.end(steps[-1])[1] < experiment.end(without[0])[1] - 0.5
 
 
-def test_waiting_contact_ends_where_contact_from_the_start_does(short: Body, touching) -> None:
+def test_contact_that_starts_inactive_ends_where_contact_from_the_start_does(short: Body, touching) -> None:
     _, always = bend(short, [SelfContact("gap")], [5.0, 37.0])
-    for waited, present in zip(touching[1], always, strict=True):
-        assert apart(waited, present) < 1e-6 * short.length
+    for later, present in zip(touching[1], always, strict=True):
+        assert apart(later, present) < 1e-6 * short.length
     assert touching[1][0].effects == ("pressure",)
     assert always[0].effects == ("pressure", "self_contact")
 
 
-def test_contact_that_never_comes_is_bitwise_no_contact(short: Body, touching) -> None:
+def test_contact_that_is_never_activated_is_bitwise_no_contact(short: Body, touching) -> None:
     _, without = bend(short, [], [5.0])
-    _, alone = bend(short, [SelfContact("gap", waits=True)], [5.0])
+    _, alone = bend(short, [SelfContact("gap", starts_inactive=True)], [5.0])
     np.testing.assert_array_equal(alone[0].displacement, without[0].displacement)
     np.testing.assert_array_equal(alone[0].stress, without[0].stress)
     assert alone[0].factorizations == without[0].factorizations
 
 
-def test_contact_that_never_comes_does_not_load_ipctk() -> None:
+def test_contact_that_is_never_activated_does_not_load_ipctk() -> None:
     program = (
         "import sys\n"
         "from fem import *\n"
         "from geometry import PneuNet\n"
         "body = PneuNet(chambers=2).body(7.0)\n"
-        "effects = [Pressure('cavity', 1e-3), SelfContact('gap', waits=True)]\n"
+        "effects = [Pressure('cavity', 1e-3), SelfContact('gap', starts_inactive=True)]\n"
         "model = Experiment.of('II', body, 0.0).model(StVenantKirchhoff(1.2, 0.495), effects, 'p2p0')\n"
         "step = follow(model, [1.0]).steps[-1]\n"
         "assert 1.0 < step.min_gap < 2.0\n"
@@ -117,7 +117,7 @@ def test_the_answer_tends_to_a_limit_with_the_activation_distance(short: Body, t
     experiment, steps = touching
     ends = [experiment.end(steps[-1])[1]]
     for dhat in (0.02, 0.01):
-        _, finer = bend(short, [SelfContact("gap", dhat, waits=True)], [37.0])
+        _, finer = bend(short, [SelfContact("gap", dhat, starts_inactive=True)], [37.0])
         assert finer[0].min_gap < dhat
         ends.append(experiment.end(finer[0])[1])
     first, second = np.abs(np.diff(ends))
@@ -130,7 +130,7 @@ def test_half_and_whole_body_touch_alike(short: Body) -> None:
     ends = []
     for body in (short, short.full()):
         experiment = Experiment.of("III", body, 0.0)
-        model = experiment.model(LAW, [Pressure("cavity", 0.037), SelfContact("gap", waits=True)], "p2p0")
+        model = experiment.model(LAW, [Pressure("cavity", 0.037), SelfContact("gap", starts_inactive=True)], "p2p0")
         step = follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9))).steps[0]
         assert step.min_gap < 0.1 * GAP
         ends.append(experiment.end_force(step)[1])
@@ -146,7 +146,7 @@ class BarrierContact(Effect):
     dhat: float | None = None
 
     def bind(self, space: Discretisation, material: Material) -> Term:
-        term = SelfContact(self.faces, self.dhat).bind(space, material).stricter(space.points)
+        term = SelfContact(self.faces, self.dhat).bind(space, material).tightened(space.points)
         assert isinstance(term, BarrierTerm)
         return term
 
@@ -168,61 +168,61 @@ def squeezed(contact: list[Effect], factors: list[float]) -> tuple[Step, ...]:
 
 
 def test_prongs_meet_in_their_middle_and_part_again() -> None:
-    closed, opened = squeezed([SelfContact("prongs", waits=True)], [1.0, 0.1])
+    closed, opened = squeezed([SelfContact("prongs", starts_inactive=True)], [1.0, 0.1])
     assert 0 < closed.min_gap < 0.04
     free = squeezed([], [0.1])[0]
     assert apart(opened, free) < 1e-8
     assert opened.min_gap > 0.04
 
 
-def test_a_crossing_that_facing_walls_do_not_see_is_solved_with_the_barrier(monkeypatch, short: Body) -> None:
+def test_a_crossing_that_facing_walls_cannot_prevent_is_solved_with_the_exact_barrier(monkeypatch, short: Body) -> None:
     """Where the pairs of facing walls are blind, exact tests refuse the state and the barrier takes over."""
-    _, facing = bend(short, [SelfContact("gap", waits=True)], [17.0])
+    _, facing = bend(short, [SelfContact("gap", starts_inactive=True)], [17.0])
     _, barrier = bend(short, [BarrierContact("gap")], [17.0])
-    monkeypatch.setattr(FacingTerm, "objection", lambda self, x: "two walls pass through each other")
-    _, steps = bend(short, [SelfContact("gap", waits=True)], [17.0])
+    monkeypatch.setattr(FacingTerm, "violation", lambda self, x: "two walls pass through each other")
+    _, steps = bend(short, [SelfContact("gap", starts_inactive=True)], [17.0])
     assert not crossings(steps[0])
     # which of the barrier's collisions are near enough depends a little on the way
     assert 100.0 * apart(steps[0], barrier[0]) < apart(steps[0], facing[0])
 
 
-def test_walls_that_pass_through_a_soft_contact_are_held_by_a_firmer_one(monkeypatch, short: Body) -> None:
-    """Contact of a 25th of the stiffness lets them, four times that still does, sixteen times that does not."""
+def test_walls_that_pass_through_a_soft_contact_are_separated_by_a_stiffer_one(monkeypatch, short: Body) -> None:
+    """A 25th of the stiffness lets walls cross, four times that still does, sixteen times that does not."""
     monkeypatch.setattr("fem.effects.contact.STIFFNESS", 0.04 * STIFFNESS)
-    stricter, asked, stiffness = FacingTerm.stricter, [], []
+    tightened, gaps, stiffness = FacingTerm.tightened, [], []
 
-    def told(self: FacingTerm, x: Array) -> Term:
-        asked.append(self.gap(x))
+    def recorded(self: FacingTerm, x: Array) -> UnilateralTerm:
+        gaps.append(self.gap(x))
         stiffness.append(self.stiffness)
-        return stricter(self, x)
+        return tightened(self, x)
 
-    monkeypatch.setattr(FacingTerm, "stricter", told)
-    judged: list[tuple[Term, ...]] = []
-    monkeypatch.setattr("fem.path.loadpath.instability", lambda system, found, terms: judged.append(terms) or "")
-    _, steps = bend(short, [SelfContact("gap", waits=True)], [37.0])
-    assert len(asked) == 2
-    assert asked[0] < asked[1] < 0 < steps[0].min_gap
-    firm = judged[-1][-1]  # whether the state is stable is asked of what holds it
-    assert isinstance(firm, FacingTerm)
-    assert firm.stiffness == pytest.approx(16 * stiffness[0])
+    monkeypatch.setattr(FacingTerm, "tightened", recorded)
+    stability: list[tuple[Term, ...]] = []
+    monkeypatch.setattr("fem.path.loadpath.instability", lambda system, found, terms: stability.append(terms) or "")
+    _, steps = bend(short, [SelfContact("gap", starts_inactive=True)], [37.0])
+    assert len(gaps) == 2
+    assert gaps[0] < gaps[1] < 0 < steps[0].min_gap
+    stiffest = stability[-1][-1]  # the stability of the state is that with the contact that keeps its walls apart
+    assert isinstance(stiffest, FacingTerm)
+    assert stiffest.stiffness == pytest.approx(16 * stiffness[0])
     assert not crossings(steps[0])
 
 
-def test_contact_wakes_before_there_is_equilibrium_without_it(short: Body) -> None:
+def test_contact_is_activated_before_there_is_equilibrium_without_it(short: Body) -> None:
     """A state that is nearly in equilibrium shows which walls meet; the iterations to the end of that are saved."""
     model = Experiment.of("II", short, 0.0).model(
-        LAW, [Pressure("cavity", 0.037), SelfContact("gap", waits=True)], "p2p0"
+        LAW, [Pressure("cavity", 0.037), SelfContact("gap", starts_inactive=True)], "p2p0"
     )
     seen: list[tuple[int, float]] = []
     step = follow(model, [1.0], watch=lambda factor, iteration, residual: seen.append((iteration, residual))).steps[0]
-    assert step.acting[-1]
+    assert step.active[-1]
     begins = [place for place, (iteration, _) in enumerate(seen) if iteration == 0]
     last_without = [seen[place - 1][1] for place in begins[1:]]
     assert all(NewtonOptions().tolerance < residual < NEAR for residual in last_without)
     assert len(begins) == 2
 
 
-def test_contact_wakes_contact() -> None:
+def test_contact_of_one_pair_of_walls_activates_that_of_the_next() -> None:
     """Pressed onto its neighbour, the lowest of three prongs pushes that one onto the third."""
     gap = 0.4
     heights = np.array([0.0, 1.0, 1.0 + gap, 2.0 + gap, 2.0 + 2 * gap, 3.0 + 2 * gap])
@@ -240,10 +240,10 @@ def test_contact_wakes_contact() -> None:
     )
     corners = np.array([[6.0, 0.0, 0.0], [6.0, 0.0, 1.0]])
     found = []
-    for waits in (True, False):
-        contact = [SelfContact(name, waits=waits) for name in ("lower", "upper")]
+    for inactive in (True, False):
+        contact = [SelfContact(name, starts_inactive=inactive) for name in ("lower", "upper")]
         model = Model(mesh, StVenantKirchhoff(1.2, 0.3), [Fixed("clamp"), Prescribed(corners, "y", 1.0)], contact)
         found.append(follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9))).steps[0])
-    assert found[0].acting == (True, True)
+    assert found[0].active == (True, True)
     assert 0 < found[0].min_gap < 0.02
     assert apart(*found) < 1e-7

@@ -8,9 +8,9 @@ from bodies import box, bricks, difference, fork, hollow_box, named
 
 from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StVenantKirchhoff
 from fem.discretisation import Discretisation
-from fem.effects.barrier import CONTINUED, FacingTerm, continued_barrier
+from fem.effects.barrier import CONTINUATION, FacingTerm, continued_barrier
 from fem.effects.contact import BarrierTerm
-from fem.effects.effect import Blocks, Term
+from fem.effects.effect import Blocks, LoadTerm, Term, at_constant_fraction
 from fem.effects.facing_pairs import FacingPairs
 from geometry import Mesh
 from geometry.arrays import Array
@@ -48,13 +48,16 @@ def bound(mesh: Mesh, effect: Effect, formulation: str = "p2p0") -> tuple[Term, 
     return effect.bind(space, LAW), space
 
 
-def facing(formulation: str = "p2p0") -> tuple[Term, Discretisation]:
-    return bound(fork(GAP), SelfContact("prongs", dhat=0.8 * GAP), formulation)
+def facing(formulation: str = "p2p0") -> tuple[FacingTerm, Discretisation]:
+    space = Discretisation.of(fork(GAP), formulation)
+    return SelfContact("prongs", dhat=0.8 * GAP).bind(space, LAW), space
 
 
-def barrier(formulation: str = "p2p0") -> tuple[Term, Discretisation]:
+def barrier(formulation: str = "p2p0") -> tuple[BarrierTerm, Discretisation]:
     term, space = facing(formulation)
-    return term.stricter(space.points), space
+    exact = term.tightened(space.points)
+    assert isinstance(exact, BarrierTerm)
+    return exact, space
 
 
 CASES: dict[str, Callable[[str], tuple[Term, Discretisation]]] = {
@@ -80,7 +83,7 @@ def pinched(space: Discretisation) -> Array:
 @pytest.mark.parametrize("name", CASES)
 def test_derivatives(name: str, formulation: str) -> None:
     term, space = CASES[name](formulation)
-    term = term.at(0.6)
+    term = at_constant_fraction((term,), 0.6)[0]
     dx = shaken(space, 1.0, seed=2)
     x = (pinched(space) if name in ("facing walls", "barrier") else space.points) + shaken(space, 0.01, seed=1)
     factor, step = 0.7, 1e-6 if name in ("facing walls", "barrier") else 1e-4
@@ -110,13 +113,18 @@ def test_convex_substitute_is_positive_semi_definite(name: str) -> None:
     assert values.max() > 0
 
 
-def test_what_ramps_follows_the_factor_and_what_does_not_its_share() -> None:
+def test_ramped_loads_follow_the_load_factor_and_constant_ones_their_own_fraction() -> None:
     for make in (lambda ramp: Pressure("cavity", 0.2, ramp), lambda ramp: Gravity(1e-9, ramp=ramp)):
         ramped, space = bound(hollow_box(half=False), make(True))
-        whole, _ = bound(hollow_box(half=False), make(False))
+        constant, _ = bound(hollow_box(half=False), make(False))
+        assert isinstance(ramped, LoadTerm)
+        assert isinstance(constant, LoadTerm)
         x = space.points + shaken(space, 0.05, seed=1)
-        np.testing.assert_allclose(gradient(whole.at(0.6), x, 0.1), gradient(ramped.at(0.6), x, 0.6), atol=1e-18)
-        assert not gradient(whole, x, 1.0).any()
+        np.testing.assert_allclose(
+            gradient(constant.with_constant_fraction(0.6), x, 0.1), gradient(ramped, x, 0.6), atol=1e-18
+        )
+        assert ramped.with_constant_fraction(0.6) is ramped
+        assert not gradient(constant, x, 1.0).any()
 
 
 @pytest.mark.parametrize("formulation", ["p2p0", "p1"])
@@ -148,7 +156,7 @@ def test_barrier_and_its_quadratic_continuation_meet_smoothly() -> None:
     assert (slope <= 0).all()
     assert (bend >= 0).all()
     assert not value[gap >= dhat].any()
-    exact = gap[(gap > CONTINUED * dhat) & (gap < dhat)]
+    exact = gap[(gap > CONTINUATION * dhat) & (gap < dhat)]
     r = (exact / dhat) ** 2
     np.testing.assert_allclose(continued_barrier(exact, dhat)[0], -dhat * (1 - r) ** 2 * np.log(r), rtol=1e-12)
 
@@ -156,7 +164,6 @@ def test_barrier_and_its_quadratic_continuation_meet_smoothly() -> None:
 @pytest.mark.parametrize(("formulation", "least"), [("p2p0", 20), ("p1", 8)])
 def test_pairs_look_across_the_gap_and_turn_negative_when_walls_cross(formulation: str, least: int) -> None:
     term, space = facing(formulation)
-    assert isinstance(term, FacingTerm)
     pairs = term.pairs
     assert pairs.nodes.size > least
     np.testing.assert_allclose(pairs.gaps(space.points), GAP, rtol=1e-12)
@@ -166,32 +173,34 @@ def test_pairs_look_across_the_gap_and_turn_negative_when_walls_cross(formulatio
     x = space.points.copy()
     x[x[:, 1] > 1.0 + GAP / 2, 1] -= 1.5 * GAP
     np.testing.assert_allclose(pairs.gaps(x), -0.5 * GAP, rtol=1e-12)
-    assert "two walls pass through each other at (" in term.objection(x)
+    assert "two walls pass through each other at (" in term.violation(x)
 
 
-def test_walls_that_pass_through_each_other_become_firmer_twice() -> None:
+def test_the_barrier_of_crossing_walls_is_stiffened_twice_and_then_exact() -> None:
     term, space = facing()
     crossed = space.points.copy()
     crossed[space.points[:, 1] > 1.0 + GAP / 2, 1] -= 1.5 * GAP
     push = np.linalg.norm(gradient(term, crossed, 1.0))
     for _ in range(2):
-        term = term.stricter(crossed)
-        assert isinstance(term, FacingTerm)
+        stiffer = term.tightened(crossed)
+        assert isinstance(stiffer, FacingTerm)
+        term = stiffer
         assert np.linalg.norm(gradient(term, crossed, 1.0)) == pytest.approx(4.0 * push)
         push *= 4.0
-    assert isinstance(term.stricter(crossed), BarrierTerm)
-    assert isinstance(term.stricter(space.points), BarrierTerm)
+    assert isinstance(term.tightened(crossed), BarrierTerm)
+    assert isinstance(term.tightened(space.points), BarrierTerm)
 
 
 def test_contact_far_away_is_nothing() -> None:
-    term, space = bound(fork(GAP), SelfContact("prongs"))
+    space = Discretisation.of(fork(GAP), "p2p0")
+    term = SelfContact("prongs").bind(space, LAW)
     x = space.points
     assert term.energy(x, 1.0) == 0.0
     assert not gradient(term, x, 1.0).any()
     assert not term.blocks(x, 1.0, convex=False).values.any()
-    assert term.objection(x) == ""
+    assert term.violation(x) == ""
     assert term.gap(x) == pytest.approx(GAP)
-    exact = term.stricter(x)
+    exact = term.tightened(x)
     assert isinstance(exact, BarrierTerm)
     assert exact.energy(x, 1.0) == 0.0
     assert not gradient(exact, x, 1.0).any()
@@ -203,10 +212,10 @@ def test_barrier_stops_a_step_before_walls_touch() -> None:
     term, space = barrier()
     closing = np.zeros_like(space.points)
     closing[space.points[:, 1] > 1.0 + GAP / 2, 1] = -2.0 * GAP
-    share = term.step_limit(space.points, closing)
-    assert 0.2 < share < 0.5
-    assert term.objection(space.points + share * closing) == ""
-    assert "pass through each other" in term.objection(pinched(space) + 0.2 * closing)
+    fraction = term.step_limit(space.points, closing)
+    assert 0.2 < fraction < 0.5
+    assert term.violation(space.points + fraction * closing) == ""
+    assert "pass through each other" in term.violation(pinched(space) + 0.2 * closing)
     assert term.step_limit(space.points, -closing) == 1.0
 
 
@@ -218,7 +227,7 @@ def test_contact_that_cannot_be_is_refused(contact: SelfContact) -> None:
         bound(fork(GAP), contact)
 
 
-def test_pairs_of_a_face_that_sees_nothing_are_empty() -> None:
+def test_a_face_that_faces_nothing_has_no_pairs() -> None:
     space = Discretisation.of(fork(GAP), "p2p0")
     assert FacingPairs.of(space.surface("above"), space.points).nodes.size == 0
 
@@ -247,7 +256,8 @@ def test_walls_of_a_cavity_see_each_other_across_it() -> None:
     assert set(np.round(pairs.gaps(space.points), 9)) == {6.0, 8.0}
 
 
-def test_contact_that_waits_on_faces_that_see_nothing_never_comes() -> None:
-    term, space = bound(fork(GAP), SelfContact("above", waits=True))
-    assert not term.wanted(space.points)
+def test_contact_that_starts_inactive_on_faces_that_face_nothing_is_never_activated() -> None:
+    space = Discretisation.of(fork(GAP), "p2p0")
+    term = SelfContact("above", starts_inactive=True).bind(space, LAW)
+    assert not term.must_activate(space.points)
     assert term.gap(space.points) == np.inf

@@ -73,7 +73,7 @@ def solve(
 ):
     """Experiment and solution at the pressures in kPa."""
     experiment = Experiment.of(name, body, end_y)
-    effects = [Pressure("cavity", 1e-3 * pressures[-1])] + [SelfContact("gap", waits=True)] * contact
+    effects = [Pressure("cavity", 1e-3 * pressures[-1])] + [SelfContact("gap", starts_inactive=True)] * contact
     options = PathOptions(NewtonOptions(tolerance=tolerance))
     model = experiment.model(LAW, effects, formulation)
     return experiment, follow(model, [pressure / pressures[-1] for pressure in pressures], options)

@@ -11,7 +11,8 @@ from skfem.helpers import ddot, det, grad, identity, inv, mul, trace, transpose
 
 from fem import Fixed, Model, StVenantKirchhoff
 from fem.discretisation import CHUNK, CHUNKS, FORMULATIONS, Discretisation
-from fem.effects.effect import Blocks, Pressure, enclosed_volume
+from fem.effects.effect import Blocks
+from fem.effects.loads import Pressure, enclosed_volume
 from fem.equations.formulation import lame_constants
 from fem.equations.linear import SuperLU
 from fem.equations.system import System

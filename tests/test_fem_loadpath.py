@@ -107,7 +107,7 @@ def test_what_does_not_ramp_is_whole_from_the_first_factor_on() -> None:
 def test_a_pressure_no_body_can_bear_ends_with_a_sentence(short: Body) -> None:
     """1 MPa on 17 kPa's way: what was reached stays, the limit of the law is named. Measured: 150 factorizations."""
     model = Experiment.of("II", short, 0.0).model(
-        LAW, [Pressure("cavity", 1.0), SelfContact("gap", waits=True)], "p2p0"
+        LAW, [Pressure("cavity", 1.0), SelfContact("gap", starts_inactive=True)], "p2p0"
     )
     kept: list[Step] = []
     with pytest.raises(NotConverged) as caught:
@@ -148,7 +148,7 @@ def test_iterations_that_do_not_suffice_are_said() -> None:
 
 @pytest.mark.parametrize("through_arrays", [False, True])
 def test_a_path_taken_up_again_goes_on_as_if_never_left(short: Body, through_arrays: bool) -> None:
-    effects = [Pressure("cavity", 0.037), SelfContact("gap", waits=True)]
+    effects = [Pressure("cavity", 0.037), SelfContact("gap", starts_inactive=True)]
     model = Experiment.of("II", short, 0.0).model(LAW, effects, "p2p0")
     factors = [5 / 37, 25 / 37, 1.0]
     whole = follow(model, factors).steps

@@ -159,12 +159,12 @@ def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None
     def arm(*overrides: str) -> Config:
         return load_config(configs / "pneunet_coarse.yaml", ["geometry.chambers=2", "mesh.size=6 mm", *overrides])
 
-    cavity = fem.SelfContact("cavity", None, waits=True, behind=0.0)
-    assert contact(arm()) == [fem.SelfContact("gap", None, waits=True), cavity]
-    assert contact(arm("effects.self_contact=on")) == [fem.SelfContact("gap", None, waits=False), cavity]
+    cavity = fem.SelfContact("cavity", None, starts_inactive=True, overlap=0.0)
+    assert contact(arm()) == [fem.SelfContact("gap", None, starts_inactive=True), cavity]
+    assert contact(arm("effects.self_contact=on")) == [fem.SelfContact("gap", None, starts_inactive=False), cavity]
     assert contact(arm("effects.self_contact={dhat: 0.1 mm}"))[0].dhat == 0.1
     outer = arm("effects.self_contact={faces: outer}")
-    assert contact(outer) == [fem.SelfContact("outer", None, waits=False), *contact(arm())]
+    assert contact(outer) == [fem.SelfContact("outer", None, starts_inactive=False), *contact(arm())]
     both = arm("effects.self_contact={state: auto, faces: [gap, cavity]}")
     assert contact(both) == contact(arm())
     off = arm("effects.self_contact=off")

@@ -1,13 +1,13 @@
-"""The contact barrier between walls that look at each other, as a function of their signed gap.
+"""The contact barrier between walls that face each other, as a function of their signed gap.
 
 A barrier that is infinite at contact keeps every Newton iterate on its side, so steps are cut and distances that came
 out too small only double from one iteration to the next. This one is continued quadratically below a part of its
 activation distance: no step has to be cut, and an iterate may pass through. A converged state may not: its gaps are
 checked, and crossing walls (by exact intersection tests) are refused, see `fem.effects.contact`.
 
-As no iterate is held back by it, the barrier need not be infinite where walls meet, nor stiff. A part of its width,
-BEHIND, lies behind the wall, so that walls in contact rest near their surface. Where a pressure on a small spot pushes
-them through each other all the same, the state found is the start of a search with a stiffer one.
+As no iterate is held back by it, the barrier need not be infinite where walls meet, nor stiff. A part of its width, the
+overlap, lies behind the wall, so that walls in contact rest near their surface. Where a pressure on a small spot pushes
+them through each other all the same, the state is solved again with a stiffer barrier.
 """
 
 from collections.abc import Callable
@@ -16,24 +16,24 @@ from typing import final
 
 import numpy as np
 
-from fem.effects.effect import Blocks, Term
+from fem.effects.effect import Blocks, PenaltyTerm, UnilateralTerm
 from fem.effects.facing_pairs import FacingPairs, LocalPairs
 from geometry.arrays import Array
 
-#: part of the barrier's width that lies behind the wall: without it walls rest at nine tenths of the width; with 0.75
-#: they cross on the coarse arm (a), test III, 37 kPa, and a firmer contact must help (`fem.effects.contact.STIFFNESS`)
-BEHIND = 0.7
-#: what the stiffness is raised by where walls pass through each other, and how often
-FIRMER, TIMES = 4.0, 2
+#: fraction of the barrier's width that lies behind the wall: without it walls in contact rest at nine tenths of the
+#: width, with more of it they cross and the stiffness must be raised (docs/theory.md)
+OVERLAP = 0.7
+#: what the stiffness is multiplied by where walls pass through each other, and how often
+STIFFENING_FACTOR, MAX_STIFFENINGS = 4.0, 2
 #: distance over the barrier's width below which it is continued quadratically
-CONTINUED = 0.5
+CONTINUATION = 0.5
 #: what ipctk's improved-max collision set sums up to over one wall's area, measured on parallel grids, for both walls
 WEIGHT = 1.55 / 2
 
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
-class FacingTerm(Term):
+class FacingTerm(PenaltyTerm):
     """Sum over facing pairs of area times stiffness times phi(gap)."""
 
     effect = "self_contact"
@@ -41,13 +41,13 @@ class FacingTerm(Term):
     pairs: FacingPairs
     dhat: float  #: activation distance: the gap at which the barrier begins, mm
     stiffness: float  #: MPa
-    behind: float  #: part of the barrier's width that lies behind the wall
-    waits: bool  #: stays out of the sum until a state without it comes within dhat
-    exact: Callable[[], Term] = field(repr=False)  #: gives the barrier with exact distances
-    firmer: int = field(default=TIMES, repr=False)  #: how often the stiffness may still be raised
+    overlap: float  #: fraction of the barrier's width that lies behind the wall
+    starts_inactive: bool
+    exact: Callable[[], UnilateralTerm] = field(repr=False)  #: gives the barrier with exact distances
+    stiffenings: int = field(default=MAX_STIFFENINGS, repr=False)  #: how often the stiffness may still be raised
 
     def energy(self, x: Array, factor: float) -> float:
-        value, _, _ = contact_potential(self.pairs.gaps(x), self.dhat, self.behind)
+        value, _, _ = contact_potential(self.pairs.gaps(x), self.dhat, self.overlap)
         return WEIGHT * self.stiffness * float(self.pairs.area @ value)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
@@ -55,43 +55,15 @@ class FacingTerm(Term):
         np.add.at(out, local.nodes, slope[:, None, None] * local.first)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
-        local, slope, bend = self._derivatives(x)
+        local, slope, curvature = self._derivatives(x)
         a, b = np.triu_indices(4)
         first = local.first
-        values = bend[:, None, None, None] * first[:, a, :, None] * first[:, b, None, :]
+        values = curvature[:, None, None, None] * first[:, a, :, None] * first[:, b, None, :]
         if not convex:
             values += slope[:, None, None, None] * local.second(a, b)
-        rows, columns = local.nodes[:, a], local.nodes[:, b]
-        swap = rows > columns
-        values[swap] = values[swap].transpose(0, 2, 1)
-        low, high = np.minimum(rows, columns), np.maximum(rows, columns)
-        return Blocks(low.ravel(), high.ravel(), values.reshape(-1, 3, 3))
-
-    def step_limit(self, x: Array, dx: Array) -> float:
-        return 1.0
-
-    def wanted(self, x: Array) -> bool:
-        return not self.waits or self.gap(x) < self.dhat
-
-    def objection(self, x: Array) -> str:
-        gaps = self.pairs.gaps(x)
-        if gaps.min() > self.dhat:
-            return ""
-        if gaps.min() <= 0:
-            place = x[self.pairs.nodes[int(np.argmin(gaps))]]
-            return f"two walls pass through each other at ({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm"
-        return self.exact().objection(x)
-
-    def at(self, share: float) -> Term:
-        return self
-
-    def advanced(self, x: Array, dx: Array) -> Term:
-        return self
-
-    def stricter(self, x: Array) -> Term:
-        if self.firmer and self.gap(x) <= 0:
-            return replace(self, stiffness=FIRMER * self.stiffness, firmer=self.firmer - 1)
-        return self.exact()
+        rows, columns, swapped = self.pairs.node_pairs
+        values[swapped] = values[swapped].transpose(0, 2, 1)
+        return Blocks(rows, columns, values.reshape(-1, 3, 3))
 
     def gap(self, x: Array) -> float:
         return float(self.pairs.gaps(x).min(initial=np.inf))
@@ -99,45 +71,59 @@ class FacingTerm(Term):
     def touching(self, x: Array) -> bool:
         return self.gap(x) < self.dhat
 
+    def violation(self, x: Array) -> str:
+        gaps = self.pairs.gaps(x)
+        if gaps.min() > self.dhat:
+            return ""
+        if gaps.min() <= 0:
+            position = x[self.pairs.nodes[int(np.argmin(gaps))]]
+            return f"two walls pass through each other at ({', '.join(f'{value:.1f}' for value in position)}) mm"
+        return self.exact().violation(x)
+
+    def tightened(self, x: Array) -> UnilateralTerm:
+        """A stiffer barrier where walls overlap, as often as that is tried; else the one with exact distances."""
+        if self.stiffenings and self.gap(x) <= 0:
+            return replace(self, stiffness=STIFFENING_FACTOR * self.stiffness, stiffenings=self.stiffenings - 1)
+        return self.exact()
+
     def _derivatives(self, x: Array) -> tuple[LocalPairs, Array, Array]:
         """All pairs, with first and second derivative of their energy by the gap (k,), zero beyond dhat.
 
-        All of them, so that the matrix keeps one pattern: on the coarse arm (a) that costs 8 % in each factorization
-        and saves nine symbolic analyses of ten.
+        All of them, so that the matrix keeps one pattern: larger than it need be, but analysed once.
         """
         local = self.pairs.local(x)
-        _, slope, bend = contact_potential(local.gap, self.dhat, self.behind)
+        _, slope, curvature = contact_potential(local.gap, self.dhat, self.overlap)
         scale = WEIGHT * self.stiffness * self.pairs.area
-        return local, scale * slope, scale * bend
+        return local, scale * slope, scale * curvature
 
 
-def contact_potential(gap: Array, dhat: float, behind: float = BEHIND) -> tuple[Array, Array, Array]:
-    """The barrier that begins at the gap dhat and of whose width a part lies behind the wall, with first and second
-    derivative.
+def contact_potential(gap: Array, dhat: float, overlap: float = OVERLAP) -> tuple[Array, Array, Array]:
+    """The barrier that begins at the gap dhat and of whose width the fraction `overlap` lies behind the wall, with
+    first and second derivative.
 
     gap (k,) in mm; values in mm, 1 and 1/mm.
     """
-    width = dhat / (1.0 - behind)
-    return continued_barrier(gap + behind * width, width)
+    width = dhat / (1.0 - overlap)
+    return continued_barrier(gap + overlap * width, width)
 
 
 def continued_barrier(distance: Array, width: float) -> tuple[Array, Array, Array]:
     """phi(d) = w (1 - r)^2 (-ln r), r = (d / w)^2, with first and second derivative; 0 beyond the width w, quadratic
-    below CONTINUED w. Distances d (k,) in mm; values in mm, 1 and 1/mm."""
-    start = CONTINUED * width
+    below CONTINUATION w. Distances d (k,) in mm; values in mm, 1 and 1/mm."""
+    start = CONTINUATION * width
     inside = np.clip(distance, start, width)
     r = (inside / width) ** 2
     log = -np.log(r)
     slope_r = -2 * (1 - r) * log - (1 - r) ** 2 / r
-    bend_r = 2 * log + 4 * (1 - r) / r + (1 - r) ** 2 / r**2
+    curvature_r = 2 * log + 4 * (1 - r) / r + (1 - r) ** 2 / r**2
     r1, r2 = 2 * inside / width**2, 2 / width**2
     value = width * (1 - r) ** 2 * log
     slope = width * slope_r * r1
-    bend = width * (bend_r * r1**2 + slope_r * r2)
+    curvature = width * (curvature_r * r1**2 + slope_r * r2)
     below = np.minimum(distance - start, 0.0)
     beyond = distance >= width
     return (
-        np.where(beyond, 0.0, value + slope * below + 0.5 * bend * below**2),
-        np.where(beyond, 0.0, slope + bend * below),
-        np.where(beyond, 0.0, bend),
+        np.where(beyond, 0.0, value + slope * below + 0.5 * curvature * below**2),
+        np.where(beyond, 0.0, slope + curvature * below),
+        np.where(beyond, 0.0, curvature),
     )

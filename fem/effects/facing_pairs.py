@@ -1,50 +1,61 @@
-"""Which parts of a surface look at each other, and how far apart they are."""
+"""Contact search at rest: pairs of a node and a triangle of facing walls; their signed gaps with derivatives."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from fem.discretisation import Faces
-from geometry.arrays import Array, Index
+from geometry.arrays import Array, Index, Mask
 
 #: difference of two distances, over the size of a triangle, that is rounding
 EQUALLY_NEAR = 1e-6
-#: triangles asked for at every step of the look ahead: two walls with all that meet in a node
-BESIDE = 32
+#: nearest triangles that are examined at every step of the search: two walls with all that meet in a node
+CANDIDATES = 32
 
 
 @dataclass(frozen=True)
 class FacingPairs:
-    """Nodes of a surface with the triangle each one looks at, found once at rest.
+    """Nodes of a surface with the triangle that each one faces, found once at rest.
 
     The gap is signed: it turns negative when a wall has passed through the other, which a distance would not show.
     """
 
-    nodes: Index  #: (k,) nodes that have something before them; one that looks at several triangles stands for each
-    triangles: Index  #: (k, 3) the triangle each node looks at
-    area: Array  #: (k,) the node's share of the surface at rest, divided among its triangles, mm2
+    nodes: Index  #: (k,) nodes that face a triangle; one that faces several triangles is repeated for each
+    triangles: Index  #: (k, 3) the triangle that each node faces
+    area: Array  #: (k,) the node's part of the surface at rest, divided among its triangles, mm2
 
     @classmethod
     def of(cls, surface: Faces, points: Array) -> "FacingPairs":
-        """Pairs of a node and the first triangle of opposite normal before it; points (n, 3) at rest, mm.
+        """Pairs of a node and the first triangle of opposite normal in front of it; points (n, 3) at rest, mm.
 
-        Where triangles are equally near (walls that mirror each other, planes of symmetry) the node looks at all of
-        them: to choose one would make the contact of a symmetric body unsymmetric.
+        Where triangles are equally near (walls that mirror each other, planes of symmetry) the node faces all of them:
+        to choose one would make the contact of a symmetric body unsymmetric.
         """
         triangles = surface.triangles
         normal = _normals(points, triangles)
         doubled = np.linalg.norm(np.cross(*_edges(points, triangles)), axis=1)
         of_node = np.zeros_like(points)
-        share = np.zeros(points.shape[0])
+        area = np.zeros(points.shape[0])
         for corner in range(3):
             np.add.at(of_node, triangles[:, corner], normal)
-            np.add.at(share, triangles[:, corner], doubled / 6)
+            np.add.at(area, triangles[:, corner], doubled / 6)
         nodes = surface.unique_nodes
         facing = of_node[nodes] / np.linalg.norm(of_node[nodes], axis=1, keepdims=True)
-        who, seen = _seen(points[nodes], facing, points[triangles].mean(axis=1), normal, float(np.sqrt(doubled.mean())))
-        often = np.bincount(who, minlength=nodes.shape[0])
-        return cls(nodes[who], triangles[seen], share[nodes[who]] / often[who])
+        targets = _Triangles(points[triangles].mean(axis=1), normal, float(np.sqrt(doubled.mean())))
+        node, triangle = targets.in_front_of(points[nodes], facing)
+        count = np.bincount(node, minlength=nodes.shape[0])
+        return cls(nodes[node], triangles[triangle], area[nodes[node]] / count[node])
+
+    @cached_property
+    def node_pairs(self) -> tuple[Index, Index, Mask]:
+        """Of the ten pairs of the four nodes of each gap, the smaller and the larger node (10 k,), and whether they
+        were swapped for it (k, 10). The same arrays on each call, so that their position in a matrix can be kept."""
+        nodes = np.column_stack([self.nodes, self.triangles])
+        a, b = np.triu_indices(4)
+        first, second = nodes[:, a], nodes[:, b]
+        return np.minimum(first, second).ravel(), np.maximum(first, second).ravel(), first > second
 
     def gaps(self, x: Array) -> Array:
         """Signed gap (k,) in mm of each pair at the positions x (n, 3), along the triangle's normal."""
@@ -63,11 +74,11 @@ class FacingPairs:
         slope[:, 2] = (g22[:, None] * first - g12[:, None] * second) / det[:, None]
         slope[:, 3] = (g11[:, None] * second - g12[:, None] * first) / det[:, None]
         slope[:, 1] = -slope[:, 2] - slope[:, 3]
-        share = np.zeros((node.shape[0], 4))
-        share[:, 2:] = -np.einsum("kai,ki->ka", slope[:, 2:], reach)
-        share[:, 0], share[:, 1] = 1.0, -1.0 - share[:, 2] - share[:, 3]
+        shape = np.zeros((node.shape[0], 4))
+        shape[:, 2:] = -np.einsum("kai,ki->ka", slope[:, 2:], reach)
+        shape[:, 0], shape[:, 1] = 1.0, -1.0 - shape[:, 2] - shape[:, 3]
         gap = np.einsum("ki,ki->k", reach, normal)
-        return LocalPairs(np.column_stack([node, triangle]), normal, share, slope, gap)
+        return LocalPairs(np.column_stack([node, triangle]), normal, shape, slope, gap)
 
 
 @dataclass(frozen=True)
@@ -76,59 +87,73 @@ class LocalPairs:
 
     nodes: Index  #: (m, 4)
     normal: Array  #: (m, 3)
-    share: Array  #: (m, 4) 1 for the node, minus the barycentric coordinates of its foot point for the triangle
+    shape: Array  #: (m, 4) 1 for the node, minus the barycentric coordinates of its foot point for the triangle
     slope: Array  #: (m, 4, 3) in-plane gradients of the barycentric coordinates, 0 for the node
     gap: Array  #: (m,) mm
 
     @property
     def first(self) -> Array:
-        """d g / d x_k = share_k n, (m, 4, 3)."""
-        return self.share[:, :, None] * self.normal[:, None, :]
+        """d g / d x_k = shape_k n, (m, 4, 3)."""
+        return self.shape[:, :, None] * self.normal[:, None, :]
 
     def second(self, a: Index, b: Index) -> Array:
         """d2 g / d x_a d x_b for index lists a, b (p,): (m, p, 3, 3).
 
-        From dn = -sum_k slope_k (n . dx_k) and d2g = 2 dn . w - g |dn|^2, with w = sum_k share_k dx_k the motion at the
+        From dn = -sum_k slope_k (n . dx_k) and d2g = 2 dn . w - g |dn|^2, with w = sum_k shape_k dx_k the motion at the
         foot.
         """
         n = self.normal[:, None, :]
-        across = np.einsum("mpi,mpj->mpij", self.share[:, b, None] * n, self.slope[:, a])
-        along = self.share[:, a, None, None] * self.slope[:, b, :, None] * n[:, :, None, :]
+        across = np.einsum("mpi,mpj->mpij", self.shape[:, b, None] * n, self.slope[:, a])
+        along = self.shape[:, a, None, None] * self.slope[:, b, :, None] * n[:, :, None, :]
         turn = self.gap[:, None] * np.einsum("mpi,mpi->mp", self.slope[:, a], self.slope[:, b])
         return -across - along - turn[:, :, None, None] * (n[..., :, None] * n[..., None, :])
 
 
-def _seen(start: Array, facing: Array, centre: Array, normal: Array, size: float) -> tuple[Index, Index]:
-    """Which of the points `start` (k, 3) look along `facing` at which triangles: two lists of the same length.
+@dataclass(frozen=True)
+class _Triangles:
+    """The triangles of a surface that its nodes may face."""
 
-    The triangles have centres and normals (m, 3) and edges of about `size`. Points walk ahead in steps of that size
-    until a triangle of opposite normal lies beside their way, or they have left the surface's box: what is nearest in
-    space may be the wall they stand on.
-    """
-    tree, low, high = cKDTree(centre), centre.min(axis=0) - size, centre.max(axis=0) + size
-    count = min(BESIDE, centre.shape[0])
-    waiting, found = np.arange(start.shape[0]), [np.empty((2, 0), dtype=np.int64)]
-    for step in range(int(np.linalg.norm(high - low) / size) + 1):
-        probe = start[waiting] + (step + 0.5) * size * facing[waiting]
-        inside = ((probe > low) & (probe < high)).all(axis=1)
-        waiting, probe = waiting[inside], probe[inside]
-        if waiting.size == 0:
-            break
-        near = tree.query(probe, k=count)[1].reshape(waiting.size, count)
-        reach = centre[near] - start[waiting][:, None, :]
-        ahead = np.einsum("ki,kmi->km", facing[waiting], reach)
-        beside = np.linalg.norm(reach - ahead[..., None] * facing[waiting][:, None, :], axis=2)
-        opposite = np.einsum("ki,kmi->km", facing[waiting], normal[near]) < -0.7
-        before = opposite & (ahead > 0) & (beside < 2 * size)
-        before &= np.einsum("kmi,kmi->km", reach, normal[near]) < 0
-        first = before & (ahead < np.where(before, ahead, np.inf).min(axis=1, keepdims=True) + size)
+    centre: Array  #: (m, 3), mm
+    normal: Array  #: (m, 3)
+    size: float  #: about the length of their edges, mm
+
+    def in_front_of(self, start: Array, facing: Array) -> tuple[Index, Index]:
+        """Which of the points `start` (k, 3) face which triangles in their directions `facing` (k, 3).
+
+        Two lists of the same length, numbers of points and of triangles. Points march ahead in steps of the triangles'
+        size until a triangle of opposite normal lies beside their ray, or they have left the surface's box: what is
+        nearest in space may be the wall they are on.
+        """
+        size, tree = self.size, cKDTree(self.centre)
+        low, high = self.centre.min(axis=0) - size, self.centre.max(axis=0) + size
+        count = min(CANDIDATES, self.centre.shape[0])
+        searching, pairs = np.arange(start.shape[0]), [np.empty((2, 0), dtype=np.int64)]
+        for step in range(int(np.linalg.norm(high - low) / size) + 1):
+            probe = start[searching] + (step + 0.5) * size * facing[searching]
+            inside = ((probe > low) & (probe < high)).all(axis=1)
+            searching, probe = searching[inside], probe[inside]
+            if searching.size == 0:
+                break
+            near = tree.query(probe, k=count)[1].reshape(searching.size, count)
+            point, which = self._first(start[searching], facing[searching], near)
+            pairs.append(np.stack([searching[point], near[point, which]]))
+            searching = np.delete(searching, point)
+        both = np.concatenate(pairs, axis=1)
+        points, triangles = both[:, np.argsort(both[0], kind="stable")]
+        return points, triangles
+
+    def _first(self, start: Array, facing: Array, near: Index) -> tuple[Index, Index]:
+        """Of the triangles `near` (k, c) to each ray those of opposite normal that it meets first: rows and columns."""
+        reach = self.centre[near] - start[:, None, :]
+        ahead = np.einsum("ki,kmi->km", facing, reach)
+        beside = np.linalg.norm(reach - ahead[..., None] * facing[:, None, :], axis=2)
+        opposite = np.einsum("ki,kmi->km", facing, self.normal[near]) < -0.7
+        candidate = opposite & (ahead > 0) & (beside < 2 * self.size)
+        candidate &= np.einsum("kmi,kmi->km", reach, self.normal[near]) < 0
+        first = candidate & (ahead < np.where(candidate, ahead, np.inf).min(axis=1, keepdims=True) + self.size)
         misfit = np.where(first, beside, np.inf)
-        who, which = np.nonzero(first & (misfit <= misfit.min(axis=1, keepdims=True) + EQUALLY_NEAR * size))
-        found.append(np.stack([waiting[who], near[who, which]]))
-        waiting = np.delete(waiting, who)
-    both = np.concatenate(found, axis=1)
-    who, seen = both[:, np.argsort(both[0], kind="stable")]
-    return who, seen
+        row, column = np.nonzero(first & (misfit <= misfit.min(axis=1, keepdims=True) + EQUALLY_NEAR * self.size))
+        return row, column
 
 
 def _edges(x: Array, triangles: Index) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ from typing import final
 import numpy as np
 
 from fem.discretisation import Discretisation
-from fem.effects.effect import Acting, Blocks, Effect, Term
+from fem.effects.effect import Blocks, Effect, StressCarryingTerm
 from fem.kernels.membrane import (
     MembraneArrays,
     membrane_force,
@@ -57,7 +57,7 @@ class StrainLimitingLayer(Effect):
         if self.triangles.shape[0] == 0:
             raise LayerError("strain-limiting layer: the mesh has no face in the plane of the layer")
 
-    def bind(self, space: Discretisation, material: Material) -> Term:
+    def bind(self, space: Discretisation, material: Material) -> "LayerTerm":
         """The membrane; raises `LayerError` where a triangle is not a face of the mesh."""
         nodes = _nodes(space, self.triangles)
         slope, area = _slopes(space.points[self.triangles], space.has_middles)
@@ -68,7 +68,7 @@ class StrainLimitingLayer(Effect):
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
-class LayerTerm(Acting):
+class LayerTerm(StressCarryingTerm):
     """The stretching energy of a membrane."""
 
     effect = "strain_limiting_layer"
@@ -96,10 +96,7 @@ class LayerTerm(Acting):
         pairs[swapped] = pairs[swapped].transpose(0, 2, 1)
         return Blocks(np.minimum(first, second), np.maximum(first, second), pairs)
 
-    def at(self, share: float) -> Term:
-        return self
-
-    def advanced(self, x: Array, dx: Array) -> Term:
+    def advanced(self, x: Array, dx: Array) -> "LayerTerm":
         change = np.empty((*self.arrays.weight.shape, 3))
         membrane_linearised_strain(self.arrays, x, dx, change)
         return replace(self, carried=self.stress(x) + change @ self.law)

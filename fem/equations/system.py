@@ -9,7 +9,7 @@ from typing import final
 import numpy as np
 
 from fem.discretisation import Discretisation
-from fem.effects.effect import Blocks, Term
+from fem.effects.effect import Blocks, Terms
 from fem.equations.formulation import formulation_of, lame_constants
 from fem.equations.linear import LinearSolver
 from fem.equations.linearised import Linearised
@@ -20,8 +20,6 @@ from fem.kernels.tangent import LawArrays, Product, tangent_matrix
 from fem.materials.material import Material
 from fem.supports import Constraints
 from geometry.arrays import Array, Index
-
-Terms = tuple[Term, ...]
 
 NO_INCREMENT = np.empty((0, 3))
 
@@ -217,11 +215,6 @@ class System:
                 assembly.strain + strain,
                 stress,
             )
-
-    def step_limit(self, terms: Terms, displacement: Array, increment: Array) -> float:
-        """Largest admissible share of the increment."""
-        x = self.space.points + displacement
-        return min((term.step_limit(x, increment) for term in terms), default=1.0)
 
     def _room_for(self, hessians: list[Blocks]) -> list[Index]:
         """Where the blocks stand in the pattern. It takes up new node pairs (contact), and only ever grows, so this

@@ -13,11 +13,12 @@ from typing import final
 import numpy as np
 
 from fem.discretisation import Faces
-from fem.effects.effect import enclosed_volume, volume_gradient
+from fem.effects.effect import Terms
+from fem.effects.loads import enclosed_volume, volume_gradient
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, Change, State
-from fem.equations.system import System, Terms
+from fem.equations.system import System
 from geometry.arrays import Array
 
 

@@ -5,9 +5,10 @@ from dataclasses import dataclass, field, replace
 from typing import final
 
 from fem.discretisation import Faces
-from fem.effects.effect import enclosed_volume
+from fem.effects.effect import Terms, at_constant_fraction
+from fem.effects.loads import enclosed_volume
 from fem.equations.state import State
-from fem.equations.system import System, Terms
+from fem.equations.system import System
 from fem.path.control import Control, LoadControl, VolumeControl, size_of
 from fem.solution import Step
 
@@ -56,10 +57,10 @@ class LoadCourse(Course):
         return LoadControl(system.prescribed(value, share), value)
 
     def rate_at_rest(self, system: System, rest: State, terms: Terms, share: float) -> State | None:
-        still, moved = tuple(term.at(0.0) for term in terms), system.prescribed(1.0, share)
+        still, moved = at_constant_fraction(terms, 0.0), system.prescribed(1.0, share)
         assembly = system.assemble(rest, still)
         linearised = system.linearise(rest, assembly, still, moved)
-        whole = system.loads(rest.displacement, 1.0, tuple(term.at(share) for term in terms))
+        whole = system.loads(rest.displacement, 1.0, at_constant_fraction(terms, share))
         loads = whole - system.loads(rest.displacement, 0.0, still)
         coupling = linearised.coupling
         change = linearised.solve(loads + coupling.displacement, coupling.pressure)

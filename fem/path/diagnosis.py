@@ -1,8 +1,9 @@
 """What the last equilibrium of a path tells of its end: a law out of its limits, a limit point near by, instability."""
 
+from fem.effects.effect import Terms
 from fem.equations.linear import SingularMatrix
 from fem.equations.state import State
-from fem.equations.system import System, Terms
+from fem.equations.system import System
 from fem.path.modes import most_softened, softest_direction
 from fem.path.newton import Converged
 from fem.post import extremes

@@ -7,11 +7,13 @@ from typing import final
 
 import numpy as np
 
+from fem.effects.effect import Terms, at_constant_fraction, smallest_gap
 from fem.equations.linear import LinearSolver
 from fem.equations.state import State
-from fem.equations.system import System, Terms
+from fem.equations.system import System
 from fem.model import Model
 from fem.path import newton
+from fem.path.active_set import ActiveSet
 from fem.path.course import Course, LoadCourse, VolumeCourse
 from fem.path.diagnosis import beyond_the_law, instability, near_limit_point
 from fem.path.newton import Converged, NewtonOptions, StepFailed
@@ -118,21 +120,20 @@ class Path:
         self.options = options
         self.watch = watch
         rest = system.space.points
-        self.terms = tuple(term for term in system.terms if term.wanted(rest))
-        self.places = [Place(course.rest, 0.0, system.rest_state(), terms=_at(self.terms, 0.0))]
+        self.active_set = ActiveSet.of(system.terms, rest)
+        start = at_constant_fraction(self.active_set.active, 0.0)
+        self.places = [Place(course.rest, 0.0, system.rest_state(), terms=start)]
         self.predictor = Predictor(system, course)
         self.misled = False  #: whether a predicted start has failed on the way to the asked value
-        self.stricter: Terms | None = None  #: what acts on the rest of that way, once a state has been refused on it
 
     def take_up(self, steps: Sequence[Step]) -> None:
         """Go on from the last of the given steps."""
         for step in steps:
             state = self.system.state_at(step.displacement, step.factor)
             x = self.system.space.points + step.displacement
-            # some perhaps since a state between two asked values, that is not among the steps
-            acting = tuple(term for term, acts in zip(self.system.terms, step.acting, strict=True) if acts)
-            self.terms = tuple(term for term in self.system.terms if term in acting or term.wanted(x))
-            place = Place(self.course.at(step), 1.0, state, self._touching(x), terms=_at(self.terms, 1.0))
+            self.active_set = ActiveSet.resumed(self.system.terms, step.active, x)
+            terms = at_constant_fraction(self.active_set.active, 1.0)
+            place = Place(self.course.at(step), 1.0, state, self.active_set.touching(x), terms=terms)
             if step.rate is not None:
                 place = replace(place, rate=self.system.rate(state, self.system.assemble(state, ()), step.rate))
             self.places = [self.places[-1], place]
@@ -142,7 +143,7 @@ class Path:
         begin, spent, before = perf_counter(), self.system.solver.times.factorizations, self.spent()
         origin = self.places[-1]
         done, piece, cutbacks = 0.0, 1.0, 0
-        self.misled, self.stricter = False, None
+        self.misled, self.active_set = False, self.active_set.restored()
         while True:
             share = min(1.0, done + piece)
             try:
@@ -166,37 +167,29 @@ class Path:
 
     def _attempt(self, origin: Place, value: float, share: float) -> Converged:
         aim = self._place(origin, value, share, self.places[-1].state)
-        strict = self.stricter
-        found = self._ahead(value, aim) if strict is None else self._solve(value, aim, aim.state, strict)
-        found = self._awake(value, aim, found)
-        while any(objections := [term.objection(self._positions(found)) for term in self._at_work]):
-            x, asked = self._positions(found), zip(self._at_work, objections, strict=True)
-            terms = tuple(term.stricter(x) if objection else term for term, objection in asked)
-            if terms == self.stricter:
-                raise StepFailed(next(objection for objection in objections if objection))
-            self.stricter = terms
-            forgiving = all(term.forgiving for term in terms)
-            found = self._awake(value, aim, self._solve(value, aim, found.state if forgiving else aim.state, terms))
+        if self.active_set.is_tightened:
+            found = self._solve(value, aim, aim.state, self.active_set.active)
+        else:
+            found = self._ahead(value, aim)
+        found = self._activate(value, aim, found)
+        while violations := self.active_set.violations(x := self._positions(found)):
+            tightened = self.active_set.tightened(x)
+            if tightened is self.active_set:
+                raise StepFailed(violations[0])
+            self.active_set = tightened
+            start = aim.state if tightened.needs_admissible_start else found.state
+            found = self._activate(value, aim, self._solve(value, aim, start, tightened.active))
         if found.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, found.assembly.strain, found.assembly.jacobian)
             raise StepFailed(f"an element is turned inside out at {in_words(worst.min_J_at)} (J = {worst.min_J:.3g})")
         return found
 
-    def _awake(self, value: float, aim: Place, found: Converged) -> Converged:
-        """Equilibrium with those effects too that a state wakes; each may wake the next."""
-        while new := tuple(term for term in self._asleep() if term.wanted(self._positions(found))):
-            self.terms = tuple(term for term in self.system.terms if term in self.terms or term in new)
-            if self.stricter is not None:
-                self.stricter += new
-            found = self._solve(value, aim, found.state, self._at_work)
+    def _activate(self, value: float, aim: Place, found: Converged) -> Converged:
+        """Equilibrium with those contacts too that a state activates; each may activate the next."""
+        while (activated := self.active_set.activated(self._positions(found))) is not self.active_set:
+            self.active_set = activated
+            found = self._solve(value, aim, found.state, activated.active)
         return found
-
-    @property
-    def _at_work(self) -> Terms:
-        return self.terms if self.stricter is None else self.stricter
-
-    def _asleep(self) -> Terms:
-        return tuple(term for term in self.system.terms if term not in self.terms)
 
     def _positions(self, found: Converged) -> Array:
         return self.system.space.points + found.state.displacement
@@ -204,7 +197,7 @@ class Path:
     def _ahead(self, value: float, aim: Place) -> Converged:
         """Equilibrium, or a state that wakes effects, from the first start that leads to one."""
         failed = StepFailed("no start was tried")
-        for start in self.predictor.starts(self.places, aim, self.terms):
+        for start in self.predictor.starts(self.places, aim, self.active_set.active):
             foretold = start.iterations is not None
             if foretold and self.misled:
                 continue
@@ -222,25 +215,21 @@ class Path:
 
     def _reached(self, origin: Place, value: float, share: float, found: Converged) -> Place:
         """The place where an attempt has led, with its rate where the factor at hand tells it."""
-        place = self._place(origin, value, share, found.state, self._touching(self._positions(found)))
-        place = replace(place, terms=_at(self._at_work, place.share))
+        place = self._place(origin, value, share, found.state, self.active_set.touching(self._positions(found)))
+        place = replace(place, terms=at_constant_fraction(self.active_set.active, place.share))
         return replace(place, rate=self.predictor.rate(place, found, place.terms))
-
-    def _touching(self, x: Array) -> bool:
-        """Whether walls are in contact at positions x (n, 3)."""
-        return any(term.touching(x) for term in self.terms)
 
     def _solve(
         self, value: float, aim: Place, start: State, terms: Terms, options: newton.NewtonOptions | None = None
     ) -> Converged:
         return newton.solve(
             self.system,
-            _at(terms, aim.share),
+            at_constant_fraction(terms, aim.share),
             start,
             self.course.control(self.system, aim.value, aim.share),
             options or self.options.newton,
             lambda iteration, residual: self.watch(value, iteration, residual),
-            self._asleep(),
+            self.active_set.inactive,
         )
 
     @staticmethod
@@ -270,14 +259,14 @@ class Path:
             rate=None if (rate := self.places[-1].rate) is None else rate.change,
             gradient=np.where(self.system.constraints.fixed, found.assembly.gradient, 0.0),
             extremes=extremes_of(self.system.space, found.assembly.strain, found.assembly.jacobian),
-            min_gap=min((term.gap(x) for term in self.system.terms), default=np.inf),
+            min_gap=smallest_gap(self.system.terms, x),
             negative_pivots=found.negative_pivots,
             instability=instability(self.system, found, self.places[-1].terms),
             newton_iterations=factorizations,
             factorizations=factorizations,
             cutbacks=cutbacks,
-            effects=tuple(dict.fromkeys(term.effect for term in self.terms)),
-            acting=tuple(term in self.terms for term in self.system.terms),
+            effects=self.active_set.effects,
+            active=self.active_set.is_active,
             seconds=seconds,
             spent=spent,
         )
@@ -299,8 +288,3 @@ class Path:
         times, effects = self.system.solver.times, dict(self.system.clock.seconds)
         assembly = effects.pop("assembly", 0.0)
         return Seconds(0.0, assembly, times.analysis, times.factorization, times.solve, effects)
-
-
-def _at(terms: Terms, share: float) -> Terms:
-    """The terms while what does not grow with the load factor has come to `share` of its size."""
-    return tuple(term.at(share) for term in terms)

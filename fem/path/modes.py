@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fem.effects.effect import Terms
 from fem.equations.state import State
-from fem.equations.system import System, Terms
+from fem.equations.system import System
 from geometry.arrays import Array
 
 ITERATIONS = 30

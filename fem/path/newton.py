@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.effects.effect import Term
+from fem.effects.effect import Terms, UnilateralTerm, advanced, smallest_gap, step_limit
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, Change, State
@@ -66,15 +66,17 @@ class StepFailed(ArithmeticError):
 
 def solve(
     system: System,
-    terms: tuple[Term, ...],
+    terms: Terms,
     start: State,
     control: Control,
     options: NewtonOptions,
     watch: Watch,
-    asleep: tuple[Term, ...] = (),
+    inactive: tuple[UnilateralTerm, ...] = (),
 ) -> Converged:
-    """Equilibrium of the body with `terms` where `control` puts it, from `start`; or a state near to it where
-    walls have passed through each other whose terms are `asleep`: equilibrium without them is not what is looked for.
+    """Equilibrium of the body with `terms` where `control` puts it, from `start`.
+
+    Returns early, unconverged, once the relative residual is below NEAR and an inactive contact is penetrated; the
+    caller then activates it.
 
     Raises `StepFailed`.
     """
@@ -94,7 +96,7 @@ def solve(
             relative = _relative_residual(system, exact)
             if relative < options.tolerance:
                 return Converged(settled, exact, iteration, relative, linearised)
-        if relative < NEAR and any(term.gap(system.space.points + state.displacement) < 0 for term in asleep):
+        if relative < NEAR and smallest_gap(inactive, system.space.points + state.displacement) < 0:
             return Converged(state, assembly, iteration, relative, linearised)
         if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
@@ -111,12 +113,12 @@ def solve(
             limit = options.strain if unstable else np.inf
             state, whole = _advance(system, terms, state, assembly, change, limit)
             limited += not whole
-            terms = tuple(term.advanced(x, state.displacement - begin) for term in terms)
+            terms = advanced(terms, x, state.displacement - begin)
     raise StepFailed(f"no equilibrium after {options.iterations} iterations (relative residual {relative:.1e})")
 
 
 def _advance(
-    system: System, terms: tuple[Term, ...], state: State, assembly: Assembly, change: Change, limit: float
+    system: System, terms: Terms, state: State, assembly: Assembly, change: Change, limit: float
 ) -> tuple[State, bool]:
     """The next state, and whether no strain component was kept from changing by more than `limit`."""
     strain = system.linearised_strain(state, change.displacement)
@@ -124,7 +126,7 @@ def _advance(
     # an indefinite tangent (thin walls at rest under the whole pressure) points past a saddle: its direction counts
     whole = not largest > limit
     share = 1.0 if whole else limit / largest
-    share *= system.step_limit(terms, state.displacement, share * change.displacement)
+    share *= step_limit(terms, system.space.points + state.displacement, share * change.displacement)
     return system.advanced(state, assembly, change.scaled(share), share * strain), whole
 
 

@@ -26,9 +26,10 @@ from typing import final
 
 import numpy as np
 
+from fem.effects.effect import Terms, advanced, at_constant_fraction
 from fem.equations.linear import SingularMatrix
 from fem.equations.state import State
-from fem.equations.system import System, Terms
+from fem.equations.system import System
 from fem.path.course import Course
 from fem.path.newton import Converged
 
@@ -79,7 +80,7 @@ class Predictor:
         self._rate: State | None = None  # at rest
         self._rate_known = False
         #: whether something is whole from the first asked value on, so that the path has a kink there
-        self.kinked = bool(system.constraints.constant.any() or any(term.at(0.5) is not term for term in system.terms))
+        self.kinked = bool(system.constraints.constant.any() or at_constant_fraction(system.terms, 0.5) != system.terms)
 
     def starts(self, places: Sequence[Place], aim: Place, terms: Terms) -> Iterator[Start]:
         """Where Newton's method may start on the way to the aim, the most promising start first; places are the last
@@ -102,7 +103,7 @@ class Predictor:
         change, x = whole.displacement - last.state.displacement, self.system.space.points + last.state.displacement
         balanced = replace(whole, displacement=little.displacement, strain=little.strain)
         at_rest = len(places) == 1
-        yield Start(balanced, tuple(term.advanced(x, change) for term in terms), trial=at_rest)
+        yield Start(balanced, advanced(terms, x, change), trial=at_rest)
         if at_rest:
             yield Start(little, terms)
 

@@ -95,9 +95,9 @@ class Scene:
             # faces that nobody named start inactive even where contact is switched on: no cost until they meet
             inactive = self.config.effects["self_contact"] == "auto" or not intended
             # the walls of a cavity collapse under a vacuum, and press on spots
-            behind = 0.0 if faces in self.body.cavities else fem.BEHIND
+            overlap = 0.0 if faces in self.body.cavities else fem.OVERLAP
             distance = self.config.contact_dhat_mm if intended else None
-            effects.append(fem.SelfContact(faces, distance, inactive, behind))
+            effects.append(fem.SelfContact(faces, distance, inactive, overlap))
         return effects
 
 

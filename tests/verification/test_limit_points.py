@@ -24,7 +24,7 @@ from fem import (
     follow,
     follow_volume,
 )
-from fem.effects.effect import enclosed_volume
+from fem.effects.loads import enclosed_volume
 from geometry import Mesh
 from geometry.arrays import Array
 

@@ -8,7 +8,7 @@ cells differ by 7-10 %, a repeated one by nothing.
 import numpy as np
 import pytest
 
-from fem import BEHIND, Experiment, Pressure, SelfContact, StVenantKirchhoff, follow
+from fem import OVERLAP, Experiment, Pressure, SelfContact, StVenantKirchhoff, follow
 from geometry import Body, PneuNet
 
 MATERIAL = StVenantKirchhoff(E=1.2, nu=0.495)
@@ -19,10 +19,10 @@ def body() -> Body:
     return PneuNet().body(5.0)
 
 
-def solve(name: str, body: Body, pressures: list[float], dhat: float | None = None, behind: float = BEHIND):
+def solve(name: str, body: Body, pressures: list[float], dhat: float | None = None, overlap: float = OVERLAP):
     experiment = Experiment.of(name, body, 0.0)
     largest = pressures[-1]
-    effects = [Pressure("cavity", 1e-3 * largest), SelfContact("gap", dhat, True, behind)]
+    effects = [Pressure("cavity", 1e-3 * largest), SelfContact("gap", dhat, True, overlap)]
     model = experiment.model(MATERIAL, effects, "p2p0")
     return experiment, follow(model, [pressure / largest for pressure in pressures])
 
@@ -49,7 +49,7 @@ def test_deflection_at_5_kPa_and_equal_cells(body: Body) -> None:
 
 def test_end_force_at_31_kPa(body: Body) -> None:
     # the prototype's barrier stood at the wall
-    experiment, solution = solve("III", body, [17.0, 31.0], dhat=0.2, behind=0.0)
+    experiment, solution = solve("III", body, [17.0, 31.0], dhat=0.2, overlap=0.0)
     assert 0.17 < solution.steps[-1].min_gap < 0.2
     force = experiment.end_force(solution.steps[-1])
     assert force[0] == pytest.approx(0.0, abs=1e-9)

@@ -1,0 +1,145 @@
+"""Loads: pressure that follows the surface, weight, and forces of constant direction; and the volume behind faces."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from fem.discretisation import Discretisation, Faces
+from fem.effects.effect import NO_BLOCKS, Blocks, Effect, LoadTerm
+from fem.kernels.surface import surface_pressure, surface_pressure_tangent
+from fem.materials.material import Material
+from fem.supports import Line, nodes_at
+from geometry.arrays import Array, Index, Mask
+
+
+@final
+@dataclass(frozen=True)
+class Pressure(Effect):
+    """Pressure in MPa at load factor 1 on a named face, following the surface: Pi = -p V(x).
+
+    With ramp=False it is applied in full from the first target on.
+    """
+
+    where: str
+    value: float
+    ramp: bool = True
+
+    def bind(self, space: Discretisation, material: Material) -> "PressureTerm":
+        """The potential of the pressure; raises ValueError for a face that does not exist."""
+        faces = space.surface(self.where)
+        a, b = np.triu_indices(faces.nodes.shape[1])
+        first, second = faces.nodes[:, a], faces.nodes[:, b]
+        return PressureTerm(
+            faces,
+            self.value,
+            np.minimum(first, second).ravel(),
+            np.maximum(first, second).ravel(),
+            (first > second).ravel(),
+            constant_fraction=None if self.ramp else 0.0,
+        )
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
+class PressureTerm(LoadTerm):
+    """-p V(x), V enclosed by the faces and symmetry planes through the origin."""
+
+    effect = "pressure"
+
+    faces: Faces
+    value: float  #: MPa at load factor 1
+    rows: Index  #: (m f,), of the m = 21 or 6 pairs of nodes of each face
+    columns: Index  #: (m f,)
+    swapped: Mask  #: (m f,) pairs whose first node has the larger number
+
+    def energy(self, x: Array, factor: float) -> float:
+        return -self._pressure(factor) * enclosed_volume(self.faces, x)
+
+    def gradient(self, x: Array, factor: float, out: Array) -> None:
+        out -= self._pressure(factor) * volume_gradient(self.faces, x)
+
+    def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        values = np.empty((self.rows.shape[0], 3, 3))
+        surface_pressure_tangent(self.faces.arrays, x, values.reshape(self.faces.nodes.shape[0], -1, 3, 3))
+        values *= self._pressure(factor)
+        values[self.swapped] = values[self.swapped].transpose(0, 2, 1)
+        return Blocks(self.rows, self.columns, values)
+
+    def _pressure(self, factor: float) -> float:
+        return self.value * self.scale(factor)
+
+
+def enclosed_volume(faces: Faces, x: Array) -> float:
+    """Volume enclosed by faces whose normals point into it (mm3), closed by planes through the origin."""
+    volume = np.empty(faces.nodes.shape[0])
+    surface_pressure(faces.arrays, x, np.zeros_like(x), volume)
+    return -float(volume.sum())
+
+
+def volume_gradient(faces: Faces, x: Array) -> Array:
+    """Derivative (n, 3) of the enclosed volume by the positions x (n, 3), mm2."""
+    normals = np.zeros_like(x)
+    surface_pressure(faces.arrays, x, normals, np.empty(faces.nodes.shape[0]))
+    # the faces' normals leave the solid, so the cavity's volume falls along them
+    return -normals
+
+
+@final
+@dataclass(frozen=True)
+class Gravity(Effect):
+    """Weight of the body: density in tonne/mm3, acceleration (3,) in mm/s2 at load factor 1.
+
+    With ramp=False it is applied in full from the first target on.
+    """
+
+    density: float
+    acceleration: tuple[float, float, float] = (0.0, -9810.0, 0.0)
+    ramp: bool = True
+
+    def bind(self, space: Discretisation, material: Material) -> "DeadForceTerm":
+        """The potential of the consistent nodal weights."""
+        volume = space.weight[:, :4].sum(axis=1)
+        mass = np.zeros(space.points.shape[0])
+        # exact integrals of the shape functions over a tetrahedron: quadratic -V/20 at vertices, V/5 at mid-edges
+        nodal = np.array([-0.05] * 4 + [0.2] * 6 if space.has_middles else [0.25] * 4)
+        np.add.at(mass, space.nodes, self.density * volume[:, None] * nodal)
+        force = mass[:, None] * np.asarray(self.acceleration)
+        return DeadForceTerm("gravity", force, constant_fraction=None if self.ramp else 0.0)
+
+
+@final
+@dataclass(frozen=True)
+class LineForce(Effect):
+    """A force that keeps its direction, spread evenly over a line of edges.
+
+    force: (3,) N on the meshed part at load factor 1. With ramp=False it is applied in full from the first target on.
+    """
+
+    where: Line
+    force: tuple[float, float, float]
+    ramp: bool = True
+
+    def bind(self, space: Discretisation, material: Material) -> "DeadForceTerm":
+        """The potential of the nodal forces; raises `fem.supports.SupportError` where the line has no nodes."""
+        force = np.zeros_like(space.points)
+        np.add.at(force, nodes_at(self.where, space), self.where.nodal_weights(space)[:, None] * np.asarray(self.force))
+        return DeadForceTerm("line_force", force, constant_fraction=None if self.ramp else 0.0)
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
+class DeadForceTerm(LoadTerm):
+    """-f . x with nodal forces that keep their direction."""
+
+    effect: str
+    force: Array  #: (n, 3) at load factor 1, N
+
+    def energy(self, x: Array, factor: float) -> float:
+        return -self.scale(factor) * float(np.vdot(self.force, x))
+
+    def gradient(self, x: Array, factor: float, out: Array) -> None:
+        out -= self.scale(factor) * self.force
+
+    def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        return NO_BLOCKS

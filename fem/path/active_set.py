@@ -1,0 +1,86 @@
+"""Which terms of a model are in the potential: contact joins where walls meet, and is stiffened where they cross."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Self, final
+
+from fem.effects.effect import InteriorTerm, PenaltyTerm, Terms, UnilateralTerm
+from geometry.arrays import Array
+
+
+@final
+@dataclass(frozen=True, eq=False)  # terms hold arrays and are told apart by identity
+class ActiveSet:
+    """The terms of a model in their order, which of them are in the sum, and what stands for each of them there."""
+
+    model: Terms  #: as the effects were bound
+    is_active: tuple[bool, ...]  #: which of them are in the sum
+    stiffened: Terms  #: what is in the sum for each: the term itself, or the tightened one where walls crossed
+
+    @classmethod
+    def of(cls, model: Terms, x: Array) -> Self:
+        """All terms but those contacts that start inactive and do not touch at x (n, 3)."""
+        return cls.resumed(model, [not isinstance(term, UnilateralTerm) for term in model], x)
+
+    @classmethod
+    def resumed(cls, model: Terms, was_active: Sequence[bool], x: Array) -> Self:
+        """The terms that were active in a stored step, and those that its positions x (n, 3) activate.
+
+        Both are needed: a contact may have been activated at an intermediate increment that is not stored.
+        """
+        return cls(model, tuple(was_active), model).activated(x)
+
+    @property
+    def active(self) -> Terms:
+        """The terms in the sum, stiffened where they have been."""
+        return tuple(term for term, active in zip(self.stiffened, self.is_active, strict=True) if active)
+
+    @property
+    def inactive(self) -> tuple[UnilateralTerm, ...]:
+        """The contacts that are not in the sum."""
+        terms = zip(self.model, self.is_active, strict=True)
+        return tuple(term for term, active in terms if isinstance(term, UnilateralTerm) and not active)
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the effects in the sum, each once."""
+        terms = zip(self.model, self.is_active, strict=True)
+        return tuple(dict.fromkeys(term.effect for term, active in terms if active))
+
+    @property
+    def is_tightened(self) -> bool:
+        """Whether a term stands for a weaker one that could not keep walls apart."""
+        return self.stiffened != self.model
+
+    @property
+    def needs_admissible_start(self) -> bool:
+        """Whether Newton's method must start from a state in which no walls cross."""
+        return any(isinstance(term, InteriorTerm) for term in self.active)
+
+    def activated(self, x: Array) -> Self:
+        """With those contacts too that the state x (n, 3) activates; itself where there are none."""
+        new = [isinstance(term, UnilateralTerm) and term.must_activate(x) for term in self.model]
+        is_active = tuple(was or now for was, now in zip(self.is_active, new, strict=True))
+        return self if is_active == self.is_active else replace(self, is_active=is_active)
+
+    def touching(self, x: Array) -> bool:
+        """Whether walls are in contact at x (n, 3)."""
+        terms = zip(self.model, self.is_active, strict=True)
+        return any(isinstance(term, UnilateralTerm) and active and term.touching(x) for term, active in terms)
+
+    def violations(self, x: Array) -> tuple[str, ...]:
+        """Why the state x (n, 3), converged with the active terms, is not admissible; a clause for each violation."""
+        clauses = (term.violation(x) for term in self.active if isinstance(term, UnilateralTerm))
+        return tuple(clause for clause in clauses if clause)
+
+    def tightened(self, x: Array) -> Self:
+        """With the next stiffer term for each active contact that x (n, 3) violates; itself where there is none."""
+        terms = tuple(
+            term.tightened(x) if active and isinstance(term, PenaltyTerm) and term.violation(x) else term
+            for term, active in zip(self.stiffened, self.is_active, strict=True)
+        )
+        return self if terms == self.stiffened else replace(self, stiffened=terms)
+
+    def restored(self) -> Self:
+        """With the terms of the model in place of the tightened ones."""
+        return replace(self, stiffened=self.model)

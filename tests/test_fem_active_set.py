@@ -1,0 +1,149 @@
+"""The active set of contact: what joins it and what is tightened, without solving anything."""
+
+from dataclasses import dataclass, replace
+from typing import final
+
+import numpy as np
+
+from fem.effects.effect import NO_BLOCKS, Blocks, InteriorTerm, PenaltyTerm, Term, UnilateralTerm
+from fem.path.active_set import ActiveSet
+from geometry.arrays import Array
+
+
+def at(height: float) -> Array:
+    """A single node at a height above a floor, mm."""
+    return np.array([[0.0, height, 0.0]])
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Weight(Term):
+    effect = "weight"
+
+    def energy(self, x: Array, factor: float) -> float:
+        return factor * float(x[0, 1])
+
+    def gradient(self, x: Array, factor: float, out: Array) -> None:
+        out[0, 1] += factor
+
+    def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        return NO_BLOCKS
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Wall(InteriorTerm):
+    """The floor at height 0, impenetrable."""
+
+    effect = "contact"
+    starts_inactive = False
+
+    def energy(self, x: Array, factor: float) -> float:
+        return -float(np.log(x[0, 1]))
+
+    def gradient(self, x: Array, factor: float, out: Array) -> None:
+        out[0, 1] -= 1.0 / x[0, 1]
+
+    def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        return NO_BLOCKS
+
+    def gap(self, x: Array) -> float:
+        return float(x[0, 1])
+
+    def touching(self, x: Array) -> bool:
+        return self.gap(x) < 0.1
+
+    def violation(self, x: Array) -> str:
+        return "" if self.gap(x) > 0 else "below the impenetrable floor"
+
+    def step_limit(self, x: Array, dx: Array) -> float:
+        return 0.5
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class Floor(PenaltyTerm):
+    """A floor at height 0, felt from 0.1 mm on, that may be stiffened once before it becomes impenetrable."""
+
+    effect = "contact"
+
+    starts_inactive: bool
+    stiffness: float = 1.0
+
+    def energy(self, x: Array, factor: float) -> float:
+        return 0.5 * self.stiffness * min(x[0, 1] - 0.1, 0.0) ** 2
+
+    def gradient(self, x: Array, factor: float, out: Array) -> None:
+        out[0, 1] += self.stiffness * min(x[0, 1] - 0.1, 0.0)
+
+    def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        return NO_BLOCKS
+
+    def gap(self, x: Array) -> float:
+        return float(x[0, 1])
+
+    def touching(self, x: Array) -> bool:
+        return self.gap(x) < 0.1
+
+    def violation(self, x: Array) -> str:
+        return "" if self.gap(x) > 0 else "below the floor"
+
+    def tightened(self, x: Array) -> UnilateralTerm:
+        return replace(self, stiffness=4.0) if self.stiffness < 4.0 else Wall()
+
+
+WEIGHT, PRESENT, LATER = Weight(), Floor(starts_inactive=False), Floor(starts_inactive=True)
+MODEL = (WEIGHT, LATER, PRESENT)
+
+
+def test_contact_that_starts_inactive_joins_where_it_touches_in_the_order_of_the_model() -> None:
+    apart = ActiveSet.of(MODEL, at(1.0))
+    assert apart.active == (WEIGHT, PRESENT)
+    assert apart.inactive == (LATER,)
+    assert apart.activated(at(0.5)) is apart
+    met = apart.activated(at(0.05))
+    assert met.active == MODEL
+    assert met.inactive == ()
+    assert met.is_active == (True, True, True)
+    assert met.effects == ("weight", "contact")
+    assert met.activated(at(1.0)) is met  # once active, a contact stays
+    assert ActiveSet.of(MODEL, at(0.05)).active == MODEL
+
+
+def test_walls_are_in_contact_within_the_activation_distance_of_an_active_term() -> None:
+    later = (WEIGHT, LATER)
+    assert not ActiveSet.of(later, at(1.0)).touching(at(0.05))
+    assert ActiveSet.of(later, at(0.05)).touching(at(0.05))
+    assert not ActiveSet.of(later, at(0.05)).touching(at(0.2))
+
+
+def test_violated_contact_is_tightened_until_there_is_nothing_stiffer() -> None:
+    active = ActiveSet.of((WEIGHT, PRESENT), at(1.0))
+    assert active.violations(at(0.05)) == ()
+    assert active.tightened(at(0.05)) is active
+    assert active.violations(at(-0.1)) == ("below the floor",)
+    stiffer = active.tightened(at(-0.1))
+    assert stiffer.is_tightened
+    assert not stiffer.needs_admissible_start
+    assert isinstance(stiffer.active[1], Floor)
+    assert stiffer.active[1].stiffness == 4.0
+    exact = stiffer.tightened(at(-0.1))
+    assert isinstance(exact.active[1], Wall)
+    assert exact.needs_admissible_start
+    assert exact.violations(at(-0.1)) == ("below the impenetrable floor",)
+    assert exact.tightened(at(-0.1)) is exact
+    assert exact.restored().active == active.active
+    assert not exact.restored().is_tightened
+
+
+def test_only_the_violated_contact_is_tightened_and_new_contact_joins_as_it_is() -> None:
+    stiffer = ActiveSet.of(MODEL, at(1.0)).tightened(at(-0.1))
+    both = stiffer.activated(at(-0.1))
+    assert both.active[:2] == (WEIGHT, LATER)
+    assert both.active[2] is stiffer.active[1]
+
+
+def test_a_stored_step_restores_its_contacts_and_those_its_positions_touch() -> None:
+    assert ActiveSet.resumed(MODEL, (True, True, True), at(1.0)).active == MODEL
+    assert ActiveSet.resumed(MODEL, (True, False, True), at(1.0)).active == (WEIGHT, PRESENT)
+    assert ActiveSet.resumed(MODEL, (True, False, True), at(0.05)).active == MODEL
