@@ -1,6 +1,7 @@
 """How a command ends when it cannot do its work: one sentence, and the exit status that goes with it."""
 
 import reprlib
+from pathlib import Path
 from typing import Any, final
 
 #: Characters of a user's value that a sentence repeats.
@@ -22,6 +23,10 @@ class InputError(_Sentence):
 @final
 class RunFailed(_Sentence):
     """The work was started and could not be finished (exit status 1). Everything finished so far is on disk."""
+
+    def __init__(self, sentence: str, directory: Path | None = None) -> None:
+        super().__init__(sentence)
+        self.directory = directory  #: the folder with everything finished so far, where there is one
 
 
 def quoted(value: Any) -> str:

@@ -2,13 +2,36 @@
 
 import multiprocessing
 import os
+import sys
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
+from multiprocessing.context import SpawnContext, SpawnProcess
+from types import ModuleType
 from typing import Any
 
+
+class _Worker(SpawnProcess):
+    """A process that does not import the program that started it.
+
+    Python's own would run a program without `if __name__ == "__main__"` once more in every worker.
+    """
+
+    def start(self) -> None:
+        program = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            super().start()
+        finally:
+            sys.modules["__main__"] = program
+
+
+class _Spawn(SpawnContext):
+    Process = _Worker
+
+
 #: Workers begin afresh: the libraries they load read the number of threads then.
-SPAWN = multiprocessing.get_context("spawn")
+SPAWN = _Spawn()
 THREADS = ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
 
 

@@ -214,8 +214,9 @@ class Terminal:
         return Group(Text(f"{head}, {self._clock.left()}" if self._rows else head), table)
 
 
-def progress_for(console: Console) -> Progress:
-    """A live table on a terminal, plain lines elsewhere."""
+def progress_for(console: Console | None = None) -> Progress:
+    """A live table on a terminal, plain lines elsewhere; on standard output unless a console is given."""
+    console = console or Console()
     return Terminal(console) if console.is_terminal else Lines(console)
 
 

@@ -34,25 +34,30 @@ def read_rod(path: Path, extensible: bool = False) -> tuple[PressurisedRod, Mapp
     """
     try:
         content = with_present_keys(json.loads(path.read_text(encoding="utf-8")))
-        profile = content["kappa_0"]
-        of_rod = content["eccentricity"] if extensible else content
-        stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
-        rod = PressurisedRod(
-            length=float(content["length_mm"]),
-            pressures=np.array(content["pressures_kPa"], dtype=float),
-            laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in _LAW), strict=True)),
-            s=np.array(profile["s_mm"], dtype=float),
-            kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
-            theta0=np.array(profile["theta0_rad"], dtype=float),
-            extensions=tuple(Extension(np.array(profile["s_mm"]), np.array(rest), e) for rest, e in stretches),
-            moment_ranges=tuple(MomentRange(*ends) for ends in content.get("moment_range_N_mm", ())),
-        )
+        rod = pressurised_rod(content, extensible)
     except OSError as failure:
         raise InputError(f"{path}: cannot be read ({failure.strerror}); give the parameters.json of a run") from None
     except (KeyError, TypeError, ValueError) as failure:
         said = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
         raise InputError(f"{path}: is not the parameters.json of a finished run: {said}") from None
     return rod, content
+
+
+def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> PressurisedRod:
+    """The rod of the content of a parameters.json. Raises KeyError, TypeError or ValueError for one that has none."""
+    profile = content["kappa_0"]
+    of_rod = content["eccentricity"] if extensible else content
+    stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
+    return PressurisedRod(
+        length=float(content["length_mm"]),
+        pressures=np.array(content["pressures_kPa"], dtype=float),
+        laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in _LAW), strict=True)),
+        s=np.array(profile["s_mm"], dtype=float),
+        kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
+        theta0=np.array(profile["theta0_rad"], dtype=float),
+        extensions=tuple(Extension(np.array(profile["s_mm"]), np.array(rest), e) for rest, e in stretches),
+        moment_ranges=tuple(MomentRange(*ends) for ends in content.get("moment_range_N_mm", ())),
+    )
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).resolve().parent.parent
-ROOMS = ("geometry", "fem", "rod", "pipeline")
+ROOMS = ("geometry", "fem", "rod", "pipeline", "pneurod")
 
 
 @pytest.fixture(scope="module")

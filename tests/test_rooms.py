@@ -16,6 +16,7 @@ BELOW: dict[str, set[str]] = {
     "fem": {"geometry"},
     "rod": {"geometry"},
     "pipeline": {"geometry", "fem", "rod"},
+    "pneurod": {"geometry", "fem", "rod", "pipeline"},
 }
 
 #: room -> the libraries it may import beside the standard library
@@ -27,6 +28,7 @@ LIBRARIES: dict[str, set[str]] = {
         *("numpy", "numba", "packaging", "yaml", "pydantic", "pint"),
         *("pyvista", "typer", "rich", "jinja2", "plotly", "matplotlib"),
     },
+    "pneurod": {"numpy", "pandas"},
 }
 
 #: library -> the only modules, or folders ("fem/kernels/"), that may import it
@@ -48,11 +50,12 @@ DOORS: dict[str, set[str]] = {
     "jinja2": {"pipeline/report/page.py"},
     "matplotlib": {"pipeline/accuracy/figure.py"},
     "plotly": {"pipeline/plots.py"},
+    "pandas": {"pneurod/results.py", "pneurod/tables.py", "pneurod/reading.py"},
 }
 
 #: what `pneurod --help` must not wait for
 HEAVY = {"numpy", "scipy", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn"} | {
-    *("pydantic", "pint", "pyvista", "vtkmodules", "jinja2", "plotly", "matplotlib"),
+    *("pydantic", "pint", "pyvista", "vtkmodules", "jinja2", "plotly", "matplotlib", "pandas"),
 }
 
 
@@ -129,6 +132,9 @@ def test_every_door_is_used(library: str) -> None:
         ("fem/model.py", "import importlib\nimportlib.import_module('rod')", "fem has no use for it"),
         ("pipeline/store/store.py", "import pyvista", "its door is pipeline/pictures.py"),
         ("pipeline/store/store.py", "import requests", "pipeline has no use for it"),
+        ("pipeline/report/page.py", "import pandas", "pipeline has no use for it"),
+        ("pipeline/cli.py", "def f():\n    from pneurod import Results", "pipeline must not know pneurod"),
+        ("fem/model.py", "import pneurod", "fem must not know pneurod"),
     ],
 )
 def test_the_guard_bites(module: str, source: str, because: str) -> None:
@@ -142,6 +148,7 @@ def test_the_guard_bites(module: str, source: str, because: str) -> None:
         ("fem/kernels/element.py", "from numba import njit"),
         ("fem/model.py", "from geometry import Mesh\nfrom fem.path.newton import solve\nimport numpy.typing"),
         ("rod/mechanics/equilibrium.py", "from ..law import FiveParameters\nfrom . import profile\nfrom .. import law"),
+        ("pneurod/tables.py", "import pandas as pd\nimport fem\nfrom pipeline.errors import InputError"),
         ("pipeline/run.py", "import fem\nimport rod\nimport geometry\nfrom pathlib import Path"),
     ],
 )

@@ -1,0 +1,103 @@
+"""pneurod in Python: from the drawing of a pneumatic soft actuator to its rod model.
+
+    import pneurod
+
+    results = pneurod.characterize("configs/pneunet.yaml", out="results/pneunet", progress=True)
+    results = pneurod.read_results("results/pneunet")   # the same value, from the files of a finished run
+    results.parameters                                  # a pandas frame, units in the column names
+    rod = results.rod(pressure_kPa=31.0)                # a pneurod.Rod
+    shape = rod.solve(force=(0.0, 0.05))                # equilibrium under an end force in N, in milliseconds
+
+Units everywhere: mm, N, MPa, tonne/mm3, rad; pressures of a run in kPa. The four rooms are here under their own names,
+`pneurod.geometry`, `pneurod.fem`, `pneurod.rod` and `pneurod.pipeline`; they are the modules `geometry`, `fem`, `rod`
+and `pipeline` themselves, so `pneurod.fem.Pressure` is `fem.Pressure`.
+
+Everything is imported when it is first used: `import pneurod` alone loads none of the numerical libraries.
+"""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import fem
+    import geometry
+    import pipeline
+    import rod
+    from pipeline.errors import InputError, RunFailed
+    from pneurod.characterization import characterize
+    from pneurod.reading import read_results
+    from pneurod.results import PressureSlopes, Results, RunRecord
+    from rod import FiveParameters, Interval, Rod, RodError, RodSolution
+
+__all__ = [
+    "FiveParameters",
+    "InputError",
+    "Interval",
+    "PressureSlopes",
+    "Results",
+    "Rod",
+    "RodError",
+    "RodSolution",
+    "RunFailed",
+    "RunRecord",
+    "characterize",
+    "fem",
+    "geometry",
+    "pipeline",
+    "read_results",
+    "rod",
+]
+
+if not TYPE_CHECKING:  # a type checker reads the imports above and refuses every other name
+
+    def __getattr__(name: str) -> object:
+        """Import a public name when it is first used. Raises AttributeError for any other name."""
+        if name not in __all__:
+            raise AttributeError(f"module 'pneurod' has no attribute {name!r}; it has {', '.join(__all__)}")
+        globals()[name] = value = _imported(name)
+        return value
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+def _imported(name: str) -> object:
+    match name:
+        case "geometry" | "fem" | "rod" | "pipeline":
+            return _room(name)
+        case "InputError" | "RunFailed":
+            from pipeline import errors
+
+            return getattr(errors, name)
+        case "characterize":
+            from pneurod import characterization
+
+            return characterization.characterize
+        case "read_results":
+            from pneurod import reading
+
+            return reading.read_results
+        case "PressureSlopes" | "Results" | "RunRecord":
+            from pneurod import results
+
+            return getattr(results, name)
+    return getattr(_room("rod"), name)
+
+
+def _room(name: str) -> object:
+    match name:
+        case "geometry":
+            import geometry
+
+            return geometry
+        case "fem":
+            import fem
+
+            return fem
+        case "pipeline":
+            import pipeline
+
+            return pipeline
+    import rod
+
+    return rod

@@ -1,0 +1,150 @@
+"""What a run leaves, as frozen values: pandas frames whose columns carry units, and the record of the run."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pipeline.errors import InputError
+from rod import FiveParameters, Interval, PressurisedRod, Rod, RodError
+
+
+@dataclass(frozen=True)
+class RunRecord:
+    """With what a run was made, and how long it took (run.json).
+
+    Where a run was stopped before its report, only `config` and `config_hash` are there: the texts are empty, the
+    mappings too, and `finished` is false.
+    """
+
+    config: Mapping[str, object] = field(repr=False)  #: the whole configuration in mm, MPa, tonne/mm3 and kPa
+    config_hash: str = field(repr=False)  #: sha256 of `config`
+    version: str  #: of pneurod
+    commit: str | None  #: of the sources, "+" at its end where files differ from it; None outside a clone
+    python: str  #: version
+    packages: Mapping[str, str | None] = field(repr=False)  #: distribution -> version
+    machine: Mapping[str, object] = field(repr=False)  #: system, processor, cores, memory_GB
+    seconds: Mapping[str, float] = field(repr=False)  #: stage -> wall time, s
+    #: part of the solver -> time summed over the experiments, s
+    solver_seconds: Mapping[str, float] = field(repr=False)
+    factorizations: Mapping[str, int] = field(repr=False)  #: experiment -> count
+    degrees_of_freedom: Mapping[str, int] = field(repr=False)  #: experiment -> count
+    solver: tuple[str, ...]  #: linear solvers that were used
+    stress_error: float  #: largest error indicator of all states, relative in energy; NaN where there is none
+    #: what a requested accuracy led to; empty where none was requested
+    accuracy: Mapping[str, object] = field(repr=False)
+    failure: str  #: why the run could not reach everything, one sentence; empty where it did
+
+    @property
+    def finished(self) -> bool:
+        """Whether the run came to its report; it may have a `failure` even so."""
+        return bool(self.version)
+
+    @property
+    def name(self) -> str:
+        """The name that the configuration gives the design."""
+        return str(self.config.get("name", ""))
+
+
+@dataclass(frozen=True)
+class PressureSlopes:
+    """beta = d alpha / d p over the range in which the law is linear in the pressure; NaN below two pressures."""
+
+    beta1_N_mm2_per_kPa: float
+    beta1_N_mm2_per_kPa_std: float
+    beta2_N_mm2_per_kPa: float
+    beta2_N_mm2_per_kPa_std: float
+    linear_range_kPa: tuple[float, float]  #: (NaN, NaN) where there is none: beta is then over all pressures
+    tested: bool  #: there are more than two pressures in the range; a line always goes through two
+
+
+@dataclass(frozen=True)
+class Results:
+    """Every result of `pneurod run`.
+
+    A frame of something that the run did not reach has no rows, and still its main columns. Units are in the column
+    names (N, mm, rad, kPa; `kappa_per_mm`); NaN where a number does not exist. Frames belong to the caller: changing
+    one changes no file.
+    """
+
+    directory: Path
+    run: RunRecord
+    length_mm: float  #: rest length of the material curve; NaN where the identification was not reached
+    mass_g: float  #: of the solid; NaN as above
+    slopes: PressureSlopes
+    #: one row per pressure: alpha1, alpha2, m01, m02, d, each with _std and the ends of its 95 % interval, and how well
+    #: two lines and a single line describe the data
+    parameters: pd.DataFrame = field(repr=False)
+    extensible: pd.DataFrame = field(repr=False)  #: the same of the rod whose curve stretches, with its eccentricity
+    estimators: pd.DataFrame = field(repr=False)  #: the five parameters by every estimator, one row each and pressure
+    kappa_0: pd.DataFrame = field(repr=False)  #: pressure_kPa, s_mm, kappa_0_per_mm, rest_stretch: the rod's profile
+    kappa_0_cells: pd.DataFrame = field(repr=False)  #: the same averaged over one cell of the arm
+    linearity: pd.DataFrame = field(repr=False)  #: quantities over the pressure against their straight lines
+    break_profile: pd.DataFrame = field(repr=False)  #: pressure_kPa, d_mm, rms_per_mm: residual over the position of d
+    dimensionless: pd.DataFrame = field(repr=False)  #: M/(m g l) over (kappa - kappa_0) l by pressure
+    experiments: pd.DataFrame = field(repr=False)  #: one row per experiment (I, II, III) and pressure
+    curves: pd.DataFrame = field(repr=False)  #: material curve of every experiment and pressure, the rod's beside it
+    validation: pd.DataFrame = field(repr=False)  #: rod against finite elements, one row per load and pressure
+    validation_curves: pd.DataFrame = field(repr=False)  #: as `curves`, for the loads that nothing was fitted to
+    laws: pd.DataFrame = field(repr=False)  #: simpler and richer laws compared; no rows without validation loads
+    effects: pd.DataFrame = field(repr=False)  #: which effects were simulated, and why
+    rods: tuple[PressurisedRod, ...] = field(repr=False)  #: inextensible and extensible rod over the pressure, or none
+    pictures: Mapping[str, Path] = field(repr=False)  #: name (body, II_17kPa) -> PNG file
+
+    @property
+    def pressures_kPa(self) -> tuple[float, ...]:
+        """The pressures that have five parameters, ascending."""
+        return tuple(self.parameters["pressure_kPa"].tolist())
+
+    @property
+    def report(self) -> Path:
+        """The page with everything in words, pictures and plots; it exists once the run has `finished`."""
+        return self.directory / "report.html"
+
+    def law(self, pressure_kPa: float) -> FiveParameters:
+        """The five parameters at an identified pressure. Raises InputError for another one."""
+        row = self._row(pressure_kPa)
+        return FiveParameters(*(float(row[name]) for name in COLUMNS))
+
+    def interval(self, name: str, pressure_kPa: float) -> Interval:
+        """alpha1, alpha2 (N mm2), m01, m02 (N mm) or d (mm) with its standard deviation and 95 % interval.
+
+        Raises InputError for a pressure that was not identified or a name that is none of these.
+        """
+        if name not in PARAMETERS:
+            raise InputError(f"{name!r} is no parameter of the rod; allowed: {', '.join(PARAMETERS)}")
+        row, column = self._row(pressure_kPa), PARAMETERS[name]
+        return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
+
+    def rod(self, pressure_kPa: float, *, extensible: bool = False, extrapolate: bool = False) -> Rod:
+        """The rod at a pressure, clamped as the material curve begins; between identified ones by straight lines.
+
+        extensible: the rod whose curve stretches. Raises InputError where nothing was identified, and outside the
+        identified pressures unless `extrapolate` is given.
+        """
+        if not self.rods:
+            raise self._nothing_identified()
+        try:
+            return self.rods[1 if extensible else 0].at(pressure_kPa, extrapolate=extrapolate)
+        except RodError as failure:
+            raise InputError(f"{failure} Give extrapolate=True to go beyond it.") from None
+
+    def _row(self, pressure_kPa: float) -> "pd.Series":
+        if not len(self.parameters):
+            raise self._nothing_identified()
+        same = np.isclose(self.parameters["pressure_kPa"], pressure_kPa, rtol=1e-9, atol=0.0)
+        if not same.any():
+            pressures = ", ".join(f"{pressure:g}" for pressure in self.pressures_kPa)
+            raise InputError(f"there are no parameters at {pressure_kPa:g} kPa; identified are {pressures} kPa")
+        return self.parameters[same].iloc[0]
+
+    def _nothing_identified(self) -> InputError:
+        reason = self.run.failure or "the run has not come to the identification"
+        return InputError(f"{self.directory}: holds no parameters of a rod: {reason}")
+
+
+#: the five parameters -> their columns
+PARAMETERS = {"alpha1": "alpha1_N_mm2", "alpha2": "alpha2_N_mm2", "m01": "m01_N_mm", "m02": "m02_N_mm", "d": "d_mm"}
+COLUMNS = tuple(PARAMETERS.values())
