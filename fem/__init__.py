@@ -1,73 +1,26 @@
-"""What the body does: hyperelastic finite elements under follower pressure and contact."""
+"""What the body does: hyperelastic finite elements under follower pressure and contact.
 
-from fem.archive import step_from_arrays, step_to_arrays
-from fem.discretisation import Discretisation
-from fem.effects.barrier import OVERLAP
-from fem.effects.contact import ACTIVATION, ContactError, SelfContact
-from fem.effects.effect import Effect
-from fem.effects.loads import Gravity, LineForce, Pressure
-from fem.effects.membrane import LayerError, StrainLimitingLayer
-from fem.equations.linear import available_solver
-from fem.experiments import Experiment
-from fem.materials.hencky import Hencky
-from fem.materials.material import Material, MaterialError, StVenantKirchhoff
-from fem.materials.rubber import MooneyRivlin, NeoHooke, Yeoh
-from fem.materials.uniaxial import Uniaxial, uniaxial, uniaxial_terms
-from fem.model import Model
-from fem.path.loadpath import PathOptions, follow, follow_volume
-from fem.path.newton import NewtonOptions
-from fem.post.extremes import beyond_the_law, in_words
-from fem.post.fields import element_fields
-from fem.post.recovery import StressError, stress_error
-from fem.post.self_intersection import crossing
-from fem.solution import End, NotConverged, Seconds, Solution, Step
-from fem.supports import Fixed, Prescribed, SupportError
-from fem.warm_up import compile_kernels
+The names of `fem.public` are loaded when the first of them is used. So a configuration, which needs no more than
+`fem.materials` and `fem.elements`, is read without numba, scipy and scikit-fem.
+"""
 
-__all__ = [
-    "ACTIVATION",
-    "OVERLAP",
-    "ContactError",
-    "Discretisation",
-    "Effect",
-    "End",
-    "Experiment",
-    "Fixed",
-    "Gravity",
-    "Hencky",
-    "LayerError",
-    "LineForce",
-    "Material",
-    "MaterialError",
-    "Model",
-    "MooneyRivlin",
-    "NeoHooke",
-    "NewtonOptions",
-    "NotConverged",
-    "PathOptions",
-    "Prescribed",
-    "Pressure",
-    "Seconds",
-    "SelfContact",
-    "Solution",
-    "StVenantKirchhoff",
-    "Step",
-    "StrainLimitingLayer",
-    "StressError",
-    "SupportError",
-    "Uniaxial",
-    "Yeoh",
-    "available_solver",
-    "beyond_the_law",
-    "compile_kernels",
-    "crossing",
-    "element_fields",
-    "follow",
-    "follow_volume",
-    "in_words",
-    "step_from_arrays",
-    "step_to_arrays",
-    "stress_error",
-    "uniaxial",
-    "uniaxial_terms",
-]
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from fem.public import *  # noqa: F403  type checkers find the names where they are defined
+else:
+
+    def __getattr__(name: str) -> Any:
+        """The name of `fem.public`; raises AttributeError where there is none."""
+        if not name.startswith("_"):
+            import fem.public as public
+
+            if name in public.__all__:
+                return getattr(public, name)
+        raise AttributeError(f"module 'fem' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    import fem.public as public
+
+    return public.__all__

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fem.effects.loads import Pressure
-from fem.materials.material import StVenantKirchhoff
+from fem.materials import StVenantKirchhoff
 from fem.model import Model
 from fem.path.loadpath import follow
 from fem.post.recovery import stress_error

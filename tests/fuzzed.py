@@ -9,8 +9,9 @@ from typing import Any
 import yaml
 from hypothesis import strategies as st
 
+from fem.materials import LAWS
 from geometry import FAMILIES, GRADINGS
-from pipeline.config.schema import EFFECTS, FORMULATIONS, LAWS
+from pipeline.config.schema import EFFECTS, FORMULATIONS
 
 #: a drawing and a mesh that stand beside the configuration, and files that are not what their names say
 SOUND_FILES = ("finger.step", "ready.msh")
@@ -219,7 +220,7 @@ def document(draw: st.DrawFn) -> dict[str, Any]:
         "material": {
             "law": law,
             "density": draw(quantity(1130.0, "kg/m^3")),
-            **{name: draw(usual.get(name, stress)) for name in LAWS[law][1]},
+            **{name: draw(usual.get(name, stress)) for name in LAWS[law].constants()},
         },
         "mesh": {"size": "auto" if draw(seldom(20)) else draw(quantity(6.0, "mm")), **draw(of_the_mesh())},
     }

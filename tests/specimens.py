@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fem import Yeoh, uniaxial_terms
+from fem import Yeoh
 from pipeline.material.tensile import TensileTest
 
 #: the example that is shipped: C10, C20 of Elastosil M4601 in MPa, 0 to 700 % in steps of 2.5 %, five specimens
@@ -28,7 +28,7 @@ def drawn(
 ) -> tuple[TensileTest, ...]:
     """`count` specimens, strains 0 to `top` in steps of `step`."""
     strain = np.round(np.arange(0.0, top + step / 2, step), 6)
-    exact = sum(CONSTANTS[name] * term for name, term in uniaxial_terms(Yeoh, 1 + strain).items())
+    exact = sum(CONSTANTS[name] * term for name, term in Yeoh.uniaxial_terms(1 + strain).items())
     tests = []
     for k in range(count):
         stiffness = 1 + between * random.standard_normal()

@@ -5,6 +5,7 @@ import pytest
 from bodies import box, difference
 from laws import LAWS
 
+import fem
 from fem import (
     Fixed,
     Gravity,
@@ -19,6 +20,7 @@ from fem import (
     Yeoh,
     follow,
 )
+from fem.materials import Constant
 from fem.materials.hencky import divided_difference
 from fem.materials.rubber import stable_range
 from fem.materials.tensors import COLUMN, ROW, CauchyGreen, voigt
@@ -46,6 +48,32 @@ SPECIAL = np.array(
         [0.1, 0.102, 0.1, 1e-3, 2e-3, 0.0],
     ]
 )[:, None, :]
+
+
+def test_every_law_of_the_configuration_is_tested_here() -> None:
+    assert {name: type(law) for name, law in LAWS.items()} == fem.materials.LAWS
+
+
+def test_the_kinds_of_constants_are_those_of_the_fields() -> None:
+    assert MooneyRivlin.constants() == {
+        "c10": Constant.STRESS,
+        "c01": Constant.STRESS,
+        "kappa": Constant.POSITIVE_STRESS,
+    }
+    assert Hencky.constants() == {"E": Constant.POSITIVE_STRESS, "nu": Constant.POISSON_RATIO}
+    assert [constant.unit for constant in Constant] == [" MPa", " MPa", ""]
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_law_from_a_tensile_test_has_the_given_poisson_ratio(name: str) -> None:
+    law = LAWS[name]
+    constants = {constant: getattr(law, constant) for constant in law.uniaxial_terms(np.ones(1))}
+    other = type(law).from_uniaxial(constants, 0.4)
+    assert other.poisson_ratio == pytest.approx(0.4)
+    assert {constant: getattr(other, constant) for constant in constants} == constants
+    rest = np.zeros((1, 1, 6))
+    tangent = np.reshape(other.shear(rest).tangent + other.volumetric(rest).tangent, (6, 6))
+    assert tangent[0, 1] / (tangent[0, 0] + tangent[0, 1]) == pytest.approx(0.4)  # lambda / (2 lambda + 2 mu)
 
 
 @pytest.mark.parametrize("strain", [strains(0.01), strains(0.2), SPECIAL], ids=["small", "large", "special"])

@@ -11,8 +11,6 @@ from fem import (
     NeoHooke,
     StVenantKirchhoff,
     Yeoh,
-    uniaxial,
-    uniaxial_terms,
 )
 from geometry.arrays import Array
 
@@ -37,7 +35,7 @@ def energy(law: Material, along: Array, across: Array) -> Array:
 @pytest.mark.parametrize("name", LAWS)
 def test_force_and_sides_follow_from_the_energy(name: str) -> None:
     law = LAWS[name]
-    bar = uniaxial(law, STRETCHES)
+    bar = law.uniaxial(STRETCHES)
     one = np.ones_like(STRETCHES)
     force = difference(lambda s: energy(law, s, bar.lateral), bar.stretch, one, 1e-3)
     sides = difference(lambda t: energy(law, bar.stretch, t), bar.lateral, one, 1e-3)
@@ -47,7 +45,7 @@ def test_force_and_sides_follow_from_the_energy(name: str) -> None:
 
 
 def test_numbers_of_saint_venant_kirchhoff() -> None:
-    bar = uniaxial(LAWS["svk"], np.array([1.2, 0.8]))
+    bar = LAWS["svk"].uniaxial(np.array([1.2, 0.8]))
     np.testing.assert_allclose(bar.nominal / 1.2, [0.2640, -0.1440], atol=1e-12)
     np.testing.assert_allclose(bar.lateral, [0.884421, 1.085449], atol=1e-6)
 
@@ -55,32 +53,27 @@ def test_numbers_of_saint_venant_kirchhoff() -> None:
 @pytest.mark.parametrize("name", LAWS)
 def test_terms_times_constants_are_the_force_of_the_incompressible_bar(name: str) -> None:
     law = LAWS[name]
-    constants = {constant: getattr(law, constant) for constant in uniaxial_terms(type(law), STRETCHES)}
+    constants = {constant: getattr(law, constant) for constant in law.uniaxial_terms(STRETCHES)}
     stiff = type(law)(**constants, **({"nu": law.nu} if hasattr(law, "nu") else {"kappa": 1e8}))
-    terms = uniaxial_terms(type(law), STRETCHES)
+    terms = law.uniaxial_terms(STRETCHES)
     total = sum(constant * terms[key] for key, constant in constants.items())
-    np.testing.assert_allclose(uniaxial(stiff, STRETCHES).nominal, total, rtol=1e-6, atol=1e-15)
+    np.testing.assert_allclose(stiff.uniaxial(STRETCHES).nominal, total, rtol=1e-6, atol=1e-15)
 
 
 def test_compressibility_softens_a_bar_of_rubber() -> None:
     """The error of the incompressible form is of the order of Kirchhoff stress over bulk modulus."""
-    stiff, soft = (uniaxial(Yeoh(0.11, 0.02, 0.0, kappa), np.array([2.0])).nominal[0] for kappa in (220.0, 22.0))
-    exact = float(sum(c * uniaxial_terms(Yeoh, np.array([2.0]))[k][0] for k, c in (("c10", 0.11), ("c20", 0.02))))
+    stiff, soft = (Yeoh(0.11, 0.02, 0.0, kappa).uniaxial(np.array([2.0])).nominal[0] for kappa in (220.0, 22.0))
+    exact = float(sum(c * Yeoh.uniaxial_terms(np.array([2.0]))[k][0] for k, c in (("c10", 0.11), ("c20", 0.02))))
     assert soft < stiff < exact
     assert (exact - soft) / (exact - stiff) == pytest.approx(10.0, rel=0.2)
 
 
 def test_where_no_bar_can_be() -> None:
     limit = np.sqrt(1 + 1 / 0.495)
-    bar = uniaxial(LAWS["svk"], np.array([limit - 1e-6, limit + 1e-6]))
+    bar = LAWS["svk"].uniaxial(np.array([limit - 1e-6, limit + 1e-6]))
     assert np.isfinite(bar.nominal).tolist() == np.isfinite(bar.lateral).tolist() == [True, False]
     assert 0 < bar.J[0] < 1e-4
-    pressed = uniaxial(NeoHooke(0.4, 3.0), np.array([0.3, 0.05]))  # J (J - 1) has no value below -1/4
+    pressed = NeoHooke(0.4, 3.0).uniaxial(np.array([0.3, 0.05]))  # J (J - 1) has no value below -1/4
     assert np.isfinite(pressed.nominal).tolist() == [True, False]
-    falling = uniaxial(Yeoh(0.11, -0.02, 0.0, 40.0), np.array([1.2, 4.0]))
+    falling = Yeoh(0.11, -0.02, 0.0, 40.0).uniaxial(np.array([1.2, 4.0]))
     assert np.isfinite(falling.nominal).tolist() == [True, False]
-
-
-def test_a_law_without_a_closed_form_is_named() -> None:
-    with pytest.raises(TypeError, match="Material has no closed form here"):
-        uniaxial_terms(Material, STRETCHES)

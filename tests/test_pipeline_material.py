@@ -11,10 +11,10 @@ from specimens import CONSTANTS, NOISE, SEED, drawn, example
 from typer.testing import CliRunner, Result
 
 import fem
+from fem.materials import LAWS
 from geometry.arrays import Array
 from pipeline.cli import app
 from pipeline.config.config import load_config
-from pipeline.config.schema import LAWS
 from pipeline.errors import InputError
 from pipeline.material.fits import ALL, WIDEST, FitOptions, Fits, fit_laws
 from pipeline.material.law_fit import LawFit, Refused, fit_all, fit_widest
@@ -38,13 +38,13 @@ def shipped() -> Fits:
 
 def made_of(law: fem.Material, stretch: Array) -> TensileTest:
     """An exact test of the law as it is fitted: rubber incompressible."""
-    terms = fem.uniaxial_terms(type(law), stretch)
+    terms = law.uniaxial_terms(stretch)
     return TensileTest("exact", stretch, np.sum([getattr(law, name) * term for name, term in terms.items()], axis=0))
 
 
 def truth(stretch: Array) -> Array:
     """Nominal stress that the example is drawn from, MPa."""
-    return np.asarray(sum(CONSTANTS[name] * term for name, term in fem.uniaxial_terms(fem.Yeoh, stretch).items()))
+    return np.asarray(sum(CONSTANTS[name] * term for name, term in fem.Yeoh.uniaxial_terms(stretch).items()))
 
 
 def test_the_shipped_example_is_what_specimens_py_draws(configs: Path) -> None:
@@ -91,7 +91,7 @@ def test_errors_from_scatter_are_those_of_repeated_draws() -> None:
     scores = []
     for _ in range(400):
         [test] = drawn(random, top=1.5, count=1, between=0.0)
-        matrix = np.column_stack(list(fem.uniaxial_terms(fem.Yeoh, test.stretch).values()))
+        matrix = np.column_stack(list(fem.Yeoh.uniaxial_terms(test.stretch).values()))
         regression = regress(matrix, test.stress, np.zeros(len(test.stress), dtype=np.int64))
         assert not regression.by_tests
         assert regression.rms == pytest.approx(NOISE, rel=0.4)
@@ -108,7 +108,7 @@ def test_errors_from_tests_are_those_of_repeated_draws() -> None:
         stretch = np.concatenate([test.stretch for test in tests])
         stress = np.concatenate([test.stress for test in tests])
         group = np.repeat(np.arange(len(tests)), [len(test.stress) for test in tests])
-        matrix = np.column_stack(list(fem.uniaxial_terms(fem.Yeoh, stretch).values()))[:, :2]
+        matrix = np.column_stack(list(fem.Yeoh.uniaxial_terms(stretch).values()))[:, :2]
         regression = regress(matrix, stress, group)
         assert regression.by_tests
         numbers.append(regression.coefficients)
@@ -196,7 +196,7 @@ def test_the_true_law_is_not_rejected_and_wrong_laws_end_at_the_tolerance() -> N
             wrong = fit_widest(law, curve, 0.4999, TOLERANCE)
             if isinstance(wrong, LawFit) and wrong.valid_range:
                 last = np.array([wrong.valid_range[1]])
-                errors.append(abs(float((fem.uniaxial(wrong.solved, last).nominal / truth(last))[0]) - 1))
+                errors.append(abs(float((wrong.solved.uniaxial(last).nominal / truth(last))[0]) - 1))
     assert len(errors) > 25
     assert TOLERANCE - 0.02 < np.median(errors) < TOLERANCE + 0.03
     assert np.quantile(errors, 0.9) < 2 * TOLERANCE
@@ -222,7 +222,7 @@ def test_a_valid_range_ends_where_the_error_reaches_the_tolerance(law: str) -> N
     assert isinstance(fit, LawFit)
     assert fit.valid_range
     stretch = np.concatenate([np.geomspace(1.001, fit.valid_range[1], 200), [fit.valid_range[1] * 1.02]])
-    error = np.abs(fem.uniaxial(fit.solved, stretch).nominal / truth(stretch) - 1)
+    error = np.abs(fit.solved.uniaxial(stretch).nominal / truth(stretch) - 1)
     assert error[:-1].max() < TOLERANCE + 0.012
     assert error[-1] > TOLERANCE
 
@@ -287,10 +287,10 @@ def test_yaml_blocks_are_read_back_as_a_material(shipped: Fits, configs: Path, t
         path.write_text(arm[:begin] + yaml_block(fit, "1130 kg/m^3") + "\n\n" + arm[end:], encoding="utf-8")
         material = load_config(path).material
         assert material.law == law
-        again = getattr(fem, material.model)(**material.constants)
+        again = material.built()
         np.testing.assert_allclose(
-            fem.uniaxial(again, shipped.curve.nodes).nominal,
-            fem.uniaxial(fit.solved, shipped.curve.nodes).nominal,
+            again.uniaxial(shipped.curve.nodes).nominal,
+            fit.solved.uniaxial(shipped.curve.nodes).nominal,
             rtol=1e-4,
         )
 

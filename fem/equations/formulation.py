@@ -198,12 +198,12 @@ class Mixed(Formulation):
         modulus = self.material.volumetric_modulus
         return LawValues(
             shear.energy + pressures * (theta.value - 0.5 * pressures / modulus),
-            shear.stress + pressures[..., None] * theta.slope,
-            np.ascontiguousarray(shear.tangent + pressures[..., None, None] * theta.bend)
-            if theta.bend.any()
+            shear.stress + pressures[..., None] * theta.gradient,
+            np.ascontiguousarray(shear.tangent + pressures[..., None, None] * theta.hessian)
+            if theta.hessian.any()
             else shear.tangent,
             theta.value,
-            np.ascontiguousarray(theta.slope),
+            np.ascontiguousarray(theta.gradient),
         )
 
     def pressure_of(self, strain: Array) -> Array:

@@ -5,8 +5,8 @@ from typing import final
 
 import numpy as np
 
-from fem.materials.material import Dilatation, Response, TwoModuli, quadratic
-from fem.materials.tensors import FLAT, CauchyGreen, voigt
+from fem.materials.material import Dilatation, Response, TwoModuli, Uniaxial, quadratic
+from fem.materials.tensors import MIN_DETERMINANT, CauchyGreen, voigt
 from geometry.arrays import Array
 
 #: eigenvalues of C closer than this are treated as one in divided differences (error 1e-13 there)
@@ -23,6 +23,16 @@ class Hencky(TwoModuli):
     which has a maximum at stretch e. What commercial codes do with a linear elastic material in large displacements.
     """
 
+    title = "Hencky"
+
+    @classmethod
+    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
+        return {"E": np.log(stretch) / stretch}
+
+    def uniaxial(self, stretch: Array) -> Uniaxial:
+        """t = s^-nu, P = E ln(s) / s."""
+        return Uniaxial.of(stretch, stretch**-self.nu, self.E * self.uniaxial_terms(stretch)["E"])
+
     @property
     def stretch_limits(self) -> tuple[float, float]:
         return 0.0, float(np.e)
@@ -30,7 +40,7 @@ class Hencky(TwoModuli):
     def shear(self, strain: Array) -> Response:
         mu = self.lame[1]
         value, axes = np.linalg.eigh(CauchyGreen.of(strain).tensor)
-        value = np.maximum(value, FLAT)
+        value = np.maximum(value, MIN_DETERMINANT)
         log = np.log(value)
         principal = mu * log / value
         # S = sum_a S_a N_a N_a^T; dS follows from the principal stresses and their divided differences (Ogden 1984)
@@ -38,10 +48,10 @@ class Hencky(TwoModuli):
         mixed = np.stack(
             [voigt(outer3(axes[..., a], axes[..., b]) + outer3(axes[..., b], axes[..., a])) for a, b in PAIRS], axis=-2
         )
-        own = 2 * mu * (1 - log) / value**2
-        turn = np.stack([mu * divided_difference(value[..., a], value[..., b]) for a, b in PAIRS], axis=-1)
+        diagonal = 2 * mu * (1 - log) / value**2
+        rotation = np.stack([mu * divided_difference(value[..., a], value[..., b]) for a, b in PAIRS], axis=-1)
         basis = np.concatenate([normal, mixed], axis=-2)
-        weight = np.concatenate([own, turn], axis=-1)
+        weight = np.concatenate([diagonal, rotation], axis=-1)
         return Response(
             0.25 * mu * np.sum(log**2, axis=-1),
             np.einsum("...a,...av->...v", principal, normal),
@@ -53,7 +63,7 @@ class Hencky(TwoModuli):
 
     def dilatation(self, strain: Array) -> Dilatation:
         c = CauchyGreen.of(strain)
-        return Dilatation(0.5 * np.log(c.determinant), c.inverse, -2 * c.inverse_slope)
+        return Dilatation(0.5 * np.log(c.determinant), c.inverse, -2 * c.inverse_derivative)
 
 
 def outer3(first: Array, second: Array) -> Array:
@@ -63,11 +73,11 @@ def outer3(first: Array, second: Array) -> Array:
 
 def divided_difference(first: Array, second: Array) -> Array:
     """(f(x) - f(y)) / (x - y) of f(x) = ln(x) / x; by its Taylor series where x and y are close."""
-    gap = first - second
-    close = np.abs(gap) < CLOSE * (first + second)
-    apart = np.where(close, 1.0, gap)
+    difference = first - second
+    close = np.abs(difference) < CLOSE * (first + second)
+    divisor = np.where(close, 1.0, difference)
     middle = 0.5 * (first + second)
     log = np.log(middle)
-    slope, third = (1 - log) / middle**2, (11 - 6 * log) / middle**4
-    far = (np.log(first) / first - np.log(second) / second) / apart
-    return np.where(close, slope + third * gap**2 / 24, far)
+    derivative, third_derivative = (1 - log) / middle**2, (11 - 6 * log) / middle**4
+    quotient = (np.log(first) / first - np.log(second) / second) / divisor
+    return np.where(close, derivative + third_derivative * difference**2 / 24, quotient)

@@ -1,13 +1,18 @@
-"""Hyperelastic laws: energy per reference volume, second Piola-Kirchhoff stress and its tangent.
+"""What every hyperelastic law gives: energy per reference volume, second Piola-Kirchhoff stress and its tangent.
 
 Every law is a sum of a *shear* and a *volumetric* part, because near incompressibility the two are integrated by
-different rules (`fem.discretisation`). Both parts take the Green-Lagrange strain in Voigt notation (11, 22, 33, 12,
+different rules (`fem.elements`). Both parts take the Green-Lagrange strain in Voigt notation (11, 22, 33, 12,
 23, 13 with engineering shear, the factor 2) and return stress in the same order (no factor).
+
+A law is a frozen dataclass of a module of its own. Its fields are its constants, each annotated with its kind. Together
+with an entry in `fem.materials.LAWS` that is all a new law needs.
 """
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import final
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from enum import Enum
+from typing import Annotated, ClassVar, Self, get_type_hints
 
 import numpy as np
 
@@ -18,9 +23,27 @@ class MaterialError(ValueError):
     """A material constant outside what the law allows; the sentence says what is allowed."""
 
 
+class Constant(Enum):
+    """The kinds of constants that laws have."""
+
+    STRESS = "stress, MPa"
+    POSITIVE_STRESS = "stress above zero, MPa"
+    POISSON_RATIO = "Poisson's ratio, dimensionless"
+
+    @property
+    def unit(self) -> str:
+        """As it follows a number in a configuration; empty for a dimensionless constant."""
+        return "" if self is Constant.POISSON_RATIO else " MPa"
+
+
+Stress = Annotated[float, Constant.STRESS]
+PositiveStress = Annotated[float, Constant.POSITIVE_STRESS]
+PoissonRatio = Annotated[float, Constant.POISSON_RATIO]
+
+
 @dataclass(frozen=True)
 class Response:
-    """What a law answers at n points."""
+    """Energy and its first two derivatives by the strain at any number of points."""
 
     energy: Array  #: (...,), MPa = N mm / mm3
     stress: Array  #: (..., 6), second Piola-Kirchhoff, MPa
@@ -32,12 +55,63 @@ class Dilatation:
     """The measure theta of the volume change in which a volumetric energy is m/2 theta^2."""
 
     value: Array  #: (...,)
-    slope: Array  #: (..., 6) d theta / d E; (1, ..., 1, 6) where it is the same everywhere
-    bend: Array  #: (..., 6, 6) its second derivative; (1, ..., 1, 6, 6) where it is the same everywhere
+    gradient: Array  #: (..., 6) d theta / d E; (1, ..., 1, 6) where it is the same everywhere
+    hessian: Array  #: (..., 6, 6) its second derivative; (1, ..., 1, 6, 6) where it is the same everywhere
 
 
+@dataclass(frozen=True)
+class Uniaxial:
+    """A bar pulled or compressed along its axis with its sides free, at n stretches; NaN where no such bar exists.
+
+    With the stretch s along the axis and t across it, the sides being free of stress, dW/dt = 0 and P = dW/ds.
+    """
+
+    stretch: Array  #: (n,) along the axis
+    lateral: Array  #: (n,) stretch across it
+    nominal: Array  #: (n,) MPa, force over area at rest
+
+    @classmethod
+    def of(cls, stretch: Array, lateral: Array, nominal: Array) -> Self:
+        """The bar whose nominal stress (n,) counts only where its lateral stretch (n,) is finite."""
+        return cls(stretch, lateral, np.where(np.isfinite(lateral), nominal, np.nan))
+
+    @property
+    def J(self) -> Array:
+        """(n,) volume over volume at rest."""
+        return np.asarray(self.stretch * self.lateral**2)
+
+
+@dataclass(frozen=True)
 class Material(ABC):
     """A hyperelastic law as the sum of a shear and a volumetric part, the latter m/2 theta^2."""
+
+    title: ClassVar[str]  #: the law's name in a sentence
+
+    @classmethod
+    def constants(cls) -> dict[str, Constant]:
+        """The kind of each constant, by name in the order of the arguments."""
+        kinds = get_type_hints(cls, include_extras=True)
+        return {field.name: kinds[field.name].__metadata__[0] for field in fields(cls)}
+
+    @classmethod
+    @abstractmethod
+    def from_uniaxial(cls, constants: Mapping[str, float], nu: float) -> Self:
+        """The law with the constants (MPa) that a tensile test determines, and the Poisson ratio nu at small strain.
+
+        Raises `MaterialError`.
+        """
+
+    @classmethod
+    @abstractmethod
+    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
+        """The nominal stress at stretches (n,) is the sum of these terms (n,), each times its constant.
+
+        Rubber-like laws are incompressible here, because a tensile test does not determine kappa.
+        """
+
+    @abstractmethod
+    def uniaxial(self, stretch: Array) -> Uniaxial:
+        """The bar at stretches (n,), above 0, in closed form, with the law's own Poisson ratio or kappa."""
 
     @abstractmethod
     def shear(self, strain: Array) -> Response:
@@ -63,6 +137,11 @@ class Material(ABC):
 
     @property
     @abstractmethod
+    def poisson_ratio(self) -> float:
+        """Poisson's ratio at small strain."""
+
+    @property
+    @abstractmethod
     def stretch_limits(self) -> tuple[float, float]:
         """Uniaxial stretches between which the law can be trusted to be stable."""
 
@@ -79,11 +158,15 @@ def check_moduli(E: float, nu: float) -> None:
 class TwoModuli(Material):
     """A law that is given by Young's modulus E in MPa and Poisson's ratio nu. Raises `MaterialError`."""
 
-    E: float
-    nu: float
+    E: PositiveStress
+    nu: PoissonRatio
 
     def __post_init__(self) -> None:
         check_moduli(self.E, self.nu)
+
+    @classmethod
+    def from_uniaxial(cls, constants: Mapping[str, float], nu: float) -> Self:
+        return cls(**constants, nu=nu)
 
     @property
     def lame(self) -> tuple[float, float]:
@@ -99,50 +182,17 @@ class TwoModuli(Material):
     def volumetric_modulus(self) -> float:
         return self.lame[0]
 
-
-@final
-@dataclass(frozen=True)
-class StVenantKirchhoff(TwoModuli):
-    """W = lambda/2 tr(E)^2 + mu E:E, S = lambda tr(E) I + 2 mu E (E the Green-Lagrange strain).
-
-    E in MPa, 0 < E; -1 < nu < 0.5. Raises `MaterialError` outside. The law is not stable at all strains: in uniaxial
-    compression the force has a limit point at stretch 1/sqrt(3), in tension J vanishes at sqrt(1 + 1/nu).
-    """
-
     @property
-    def stretch_limits(self) -> tuple[float, float]:
-        upper = np.sqrt(1 + 1 / self.nu) if self.nu > 0 else np.inf
-        return float(1 / np.sqrt(3)), float(upper)
-
-    def shear(self, strain: Array) -> Response:
-        mu = self.lame[1]
-        stress = 2 * mu * strain
-        stress[..., 3:] *= 0.5
-        energy = 0.5 * np.einsum("...v,...v", stress, strain)
-        tangent = np.diag(mu * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0]))
-        return Response(energy, stress, tangent.reshape((1,) * (strain.ndim - 1) + (6, 6)))
-
-    def volumetric(self, strain: Array) -> Response:
-        lam = self.lame[0]
-        trace = strain[..., :3].sum(axis=-1)
-        stress = np.zeros_like(strain)
-        stress[..., :3] = (lam * trace)[..., None]
-        tangent = np.zeros((6, 6))
-        tangent[:3, :3] = lam
-        return Response(0.5 * lam * trace**2, stress, tangent.reshape((1,) * (strain.ndim - 1) + (6, 6)))
-
-    def dilatation(self, strain: Array) -> Dilatation:
-        flat = (1,) * (strain.ndim - 1)
-        slope = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).reshape((*flat, 6))
-        return Dilatation(strain[..., :3].sum(axis=-1), slope, np.zeros((*flat, 6, 6)))
+    def poisson_ratio(self) -> float:
+        return self.nu
 
 
 def quadratic(modulus: float, theta: Dilatation) -> Response:
     """W = modulus/2 theta^2."""
-    slope = theta.slope
-    square = slope[..., :, None] * slope[..., None, :]
+    gradient = theta.gradient
+    square = gradient[..., :, None] * gradient[..., None, :]
     return Response(
         0.5 * modulus * theta.value**2,
-        modulus * theta.value[..., None] * slope,
-        modulus * (square + theta.value[..., None, None] * theta.bend),
+        modulus * theta.value[..., None] * gradient,
+        modulus * (square + theta.value[..., None, None] * theta.hessian),
     )

@@ -16,8 +16,8 @@ COLUMN = np.array([0, 1, 2, 1, 2, 2])
 IDENTITY = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 #: the identity on symmetric tensors
 SYMMETRIC = np.diag([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
-#: det C is kept from falling below this: Newton's iterates may pass through states that no body can have
-FLAT = 1e-12
+#: lower bound of det C: Newton's iterates may pass through states that no body can have
+MIN_DETERMINANT = 1e-12
 
 
 def voigt(tensor: Array) -> Array:
@@ -52,7 +52,7 @@ class CauchyGreen:
     def determinant(self) -> Array:
         """(...,) det C = J^2."""
         c = self.tensor
-        return np.maximum(np.einsum("...i,...i", c[..., 0, :], np.cross(c[..., 1, :], c[..., 2, :])), FLAT)
+        return np.maximum(np.einsum("...i,...i", c[..., 0, :], np.cross(c[..., 1, :], c[..., 2, :])), MIN_DETERMINANT)
 
     @cached_property
     def inverse_tensor(self) -> Array:
@@ -71,7 +71,7 @@ class CauchyGreen:
         return voigt(self.inverse_tensor)
 
     @cached_property
-    def inverse_slope(self) -> Array:
+    def inverse_derivative(self) -> Array:
         """(..., 6, 6) -d C^-1 / dC."""
         i, j, k, m = ROW[:, None], COLUMN[:, None], ROW[None, :], COLUMN[None, :]
         c = self.inverse_tensor

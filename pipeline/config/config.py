@@ -10,10 +10,13 @@ from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
+import fem.materials
+from fem.materials import LAWS
 from geometry import FAMILIES, CadFile, Design, DesignError, MeshFile
 from geometry.design import check_size
 from pipeline.config.document import Document, read_document
-from pipeline.config.schema import EFFECTS, FULLY_INTEGRATED, LAWS, OWN, checked
+from pipeline.config.schema import EFFECTS, FULLY_INTEGRATED, OWN, checked
+from pipeline.errors import InputError
 
 #: Poisson's ratio from which the volumetric part of the law is integrated by a rule of its own
 NEARLY_INCOMPRESSIBLE = 0.4
@@ -28,9 +31,12 @@ class Material:
     """The law of the solid and its constants."""
 
     law: str  #: as in the YAML: svk
-    model: str  #: the name of the class in `fem`: StVenantKirchhoff
-    constants: Mapping[str, float]  #: its arguments; stresses in MPa
+    constants: Mapping[str, float]  #: stresses in MPa
     density_tonne_mm3: float
+
+    def built(self) -> fem.materials.Material:
+        """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
+        return LAWS[self.law](**self.constants)
 
 
 @dataclass(frozen=True)
@@ -135,7 +141,7 @@ class Config:
         effects = {**self.effects, effect: state}
         if effect != "incompressibility":
             return replace(self, effects=effects)
-        formulation = _formulation(None, state, self.material.constants)
+        formulation = _formulation(None, state, self.material.built().poisson_ratio)
         return replace(self, effects=effects, mesh=replace(self.mesh, formulation=formulation))
 
 
@@ -147,7 +153,8 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
     document = read_document(Path(path), overrides)
     content, family, law = checked(document)
     design, size = _design(document, content, family)
-    constants = {name: getattr(content.material, name) for name in LAWS[law][1]}
+    constants = {name: getattr(content.material, name) for name in LAWS[law].constants()}
+    material = Material(law, constants, content.material.density)
     effects = content.effects
     states = {name: getattr(effects, name).state for name in EFFECTS}
     layer = effects.strain_limiting_layer
@@ -156,12 +163,12 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
         name=content.name,
         family=family,
         design=design,
-        material=Material(law, LAWS[law][0], constants, content.material.density),
+        material=material,
         pressures_kPa=content.pressures,
         end_y_mm=content.end.y,
         added_pressures=content.added_pressures,
         validation=_validation(document, content),
-        mesh=_mesh(content, size, states["incompressibility"], constants),
+        mesh=_mesh(content, size, states["incompressibility"], _poisson_ratio(document, material)),
         newton_tolerance=content.newton.tolerance,
         accuracy=content.accuracy,
         size_is_given=getattr(content.mesh, "size", None) is not None,
@@ -261,21 +268,20 @@ def _check_together(document: Document, content: Any) -> None:
         )
 
 
-def _mesh(content: Any, size: float, state: str, constants: Mapping[str, float]) -> MeshChoice:
+def _mesh(content: Any, size: float, state: str, nu: float) -> MeshChoice:
     """The elements; a ready mesh has no second one and is not graded."""
     return MeshChoice(
         size,
-        _formulation(content.mesh.formulation, state, constants),
+        _formulation(content.mesh.formulation, state, nu),
         getattr(content.mesh, "coarser", None),
         getattr(content.mesh, "grading", "off"),
     )
 
 
-def _formulation(given: str | None, state: str, constants: Mapping[str, float]) -> str:
+def _formulation(given: str | None, state: str, nu: float) -> str:
     """The elements: as given, else by the state of the effect and Poisson's ratio."""
     if given is not None:
         return given
-    nu = poisson_ratio(constants)
     if state == "auto":
         state = "on" if nu >= NEARLY_INCOMPRESSIBLE else "off"
     if state == "off":
@@ -283,12 +289,12 @@ def _formulation(given: str | None, state: str, constants: Mapping[str, float]) 
     return "mixed" if nu >= PRACTICALLY_INCOMPRESSIBLE else "p2p0"
 
 
-def poisson_ratio(constants: Mapping[str, float]) -> float:
-    """Poisson's ratio of a law at small strain; for rubber from its shear and bulk modulus."""
-    if "nu" in constants:
-        return constants["nu"]
-    mu = constants.get("mu", 2 * (constants.get("c10", 0.0) + constants.get("c01", 0.0)))
-    return (3 * constants["kappa"] - 2 * mu) / (2 * (3 * constants["kappa"] + mu))
+def _poisson_ratio(document: Document, material: Material) -> float:
+    """Poisson's ratio of the law at small strain. Raises InputError for constants that it cannot have together."""
+    try:
+        return material.built().poisson_ratio
+    except fem.materials.MaterialError as failure:
+        raise InputError(f"{document.path}: material: {failure}") from None
 
 
 def _dimensions(design: Any) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, get_type_hints
 import pydantic
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
+from fem.materials import LAWS, Constant
 from geometry import FAMILIES, GRADINGS, CadFile, MeshFile
 from pipeline.config.document import Document
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
@@ -151,13 +152,11 @@ CavityPressure = Annotated[tuple[str, float], BeforeValidator(_share_or_pressure
 FORMULATIONS = ("p2p0", "p2", "mixed", "p1")
 #: those that do nothing about incompressibility
 FULLY_INTEGRATED = ("p2", "p1")
-#: law in the YAML -> the class that `fem` offers under that law, and its constants
-LAWS: dict[str, tuple[str, dict[str, Any]]] = {
-    "svk": ("StVenantKirchhoff", {"E": PositiveStress, "nu": PoissonRatio}),
-    "hencky": ("Hencky", {"E": PositiveStress, "nu": PoissonRatio}),
-    "neo_hooke": ("NeoHooke", {"mu": PositiveStress, "kappa": PositiveStress}),
-    "mooney_rivlin": ("MooneyRivlin", {"c10": Stress, "c01": Stress, "kappa": PositiveStress}),
-    "yeoh": ("Yeoh", {"c10": Stress, "c20": Stress, "c30": Stress, "kappa": PositiveStress}),
+#: how the constants of a law are written
+CONSTANTS: dict[Constant, Any] = {
+    Constant.STRESS: Stress,
+    Constant.POSITIVE_STRESS: PositiveStress,
+    Constant.POISSON_RATIO: PoissonRatio,
 }
 #: The family of a body that the user has drawn.
 OWN = "own"
@@ -290,7 +289,7 @@ def _design(family: str, document: Document) -> Any:
 def _model(design: Any, law: str) -> type[pydantic.BaseModel]:
     """The shape of a document about a body of the class `design` made of a solid that obeys `law`."""
     geometry: Any = pydantic.create_model("Geometry", __base__=_Section, family=(str, ...), **_geometry_fields(design))
-    constants: dict[str, Any] = {name: (kind, ...) for name, kind in LAWS[law][1].items()}
+    constants: dict[str, Any] = {name: (CONSTANTS[kind], ...) for name, kind in LAWS[law].constants().items()}
     material: Any = pydantic.create_model(
         "Material",
         __base__=_Section,

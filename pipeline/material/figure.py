@@ -2,7 +2,6 @@
 
 import numpy as np
 
-import fem
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
 from pipeline.plots import INK, Panel, Stroke, series_colour, standalone_page, two_panels
@@ -65,7 +64,7 @@ def _law(panel: Panel, fits: Fits, fit: LawFit, title: str, colour: str) -> None
     """The law as the solver has it."""
     low_end, high_end = (float(fits.curve.nodes[end]) for end in (0, -1))
     stretch = np.geomspace(min(low_end, 1.0), max(high_end, 1.0), POINTS_OF_A_LINE)
-    nominal = fem.uniaxial(fit.solved, stretch).nominal
+    nominal = fit.solved.uniaxial(stretch).nominal
     low, high = fit.valid_range or (1.0, 1.0)
     valid = (stretch >= low) & (stretch <= high)
     inside, outside = np.where(valid, nominal, np.nan), np.where(valid, np.nan, nominal)

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-import fem
-from pipeline.config.config import LAWS
+from fem.materials import LAWS, MaterialError, StVenantKirchhoff
 from pipeline.config.units import DENSITY, STRAIN, Dimension, convert
 from pipeline.errors import InputError
 from pipeline.material.law_fit import LawFit, Refused, fit_all, fit_widest
@@ -32,8 +31,8 @@ class FitOptions:
     def read(nu: float, density: str, break_strain: str, up_to: str | None, within: str) -> "FitOptions":
         """From the texts of the command line. Raises InputError."""
         try:
-            fem.StVenantKirchhoff(1.0, nu)
-        except fem.MaterialError as failure:
+            StVenantKirchhoff(1.0, nu)
+        except MaterialError as failure:
             raise InputError(f"--nu: {failure}") from None
         _positive("--density", density, DENSITY)
         return FitOptions(

@@ -6,14 +6,13 @@ that kappa: at every stretch of the range the law is stable, and its nominal str
 the mean measured curve (plus the uncertainty of that curve).
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-import fem
+from fem.materials import LAWS, Constant, Material, MaterialError
 from geometry.arrays import Array, Mask
-from pipeline.config.config import LAWS
 from pipeline.material.mean_curve import MeanCurve
 from pipeline.material.regression import TooFewPoints, least_squares, regress
 
@@ -30,7 +29,7 @@ class LawFit:
     fitted_range: tuple[float, float]  #: stretches of the first and the last point that it was fitted to
     rms: float  #: MPa, over these points
     rms_solved: float  #: MPa, the same for the law as the solver has it; NaN where it has none at a point
-    solved: fem.Material  #: with its Poisson ratio or kappa
+    solved: Material  #: with its Poisson ratio or kappa
     valid_range: tuple[float, float] | None  #: stretches around 1 over which it is valid, None where it never is
     limited_by: str  #: data, misfit, kappa or instability: why the range ends (in tension where there is tension)
 
@@ -45,7 +44,7 @@ class Refused:
 
 def fit_all(law: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFit | Refused:
     """The law fitted to all points within the stretches that it admits."""
-    low, high = (0.0, np.inf) if not _has_nu(law) else _built(law, {"E": 1.0}, nu).stretch_limits
+    low, high = _possible_stretches(law, nu)
     return _fit(law, curve, (curve.stretch > low) & (curve.stretch < high), nu, tolerance)
 
 
@@ -59,8 +58,8 @@ def fit_widest(law: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFi
         selected = points <= largest * (1 + 1e-9)
         try:
             constants = least_squares(_matrix(law, curve.stretch[selected]), curve.stress[selected])
-            valid = _valid(_built(law, _named(law, constants), nu), curve, tolerance)
-        except (TooFewPoints, fem.MaterialError):
+            valid = _valid(LAWS[law].from_uniaxial(_named(law, constants), nu), curve, tolerance)
+        except (TooFewPoints, MaterialError):
             continue
         if valid[reach <= largest].all():
             return _fit(law, curve, selected, nu, tolerance)
@@ -71,12 +70,12 @@ def _fit(law: str, curve: MeanCurve, selected: Mask, nu: float, tolerance: float
     matrix, stretch = _matrix(law, curve.stretch), curve.stretch[selected]
     try:
         regression = regress(matrix[selected], curve.stress[selected], curve.tests[selected])
-        solved = _built(law, _named(law, regression.coefficients), nu)
+        solved = LAWS[law].from_uniaxial(_named(law, regression.coefficients), nu)
     except TooFewPoints as failure:
         return Refused(law, f"cannot be fitted: {failure}")
-    except fem.MaterialError as failure:
+    except MaterialError as failure:
         return Refused(law, f"has no admissible constants for these data: {failure}")
-    residuals = fem.uniaxial(solved, stretch).nominal - curve.stress[selected]
+    residuals = solved.uniaxial(stretch).nominal - curve.stress[selected]
     incompressible = _matrix(law, curve.nodes) @ regression.coefficients
     valid_range, limited_by = _valid_range(solved, curve, incompressible, tolerance)
     return LawFit(
@@ -95,7 +94,7 @@ def _fit(law: str, curve: MeanCurve, selected: Mask, nu: float, tolerance: float
 
 
 def _valid_range(
-    solved: fem.Material, curve: MeanCurve, incompressible: Array, tolerance: float
+    solved: Material, curve: MeanCurve, incompressible: Array, tolerance: float
 ) -> tuple[tuple[float, float] | None, str]:
     """The stretches from rest to the last of consecutive valid nodes on either side, and what limits them.
 
@@ -108,7 +107,7 @@ def _valid_range(
     limited_by, (side, nodes) = "data", (up, rising) if len(up) else (down, falling)
     if len(nodes) < len(side):
         first = side[len(nodes)]
-        stress = float(fem.uniaxial(solved, curve.nodes[[first]]).nominal[0])
+        stress = float(solved.uniaxial(curve.nodes[[first]]).nominal[0])
         by_kappa, by_misfit = abs(stress - incompressible[first]), abs(incompressible[first] - curve.mean[first])
         limited_by = "kappa" if by_kappa > by_misfit else "misfit"
         if not _stable(solved, curve)[first]:
@@ -119,39 +118,28 @@ def _valid_range(
     return (min(1.0, *ends.tolist()), max(1.0, *ends.tolist())), limited_by
 
 
-def _valid(solved: fem.Material, curve: MeanCurve, tolerance: float) -> Mask:
+def _valid(solved: Material, curve: MeanCurve, tolerance: float) -> Mask:
     """(m,) nodes at which the law is stable and close enough to the data."""
-    close = curve.within(fem.uniaxial(solved, curve.nodes).nominal, tolerance)
+    close = curve.within(solved.uniaxial(curve.nodes).nominal, tolerance)
     return close & _stable(solved, curve) if close.any() else close
 
 
-def _stable(solved: fem.Material, curve: MeanCurve) -> Mask:
+def _stable(solved: Material, curve: MeanCurve) -> Mask:
     low, high = solved.stretch_limits
     return np.asarray((curve.nodes > low) & (curve.nodes < high))
 
 
 def _matrix(law: str, stretch: Array) -> Array:
     """(n, k) nominal stress per unit of each constant."""
-    return np.column_stack(list(fem.uniaxial_terms(_model(law), stretch).values()))
+    return np.column_stack(list(LAWS[law].uniaxial_terms(stretch).values()))
 
 
 def _named(law: str, constants: Array) -> dict[str, float]:
-    return dict(zip(fem.uniaxial_terms(_model(law), np.ones(1)), constants.tolist(), strict=True))
+    return dict(zip(LAWS[law].uniaxial_terms(np.ones(1)), constants.tolist(), strict=True))
 
 
-def _model(law: str) -> type[fem.Material]:
-    model: type[fem.Material] = getattr(fem, LAWS[law][0])
-    return model
-
-
-def _has_nu(law: str) -> bool:
-    return "nu" in LAWS[law][1]
-
-
-def _built(law: str, constants: Mapping[str, float], nu: float) -> fem.Material:
-    """The law as the solver has it. Raises `fem.MaterialError`."""
-    model: Callable[..., fem.Material] = _model(law)
-    if _has_nu(law):
-        return model(**constants, nu=nu)
-    mu = model(**constants, kappa=1.0).shear_modulus
-    return model(**constants, kappa=2 * mu * (1 + nu) / (3 * (1 - 2 * nu)))
+def _possible_stretches(law: str, nu: float) -> tuple[float, float]:
+    """The stretches at which a bar of the law can be; they are limited for laws that have a Poisson ratio."""
+    if Constant.POISSON_RATIO not in LAWS[law].constants().values():
+        return 0.0, np.inf
+    return LAWS[law].from_uniaxial(dict.fromkeys(LAWS[law].uniaxial_terms(np.ones(1)), 1.0), nu).stretch_limits

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem import Hencky, StVenantKirchhoff, uniaxial
+from fem.materials import Hencky, StVenantKirchhoff
 from geometry.arrays import Array, Index, Mask
 from pipeline.material.regression import Regression, TooFewPoints, regress
 from pipeline.material.tensile import TensileTest
@@ -93,8 +93,8 @@ def check_high_modulus(low: float, high: float, nu: float) -> HighModulusCheck |
     return HighModulusCheck(
         CHECKED_STRETCH,
         low * (CHECKED_STRETCH - 1),
-        float(uniaxial(StVenantKirchhoff(high, nu), at).nominal[0]),
-        float(uniaxial(Hencky(high, nu), at).nominal[0]),
+        float(StVenantKirchhoff(high, nu).uniaxial(at).nominal[0]),
+        float(Hencky(high, nu).uniaxial(at).nominal[0]),
     )
 
 

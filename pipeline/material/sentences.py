@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from pipeline.config.config import LAWS
+from fem.materials import LAWS, Constant
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
 from pipeline.material.moduli import PAPER, check_high_modulus
@@ -23,9 +23,11 @@ def with_error(value: float, error: float) -> str:
 
 def yaml_block(fit: LawFit, density: str) -> str:
     """The section `material` of a configuration with this law."""
-    values = {name: getattr(fit.solved, name) for name in LAWS[fit.law][1]}
-    shown = [f"{name}: {value:g}" if name == "nu" else f"{name}: {value:.6g} MPa" for name, value in values.items()]
-    return f"material: {{law: {fit.law}, {', '.join(shown)}, density: {density}}}"
+    constants = [
+        f"{name}: {getattr(fit.solved, name):{'g' if kind is Constant.POISSON_RATIO else '.6g'}}{kind.unit}"
+        for name, kind in LAWS[fit.law].constants().items()
+    ]
+    return f"material: {{law: {fit.law}, {', '.join(constants)}, density: {density}}}"
 
 
 def moduli_sentences(fits: Fits) -> list[str]:

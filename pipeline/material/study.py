@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-import fem
 from pipeline.material.figure import tensile_page
 from pipeline.material.fits import FitOptions, Fits, fit_laws
 from pipeline.material.law_fit import LawFit, Refused
@@ -94,7 +93,7 @@ def _curve_rows(fits: Fits) -> list[tuple[str | float, ...]]:
         for name, fit in both.items():
             if isinstance(fit, Refused):
                 continue
-            bar = fem.uniaxial(fit.solved, fits.curve.nodes)
+            bar = fit.solved.uniaxial(fits.curve.nodes)
             low, high = fit.valid_range or (np.inf, -np.inf)
             valid = (bar.stretch >= low) & (bar.stretch <= high)
             table = np.column_stack([bar.stretch, bar.stretch - 1, bar.nominal, bar.lateral, bar.J, fits.curve.mean])

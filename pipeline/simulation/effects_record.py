@@ -1,6 +1,6 @@
 """Which effects took part in a run, and why."""
 
-from pipeline.config.config import FULLY_INTEGRATED, CavityPressure, Config, poisson_ratio
+from pipeline.config.config import FULLY_INTEGRATED, CavityPressure, Config
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene, gravity_breaks_symmetry, is_on
 from pipeline.store.json_values import JsonObject
@@ -77,7 +77,7 @@ def _symmetry(scene: Scene) -> tuple[str, str]:
 
 
 def _incompressibility(config: Config) -> tuple[str, str]:
-    formulation, nu = config.mesh.formulation, poisson_ratio(config.material.constants)
+    formulation, nu = config.mesh.formulation, config.material.built().poisson_ratio
     how = {
         "p2": "the whole law is taken at four points per element",
         "p2p0": "the volumetric part of the law is taken at one point per element",

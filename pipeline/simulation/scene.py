@@ -121,7 +121,7 @@ def _check(config: Config, body: Body) -> None:
 def material_of(config: Config) -> fem.Material:
     """The law of the solid. Raises InputError for constants that the law cannot have together."""
     try:
-        law: fem.Material = getattr(fem, config.material.model)(**config.material.constants)
+        law = config.material.built()
     except fem.MaterialError as failure:
         raise InputError(f"{config.source}: material: {failure}") from None
     if config.mesh.formulation == "mixed" and law.volumetric_modulus <= 0:

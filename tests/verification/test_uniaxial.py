@@ -24,7 +24,6 @@ from fem import (
     StVenantKirchhoff,
     Yeoh,
     follow,
-    uniaxial,
 )
 from fem.discretisation import FORMULATIONS
 
@@ -90,9 +89,9 @@ def test_rubber(formulation: str, stretch: float, law: Material, slope, second: 
     ids=lambda law: type(law).__name__,
 )
 def test_compressible_rubber(formulation: str, stretch: float, law: Material) -> None:
-    """The closed form with the volume change in it (`fem.uniaxial`), at a tenth of the usual bulk modulus."""
+    """The closed form with the volume change in it (`Material.uniaxial`), at a tenth of the usual bulk modulus."""
     _, found, across = pulled(law, stretch, formulation)
-    bar = uniaxial(law, np.array([stretch]))
+    bar = law.uniaxial(np.array([stretch]))
     assert abs(bar.J[0] - 1) > 0.01
     assert found == pytest.approx(bar.nominal[0], rel=1e-8)
     assert across == pytest.approx(bar.lateral[0], rel=1e-8)

@@ -1,0 +1,69 @@
+"""The names that users and the other rooms write as `fem.NAME`."""
+
+from fem.archive import step_from_arrays, step_to_arrays
+from fem.discretisation import Discretisation
+from fem.effects.barrier import OVERLAP
+from fem.effects.contact import ACTIVATION, ContactError, SelfContact
+from fem.effects.effect import Effect
+from fem.effects.loads import Gravity, LineForce, Pressure
+from fem.effects.membrane import LayerError, StrainLimitingLayer
+from fem.equations.linear import available_solver
+from fem.experiments import Experiment
+from fem.materials import Hencky, Material, MaterialError, MooneyRivlin, NeoHooke, StVenantKirchhoff, Yeoh
+from fem.materials.material import Uniaxial
+from fem.model import Model
+from fem.path.loadpath import PathOptions, follow, follow_volume
+from fem.path.newton import NewtonOptions
+from fem.post.extremes import beyond_the_law, in_words
+from fem.post.fields import element_fields
+from fem.post.recovery import StressError, stress_error
+from fem.post.self_intersection import crossing
+from fem.solution import End, NotConverged, Seconds, Solution, Step
+from fem.supports import Fixed, Prescribed, SupportError
+from fem.warm_up import compile_kernels
+
+__all__ = [
+    "ACTIVATION",
+    "OVERLAP",
+    "ContactError",
+    "Discretisation",
+    "Effect",
+    "End",
+    "Experiment",
+    "Fixed",
+    "Gravity",
+    "Hencky",
+    "LayerError",
+    "LineForce",
+    "Material",
+    "MaterialError",
+    "Model",
+    "MooneyRivlin",
+    "NeoHooke",
+    "NewtonOptions",
+    "NotConverged",
+    "PathOptions",
+    "Prescribed",
+    "Pressure",
+    "Seconds",
+    "SelfContact",
+    "Solution",
+    "StVenantKirchhoff",
+    "Step",
+    "StrainLimitingLayer",
+    "StressError",
+    "SupportError",
+    "Uniaxial",
+    "Yeoh",
+    "available_solver",
+    "beyond_the_law",
+    "compile_kernels",
+    "crossing",
+    "element_fields",
+    "follow",
+    "follow_volume",
+    "in_words",
+    "step_from_arrays",
+    "step_to_arrays",
+    "stress_error",
+]
