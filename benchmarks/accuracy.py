@@ -1,9 +1,9 @@
-"""Put the ladders of accuracy into the docs: tables between the marks of docs/accuracy.md, pictures beside them.
+"""Put the convergence studies into the docs: tables between the marks of docs/accuracy.md, pictures beside them.
 
     python benchmarks/accuracy.py RESULTS
 
-RESULTS holds one folder per design, `pneunet_accuracy` and so on, as `pneurod accuracy` leaves it; `make accuracy`
-makes all of them first. A design without a folder keeps what stands in the docs.
+RESULTS has one folder per design, `pneunet_accuracy` and so on, written by `pneurod accuracy`; `make accuracy` makes
+all of them first. The table of a design without a folder is not changed.
 """
 
 import json
@@ -12,10 +12,12 @@ import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent.parent
-# beside this file stands another with the name of a room; the room must be found, not the file
+# the rooms stand beside this folder
 sys.path.insert(0, str(HERE))
 
-from pipeline.accuracy.table import markdown, reference_sentences  # noqa: E402
+from pipeline.accuracy.record import ConvergenceStudy  # noqa: E402
+from pipeline.accuracy.table import COLUMNS, cells, reference_sentences  # noqa: E402
+from pipeline.store.formats import with_present_keys  # noqa: E402
 
 DOCS = HERE / "docs" / "accuracy.md"
 
@@ -28,12 +30,23 @@ def with_tables(text: str, results: Path) -> str:
         file = results / f"{name}_accuracy" / "accuracy.json"
         if not file.is_file():
             return mark.group(0)
-        record = json.loads(file.read_text(encoding="utf-8"))
-        said = "".join(f"- {sentence}\n" for sentence in reference_sentences(record))
+        study = ConvergenceStudy.read(with_present_keys(json.loads(file.read_text(encoding="utf-8"))))
+        sentences = "".join(f"- {sentence}\n" for sentence in reference_sentences(study))
         picture = f"![error over CPU seconds](pictures/accuracy_{name}.svg)"
-        return f"<!-- {name} -->\n\n### {name}\n\n{picture}\n\n{said}\n{markdown(record)}\n<!-- end of {name} -->"
+        return f"<!-- {name} -->\n\n### {name}\n\n{picture}\n\n{sentences}\n{markdown(study)}\n<!-- end of {name} -->"
 
     return re.sub(r"<!-- (\w+) -->\n.*?<!-- end of \1 -->", table, text, flags=re.DOTALL)
+
+
+def markdown(study: ConvergenceStudy) -> str:
+    """The table of the configurations; those of the Pareto front in bold."""
+    lines = ["| " + " | ".join(COLUMNS) + " |", "|---|" + "---:|" * (len(COLUMNS) - 1)]
+    for row in study.rows:
+        shown = cells(row)
+        if row.on_front:
+            shown[0] = f"**{shown[0]}**"
+        lines.append("| " + " | ".join(shown) + " |")
+    return "\n".join(lines) + "\n"
 
 
 def main(results: Path) -> None:

@@ -1,9 +1,9 @@
-"""Accuracy asked for designs that the rule was not made with: chosen, believed before and after, and true.
+"""Requested accuracy on designs that the rule was not made with: errors estimated before and after the run, and true.
 
     python benchmarks/asked_accuracy.py RESULTS
 
-Each design is run with `--accuracy`, and again on two finer meshes (FINER times the chosen size), to which the limit is
-extrapolated over the degrees of freedom as in `pneurod accuracy`. Renews the table of docs/accuracy.md between its
+Each design is run with `--accuracy`, and again on two finer meshes (FINER times the planned size), from which the limit
+is extrapolated over the degrees of freedom as in `pneurod accuracy`. Renews the table of docs/accuracy.md between its
 marks; finished runs and meshes in RESULTS are kept. Three quarters of an hour with one thread.
 """
 
@@ -11,37 +11,36 @@ import json
 import re
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from time import process_time
 from typing import Any
 
-# beside this file stands another with the name of a room; the room must be found, not the file
+# the rooms stand beside this folder
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
-import numpy as np  # noqa: E402
-
-from pipeline.accuracy.ladder import Rung, mesh_choice  # noqa: E402
+from pipeline.accuracy.ladder import Rung, mesh_series  # noqa: E402
 from pipeline.accuracy.measure import measure  # noqa: E402
-from pipeline.accuracy.reference import HEADLINE  # noqa: E402
+from pipeline.accuracy.result import HEADLINE, Headline, RungResult  # noqa: E402
 from pipeline.config.config import Config, load_config  # noqa: E402
 from pipeline.progress import Silent  # noqa: E402
 from pipeline.richardson import extrapolated  # noqa: E402
 from pipeline.run import run  # noqa: E402
 from pipeline.store.atomic_file import write_whole  # noqa: E402
+from pipeline.store.formats import with_present_keys  # noqa: E402
 
 DOCS = HERE / "docs" / "accuracy.md"
 MARKS = "<!-- asked-accuracy -->", "<!-- end of asked-accuracy -->"
-#: sizes of the meshes of the reference over the chosen one
+#: sizes of the meshes of the reference over the planned one
 FINER = (0.8, 0.6)
 ROUND, GAPPED = "20 kPa", "5 kPa"  #: the walls of the gapped arm do not touch at 5 kPa
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A design and the accuracy asked for it."""
+class Request:
+    """A design and the accuracy requested for it."""
 
     name: str
     words: str
@@ -56,92 +55,93 @@ class Asked:
         return load_config(HERE / "configs" / f"{self.base}.yaml", settings)
 
 
-def asked(name: str, words: str, base: str, percent: float, pressures: str, /, **dimensions: str) -> Asked:
+def design(name: str, words: str, base: str, percent: float, pressures: str, /, **dimensions: str) -> Request:
     """A design by the dimensions in which it differs from its base."""
     settings = [f"geometry.{key}={value}" for key, value in dimensions.items()]
-    return Asked(name, f"{words}, {pressures}", base, (f"pressures=[{pressures}]", *settings), percent)
+    return Request(name, f"{words}, {pressures}", base, (f"pressures=[{pressures}]", *settings), percent)
 
 
 BISECTED, SEMI, SINGLE, PNEU = (
     f"{name}_coarse" for name in ("bisected_circle", "semicircular", "semicircular_single", "pneunet")
 )
 DESIGNS = (
-    asked(
+    design(
         *("bisected_92", "bisected circle, l = 92, wall 1.5, divider 2 mm", BISECTED, 2.0, ROUND),
         length="92 mm",
         wall="1.5 mm",
         divider="2 mm",
     ),
-    asked(
+    design(
         *("bisected_90", "bisected circle, l = 90, radius 9, wall 1.2 mm", BISECTED, 3.0, ROUND),
         length="90 mm",
         radius="9 mm",
         wall="1.2 mm",
     ),
-    asked(
+    design(
         *("semicircular_9", "semicircular, 9 chambers, radius 8, wall 1.3 mm", SEMI, 5.0, ROUND),
         chambers="9",
         radius="8 mm",
         wall="1.3 mm",
     ),
-    asked("semicircular_7", "semicircular, 7 chambers", SEMI, 5.0, "20 kPa, 30 kPa", chambers="7"),
-    asked("single_9", "semicircular, one cavity, radius 9 mm", SINGLE, 3.0, ROUND, radius="9 mm"),
-    asked(
+    design("semicircular_7", "semicircular, 7 chambers", SEMI, 5.0, "20 kPa, 30 kPa", chambers="7"),
+    design("single_9", "semicircular, one cavity, radius 9 mm", SINGLE, 3.0, ROUND, radius="9 mm"),
+    design(
         *("semicircular_8", "semicircular, 8 chambers, radius 7, base 3 mm", SEMI, 5.0, ROUND),
         chambers="8",
         radius="7 mm",
         base="3 mm",
     ),
-    asked(
+    design(
         *("single_6", "semicircular, one cavity, radius 6.5, wall 1.3 mm", SINGLE, 5.0, "37 kPa"),  # straight at 20
         radius="6.5 mm",
         wall="1.3 mm",
     ),
-    asked("gapped_8", "gapped, 8 chambers", PNEU, 5.0, GAPPED, chambers="8"),
-    asked("gapped_7", "gapped, 7 chambers, wall 1.4 mm", PNEU, 5.0, GAPPED, chambers="7", wall="1.4 mm"),
+    design("gapped_8", "gapped, 8 chambers", PNEU, 5.0, GAPPED, chambers="8"),
+    design("gapped_7", "gapped, 7 chambers, wall 1.4 mm", PNEU, 5.0, GAPPED, chambers="7", wall="1.4 mm"),
 )
 
 
-def solved(one: Asked, folder: Path) -> dict[str, Any]:
-    """What the run chose and believed, what it found at every pressure, and its CPU seconds; kept in `folder`."""
+@dataclass(frozen=True)
+class Solved:
+    """A run with a requested accuracy."""
+
+    accuracy: dict[str, Any]  #: the part of run.json about it
+    degrees_of_freedom: int
+    numbers: tuple[Headline, ...]  #: by pressure
+    cpu_seconds: float
+
+
+def solved(request: Request, folder: Path) -> Solved:
+    """The run; kept in `folder`."""
     file = folder / "asked.json"
     if not file.is_file():
         begin = process_time()
         with tempfile.TemporaryDirectory() as out:
-            run(one.config, Path(out), 1, True, Silent())
+            run(request.config, Path(out), 1, True, Silent())
             record, parameters, rows = (
                 json.loads((Path(out) / f"{name}.json").read_text(encoding="utf-8"))
                 for name in ("run", "parameters", "experiments")
             )
-        half, profile = parameters["length_mm"] / 2, parameters["kappa_0"]
         forces = {row["pressure_kPa"]: row["reaction_N"][1] for row in rows if row["experiment"] == "III"}
-        numbers = [
-            {
-                "kappa_0_per_mm": float(np.interp(half, profile["cell_s_mm"], kappa)),
-                "alpha2_N_mm2": alpha,
-                "force_N": forces[pressure],
-            }
-            for pressure, kappa, alpha in zip(
-                *(parameters["pressures_kPa"], profile["cell_averaged_per_mm"], parameters["alpha2_N_mm2"]),
+        numbers = tuple(
+            Headline(kappa, alpha2, forces[pressure])
+            for pressure, kappa, alpha2 in zip(
+                *(parameters["pressures_kPa"], parameters["kappa_0"]["middle_per_mm"], parameters["alpha2_N_mm2"]),
                 strict=True,
             )
-        ]
-        found = {
-            "accuracy": record["accuracy"],
-            "degrees_of_freedom": max(record["degrees_of_freedom"].values()),
-            "numbers": numbers,
-            "cpu_seconds": process_time() - begin,
-        }
-        write_whole(file, json.dumps(found, indent=2).encode())
-    return json.loads(file.read_text(encoding="utf-8"))
+        )
+        result = Solved(record["accuracy"], max(record["degrees_of_freedom"].values()), numbers, process_time() - begin)
+        write_whole(file, json.dumps(asdict(result), indent=2).encode())
+    kept = with_present_keys(json.loads(file.read_text(encoding="utf-8")))
+    return Solved(**{**kept, "numbers": tuple(Headline(**numbers) for numbers in kept["numbers"])})
 
 
-def finer(one: Asked, accuracy: Mapping[str, Any], share: float, folder: Path) -> dict[str, Any]:
-    """The same numbers on a mesh `share` times as coarse as the chosen one; kept in `folder`."""
-    size = share * accuracy["size_mm"]
+def finer(request: Request, accuracy: dict[str, Any], factor: float, folder: Path) -> RungResult:
+    """The same numbers on a mesh of `factor` times the planned size; kept in `folder`."""
+    size = factor * accuracy["size_mm"]
     file = folder / f"{size:.4g}mm.json"
     if not file.is_file():
-        config = one.config
+        config = request.config
         mesh = replace(config.mesh, size_mm=size, formulation=accuracy["formulation"], grading=accuracy["grading"])
         config = replace(
             config,
@@ -149,16 +149,16 @@ def finer(one: Asked, accuracy: Mapping[str, Any], share: float, folder: Path) -
             newton_tolerance=accuracy["newton_tolerance"],
             contact_dhat_mm=accuracy["contact_dhat_mm"],
         )
-        found = measure(Rung(mesh_choice(config), size, config))
-        if found["failure"]:
-            raise RuntimeError(f"{one.name}, mesh of {size:.3g} mm: {found['failure']}")
-        write_whole(file, json.dumps(found, indent=2).encode())
-    return json.loads(file.read_text(encoding="utf-8"))
+        result = measure(Rung(mesh_series(config), size, config))
+        if result.failure:
+            raise RuntimeError(f"{request.name}, mesh of {size:.3g} mm: {result.failure}")
+        write_whole(file, json.dumps(result.record(), indent=2).encode())
+    return RungResult.read(json.loads(file.read_text(encoding="utf-8")))
 
 
 @dataclass(frozen=True)
 class TrueError:
-    """What a number has wrong at the pressure where that is most; relative."""
+    """Relative error of a number at the pressure where it is largest."""
 
     to_limit: float
     std: float  #: of the limit
@@ -168,58 +168,59 @@ class TrueError:
         return f"{100 * self.to_limit:+.1f} ± {100 * self.std:.1f} ({100 * self.to_finest:+.1f})"
 
 
-def true_errors(found: Mapping[str, Any], references: Sequence[Mapping[str, Any]]) -> list[TrueError]:
+def true_errors(run_result: Solved, references: Sequence[RungResult]) -> list[TrueError]:
     """Of kappa_0(l/2), alpha2 and F."""
-    meshes = [found, *references]
-    sizes = [mesh["degrees_of_freedom"] ** (-1 / 3) for mesh in meshes]
+    freedom = [run_result.degrees_of_freedom, *(mesh.cost.degrees_of_freedom for mesh in references if mesh.cost)]
+    sizes = [n ** (-1 / 3) for n in freedom]
+    numbers = [run_result.numbers, *([at_pressure.headline for at_pressure in mesh.numbers] for mesh in references)]
     errors = []
-    for key in HEADLINE:
-        each = []
-        for place in range(len(found["numbers"])):
-            values = [mesh["numbers"][place][key] for mesh in meshes]
+    for name in HEADLINE:
+        at_pressures = []
+        for of_meshes in zip(*numbers, strict=True):
+            values = [headline.by_name()[name] for headline in of_meshes]
             end = extrapolated(sizes, values)
             to_limit, std = values[0] / end.limit - 1.0, abs(end.limit_std / end.limit)
-            each.append(TrueError(to_limit, std, values[0] / values[-1] - 1.0))
-        errors.append(max(each, key=lambda one: abs(one.to_limit)))
+            at_pressures.append(TrueError(to_limit, std, values[0] / values[-1] - 1.0))
+        errors.append(max(at_pressures, key=lambda error: abs(error.to_limit)))
     return errors
 
 
-def row(one: Asked, found: Mapping[str, Any], errors: Sequence[TrueError]) -> str:
+def row(request: Request, result: Solved, errors: Sequence[TrueError]) -> str:
     """A line of the table."""
-    accuracy = found["accuracy"]
+    accuracy = result.accuracy
     after = accuracy["after"]
     before, later = (
-        " / ".join(f"{100 * known['believed'][key]:.1f}" for key in HEADLINE) for known in (accuracy, after)
+        " / ".join(f"{100 * stage['estimated'][name]:.1f}" for name in HEADLINE) for stage in (accuracy, after)
     )
     true = " / ".join(map(str, errors))
     cells = (
         *(
-            one.words,
-            f"{one.percent:g}",
+            request.words,
+            f"{request.percent:g}",
             f"{accuracy['size_mm']:g}",
-            f"{found['degrees_of_freedom']:,}".replace(",", " "),
+            f"{result.degrees_of_freedom:,}".replace(",", " "),
         ),
         *(f"{accuracy['order']:.1f}", before, later, true, f"{100 * after['identification']:.2g}"),
-        f"{found['cpu_seconds']:.0f}",
+        f"{result.cpu_seconds:.0f}",
     )
     return f"| {' | '.join(cells)} |"
 
 
 TITLES = (
-    *("design", "asked %", "size mm", "degrees of freedom", "order", "believed before %", "believed after %"),
-    *("true %", "α₂ known to ± %", "CPU s"),
+    *("design", "requested %", "size mm", "degrees of freedom", "order", "estimated before %", "estimated after %"),
+    *("true %", "α₂ identified to ± %", "CPU s"),
 )
 
 
 def main(results: Path) -> None:
     """Run what is missing and write the table."""
     lines = [f"| {' | '.join(TITLES)} |", "|---|---:|---:|---:|---:|---|---|---|---:|---:|"]
-    for one in DESIGNS:
-        folder = results / one.name
+    for request in DESIGNS:
+        folder = results / request.name
         folder.mkdir(parents=True, exist_ok=True)
-        found = solved(one, folder)
-        references = [finer(one, found["accuracy"], share, folder) for share in FINER]
-        lines.append(row(one, found, true_errors(found, references)))
+        result = solved(request, folder)
+        references = [finer(request, result.accuracy, factor, folder) for factor in FINER]
+        lines.append(row(request, result, true_errors(result, references)))
         sys.stdout.write(lines[-1] + "\n")
         sys.stdout.flush()
     begin, end = MARKS

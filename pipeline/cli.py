@@ -144,18 +144,18 @@ def accuracy(
         design = load_config(config, settings or ())
         folder = out or Path("results") / f"{design.name}_accuracy"
 
-        from pipeline.accuracy.study import climb
+        from pipeline.accuracy.study import run_study
         from pipeline.accuracy.table import reference_sentences
         from pipeline.terminal import costs
 
         console = Console()
         progress = progress_for(console)
         try:
-            record = climb(design, folder, jobs or min(2, len(os.sched_getaffinity(0))), fresh, progress)
+            study = run_study(design, folder, jobs or min(2, len(os.sched_getaffinity(0))), fresh, progress)
         finally:
             progress.done()
-        console.print(costs(record), highlight=False)
-        for sentence in reference_sentences(record):
+        console.print(costs(study), highlight=False)
+        for sentence in reference_sentences(study):
             console.print(sentence, highlight=False, soft_wrap=True)
         console.print(f"picture: {folder / 'accuracy.html'}", highlight=False, soft_wrap=True)
 

@@ -7,7 +7,7 @@ from time import perf_counter
 from typing import Any
 
 from fem import compile_kernels
-from pipeline.accuracy.plan import afterwards, chosen
+from pipeline.accuracy.plan import plan_discretisation, review
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
@@ -37,7 +37,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     with open_store(out, config, fresh=fresh) as store:
         seconds: dict[str, float] = {}
         context = RunContext(store, jobs, progress)
-        config, choice = chosen(config, store, progress)
+        config, plan = plan_discretisation(config, store, progress)
         with _stage("mesh", progress, seconds):
             scene = Scene.meshed(config)
         with _stage("kernels (compiled once)", progress, seconds):
@@ -67,7 +67,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
             indicator = outcomes.largest_indicator
             errors = {
                 **({"indicator": indicator.record()} if indicator else {}),
-                **({"accuracy": choice.record(afterwards(choice, outcomes, found, indicator))} if choice else {}),
+                **({"accuracy": plan.record(review(plan, outcomes, found, indicator))} if plan else {}),
             }
             _write_report(store, config, outcomes, seconds, errors, failure)
     if failure:

@@ -6,7 +6,9 @@ from typing import Any
 from rich.table import Table
 from rich.text import Text
 
-from pipeline.accuracy.table import COLUMNS_OF_RUNGS, cells
+from pipeline.accuracy.record import ConvergenceStudy
+from pipeline.accuracy.table import COLUMNS as STUDY_COLUMNS
+from pipeline.accuracy.table import cells
 from pipeline.effects_study import BASE, COLUMNS
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit, Refused
@@ -72,13 +74,13 @@ def _stretches(low: float, high: float) -> str:
     return f"{low:.3g} - {high:.3g}".replace("inf", "∞")
 
 
-def costs(record: Mapping[str, Any]) -> Table:
-    """The rungs of accuracy.json; those that nothing beats are marked."""
-    table = Table(*COLUMNS_OF_RUNGS, box=None)
+def costs(study: ConvergenceStudy) -> Table:
+    """Cost and errors of every configuration of the convergence study; those of the Pareto front in bold."""
+    table = Table(*STUDY_COLUMNS, box=None)
     for column in table.columns[1:]:
         column.justify = "right"
-    for row in record["rungs"]:
-        table.add_row(*cells(row), style="bold" if row["on_front"] else "")
+    for row in study.rows:
+        table.add_row(*cells(row), style="bold" if row.on_front else "")
     return table
 
 

@@ -114,7 +114,7 @@ def test_an_asked_accuracy_is_told_before_and_after_the_run(tmp_path: Path) -> N
     accuracy, indicator = found["accuracy"], found["indicator"]
     assert accuracy["size_mm"] == found["config"]["mesh"]["size_mm"]
     assert 1.0 <= accuracy["order"] <= 4.0
-    before, after = accuracy["believed_error"], accuracy["after"]["believed_error"]
+    before, after = accuracy["estimated_error"], accuracy["after"]["estimated_error"]
     assert 0.5 * before < after < 1.5 * before
     assert accuracy["after"]["indicator"]["at_mm"] == indicator["at_mm"]
     assert accuracy["sentence"] in (tmp_path / "out" / "report.html").read_text()

@@ -1,1 +1,1 @@
-"""The convergence study: error against seconds."""
+"""The convergence study of a design: error against seconds, and the discretisation for a requested accuracy."""

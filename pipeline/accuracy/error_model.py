@@ -1,59 +1,78 @@
-"""The law by which the errors of the numbers fall with the mesh, from a few meshes and their error indicators.
+"""Model of the discretisation errors of the headline numbers, from a few meshes and their error indicators.
 
 An error of a number is a product of two errors in the energy norm, that of the state and that of its dual (R. Becker,
-R. Rannacher, Acta Numerica 10 (2001), section 3), so it falls as the energy of the error does, which the indicator of
-`fem.stress_error` follows: numbers of several meshes lie on a straight line over it. Measured on the bisected circle
-with 13 000 to 227 000 degrees of freedom: the error of kappa_0 is 0.33 to 0.41 times the indicator on all six meshes,
-while that falls from 0.14 to 0.03. Meshes that are not nested scatter around the line, F by a per cent of its
-value, which three meshes show.
+R. Rannacher, Acta Numerica 10 (2001), section 3). It therefore falls as the energy of the error does, which the
+indicator of `fem.stress_error` follows: the numbers of several meshes lie on a straight line over the indicator.
+Numbers of meshes that are not nested scatter around that line; with three meshes the scatter adds to the estimate.
+docs/accuracy.md compares estimates with true errors.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from pipeline.accuracy.reference import HEADLINE
+from pipeline.accuracy.result import HEADLINE, Headline, RodNumbers
 
-#: the number that its identification may leave less sure than the mesh does
+#: the number whose identification may be less certain than the mesh
 RIGIDITY = "alpha2_N_mm2"
-#: powers of the size between which the energy of the error falls: at a re-entrant edge stresses grow at most as
-#: r^(-1/2), and in a smooth body the strain of quadratic elements has the order 2
+#: bounds of the order with which the energy of the error falls with the mesh size: at a re-entrant edge stresses grow
+#: at most as r^(-1/2), and in a smooth body the strain of quadratic elements converges with order 2
 SLOWEST, FASTEST = 1.0, 4.0
-#: the least error over the indicator that is believed, as root mean square over kappa_0 and F; measured on the finest
-#: meshes of the four arms of docs/accuracy.md: 0.25, 0.28, 0.32, 1.2
-LEAST = 0.25
-
-#: numbers (HEADLINE), alpha2_std_N_mm2 and stress_error of one mesh, a pilot's size_mm too
-Solved = Mapping[str, Any]
+#: smallest ratio of error to indicator, as root mean square over kappa_0 and F: that of the finest meshes of
+#: docs/accuracy.md, so that meshes that agree by chance are not taken as exact
+MIN_RATIO = 0.25
 
 
 @dataclass(frozen=True)
-class MeshLaw:
-    """Relative errors of kappa_0(l/2), alpha2 and F over the indicator, and the indicator over the size of the mesh."""
+class SolvedMesh:
+    """The headline numbers of one mesh at one pressure."""
+
+    numbers: Headline
+    alpha2_std_N_mm2: float
+    stress_error: float  #: error indicator, see `fem.stress_error`
+
+    @staticmethod
+    def of(numbers: RodNumbers) -> "SolvedMesh":
+        """The part of the numbers that the model needs."""
+        return SolvedMesh(numbers.headline, numbers.alpha2_std_N_mm2, numbers.stress_error)
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """A coarse mesh that is solved before the run."""
+
+    size_mm: float
+    degrees_of_freedom: int
+    cpu_seconds: float
+    solved: SolvedMesh
+
+
+@dataclass(frozen=True)
+class MeshErrorModel:
+    """Relative errors of kappa_0(l/2), alpha2 and F over the indicator, and the indicator over the mesh size."""
 
     size_mm: float  #: of the finer pilot
     indicator: float  #: on it
     order: float  #: power of the size with which the indicator falls
-    share: Mapping[str, float]  #: error over the indicator
+    ratios: Mapping[str, float]  #: error over the indicator, by the names of `HEADLINE`
 
-    @classmethod
-    def of(cls, pilots: Sequence[Solved], run: Solved | None = None) -> "MeshLaw":
-        """From two pilots, the coarser first, and from the run they were for, at the same pressure.
+    @staticmethod
+    def fit(coarse: Pilot, fine: Pilot, run: SolvedMesh | None = None) -> "MeshErrorModel":
+        """From two pilots, and from the run they were solved for, at the same pressure.
 
-        The order is that of the pilots' indicators within the bounds that theory sets.
+        The order is that of the pilots' indicators within `SLOWEST` and `FASTEST`.
         """
-        coarse, fine = pilots
-        finer = coarse["size_mm"] / fine["size_mm"]
-        order = math.log(coarse["stress_error"] / fine["stress_error"]) / math.log(finer)
+        refinement = coarse.size_mm / fine.size_mm
+        order = math.log(coarse.solved.stress_error / fine.solved.stress_error) / math.log(refinement)
         order = min(max(order, SLOWEST), FASTEST)
-        indicators = [fine["stress_error"] * finer**order, fine["stress_error"]]
+        meshes, indicator = [coarse.solved, fine.solved], fine.solved.stress_error
+        indicators = [indicator * refinement**order, indicator]
         if run is not None:
-            indicators.append(run["stress_error"])
-        share = _shares(indicators, [*pilots, *([] if run is None else [run])])
-        return cls(fine["size_mm"], fine["stress_error"], order, share)
+            meshes.append(run)
+            indicators.append(run.stress_error)
+        return MeshErrorModel(fine.size_mm, indicator, order, _ratios(indicators, meshes))
 
     def at(self, size_mm: float) -> dict[str, float]:
         """The errors on a mesh of another size, before it is solved."""
@@ -61,32 +80,33 @@ class MeshLaw:
 
     def with_indicator(self, indicator: float) -> dict[str, float]:
         """The errors in a solved state with this indicator."""
-        return {key: share * indicator for key, share in self.share.items()}
+        return {name: ratio * indicator for name, ratio in self.ratios.items()}
 
     def size_for(self, error: float) -> float:
         """The size (mm) at which the largest error is `error`."""
         return float(self.size_mm * (error / max(self.at(self.size_mm).values())) ** (1.0 / self.order))
 
 
-def _shares(indicators: Sequence[float], meshes: Sequence[Solved]) -> dict[str, float]:
+def _ratios(indicators: Sequence[float], meshes: Sequence[SolvedMesh]) -> dict[str, float]:
     """Errors over the indicator: slopes of straight lines through the numbers of two or three meshes over it, and the
-    standard deviation of three from their line. Meshes weigh by the inverse of their indicator.
+    standard deviation of three from their line. Meshes have the inverse of their indicator as weight.
 
-    Meshes may agree on a number by chance, so none gets less than the root mean square over kappa_0 and F, and that is
-    no less than LEAST. A rigidity that differs by no more than two standard deviations of its identification says
-    nothing about meshes.
+    Meshes may agree on a number by chance, so no ratio is below the root mean square over kappa_0 and F, and that not
+    below MIN_RATIO. A rigidity whose change is within two standard deviations of its identification tells nothing about
+    the mesh; its ratio is that root mean square.
     """
-    weights, free = 1.0 / np.array(indicators), max(len(meshes) - 2, 1)
-    found = {}
-    for key in HEADLINE:
-        values = np.array([mesh["numbers"][key] for mesh in meshes]) / meshes[-1]["numbers"][key]
-        line = np.polyfit(indicators, values, 1, w=weights)
-        off = weights * (values - np.polyval(line, indicators))
-        found[key] = math.hypot(float(line[0]), float(np.linalg.norm(off)) / math.sqrt(free))
-    others = [share for key, share in found.items() if key != RIGIDITY]
-    usual = max(LEAST, math.sqrt(sum(one**2 for one in others) / len(others)))
-    deviations = [mesh["alpha2_std_N_mm2"] / mesh["numbers"][RIGIDITY] for mesh in meshes]
-    of_two = math.sqrt(2.0 * sum(one**2 for one in deviations) / len(deviations))
-    if found[RIGIDITY] * float(np.ptp(indicators)) <= 2.0 * of_two:
-        found[RIGIDITY] = usual
-    return {key: max(share, usual) for key, share in found.items()}
+    weights, freedom = 1.0 / np.array(indicators), max(len(meshes) - 2, 1)
+    values = {name: np.array([mesh.numbers.by_name()[name] for mesh in meshes]) for name in HEADLINE}
+    ratios = {}
+    for name in HEADLINE:
+        relative = values[name] / values[name][-1]
+        line = np.polyfit(indicators, relative, 1, w=weights)
+        residuals = weights * (relative - np.polyval(line, indicators))
+        ratios[name] = math.hypot(float(line[0]), float(np.linalg.norm(residuals)) / math.sqrt(freedom))
+    others = [ratio for name, ratio in ratios.items() if name != RIGIDITY]
+    usual = max(MIN_RATIO, math.sqrt(sum(ratio**2 for ratio in others) / len(others)))
+    deviations = [mesh.alpha2_std_N_mm2 / mesh.numbers.alpha2_N_mm2 for mesh in meshes]
+    of_difference = math.sqrt(2.0 * sum(deviation**2 for deviation in deviations) / len(deviations))
+    if ratios[RIGIDITY] * float(np.ptp(indicators)) <= 2.0 * of_difference:
+        ratios[RIGIDITY] = usual
+    return {name: max(ratio, usual) for name, ratio in ratios.items()}

@@ -1,4 +1,5 @@
-"""The rungs of the ladder of accuracy: one configuration each, in one respect finer or coarser than the others."""
+"""The configurations of the convergence study: a ladder of meshes per element and grading, and variations of the
+Newton tolerance and of the contact distance."""
 
 from dataclasses import dataclass, replace
 
@@ -7,64 +8,64 @@ from pipeline.config.schema import FORMULATIONS
 
 #: mesh sizes over that of the configuration by grading
 SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (1.5, 1.25, 1.0, 0.75, 0.5)}
-#: the same of elements that lock whatever the mesh: fewer and even ones. p1 has a sixth to a seventh of the unknowns of
-#: p2 on a mesh, and half the nodes on the material curve: at 1.5 they do not resolve the cells of the arms
+#: the same for elements that lock on every mesh: fewer, without grading. p1 has a sixth of the unknowns of p2 on a mesh
+#: and half the nodes on the material curve, too few for the cells of the arms at 1.5
 LOCKING: dict[str, tuple[float, ...]] = {"p2": (1.5, 1.0, 0.6), "p1": (1.0, 0.5, 0.25)}
-#: further sizes of the line that converges best, for the limit that all others are held against
+#: further sizes of the series that converges fastest, from which the reference is extrapolated
 FINEST = {("mixed", "walls"): (0.4, 0.325)}
-#: lines beside those of the meshes; a rung of one has everything else as configured
+#: series beside those of meshes; their rungs have everything else as configured
 TOLERANCE, CONTACT, POINTS = "Newton tolerance", "contact distance", "points of the curve"
 TOLERANCES = (1e-3, 1e-4, 1e-8)
 #: activation distances of contact over the configured one
 DISTANCES = (4.0, 2.0, 0.5)
-#: the mesh size over the configured one at which nodes of the material curve are left out, and what is kept: every
-#: second, third, ...
+#: mesh size over the configured one at which the numbers are identified from fewer nodes of the material curve too, and
+#: the strides: every second, third and fourth node
 DENSE, STRIDES = 0.6, (2, 3, 4)
 
 
 @dataclass(frozen=True)
 class Rung:
-    """What is solved, and what of it varies along its line of the picture."""
+    """One configuration of the study, and what varies along its series."""
 
-    choice: str  #: name of the line: "p2p0", "mixed, graded to walls", TOLERANCE, CONTACT
-    value: float  #: what varies along the line: mesh size (mm), tolerance, distance (mm)
+    series: str  #: "p2p0", "mixed, graded to walls", TOLERANCE, CONTACT
+    value: float  #: what varies along the series: mesh size (mm), tolerance, distance (mm)
     config: Config
-    strides: tuple[int, ...] = (1,)  #: the numbers of the rod are found from every so many-th node of the curve
+    strides: tuple[int, ...] = (1,)  #: the numbers are identified from every so many-th node of the material curve
 
     @property
     def is_mesh(self) -> bool:
-        """Whether it stands on a line of meshes."""
-        return self.choice == mesh_choice(self.config)
+        """Whether the mesh size varies along its series."""
+        return self.series == mesh_series(self.config)
 
     @property
     def folder(self) -> str:
-        """Where its results stand: mixed_graded_to_walls_3."""
-        name = "".join(letter for letter in self.choice.replace(" ", "_") if letter.isalnum() or letter == "_")
+        """Its name in file names: mixed_graded_to_walls_3."""
+        name = "".join(letter for letter in self.series.replace(" ", "_") if letter.isalnum() or letter == "_")
         return f"{name}_{self.value:.6g}"
 
 
-def mesh_choice(config: Config) -> str:
-    """The name of the line of meshes with the elements of a configuration."""
+def mesh_series(config: Config) -> str:
+    """The name of the series of meshes with the element and grading of a configuration."""
     formulation, grading = config.mesh.formulation, config.mesh.grading
     return formulation if grading == "off" else f"{formulation}, graded to {grading}"
 
 
-def ladder(config: Config, touching_mm: float | None) -> list[Rung]:
-    """The rungs for a configuration: the lines of meshes, and one line each for tolerance and contact.
+def ladder(config: Config, contact_mm: float | None) -> list[Rung]:
+    """The rungs for a configuration: the series of meshes, and one each for tolerance and contact distance.
 
-    touching_mm: the configured activation distance of contact; None where no faces can meet.
+    contact_mm: the configured activation distance of contact; None where no faces can meet.
     """
     rungs = []
     for formulation in FORMULATIONS:
-        for grading, shares in ({"off": LOCKING[formulation]} if formulation in LOCKING else SIZES).items():
-            for share in (*shares, *FINEST.get((formulation, grading), ())):
-                size = round(share * config.mesh.size_mm, 6)
+        for grading, factors in ({"off": LOCKING[formulation]} if formulation in LOCKING else SIZES).items():
+            for factor in (*factors, *FINEST.get((formulation, grading), ())):
+                size = round(factor * config.mesh.size_mm, 6)
                 mesh = replace(config.mesh, size_mm=size, formulation=formulation, grading=grading)
-                dense = share == DENSE and replace(mesh, size_mm=config.mesh.size_mm) == config.mesh
+                dense = factor == DENSE and replace(mesh, size_mm=config.mesh.size_mm) == config.mesh
                 changed = replace(config, mesh=mesh)
-                rungs.append(Rung(mesh_choice(changed), size, changed, (1, *STRIDES) if dense else (1,)))
+                rungs.append(Rung(mesh_series(changed), size, changed, (1, *STRIDES) if dense else (1,)))
     rungs += [Rung(TOLERANCE, value, replace(config, newton_tolerance=value)) for value in TOLERANCES]
-    if touching_mm is not None:
-        distances = [round(share * touching_mm, 6) for share in DISTANCES]
+    if contact_mm is not None:
+        distances = [round(factor * contact_mm, 6) for factor in DISTANCES]
         rungs += [Rung(CONTACT, value, replace(config, contact_dhat_mm=value)) for value in distances]
     return rungs

@@ -1,9 +1,10 @@
-"""Mesh, tolerance and contact distance for an accuracy that is asked for, and the error that is believed to remain.
+"""Mesh, tolerance and contact distance for a requested accuracy, and the error that is estimated to remain.
 
-Errors of κ₀(l/2), α₂ and F count. What the mesh has wrong is told by two pilots, the same two experiments at the lowest
-pressure of the run on two coarse meshes, and by their error indicators (`pipeline.accuracy.error_model`). After the run
-it is told once more: by the largest indicator of its states, times what the pilots alone or with the run as a third
-mesh say, whichever is more. What contact leaves is told by what the ladders of docs/accuracy.md measured.
+The errors of κ₀(l/2), α₂ and F count. Before the run the error of the mesh is estimated from two pilots, II and III at
+the lowest pressure of the run on two coarse meshes, and from their error indicators (`pipeline.accuracy.error_model`).
+After the run it is estimated again, from the largest indicator of its states: the larger of what the pilots alone and
+the pilots with the run as a third mesh give. The error of contact follows from its activation distance with a ratio
+measured in docs/accuracy.md.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,214 +13,239 @@ from math import floor
 from typing import Any
 
 import fem
-from pipeline.accuracy.error_model import RIGIDITY, MeshLaw
-from pipeline.accuracy.ladder import Rung, mesh_choice
+from pipeline.accuracy.error_model import MeshErrorModel, Pilot, SolvedMesh
+from pipeline.accuracy.ladder import Rung, mesh_series
 from pipeline.accuracy.measure import measure, numbers_of
-from pipeline.accuracy.reference import HEADLINE, NUMBERS
+from pipeline.accuracy.reference import NUMBERS
+from pipeline.accuracy.result import HEADLINE, Headline
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
 from pipeline.progress import Progress
 from pipeline.simulation.outcome import Indicator, Outcomes
 from pipeline.simulation.scene import Scene
+from pipeline.store.json_values import JsonObject
 from pipeline.store.store import Store
 
-#: elements and grading that reach an accuracy with the fewest degrees of freedom
+#: element and grading that reach an accuracy with the fewest degrees of freedom
 FORMULATION, GRADING = "mixed", "walls"
 #: sizes of the pilots over the smallest side of the body
 PILOTS = (0.4, 0.27)
-#: share of the asked error that contact may have, and the share of the rest that the mesh is to have before the run
-OF_CONTACT, OF_MESH = 0.4, 0.8
-#: error per activation distance over the gap: that of F on arm (a) at 17 kPa, the largest (0.56 to 0.7 over the meshes)
-PER_DISTANCE = 0.7
-#: the smallest activation distance over the gap that is chosen: half of it takes three times the factorizations, for
-#: walls go in and out of so thin a barrier from one iteration to the next
-CLOSEST = 0.01
-#: Newton's tolerance is this share of the asked error
-OF_NEWTON = 1e-3
-#: the finest mesh that is chosen, over the finer pilot
+#: fraction of the requested error that contact may have, and fraction of the rest that the mesh is planned for
+CONTACT_FRACTION, MESH_FRACTION = 0.4, 0.8
+#: relative error per activation distance over the gap: the largest measured, that of F on the gapped pneu-net arm
+ERROR_PER_DISTANCE = 0.7
+#: smallest activation distance over the gap: half of it takes three times the factorizations, because walls enter and
+#: leave so thin a barrier between Newton iterations
+MIN_DISTANCE = 0.01
+#: Newton's tolerance over the requested error
+NEWTON_FRACTION = 1e-3
+#: smallest mesh size over that of the finer pilot
 FINEST = 0.35
 
 
 @dataclass(frozen=True)
-class Afterwards:
-    """What the run itself says of its errors; errors are relative."""
+class Estimate:
+    """Estimated relative errors."""
 
-    believed: Mapping[str, float]  #: error of the mesh by number, the largest over the pressures
-    believed_of_contact: float
-    identification: float  #: largest deviation of α₂ that does not come from the mesh
+    estimated: Mapping[str, float]  #: error of the mesh by the names of `HEADLINE`, the largest over the pressures
+    estimated_of_contact: float
+    identification: float  #: largest relative standard deviation of α₂ without the mesh
+
+    @property
+    def largest(self) -> float:
+        """The largest error, contact included."""
+        return max(self.estimated.values()) + self.estimated_of_contact
+
+    def __str__(self) -> str:
+        parts = ", ".join(f"{100 * error:.1f} % in {NUMBERS[name]}" for name, error in self.estimated.items())
+        contact = f", plus {100 * self.estimated_of_contact:.1f} % from contact" if self.estimated_of_contact else ""
+        return parts + contact
+
+
+@dataclass(frozen=True)
+class Review(Estimate):
+    """The errors as estimated from the states of the run."""
+
     indicator: Indicator  #: of the state in which it is largest
 
 
 @dataclass(frozen=True)
-class Choice:
-    """What was chosen for an asked accuracy, and the error that was believed to remain; errors are relative."""
+class Plan:
+    """The discretisation for a requested accuracy; errors are relative."""
 
-    asked: float
+    requested: float
     size_mm: float
     size_was_given: bool
     formulation: str
     grading: str
     newton_tolerance: float
     contact_dhat_mm: float | None  #: None where no faces can meet
-    #: size_mm, degrees_of_freedom, cpu_seconds, numbers, alpha2_std_N_mm2, stress_error
-    pilots: Sequence[Mapping[str, Any]]
+    pilots: tuple[Pilot, Pilot]  #: the coarser first
     pilots_kPa: float
-    believed_of_contact: float
+    estimated_of_contact: float
 
     @property
-    def law(self) -> MeshLaw:
-        """How errors fall with the mesh."""
-        return MeshLaw.of(self.pilots)
+    def error_model(self) -> MeshErrorModel:
+        """How errors fall with the mesh, from the pilots alone."""
+        return MeshErrorModel.fit(*self.pilots)
 
     @property
-    def believed(self) -> dict[str, float]:
-        """Error of the mesh by number, before the run."""
-        return self.law.at(self.size_mm)
+    def estimate(self) -> Estimate:
+        """The errors as estimated before the run."""
+        fine = self.pilots[1].solved
+        identification = fine.alpha2_std_N_mm2 / fine.numbers.alpha2_N_mm2
+        return Estimate(self.error_model.at(self.size_mm), self.estimated_of_contact, identification)
 
-    @property
-    def identification(self) -> float:
-        """Deviation of α₂ that does not come from the mesh, before the run."""
-        fine = self.pilots[1]
-        return float(fine["alpha2_std_N_mm2"] / fine["numbers"][RIGIDITY])
+    def applied(self, config: Config) -> Config:
+        """The configuration with this discretisation."""
+        mesh = replace(config.mesh, size_mm=self.size_mm, formulation=self.formulation, grading=self.grading)
+        return replace(config, mesh=mesh, newton_tolerance=self.newton_tolerance, contact_dhat_mm=self.contact_dhat_mm)
 
-    def record(self, after: Afterwards | None) -> dict[str, Any]:
+    def inputs(self) -> JsonObject:
+        """Everything that is decided before the run, as JSON."""
+        pilots = [
+            {
+                "size_mm": pilot.size_mm,
+                "degrees_of_freedom": pilot.degrees_of_freedom,
+                "cpu_seconds": pilot.cpu_seconds,
+                **asdict(pilot.solved),
+            }
+            for pilot in self.pilots
+        ]
+        return {**{name: getattr(self, name) for name in Plan.__dataclass_fields__}, "pilots": pilots}
+
+    @staticmethod
+    def read(inputs: Mapping[str, Any]) -> "Plan":
+        """From what `inputs` wrote."""
+        coarse, fine = (
+            Pilot(
+                pilot["size_mm"],
+                pilot["degrees_of_freedom"],
+                pilot["cpu_seconds"],
+                SolvedMesh(Headline(**pilot["numbers"]), pilot["alpha2_std_N_mm2"], pilot["stress_error"]),
+            )
+            for pilot in inputs["pilots"]
+        )
+        return Plan(**{**inputs, "pilots": (coarse, fine)})
+
+    def record(self, review: Review | None) -> JsonObject:
         """The part of run.json about it."""
+        before = self.estimate
         return {
-            **asdict(self),
-            "order": self.law.order,
-            "believed": self.believed,
-            "believed_error": largest_error(self),
-            "identification": self.identification,
-            "after": after and {**asdict(after), "believed_error": largest_error(after)},
-            "sentence": self.sentence(after),
+            **self.inputs(),
+            "order": self.error_model.order,
+            "estimated": before.estimated,
+            "estimated_error": before.largest,
+            "identification": before.identification,
+            "after": review and {**asdict(review), "estimated_error": review.largest},
+            "sentence": self.sentence(review),
         }
 
-    def sentence(self, after: Afterwards | None) -> str:
-        """What was asked for, chosen and is believed, for the terminal and the report."""
-        given = " (mesh.size is given and was kept)" if self.size_was_given else ""
-        said = [
-            f"asked for {100 * self.asked:g} %: {self.formulation}, graded to {self.grading}, "
-            f"{self.size_mm:.3g} mm{given}",
-            f"the mesh was believed before the run to leave {_parts(self)}",
+    def sentence(self, review: Review | None) -> str:
+        """Requested accuracy, discretisation and estimated errors, for the terminal and the report."""
+        given = " (mesh.size was given and is kept)" if self.size_was_given else ""
+        sentences = [
+            f"requested accuracy {100 * self.requested:g} %: element {self.formulation}, graded to {self.grading}, "
+            f"mesh size {self.size_mm:.3g} mm{given}",
+            f"errors estimated before the run: {self.estimate}",
         ]
-        if after:
-            said.append(
-                f"by the error indicator of the run it leaves {_parts(after)} (the indicator is largest "
-                f"{after.indicator.location()})"
+        if review:
+            sentences.append(
+                f"errors estimated from the error indicator of the run: {review} (the indicator is largest "
+                f"{review.indicator.location()})"
             )
-        now = after or self
-        reached = "is kept" if largest_error(now) <= self.asked else "is not reached"
-        said.append(f"the asked accuracy {reached}")
-        if now.identification > self.asked:
-            said.append(f"α₂ is known to ± {100 * now.identification:.2g} % from its identification, whatever the mesh")
-        return "; ".join(said)
+        present = review or self.estimate
+        reached = "is reached" if present.largest <= self.requested else "is not reached"
+        sentences.append(f"the requested accuracy {reached}")
+        if present.identification > self.requested:
+            sentences.append(
+                f"the identification of α₂ alone is uncertain by ± {100 * present.identification:.2g} %, on every mesh"
+            )
+        return "; ".join(sentences)
 
 
-def largest_error(known: Choice | Afterwards) -> float:
-    """The largest error that is believed to remain, contact included."""
-    return max(known.believed.values()) + known.believed_of_contact
+def plan_discretisation(config: Config, store: Store, progress: Progress) -> tuple[Config, Plan | None]:
+    """The configuration with the discretisation for its accuracy, and the plan; unchanged where none is requested.
 
-
-def _parts(known: Choice | Afterwards) -> str:
-    parts = ", ".join(f"{100 * error:.1f} % in {NUMBERS[key]}" for key, error in known.believed.items())
-    return parts + (f", {100 * known.believed_of_contact:.1f} % more from contact" if known.believed_of_contact else "")
-
-
-def chosen(config: Config, store: Store, progress: Progress) -> tuple[Config, Choice | None]:
-    """The configuration with what its accuracy asks for, and the choice; unchanged where none is asked for.
-
-    A choice made earlier in the same folder is kept. Raises RunFailed where the pilots give no numbers.
+    A plan made earlier in the same folder is kept. Raises RunFailed where the pilots give no numbers.
     """
     if config.accuracy is None:
         return config, None
-    known = store.read_json("states/choice.json")
-    if known is not None and known.pop("key") == store.numbers_key:
-        choice = Choice(**known)
+    kept = store.read_json("states/plan.json")
+    if kept is not None and kept.pop("key") == store.numbers_key:
+        plan = Plan.read(kept)
     else:
-        progress.stage("pilots for the asked accuracy")
-        choice = _choose(config)
-        store.save_json("states/choice.json", {"key": store.numbers_key, **asdict(choice)})
-    mesh = replace(config.mesh, size_mm=choice.size_mm, formulation=choice.formulation, grading=choice.grading)
-    return replace(
-        config, mesh=mesh, newton_tolerance=choice.newton_tolerance, contact_dhat_mm=choice.contact_dhat_mm
-    ), choice
+        progress.stage("pilots for the requested accuracy")
+        plan = _plan(config, config.accuracy)
+        store.save_json("states/plan.json", {"key": store.numbers_key, **plan.inputs()})
+    return plan.applied(config), plan
 
 
-def afterwards(
-    choice: Choice, outcomes: Outcomes, found: Sequence[Parameters], indicator: Indicator | None
-) -> Afterwards | None:
-    """What the states of a run say of its errors; None where there are none.
+def review(
+    plan: Plan, outcomes: Outcomes, parameters: Sequence[Parameters], indicator: Indicator | None
+) -> Review | None:
+    """The errors as estimated from the states of a run; None where there are none.
 
-    A contact that never acted leaves no error.
+    A contact that never acted has no error.
     """
     if indicator is None:
         return None
     touched = any("self_contact" in record.effects for record in outcomes.records)
-    rigidities = [one.numbers_without_mesh["alpha2"] for one in found]
-    alike = [one for one in found if one.pressure_kPa == choice.pilots_kPa]
-    laws = [choice.law.with_indicator(indicator.stress_error)]
-    if alike:
-        run = _solved(numbers_of(alike[0]))
-        laws.append(MeshLaw.of(choice.pilots, run).with_indicator(indicator.stress_error))
-    return Afterwards(
-        believed={key: max(law[key] for law in laws) for key in HEADLINE},
-        believed_of_contact=choice.believed_of_contact if touched else 0.0,
-        identification=max((one.std / one.value for one in rigidities), default=choice.identification),
+    rigidities = [at_pressure.numbers_without_mesh["alpha2"] for at_pressure in parameters]
+    models = [plan.error_model]
+    models += [
+        MeshErrorModel.fit(*plan.pilots, SolvedMesh.of(numbers_of(at_pressure)))
+        for at_pressure in parameters
+        if at_pressure.pressure_kPa == plan.pilots_kPa
+    ]
+    estimates = [model.with_indicator(indicator.stress_error) for model in models]
+    return Review(
+        estimated={name: max(estimate[name] for estimate in estimates) for name in HEADLINE},
+        estimated_of_contact=plan.estimated_of_contact if touched else 0.0,
+        identification=max((alpha2.std / alpha2.value for alpha2 in rigidities), default=plan.estimate.identification),
         indicator=indicator,
     )
 
 
-def _choose(config: Config) -> Choice:
-    asked = config.accuracy
-    assert asked is not None
+def _plan(config: Config, requested: float) -> Plan:
     elements = replace(config.mesh, formulation=FORMULATION, grading=GRADING)
     config = replace(config, mesh=elements, pressures_kPa=config.pressures_kPa[:1])
-    sizes = (PILOTS[0] * min(config.design.extent), PILOTS[1] * min(config.design.extent))
-    pilots = [_pilot(config, size) for size in sizes]
-    distance, of_contact = _contact(config, OF_CONTACT * asked)
-    left = max(asked - of_contact, (1.0 - OF_CONTACT) * asked)  # a given distance may leave more than its share
-    size = MeshLaw.of(pilots).size_for(OF_MESH * left)
-    size = floor(100.0 * min(max(size, FINEST * sizes[1]), sizes[0])) / 100.0
-    return Choice(
-        asked=asked,
+    smallest_side = min(config.design.extent)
+    coarse, fine = (_pilot(config, fraction * smallest_side) for fraction in PILOTS)
+    distance, of_contact = _contact(config, CONTACT_FRACTION * requested)
+    of_mesh = max(requested - of_contact, (1.0 - CONTACT_FRACTION) * requested)  # a given distance may exceed its part
+    size = MeshErrorModel.fit(coarse, fine).size_for(MESH_FRACTION * of_mesh)
+    size = floor(100.0 * min(max(size, FINEST * fine.size_mm), coarse.size_mm)) / 100.0
+    return Plan(
+        requested=requested,
         size_mm=config.mesh.size_mm if config.size_is_given else size,
         size_was_given=config.size_is_given,
         formulation=FORMULATION,
         grading=GRADING,
-        newton_tolerance=min(1e-4, OF_NEWTON * asked),
+        newton_tolerance=min(1e-4, NEWTON_FRACTION * requested),
         contact_dhat_mm=distance,
-        pilots=pilots,
+        pilots=(coarse, fine),
         pilots_kPa=config.pressures_kPa[0],
-        believed_of_contact=of_contact,
+        estimated_of_contact=of_contact,
     )
 
 
-def _pilot(config: Config, size: float) -> dict[str, Any]:
-    """Size, degrees of freedom, numbers and indicator of II and III at the lowest pressure of the run."""
+def _pilot(config: Config, size: float) -> Pilot:
+    """II and III at the lowest pressure of the run on a coarse mesh."""
     config = replace(config, mesh=replace(config.mesh, size_mm=size))
-    found = measure(Rung(mesh_choice(config), size, config))
-    if not found["numbers"]:
-        raise RunFailed(f"the pilot with a mesh of {size:.3g} mm gave no numbers: {found['failure']}; give mesh.size")
-    return {
-        "size_mm": size,
-        "degrees_of_freedom": found["degrees_of_freedom"],
-        "cpu_seconds": found["cpu_seconds"],
-        **_solved(found["numbers"][0]),
-    }
+    result = measure(Rung(mesh_series(config), size, config))
+    if result.cost is None or not result.numbers:
+        raise RunFailed(f"the pilot with a mesh of {size:.3g} mm gave no numbers: {result.failure}; give mesh.size")
+    solved = SolvedMesh.of(result.numbers[0])
+    return Pilot(size, result.cost.degrees_of_freedom, result.cost.cpu_seconds, solved)
 
 
-def _solved(numbers: Mapping[str, Any]) -> dict[str, Any]:
-    """What the law of the mesh needs of one mesh."""
-    headline = {key: numbers[key] for key in HEADLINE}
-    return {"numbers": headline, **{key: numbers[key] for key in ("alpha2_std_N_mm2", "stress_error")}}
-
-
-def _contact(config: Config, asked: float) -> tuple[float | None, float]:
-    """The activation distance (mm) that leaves `asked` of relative error, and what it leaves; as given where it is."""
-    usual = Scene.meshed(replace(config, contact_dhat_mm=None)).activation_distance
-    if usual is None:
+def _contact(config: Config, allowed: float) -> tuple[float | None, float]:
+    """The activation distance (mm) with an error of `allowed` at most, unless one is given, and its relative error."""
+    default = Scene.meshed(replace(config, contact_dhat_mm=None)).activation_distance
+    if default is None:
         return None, 0.0
-    gap = usual / fem.ACTIVATION
-    distance = config.contact_dhat_mm or min(usual, gap * max(asked / PER_DISTANCE, CLOSEST))
-    return distance, PER_DISTANCE * distance / gap
+    gap = default / fem.ACTIVATION
+    distance = config.contact_dhat_mm or min(default, gap * max(allowed / ERROR_PER_DISTANCE, MIN_DISTANCE))
+    return distance, ERROR_PER_DISTANCE * distance / gap

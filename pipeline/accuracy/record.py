@@ -1,143 +1,222 @@
-"""The content of accuracy.json: what each rung cost, and how far its numbers are from those of the finest solution."""
+"""The result of the convergence study: references, and per configuration its cost and its errors against them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, mesh_choice
-from pipeline.accuracy.reference import HEADLINE, NUMBERS, errors, headline, limit, pareto_front, shifted
+from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, mesh_series
+from pipeline.accuracy.reference import (
+    SCALARS,
+    Errors,
+    Reference,
+    References,
+    largest_error,
+    limit,
+    pareto_front,
+    without_contact_distance,
+)
+from pipeline.accuracy.result import RodNumbers, RungResult
 from pipeline.config.config import Config
 from pipeline.config.schema import FORMULATIONS
 from pipeline.errors import RunFailed
+from pipeline.store.formats import FORMAT
+from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
 
-AXES = ("x", "y")
-
-#: the numbers whose meaning hangs on whether the law has one slope or two
+#: the numbers whose meaning depends on whether the law has one slope or two
 OF_THE_LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm")
+#: the element whose limit is the reference
+REFERENCE_ELEMENT = next(name for name in ("mixed", "p2p0") if name in FORMULATIONS)
 
-Found = Mapping[str, Any]  #: what `rung_measured.measure` found
-Numbers = Mapping[str, Any]  #: of that, what belongs to one pressure
-
-#: the elements whose limit is the reference
-SUREST = next(name for name in ("mixed", "p2p0") if name in FORMULATIONS)
+#: numbers of a mesh with its degrees of freedom, or with its contact distance (mm)
+Located = tuple[float, RodNumbers]
 
 
-def accuracy_record(config: Config, rungs: Sequence[tuple[Rung, Found]], touching_mm: float | None) -> dict[str, Any]:
-    """The content of accuracy.json. Raises RunFailed where there is nothing to hold the rungs against."""
-    references = {pressure: _references(config, rungs, pressure, touching_mm) for pressure in config.pressures_kPa}
-    lacking = [f"{pressure:g} kPa" for pressure, found in references.items() if found["force_N"] is None]
+@dataclass(frozen=True)
+class StudyRow:
+    """One configuration: what varies, numbers and cost, and errors."""
+
+    series: str
+    value: float | None  #: what varies along the series; None for a thinned curve without numbers
+    result: RungResult  #: with the numbers of one stride
+    errors: tuple[Errors, ...]  #: at the pressures that were reached
+    largest_error: float | None  #: None where a pressure was not reached
+    on_front: bool = False  #: no other configuration is both cheaper and more accurate
+
+    @property
+    def point(self) -> tuple[float, float] | None:
+        """CPU seconds and largest error; None where one is missing."""
+        if self.result.cost is None or self.largest_error is None:
+            return None
+        return self.result.cost.cpu_seconds, self.largest_error
+
+    def record(self) -> JsonObject:
+        """As in accuracy.json."""
+        result = self.result.record()
+        numbers = result.pop("numbers")
+        return {
+            "series": self.series,
+            "value": self.value,
+            **result,
+            "headline": self.largest_error,
+            "errors": [{"pressure_kPa": errors.pressure_kPa, **errors.by_name} for errors in self.errors],
+            "numbers": numbers,
+            "on_front": self.on_front,
+        }
+
+    @staticmethod
+    def read(record: Mapping[str, Any]) -> "StudyRow":
+        """From accuracy.json."""
+        errors = [{**row} for row in record["errors"]]
+        return StudyRow(
+            record["series"],
+            record["value"],
+            RungResult.read(record),
+            tuple(Errors(row.pop("pressure_kPa"), row) for row in errors),
+            record["headline"],
+            record["on_front"],
+        )
+
+
+@dataclass(frozen=True)
+class ConvergenceStudy:
+    """The content of accuracy.json."""
+
+    name: str  #: of the configuration
+    config_hash: str
+    references: tuple[References, ...]  #: by pressure
+    rows: tuple[StudyRow, ...]
+    about: Mapping[str, object] = field(repr=False)  #: configuration, provenance and what is configured, as JSON
+
+    @property
+    def reference_error(self) -> float:
+        """The largest relative standard deviation of the reference."""
+        return max(references.relative_std for references in self.references)
+
+    def record(self) -> JsonObject:
+        """The content of accuracy.json."""
+        return {
+            **self.about,
+            "reference": [references.record() for references in self.references],
+            "reference_error": self.reference_error,
+            "rungs": [row.record() for row in self.rows],
+        }
+
+    @staticmethod
+    def read(record: Mapping[str, Any]) -> "ConvergenceStudy":
+        """From accuracy.json."""
+        return ConvergenceStudy(
+            record["config"]["name"],
+            record["config_hash"],
+            tuple(References.read(row) for row in record["reference"]),
+            tuple(StudyRow.read(row) for row in record["rungs"]),
+            {name: value for name, value in record.items() if name not in ("reference", "reference_error", "rungs")},
+        )
+
+
+def convergence_study(
+    config: Config, rungs: Sequence[tuple[Rung, RungResult]], contact_mm: float | None
+) -> ConvergenceStudy:
+    """References and errors from the results of all rungs; contact_mm as in `ladder`.
+
+    Raises RunFailed where too few rungs reached a pressure to extrapolate from.
+    """
+    references = {pressure: _references(config, rungs, pressure, contact_mm) for pressure in config.pressures_kPa}
+    lacking = [f"{pressure:g} kPa" for pressure, known in references.items() if known.numbers["force_N"] is None]
     if lacking:
         raise RunFailed(f"too few rungs reached {', '.join(lacking)} to extrapolate from; choose lower pressures")
-    rows = [row for rung, found in rungs for row in _rows(config, rung, found, references)]
-    ranked = [row for row in rows if row["headline"] is not None]
-    front = pareto_front([(row["cpu_seconds"], row["headline"]) for row in ranked])
-    for row in rows:
-        row["on_front"] = any(row is ranked[index] for index in front)
-    return {
+    rows = [row for rung, result in rungs for row in _rows(config, rung, result, references)]
+    points = {number: row.point for number, row in enumerate(rows) if row.point is not None}
+    front = {list(points)[index] for index in pareto_front(list(points.values()))}
+    about = {
+        "format": FORMAT,
         "config": config.record(),
         "config_hash": config.hash,
         **provenance(),
         "pressures_kPa": list(config.pressures_kPa),
-        "as_configured": {"choice": mesh_choice(config), "size_mm": config.mesh.size_mm, "contact_mm": touching_mm},
-        "reference": [{"pressure_kPa": pressure, **_written(found)} for pressure, found in references.items()],
-        "reference_error": max(one[key].relative for one in references.values() for key in HEADLINE if one[key]),
-        "rungs": rows,
+        "as_configured": {"series": mesh_series(config), "size_mm": config.mesh.size_mm, "contact_mm": contact_mm},
     }
+    marked = tuple(replace(row, on_front=number in front) for number, row in enumerate(rows))
+    return ConvergenceStudy(config.name, config.hash, tuple(references.values()), marked, about)
 
 
 def _references(
-    config: Config, rungs: Sequence[tuple[Rung, Found]], pressure: float, touching_mm: float | None
-) -> dict[str, Any]:
-    """What each number is held against at one pressure: a Reference, two of them for the end, or None."""
-    lines: dict[str, list[tuple[float, Numbers]]] = {}
-    distances: list[tuple[float, Numbers]] = []
-    for rung, found in rungs:
-        numbers = next((one for one in found["numbers"] if (one["pressure_kPa"], one["stride"]) == (pressure, 1)), None)
+    config: Config, rungs: Sequence[tuple[Rung, RungResult]], pressure: float, contact_mm: float | None
+) -> References:
+    """The references at one pressure, from the series of the reference element and those of the contact distance."""
+    series: dict[str, list[Located]] = {}
+    distances: list[Located] = []
+    for rung, result in rungs:
+        numbers = result.at(pressure)
         if numbers is None:
             continue
-        if rung.is_mesh and rung.config.mesh.formulation == SUREST:
-            lines.setdefault(rung.choice, []).append((found["degrees_of_freedom"], numbers))
-        if touching_mm is not None and rung.config.mesh == config.mesh and rung.choice != TOLERANCE:
-            distances.append((rung.value if rung.choice == CONTACT else touching_mm, numbers))
-    return {key: _reference(key, list(lines.values()), distances, touching_mm) for key in NUMBERS}
+        if rung.is_mesh and rung.config.mesh.formulation == REFERENCE_ELEMENT and result.cost is not None:
+            series.setdefault(rung.series, []).append((result.cost.degrees_of_freedom, numbers))
+        if contact_mm is not None and rung.config.mesh == config.mesh and rung.series != TOLERANCE:
+            distances.append((rung.value if rung.series == CONTACT else contact_mm, numbers))
+    meshes = list(series.values())
+    scalars = {name: _scalar_reference(name, meshes, distances, contact_mm) for name in SCALARS}
+    x, y = (_reference(_axis(meshes, i), _axis([distances], i)[0], contact_mm) for i in (0, 1))
+    return References(pressure, scalars, None if x is None or y is None else (x, y))
+
+
+def _scalar_reference(
+    name: str, meshes: Sequence[Sequence[Located]], distances: Sequence[Located], contact_mm: float | None
+) -> Reference | None:
+    if name in OF_THE_LAW:
+        two_lines = _most_have_two_lines(meshes)
+        meshes = [[mesh for mesh in series if mesh[1].has_two_lines == two_lines] for series in meshes]
+        distances = [mesh for mesh in distances if mesh[1].has_two_lines == two_lines]
+    return _reference([_values(name, series) for series in meshes], _values(name, distances), contact_mm)
 
 
 def _reference(
-    key: str,
-    lines: Sequence[Sequence[tuple[float, Numbers]]],
-    distances: Sequence[tuple[float, Numbers]],
-    touching_mm: float | None,
-) -> Any:
-    if key == "end_mm":
-        ends = [
-            _reference(axis, _of_end(lines, i), _of_end([distances], i)[0], touching_mm) for i, axis in enumerate(AXES)
-        ]
-        return None if None in ends else ends
-    if key in OF_THE_LAW:
-        slopes = _slopes(lines)
-        lines = [[rung for rung in line if _two_slopes(rung) == slopes] for line in lines]
-        distances = [rung for rung in distances if _two_slopes(rung) == slopes]
-    known = [[(n, numbers[key]) for n, numbers in line if numbers[key] is not None] for line in lines]
-    found = limit(known)
-    steps = [(mm, numbers[key]) for mm, numbers in distances if numbers[key] is not None]
-    if found is None or touching_mm is None or len(steps) < 2 or touching_mm not in dict(steps):
-        return found
-    return shifted(found, steps, touching_mm)
+    meshes: Sequence[Sequence[tuple[float, float]]],
+    distances: Sequence[tuple[float, float]],
+    contact_mm: float | None,
+) -> Reference | None:
+    """The limit over the meshes, less the effect of the contact distance where it was varied."""
+    reference = limit(meshes)
+    if reference is None or contact_mm is None or len(distances) < 2 or contact_mm not in dict(distances):
+        return reference
+    return without_contact_distance(reference, distances, contact_mm)
 
 
-def _two_slopes(rung: tuple[float, Numbers]) -> bool:
-    return rung[1]["d_mm"] is not None
+def _values(name: str, meshes: Sequence[Located]) -> list[tuple[float, float]]:
+    return [(at, value) for at, numbers in meshes if (value := getattr(numbers, name)) is not None]
 
 
-def _slopes(lines: Sequence[Sequence[tuple[float, Numbers]]]) -> bool:
-    """Whether most rungs of the lines found two slopes; the finest decides where as many found one. The rigidity of one
-    line and that of two are different numbers, so only the others of its kind say something about one."""
-    rungs = sorted((rung for line in lines for rung in line), key=lambda rung: rung[0])
-    votes = sum(1 if _two_slopes(rung) else -1 for rung in rungs)
-    return votes > 0 or (votes == 0 and bool(rungs) and _two_slopes(rungs[-1]))
+def _axis(series: Sequence[Sequence[Located]], axis: int) -> list[list[tuple[float, float]]]:
+    """The series with one coordinate of the end as their number."""
+    return [[(at, numbers.end_mm[axis]) for at, numbers in meshes] for meshes in series]
 
 
-def _rows(
-    config: Config, rung: Rung, found: Found, references: Mapping[float, Mapping[str, Any]]
-) -> list[dict[str, Any]]:
-    """One row of a rung, and one more for every way of thinning its curve."""
+def _most_have_two_lines(meshes: Sequence[Sequence[Located]]) -> bool:
+    """Whether most meshes gave a law of two lines; the finest decides a tie.
+
+    The rigidity of a single line and those of two are different numbers, so a number is extrapolated from meshes with
+    the same law only.
+    """
+    by_size = sorted((mesh for series in meshes for mesh in series), key=lambda mesh: mesh[0])
+    votes = sum(1 if numbers.has_two_lines else -1 for _, numbers in by_size)
+    return votes > 0 or (votes == 0 and bool(by_size) and by_size[-1][1].has_two_lines)
+
+
+def _rows(config: Config, rung: Rung, result: RungResult, references: Mapping[float, References]) -> list[StudyRow]:
+    """One row per rung, and one for every stride of its material curve."""
     rows = []
-    measured = {key: value for key, value in found.items() if key not in ("numbers", "key")}
     for stride in rung.strides:
-        numbers = [one for one in found["numbers"] if one["stride"] == stride]
-        against = [
-            {
-                "pressure_kPa": one["pressure_kPa"],
-                **errors(one, references[one["pressure_kPa"]], config.design.length),
-            }
-            for one in numbers
-        ]
-        thinned = {"choice": POINTS, "value": min((one["points"] for one in numbers), default=None)}
+        numbers = result.of_stride(stride)
+        errors = tuple(
+            Errors.of(at_pressure, references[at_pressure.pressure_kPa], config.design.length)
+            for at_pressure in numbers
+        )
+        points = min((at_pressure.points for at_pressure in numbers), default=None)
+        series, value = (rung.series, rung.value) if stride == 1 else (POINTS, points)
+        complete = len(numbers) == len(config.pressures_kPa)
         rows.append(
-            {
-                "choice": rung.choice,
-                "value": rung.value,
-                **(thinned if stride > 1 else {}),
-                **measured,
-                "headline": headline(against) if len(numbers) == len(config.pressures_kPa) else None,
-                "errors": against,
-                "numbers": numbers,
-            }
+            StudyRow(
+                series, value, replace(result, numbers=numbers), errors, largest_error(errors) if complete else None
+            )
         )
     return rows
-
-
-def _of_end(lines: Any, axis: int) -> Any:
-    """The lines with one coordinate of the end as their number."""
-    return [[(n, {AXES[axis]: numbers["end_mm"][axis]}) for n, numbers in line] for line in lines]
-
-
-def _written(found: Mapping[str, Any]) -> dict[str, Any]:
-    written: dict[str, Any] = {}
-    for key, one in found.items():
-        if key == "end_mm":
-            written[key] = one and [asdict(axis) for axis in one]
-        else:
-            written[key] = one and asdict(one)
-    return written

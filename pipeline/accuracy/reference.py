@@ -1,17 +1,19 @@
-"""From the rungs of the ladder to errors: the reference they are held against, and which of them nothing beats.
+"""The reference of every number of the convergence study, and the errors against it.
 
 The reference of a number is its limit on the finest meshes, extrapolated over the degrees of freedom n as n^(-1/3)
-(`pipeline.richardson`), plus what the contact distance still adds to it, which is extrapolated to zero on one mesh.
+(`pipeline.richardson`), less the effect of the contact distance, which is extrapolated to zero on one mesh.
 """
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
+from pipeline.accuracy.result import HEADLINE, RodNumbers
 from pipeline.richardson import extrapolated
+from pipeline.store.json_values import JsonObject
 
-#: key of a number that users take home -> how it is called
+#: name of a number -> its symbol
 NUMBERS = {
     "kappa_0_per_mm": "κ₀(l/2)",
     "alpha1_N_mm2": "α₁",
@@ -20,18 +22,18 @@ NUMBERS = {
     "force_N": "F",
     "end_mm": "end",
 }
-#: the numbers of which the largest error counts
-HEADLINE = ("kappa_0_per_mm", "alpha2_N_mm2", "force_N")
+#: the position of the end, whose reference has two coordinates
+END = "end_mm"
+#: the numbers that are plain numbers
+SCALARS = tuple(name for name in NUMBERS if name != END)
 
-#: relative deviation that a limit has at least, so that lines without scatter can be weighed
-LEAST = 1e-9
-
-Numbers = Mapping[str, Any]
+#: smallest relative standard deviation of a limit, so that series without scatter can be weighted
+MIN_STD = 1e-9
 
 
 @dataclass(frozen=True)
 class Reference:
-    """What a number is held against."""
+    """The limit of a number."""
 
     value: float
     std: float  #: standard deviation of value
@@ -42,62 +44,95 @@ class Reference:
         return abs(self.std / self.value)
 
 
-def limit(lines: Sequence[Sequence[tuple[float, float]]]) -> Reference | None:
-    """The value for infinitely many degrees of freedom, from lines of (degrees of freedom, value).
+@dataclass(frozen=True)
+class References:
+    """The references of all numbers at one pressure; None where too few rungs have a number."""
 
-    Every line with two or more rungs gives a limit; they are averaged by the inverse of their variances, and their
-    spread around that mean adds to its deviation, for a line can be surer of itself than it may be. None without one.
-    """
-    found = []
-    for line in lines:
-        by_size = dict(line)
-        if len(by_size) >= 2:
-            one = extrapolated([n ** (-1 / 3) for n in by_size], list(by_size.values()))
-            found.append((one.limit_std, one.limit))
-    if not found:
-        return None
-    weights = [1.0 / (std**2 + (LEAST * value) ** 2) for std, value in found]
-    mean = sum(weight * value for weight, (_, value) in zip(weights, found, strict=True)) / sum(weights)
-    spread = sum(w * (value - mean) ** 2 for w, (_, value) in zip(weights, found, strict=True)) / sum(weights)
-    return Reference(mean, math.sqrt(1.0 / sum(weights) + spread))
+    pressure_kPa: float
+    numbers: Mapping[str, Reference | None]  #: by the names of `SCALARS`
+    end: tuple[Reference, Reference] | None  #: x and y of the end in II, mm
 
+    @property
+    def relative_std(self) -> float:
+        """The largest relative standard deviation of the headline numbers."""
+        known = [reference for name in HEADLINE if (reference := self.numbers[name])]
+        return max((reference.relative for reference in known), default=0.0)
 
-def shifted(reference: Reference, distances: Sequence[tuple[float, float]], configured: float) -> Reference:
-    """The reference less what the contact distance adds at the configured one (mm), from (distance, value) of one mesh.
+    def record(self) -> JsonObject:
+        """As in accuracy.json."""
+        scalars = {name: reference and asdict(reference) for name, reference in self.numbers.items()}
+        return {"pressure_kPa": self.pressure_kPa, **scalars, END: self.end and [asdict(axis) for axis in self.end]}
 
-    Raises RodError where the configured distance is the only one.
-    """
-    to_zero = extrapolated([mm for mm, _ in distances], [value for _, value in distances])
-    at_it = next(value for mm, value in distances if mm == configured)
-    return Reference(reference.value + to_zero.limit - at_it, math.hypot(reference.std, to_zero.limit_std))
+    @staticmethod
+    def read(record: Mapping[str, Any]) -> "References":
+        """From accuracy.json."""
+        end = record[END] and tuple(Reference(**axis) for axis in record[END])
+        scalars = {name: record[name] and Reference(**record[name]) for name in SCALARS}
+        return References(record["pressure_kPa"], scalars, end)
 
 
-def errors(numbers: Numbers, reference: Mapping[str, Any], length: float) -> dict[str, float | None]:
-    """Relative errors of the numbers at one pressure; that of the end is its distance over the length (mm) of the arm.
+@dataclass(frozen=True)
+class Errors:
+    """Relative errors at one pressure; None where a number or its reference is missing."""
 
-    None where there is no number or no reference.
-    """
-    found: dict[str, float | None] = {}
-    for key in NUMBERS:
-        value, exact = numbers.get(key), reference.get(key)
-        if value is None or exact is None:
-            found[key] = None
-        elif key == "end_mm":
-            found[key] = math.dist(value, [one.value for one in exact]) / length
-        else:
-            found[key] = value / exact.value - 1.0
-    return found
+    pressure_kPa: float
+    by_name: Mapping[str, float | None]  #: by the names of `NUMBERS`
+
+    @staticmethod
+    def of(numbers: RodNumbers, references: References, length: float) -> "Errors":
+        """Errors of the numbers; that of the end is its distance from the reference over `length` (mm) of the arm."""
+        errors: dict[str, float | None] = {}
+        for name in SCALARS:
+            value, reference = getattr(numbers, name), references.numbers[name]
+            errors[name] = None if value is None or reference is None else value / reference.value - 1.0
+        end = references.end
+        errors[END] = end and math.dist(numbers.end_mm, [axis.value for axis in end]) / length
+        return Errors(numbers.pressure_kPa, errors)
 
 
-def headline(found: Sequence[Mapping[str, float | None]]) -> float | None:
+def largest_error(errors: Sequence[Errors]) -> float | None:
     """The largest error of kappa_0(l/2), alpha2 and F over all pressures; None where one of them is missing."""
-    sizes = [one[key] for one in found for key in HEADLINE]
+    sizes = [at_pressure.by_name[name] for at_pressure in errors for name in HEADLINE]
     known = [abs(size) for size in sizes if size is not None]
     return max(known) if known and len(known) == len(sizes) else None
 
 
+def limit(series: Sequence[Sequence[tuple[float, float]]]) -> Reference | None:
+    """The value for infinitely many degrees of freedom, from series of (degrees of freedom, value).
+
+    Every series with two or more meshes gives a limit; they are averaged by the inverse of their variances, and their
+    spread around the mean adds to its variance, for the error of a single series can be underestimated. None without
+    one.
+    """
+    limits = []
+    for meshes in series:
+        by_size = dict(meshes)
+        if len(by_size) >= 2:
+            single = extrapolated([n ** (-1 / 3) for n in by_size], list(by_size.values()))
+            limits.append((single.limit_std, single.limit))
+    if not limits:
+        return None
+    weights = [1.0 / (std**2 + (MIN_STD * value) ** 2) for std, value in limits]
+    mean = sum(weight * value for weight, (_, value) in zip(weights, limits, strict=True)) / sum(weights)
+    spread = sum(w * (value - mean) ** 2 for w, (_, value) in zip(weights, limits, strict=True)) / sum(weights)
+    return Reference(mean, math.sqrt(1.0 / sum(weights) + spread))
+
+
+def without_contact_distance(
+    reference: Reference, distances: Sequence[tuple[float, float]], configured: float
+) -> Reference:
+    """The reference less the effect of the configured contact distance (mm), from (distance, value) on one mesh.
+
+    Raises RodError where the configured distance is the only one.
+    """
+    to_zero = extrapolated([mm for mm, _ in distances], [value for _, value in distances])
+    at_configured = next(value for mm, value in distances if mm == configured)
+    value = reference.value + to_zero.limit - at_configured
+    return Reference(value, math.hypot(reference.std, to_zero.limit_std))
+
+
 def pareto_front(points: Sequence[tuple[float, float]]) -> list[int]:
-    """Indices, by cost, of the points (cost, error) that no other beats in one and equals or beats in the other."""
+    """Indices, by cost, of the points (cost, error) that no other point dominates in both."""
     front: list[int] = []
     for index in sorted(range(len(points)), key=lambda i: points[i]):
         if not front or points[index][1] < points[front[-1]][1]:

@@ -1,41 +1,55 @@
-"""What accuracy costs: the ladder of meshes, elements and tolerances, each rung with its seconds and its error."""
+"""The convergence study: error against seconds over meshes, elements, tolerances and contact distances."""
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from pipeline.accuracy.figure import html_page, svg_picture
 from pipeline.accuracy.ladder import Rung, ladder
-from pipeline.accuracy.measure import measured_apart
-from pipeline.accuracy.record import accuracy_record
+from pipeline.accuracy.measure import measure
+from pipeline.accuracy.record import ConvergenceStudy, convergence_study
+from pipeline.accuracy.result import RungResult
 from pipeline.config.config import Config
 from pipeline.progress import Progress
 from pipeline.simulation.scene import Scene
-from pipeline.store.store import open_store
+from pipeline.store.store import Store, open_store
+from pipeline.study import Study
 
 
-def climb(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> dict[str, Any]:
-    """Measure every rung that `out` does not hold yet; the content of `out`/accuracy.json.
+def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> ConvergenceStudy:
+    """Measure every rung that `out` does not hold yet; writes accuracy.json, .html and .svg.
 
     Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed where too few
-    rungs were reached to hold the others against.
+    rungs reached a pressure to extrapolate from.
     """
     with open_store(out, config, fresh=fresh) as store:
-        touching = Scene.meshed(config).activation_distance
-        rungs = ladder(config, touching)
-        files = {rung.folder: f"rungs/{rung.folder}.json" for rung in rungs}
-        found = {name: store.read_json(file) for name, file in files.items()}
-        missing = [rung for rung in rungs if (found[rung.folder] or {}).get("key") != store.numbers_key]
-        progress.stage(f"ladder: {len(rungs)} rungs, {len(missing)} of them to be measured")
+        contact_mm = Scene.meshed(config).activation_distance
+        rungs = Study(ladder(config, contact_mm), measure, _Rungs(store, progress))
+        progress.stage(f"{len(rungs.cases)} configurations, {len(rungs.missing())} of them to be measured")
+        study = convergence_study(config, rungs.run_in_processes(jobs), contact_mm)
+        store.save_json("accuracy.json", study.record())
+        store.save_text("accuracy.html", html_page(study))
+        store.save_text("accuracy.svg", svg_picture(study))
+    return study
 
-        def keep(rung: Rung, measured: dict[str, Any]) -> None:
-            found[rung.folder] = {"key": store.numbers_key, **measured}
-            store.save_json(files[rung.folder], found[rung.folder])
-            said = f"{measured['cpu_seconds']:.0f} s of CPU" if "cpu_seconds" in measured else measured["failure"]
-            progress.stage(f"{rung.choice} {rung.value:g}: {said}")
 
-        measured_apart(missing, jobs, keep)
-        record = accuracy_record(config, [(rung, found[rung.folder]) for rung in rungs], touching)
-        store.save_json("accuracy.json", record)
-        store.save_text("accuracy.html", html_page(record))
-        store.save_text("accuracy.svg", svg_picture(record))
-    return record
+@dataclass(frozen=True)
+class _Rungs:
+    """Results of rungs in the result folder, valid for the sources that measured them."""
+
+    store: Store
+    progress: Progress
+
+    def read(self, rung: Rung) -> RungResult | None:
+        """The result that `save` kept, None where there is none from these sources."""
+        kept = self.store.read_json(_file(rung))
+        return RungResult.read(kept) if kept is not None and kept["key"] == self.store.numbers_key else None
+
+    def save(self, rung: Rung, result: RungResult) -> None:
+        """Keep a result and report it."""
+        self.store.save_json(_file(rung), {"key": self.store.numbers_key, **result.record()})
+        outcome = result.failure if result.cost is None else f"{result.cost.cpu_seconds:.0f} s of CPU"
+        self.progress.stage(f"{rung.series} {rung.value:g}: {outcome}")
+
+
+def _file(rung: Rung) -> str:
+    return f"rungs/{rung.folder}.json"

@@ -6,7 +6,7 @@ from typing import Any
 CONVERGED, NOT_CONVERGED = "converged", "not converged"
 #: number of the present set of keys, written as `format` to parameters.json; files without it are of format 1
 FORMAT = 2
-#: keys of format 1 -> keys of format 2 (parameters.json, validation.json, effects_table.json)
+#: keys of format 1 -> keys of format 2 (parameters.json, validation.json, effects_table.json, run.json, accuracy.json)
 RENAMED = {
     "sixth_number": "eccentricity",
     "one_line_suffices": "single_line_suffices",
@@ -17,6 +17,11 @@ RENAMED = {
     "sampled_moment_N_mm": "moment_range_N_mm",
     "distance_over_length_with_sixth_number": "distance_over_length_with_eccentricity",
     "force_error_with_sixth_number": "force_error_with_eccentricity",
+    "believed": "estimated",
+    "believed_error": "estimated_error",
+    "believed_of_contact": "estimated_of_contact",
+    "asked": "requested",
+    "choice": "series",
 }
 
 

@@ -1,0 +1,59 @@
+"""A study: one measurement of many cases, each result kept as soon as it is there.
+
+The convergence study, the study of effects and the benchmarks are studies; they differ in their cases, in what is
+measured, and in where results are kept.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+from pipeline.processes import process_pool
+
+Case = TypeVar("Case")
+Result = TypeVar("Result")
+Given = TypeVar("Given", contravariant=True)
+
+
+class Record(Protocol[Given, Result]):
+    """Where the results of a study are kept."""
+
+    def read(self, case: Given) -> Result | None:
+        """The result of an earlier run that is still valid, or None."""
+
+    def save(self, case: Given, result: Result) -> None:
+        """Keep a result."""
+
+
+@dataclass(frozen=True)
+class Study(Generic[Case, Result]):
+    """Cases, what is measured on each, and where results are kept."""
+
+    cases: Sequence[Case]
+    measure: Callable[[Case], Result]  #: a module's function where it runs in worker processes
+    record: Record[Case, Result]
+
+    def missing(self) -> list[Case]:
+        """The cases without a result in the record."""
+        return [case for case in self.cases if self.record.read(case) is None]
+
+    def run(self) -> Iterator[tuple[Case, Result]]:
+        """Cases with their results, in order; what is missing is measured in this process."""
+        for case in self.cases:
+            result = self.record.read(case)
+            if result is None:
+                result = self.measure(case)
+                self.record.save(case, result)
+            yield case, result
+
+    def run_in_processes(self, jobs: int) -> list[tuple[Case, Result]]:
+        """All cases with their results; each missing one is measured in a process of its own with one thread, `jobs`
+        at a time, so that processes share neither memory nor warm caches."""
+        missing = self.missing()
+        if missing:
+            with process_pool(jobs, 1, max_tasks_per_child=1) as pool:
+                cases = {pool.submit(self.measure, case): case for case in missing}
+                for future in as_completed(cases):
+                    self.record.save(cases[future], future.result())
+        return list(self.run())
