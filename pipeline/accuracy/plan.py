@@ -138,7 +138,7 @@ class Plan:
             "estimated": before.estimated,
             "estimated_error": before.largest,
             "identification": before.identification,
-            "after": review and {**asdict(review), "estimated_error": review.largest},
+            "after": {**asdict(review), "estimated_error": review.largest} if review else None,
             "sentence": self.sentence(review),
         }
 

@@ -52,15 +52,12 @@ class StudyRow:
 
     def record(self) -> JsonObject:
         """As in accuracy.json."""
-        result = self.result.record()
-        numbers = result.pop("numbers")
         return {
             "series": self.series,
             "value": self.value,
-            **result,
+            **self.result.record(),
             "headline": self.largest_error,
             "errors": [{"pressure_kPa": errors.pressure_kPa, **errors.by_name} for errors in self.errors],
-            "numbers": numbers,
             "on_front": self.on_front,
         }
 
@@ -86,7 +83,7 @@ class ConvergenceStudy:
     config_hash: str
     references: tuple[References, ...]  #: by pressure
     rows: tuple[StudyRow, ...]
-    about: Mapping[str, object] = field(repr=False)  #: configuration, provenance and what is configured, as JSON
+    about: JsonObject = field(repr=False)  #: configuration, provenance and what is configured, as JSON
 
     @property
     def reference_error(self) -> float:

@@ -60,8 +60,9 @@ class References:
 
     def record(self) -> JsonObject:
         """As in accuracy.json."""
-        scalars = {name: reference and asdict(reference) for name, reference in self.numbers.items()}
-        return {"pressure_kPa": self.pressure_kPa, **scalars, END: self.end and [asdict(axis) for axis in self.end]}
+        scalars = {name: asdict(reference) if reference else None for name, reference in self.numbers.items()}
+        end = [asdict(axis) for axis in self.end] if self.end else None
+        return {"pressure_kPa": self.pressure_kPa, **scalars, END: end}
 
     @staticmethod
     def read(record: Mapping[str, Any]) -> "References":
