@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from geometry.body import Body
 from geometry.grading import OFF, Grading
 from geometry.mesh import Mesh
+from geometry.meshing.mirror import Repetition
 
 #: Largest number of elements that is meshed: more do not fit into the memory of a workstation.
 MOST_TETS = 3_000_000
@@ -94,20 +95,51 @@ class Design(ABC):
 
 
 class SymmetricDesign(Design):
-    """A design that is symmetric about z = 0, so that only z >= 0 is meshed. A family defines `half_mesh`."""
+    """A design that is symmetric about z = 0, so that only z >= 0 is meshed, and repeats a cell that is symmetric about
+    its own middle. A family defines `repetition`."""
 
     @abstractmethod
-    def half_mesh(self, size: float, grading: Grading) -> Mesh:
-        """Mesh of the half z >= 0 with elements of at most `size` mm, a size that `check_size` accepts."""
+    def repetition(self, size: float, grading: Grading) -> Repetition:
+        """The end piece and the half cell, z >= 0, with elements of at most `size` mm, a size that `check_size`
+        accepts."""
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
         """The meshed half z >= 0; `size` is the largest element edge that Gmsh aims at, mm.
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """
+        return self._body(self._checked_repetition(size, grading).mesh(), self.length)
+
+    def half_cell(self, size: float, grading: Grading = OFF) -> Body:
+        """The half z >= 0 of half a cell between two planes of mirror symmetry, which are its faces `clamp` and `tip`.
+
+        Raises `DesignError` for a body without an inner cell, and as `body` does.
+        """
+        repetition = self._checked_repetition(size, grading)
+        if not repetition.half_cells:
+            raise DesignError(
+                "chambers" if hasattr(self, "chambers") else "length",
+                "the body has no inner cell: it needs two cells at least",
+            )
+        return self._body(repetition.half_cell(), repetition.half_pitch)
+
+    def end_piece(self, half_cells: int, size: float, grading: Grading = OFF) -> Body:
+        """The half z >= 0 of one end of the body with `half_cells` half cells; its face `tip` is a plane of mirror
+        symmetry.
+
+        Raises `DesignError` as `half_cell` does, and ValueError for more half cells than the body has.
+        """
+        repetition = self._checked_repetition(size, grading)
+        if not 0 <= half_cells <= repetition.half_cells:
+            raise ValueError(f"half_cells = {half_cells}: the body has {repetition.half_cells}")
+        return self._body(repetition.end_piece(half_cells), repetition.middle + half_cells * repetition.half_pitch)
+
+    def _checked_repetition(self, size: float, grading: Grading) -> Repetition:
         check_size(size, self.extent, self.solid_volume / 2)
-        mesh = self.half_mesh(size, grading)
-        return Body(mesh, self.family, self.length, self.pitch, self.curve_y, True, self.cavities)
+        return self.repetition(size, grading)
+
+    def _body(self, mesh: Mesh, length: float) -> Body:
+        return Body(mesh, self.family, length, self.pitch, self.curve_y, True, self.cavities)
 
 
 def expected_tets(size: float, extent: Sequence[float], volume: float) -> float:

@@ -8,8 +8,7 @@ from typing import ClassVar, final
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.families.semicircular_single import nominal_cells
 from geometry.grading import Grading
-from geometry.mesh import Mesh
-from geometry.meshing.mirror import repeat
+from geometry.meshing.mirror import Repetition
 from geometry.meshing.solid import RoundBar, Solid, mesh_solid
 
 
@@ -65,7 +64,7 @@ class BisectedCircle(SymmetricDesign):
         volume = segment * (self.length - 2 * self.end_wall)
         return {"cavity": volume, "cavity_lower": volume}
 
-    def half_mesh(self, size: float, grading: Grading) -> Mesh:
+    def repetition(self, size: float, grading: Grading) -> Repetition:
         count, pitch = nominal_cells(self.length - 2 * self.end_wall, self.radius)
         middle = self.end_wall + pitch / 2
         edge = middle + pitch / 2
@@ -75,7 +74,7 @@ class BisectedCircle(SymmetricDesign):
             material["cell"] = self._halves(middle, edge, self.radius, 0)
             hollow.append(self._halves(middle, edge, self.radius - self.wall, self.divider / 2))
         air = {name: [halves[k][0] for halves in hollow] for k, name in enumerate(self.cavities)}
-        return repeat(mesh_solid(Solid(material, air), size, grading), middle, edge, 2 * (count - 1))
+        return Repetition(mesh_solid(Solid(material, air), size, grading), middle, edge, 2 * (count - 1))
 
     @staticmethod
     def _halves(start: float, stop: float, radius: float, height: float) -> list[list[RoundBar]]:

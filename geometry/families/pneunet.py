@@ -6,8 +6,7 @@ from typing import ClassVar, final
 
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.grading import Grading
-from geometry.mesh import Mesh
-from geometry.meshing.mirror import repeat
+from geometry.meshing.mirror import Repetition
 from geometry.meshing.solid import Box, Solid, mesh_solid
 
 
@@ -80,10 +79,10 @@ class PneuNet(SymmetricDesign):
         channels = (self.chambers - 1) * (self.gap + 2 * self.wall) * self.channel**2
         return {"cavity": cavities + channels}
 
-    def half_mesh(self, size: float, grading: Grading) -> Mesh:
+    def repetition(self, size: float, grading: Grading) -> Repetition:
         middle = self.gap + self.chamber_length / 2
         edge = 1.5 * self.gap + self.chamber_length
-        return repeat(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
+        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
         """The end piece and the half cell that are repeated.

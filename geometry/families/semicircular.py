@@ -7,8 +7,7 @@ from typing import ClassVar, final
 
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.grading import Grading
-from geometry.mesh import Mesh
-from geometry.meshing.mirror import repeat
+from geometry.meshing.mirror import Repetition
 from geometry.meshing.solid import Box, RoundBar, Shape, Solid, mesh_solid
 
 
@@ -70,10 +69,10 @@ class Semicircular(SymmetricDesign):
         cavities = self.chambers * self.chamber_length * pi / 2 * (self.radius - self.wall) ** 2
         return {"cavity": cavities + (self.chambers - 1) * self.partition * self.channel**2}
 
-    def half_mesh(self, size: float, grading: Grading) -> Mesh:
+    def repetition(self, size: float, grading: Grading) -> Repetition:
         middle = self.end_wall + self.chamber_length / 2
         edge = middle + self.pitch / 2
-        return repeat(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
+        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
         """The end piece and the half cell that are repeated.

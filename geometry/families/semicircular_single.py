@@ -8,8 +8,7 @@ from typing import ClassVar, final
 from geometry.design import SymmetricDesign, check_less, check_numbers
 from geometry.families.semicircular import cavity, dome
 from geometry.grading import Grading
-from geometry.mesh import Mesh
-from geometry.meshing.mirror import repeat, slices
+from geometry.meshing.mirror import Repetition, slices
 from geometry.meshing.solid import Solid, mesh_solid
 
 
@@ -56,7 +55,7 @@ class SemicircularSingle(SymmetricDesign):
     def cavity_volumes(self) -> Mapping[str, float]:
         return {"cavity": pi / 2 * (self.radius - self.wall) ** 2 * (self.length - 2 * self.end_wall)}
 
-    def half_mesh(self, size: float, grading: Grading) -> Mesh:
+    def repetition(self, size: float, grading: Grading) -> Repetition:
         count, pitch = nominal_cells(self.length - 2 * self.end_wall, self.radius)
         middle = self.end_wall + pitch / 2
         edge = middle + pitch / 2
@@ -66,7 +65,7 @@ class SemicircularSingle(SymmetricDesign):
         if count > 1:
             material["cell"] = dome(middle, edge, self.radius, self.base)
             hollow.append(cavity(middle, edge, inner, self.base))
-        return repeat(mesh_solid(Solid(material, {"cavity": hollow}), size, grading), middle, edge, 2 * (count - 1))
+        return Repetition(mesh_solid(Solid(material, {"cavity": hollow}), size, grading), middle, edge, 2 * (count - 1))
 
 
 def nominal_cells(cavity_length: float, radius: float) -> tuple[int, float]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import final
 
 import numpy as np
 
@@ -21,49 +22,95 @@ class _Region:
     original: Index  #: (n,) number of each point in the meshed solid
 
 
-def repeat(solid: SolidMesh, middle: float, edge: float, half_cells: int) -> Mesh:
-    """The body made of `end`, `half_cells` times `cell` and `end` again, each the mirror image of its neighbour.
+@final
+@dataclass(frozen=True)
+class Repetition:
+    """A meshed end piece and a meshed half cell, of which a body is put together as mirror images.
 
     `solid` holds the regions `end` (x from 0 to `middle`) and, unless half_cells is 0, `cell` (x from `middle` to
     `edge`), which share the vertices of the plane x = middle (mm). Because each copy touches only its own mirror image,
     neighbours share their vertices by number and no coordinates have to be compared. Raises `ValueError` when
     half_cells is odd or negative.
-    Boundary faces: the walls of the solid's air by their names, `clamp` (x = 0), `tip` (the far end), `sym` (z = 0),
-    and `outer` for all others.
+    Boundary faces of what is put together: the walls of the solid's air by their names, `clamp` (x = 0), `tip` (the far
+    end), `sym` (z = 0), and `outer` for all others.
     """
-    if half_cells % 2 or half_cells < 0:
-        raise ValueError(f"the number of half cells must be even, not {half_cells}")
-    end = _cut(solid, "end")
-    length = 2 * middle + half_cells * (edge - middle)
-    points, tets = [end.points], [end.tets]
-    walls = {name: [triangles] for name, triangles in end.walls.items()}
-    count = len(end.points)
-    latest = np.full(len(solid.points), -1)  # point numbers of the latest copy, by point of the meshed solid
-    latest[end.original] = np.arange(count)
-    copies = [(end, -1)]
-    if half_cells:
-        cell = _cut(solid, "cell")
-        copies = [(cell, k) for k in range(half_cells)] + copies
-    for region, k in copies:
-        interface = edge if k % 2 and k >= 0 else middle  # where this copy touches the one before it
-        new = np.abs(region.points[:, 0] - interface) > 1e-9 * length
-        numbers = latest[region.original]
-        numbers[new] = count + np.arange(new.sum())
-        count += int(new.sum())
-        latest[region.original] = numbers
-        points.append(_copied(region.points[new], k, middle, edge, length))
-        tets.append(numbers[region.tets])
-        for name, triangles in region.walls.items():
-            walls[name].append(numbers[triangles])
-    planes = {"clamp": (0, 0.0), "tip": (0, length), "sym": (2, 0.0)}
-    joined = {name: np.vstack(triangles) for name, triangles in walls.items()}
-    return name_faces(np.vstack(points), np.vstack(tets), joined, planes)
+
+    solid: SolidMesh
+    middle: float  #: where the end piece ends, mm
+    edge: float  #: where the half cell ends, mm
+    half_cells: int  #: between the two end pieces of the body
+
+    def __post_init__(self) -> None:
+        if self.half_cells % 2 or self.half_cells < 0:
+            raise ValueError(f"the number of half cells must be even, not {self.half_cells}")
+
+    @property
+    def length(self) -> float:
+        """Length of the body, mm."""
+        return 2 * self.middle + self.half_cells * self.half_pitch
+
+    @property
+    def half_pitch(self) -> float:
+        """Length of the half cell, mm."""
+        return self.edge - self.middle
+
+    def mesh(self) -> Mesh:
+        """The body: `end`, `half_cells` times `cell`, and `end` again."""
+        return self._joined(self.half_cells, self.length, far_end=True)
+
+    def end_piece(self, half_cells: int) -> Mesh:
+        """The end piece with that many half cells; its face `tip` is the mirror plane at their far end."""
+        return self._joined(half_cells, self.middle + half_cells * self.half_pitch, far_end=False)
+
+    def half_cell(self) -> Mesh:
+        """The half cell from x = 0 to x = half_pitch, both of which are mirror planes of the body: the faces `clamp`
+        and `tip`."""
+        cell = _cut(self.solid, "cell")
+        points = cell.points - np.array([self.middle, 0.0, 0.0])
+        points[:, 0] = _snapped(points[:, 0], (0.0, self.half_pitch))
+        return name_faces(points, cell.tets, cell.walls, _planes(self.half_pitch))
+
+    def _joined(self, half_cells: int, length: float, far_end: bool) -> Mesh:
+        end = _cut(self.solid, "end")
+        points, tets = [end.points], [end.tets]
+        walls = {name: [triangles] for name, triangles in end.walls.items()}
+        count = len(end.points)
+        latest = np.full(len(self.solid.points), -1)  # point numbers of the latest copy, by point of the meshed solid
+        latest[end.original] = np.arange(count)
+        copies = [(end, -1)] if far_end else []
+        if half_cells:
+            cell = _cut(self.solid, "cell")
+            copies = [(cell, k) for k in range(half_cells)] + copies
+        for region, k in copies:
+            interface = self.edge if k % 2 and k >= 0 else self.middle  # where this copy touches the one before it
+            new = np.abs(region.points[:, 0] - interface) > 1e-9 * length
+            numbers = latest[region.original]
+            numbers[new] = count + np.arange(new.sum())
+            count += int(new.sum())
+            latest[region.original] = numbers
+            points.append(_copied(region.points[new], k, self.middle, self.edge, length))
+            tets.append(numbers[region.tets])
+            for name, triangles in region.walls.items():
+                walls[name].append(numbers[triangles])
+        joined = {name: np.vstack(triangles) for name, triangles in walls.items()}
+        return name_faces(np.vstack(points), np.vstack(tets), joined, _planes(length))
 
 
 def slices(length: float, nominal: float) -> tuple[int, float]:
     """Number and length (mm) of the equal slices of `length` that are closest to `nominal` (mm)."""
     count = max(1, round(length / nominal))
     return count, length / count
+
+
+def _planes(length: float) -> dict[str, tuple[int, float]]:
+    return {"clamp": (0, 0.0), "tip": (0, length), "sym": (2, 0.0)}
+
+
+def _snapped(x: Array, planes: tuple[float, ...]) -> Array:
+    """x (n,) with those within rounding of a plane exactly on it."""
+    for plane in planes:
+        x = np.where(np.abs(x - plane) < 1e-9 * max(planes), plane, x)
+    return x
 
 
 def _copied(points: Array, k: int, middle: float, edge: float, length: float) -> Array:

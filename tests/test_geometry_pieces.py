@@ -1,0 +1,45 @@
+"""The half cell and the end pieces of a body: the same elements as in the body itself, between mirror planes."""
+
+import numpy as np
+import pytest
+
+from geometry import BisectedCircle, DesignError, PneuNet, Semicircular, SemicircularSingle
+from geometry.design import SymmetricDesign
+
+DESIGNS = (PneuNet(), Semicircular(), SemicircularSingle(), BisectedCircle())
+
+
+@pytest.mark.parametrize("design", DESIGNS, ids=lambda design: design.family)
+def test_pieces_add_up_to_the_body(design: SymmetricDesign) -> None:
+    body, cell = design.body(4.0), design.half_cell(4.0)
+    ends = [design.end_piece(count, 4.0) for count in (0, 1, 3)]
+    inner = round((body.length - 2 * ends[0].length) / cell.length)
+    assert cell.length == pytest.approx(design.pitch / 2)
+    assert inner * cell.length + 2 * ends[0].length == pytest.approx(body.length)
+    assert len(body.mesh.tets) == 2 * len(ends[0].mesh.tets) + inner * len(cell.mesh.tets)
+    assert body.mesh.volume == pytest.approx(2 * ends[0].mesh.volume + inner * cell.mesh.volume, rel=1e-12)
+    for count, end in zip((0, 1, 3), ends, strict=True):
+        assert end.length == pytest.approx(ends[0].length + count * cell.length)
+        assert end.mesh.volume == pytest.approx(ends[0].mesh.volume + count * cell.mesh.volume, rel=1e-12)
+
+
+@pytest.mark.parametrize("design", DESIGNS, ids=lambda design: design.family)
+def test_every_vertex_of_an_end_piece_is_one_of_the_body(design: SymmetricDesign) -> None:
+    rows = {tuple(row) for row in np.round(design.body(4.0).mesh.points, 9) + 0.0}
+    piece = {tuple(row) for row in np.round(design.end_piece(3, 4.0).mesh.points, 9) + 0.0}
+    assert piece <= rows
+
+
+@pytest.mark.parametrize("design", DESIGNS, ids=lambda design: design.family)
+def test_planes_of_a_half_cell_lie_exactly_at_its_ends(design: SymmetricDesign) -> None:
+    cell = design.half_cell(4.0)
+    for name, x in (("clamp", 0.0), ("tip", cell.length)):
+        nodes = np.unique(cell.mesh.faces[name])
+        np.testing.assert_array_equal(cell.mesh.points[nodes, 0], x)
+
+
+def test_a_body_without_an_inner_cell_has_no_half_cell() -> None:
+    with pytest.raises(DesignError, match="it needs two cells at least"):
+        PneuNet(chambers=1).half_cell(4.0)
+    with pytest.raises(ValueError, match="the body has 2"):
+        PneuNet(chambers=2).end_piece(3, 4.0)
