@@ -5,14 +5,15 @@ from rod.curves.closure import Closure, end_displacement_closure
 from rod.curves.curve import Curvature, Moment, moment_from_load, without_stretch
 from rod.curves.extension import Extension, extension
 from rod.curves.gaussian_process import Smoothing, gaussian_process, shared_smoothing
-from rod.curves.uncertainty import Interval
+from rod.curves.uncertainty import Bootstrap, Interval
 from rod.export.formats import EXPORTS, Arm, export
 from rod.identification.alternatives import Candidate, Observation, compare_laws, simplest
+from rod.identification.estimate import Estimate
 from rod.identification.moment_range import MomentRange
-from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, profile_over_break, rest_curvature
+from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, rest_curvature
 from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, shortest_break
-from rod.law import FiveParameters, RodError
+from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod, RodSolution
 from rod.pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
@@ -20,10 +21,13 @@ from rod.scaling import Reference, Scaled, scaled
 
 __all__ = [
     "EXPORTS",
+    "PARAMETER_NAMES",
     "Arm",
+    "Bootstrap",
     "Candidate",
     "Closure",
     "Curvature",
+    "Estimate",
     "Extension",
     "FiveParameters",
     "Identification",
@@ -55,7 +59,6 @@ __all__ = [
     "linear_range",
     "moment_from_load",
     "next_pressure",
-    "profile_over_break",
     "rest_curvature",
     "scaled",
     "shared_smoothing",

@@ -25,7 +25,11 @@ from geometry.arrays import Array
 
 
 class RodError(ValueError):
-    """What was asked of the rod cannot be done; the message is one sentence that says why."""
+    """A request to the rod cannot be fulfilled; the message is one sentence that says why."""
+
+
+#: in the order of the fields of `FiveParameters`
+PARAMETER_NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 
 
 @dataclass(frozen=True)

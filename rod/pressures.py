@@ -10,7 +10,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
-from rod.law import FiveParameters, RodError
+from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
 
 #: by name: values and standard deviations, one of each per pressure
@@ -144,8 +144,7 @@ class PressurisedRod:
         def between(a: Any, b: Any) -> Any:
             return (1.0 - t) * a + t * b
 
-        names = ("alpha1", "alpha2", "m01", "m02", "d")
-        law = FiveParameters(*(between(getattr(self.laws[i], n), getattr(self.laws[j], n)) for n in names))
+        law = FiveParameters(*(between(getattr(self.laws[i], n), getattr(self.laws[j], n)) for n in PARAMETER_NAMES))
         longer = None
         if self.extensions:
             a, b = self.extensions[i], self.extensions[j]

@@ -5,6 +5,8 @@ import pytest
 from synthetic_arm import SyntheticArm
 
 from rod import (
+    PARAMETER_NAMES,
+    Bootstrap,
     FiveParameters,
     LoadedShape,
     cell_averaged,
@@ -17,7 +19,6 @@ from rod import (
     without_stretch,
 )
 
-NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 PITCH = 10.0
 
 
@@ -28,18 +29,18 @@ def known(free, loaded, load):
 
 def by_cells(free, loaded, load, seed):
     curvatures = (cell_averaged(c, PITCH) for c in (free, loaded))
-    return identify(*curvatures, *known(free, loaded, load), draws=300, seed=seed)
+    return identify(*curvatures, *known(free, loaded, load), bootstrap=Bootstrap(300, seed))
 
 
 def by_process(free, loaded, load, seed):
     smoothing = shared_smoothing([free, loaded], PITCH)
     curvatures = (gaussian_process(c, smoothing) for c in (free, loaded))
-    return identify(*curvatures, *known(free, loaded, load), draws=300, seed=seed)
+    return identify(*curvatures, *known(free, loaded, load), bootstrap=Bootstrap(300, seed))
 
 
 def by_rod(free, loaded, load, seed):
     start = by_cells(free, loaded, load, seed).law
-    return fit_rod(LoadedShape(free, loaded, load, PITCH), [start], draws=300, seed=seed)
+    return fit_rod(LoadedShape(free, loaded, load, PITCH), [start], bootstrap=Bootstrap(300, seed))
 
 
 def drawn_law(random):
@@ -67,7 +68,7 @@ def coverage(estimate, draws):
             force_noise=1e-3,
         )
         found = estimate(*arm.curves(seed), seed)
-        inside += [getattr(found, n).low <= getattr(arm.law, n) <= getattr(found, n).high for n in NAMES]
+        inside += [getattr(found, n).low <= getattr(arm.law, n) <= getattr(found, n).high for n in PARAMETER_NAMES]
         near += 0.05 <= found.law.d / arm.length <= 0.15
     return inside / draws, near / draws
 
@@ -77,11 +78,11 @@ def coverage(estimate, draws):
 def test_95_percent_intervals_contain_the_truth(estimate):
     inside, near = coverage(estimate, 200)
     assert near > 0.95
-    assert np.all((inside >= 0.90) & (inside <= 0.995)), dict(zip(NAMES, inside, strict=True))
+    assert np.all((inside >= 0.90) & (inside <= 0.995)), dict(zip(PARAMETER_NAMES, inside, strict=True))
 
 
 def test_intervals_of_the_cell_averages_on_few_draws():
     """The quick form of the calibration: 20 draws, of which the binomial law lets a true 95 % lose at most four."""
     inside, near = coverage(by_cells, 20)
     assert near > 0.9
-    assert np.all(inside >= 0.8), dict(zip(NAMES, inside, strict=True))
+    assert np.all(inside >= 0.8), dict(zip(PARAMETER_NAMES, inside, strict=True))

@@ -7,6 +7,7 @@ from synthetic_arm import SyntheticArm
 
 from geometry import Centreline
 from rod import (
+    Bootstrap,
     FiveParameters,
     Load,
     Rod,
@@ -55,8 +56,8 @@ def test_the_closed_numbers_predict_the_force(phase):
     arm = SyntheticArm(STEP, ripple=0.2, compliance_ripple=0.5, phase=phase, node_spacing=0.5)
     free, loaded, load = arm.curves()
     data = cell_averaged(free, 10.0), cell_averaged(loaded, 10.0), moment_from_load(without_stretch(loaded), load)
-    open_end = identify(*data, draws=10).law
-    closed = identify(*data, end_displacement_closure(free, loaded, load), draws=10).law
+    open_end = identify(*data, bootstrap=Bootstrap(10)).law
+    closed = identify(*data, end_displacement_closure(free, loaded, load), bootstrap=Bootstrap(10)).law
     errors = [abs(rods_force(free, loaded, law) / load.force[1] - 1.0) for law in (open_end, closed)]
     assert errors[1] < max(0.5 * errors[0], 0.015)
 

@@ -8,6 +8,8 @@ from scipy.interpolate import CubicSpline
 from synthetic_arm import SyntheticArm
 
 from rod import (
+    PARAMETER_NAMES,
+    Bootstrap,
     Curvature,
     FiveParameters,
     Moment,
@@ -26,7 +28,6 @@ MEETING = FiveParameters(55.0, 400.0, -5.2, 0.1, 14.0)
 #: a soft first cell, both lines through the origin
 STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
 ONE = FiveParameters(200.0, 200.0, 0.0, 0.0, 11.0)
-NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 
 
 def by_cells(arm, seed=0):
@@ -51,8 +52,8 @@ def test_round_trip_from_the_rod_itself(law):
     free, bent = (
         Curvature.at_points(s, k, length=112.0, pitch=10.0, theta=0 * s) for k in (np.full(len(s), 0.03), loaded)
     )
-    found = identify(free, bent, Moment(shape.s, shape.moment), draws=20)
-    for name in NAMES:
+    found = identify(free, bent, Moment(shape.s, shape.moment), bootstrap=Bootstrap(20))
+    for name in PARAMETER_NAMES:
         scale = abs(shape.moment[0]) if name.startswith("m0") else getattr(law, name)
         assert abs(getattr(found.law, name) - getattr(law, name)) < 1e-4 * scale, name
     assert found.two_lines
@@ -60,7 +61,7 @@ def test_round_trip_from_the_rod_itself(law):
 
 @pytest.mark.parametrize("law", [MEETING, STEP])
 def test_cells_find_the_numbers_behind_a_wiggle(law):
-    found = identify(*by_cells(SyntheticArm(law, ripple=0.25, node_spacing=0.5)), draws=50)
+    found = identify(*by_cells(SyntheticArm(law, ripple=0.25, node_spacing=0.5)), bootstrap=Bootstrap(50))
     assert found.two_lines
     assert found.law.d == pytest.approx(law.d, abs=0.05)
     assert found.law.alpha2 == pytest.approx(law.alpha2, rel=1e-3)
@@ -71,11 +72,11 @@ def test_cells_find_the_numbers_behind_a_wiggle(law):
 @pytest.mark.parametrize("law", [MEETING, STEP])
 def test_two_lines_are_found_with_their_break_at_the_soft_cell(data, law):
     arm = SyntheticArm(law, ripple=0.2, compliance_ripple=0.1, phase=0.7, noise=0.003)
-    found = identify(*data(arm), draws=100)
+    found = identify(*data(arm), bootstrap=Bootstrap(100))
     assert found.two_lines
     assert 0.05 <= found.law.d / arm.length <= 0.15
     assert found.law.alpha2 == pytest.approx(law.alpha2, rel=0.03)
-    for name in NAMES:
+    for name in PARAMETER_NAMES:
         number = getattr(found, name)
         assert number.low <= number.value <= number.high, name
 
@@ -83,7 +84,7 @@ def test_two_lines_are_found_with_their_break_at_the_soft_cell(data, law):
 @pytest.mark.parametrize("data", [by_cells, by_process])
 def test_one_line_is_found_where_there_is_one(data):
     arm = SyntheticArm(ONE, ripple=0.2, compliance_ripple=0.15, phase=0.7, noise=0.003)
-    found = identify(*data(arm), draws=100)
+    found = identify(*data(arm), bootstrap=Bootstrap(100))
     assert not found.two_lines
     assert found.single_line.alpha.value == pytest.approx(200.0, rel=0.02)
     if data is by_cells:
@@ -96,30 +97,33 @@ def test_nearly_one_line_stays_one_line():
     free, loaded, moment = by_cells(arm)
     rising = 1.0 - 0.03 * loaded.s / arm.length
     bent = dataclasses.replace(loaded, kappa=free.kappa + (loaded.kappa - free.kappa) * rising)
-    found = identify(free, bent, moment, draws=50)
+    found = identify(free, bent, moment, bootstrap=Bootstrap(50))
     assert found.single_line.r2 > 0.999
     assert not found.two_lines
 
 
 def test_profile_over_d_is_kept_and_lowest_at_d():
-    found = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), draws=20)
+    found = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), bootstrap=Bootstrap(20))
     lowest = found.profile[np.argmin(found.profile[:, 1]), 0]
     assert lowest == pytest.approx(found.law.d, abs=found.profile[1, 0] - found.profile[0, 0])
     assert found.profile[0, 0] == pytest.approx(0.05 * 112.0)
-    narrow = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), breaks=(0.2, 0.3), draws=20)
+    narrow = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), breaks=(0.2, 0.3), bootstrap=Bootstrap(20))
     assert 0.2 <= narrow.law.d / 112.0 <= 0.3
 
 
 def test_same_seed_same_intervals():
     data = by_cells(SyntheticArm(STEP, noise=0.003))
-    first, again, other = (identify(*data, draws=40, seed=k).alpha2 for k in (1, 1, 2))
+    first, again, other = (identify(*data, bootstrap=Bootstrap(40, k)).alpha2 for k in (1, 1, 2))
     assert first == again
     assert first.value == other.value
     assert first.low != other.low
 
 
 def test_more_noise_more_uncertainty():
-    stds = [identify(*by_cells(SyntheticArm(STEP, noise=n)), draws=100).alpha2.std for n in (0.001, 0.004, 0.016)]
+    stds = [
+        identify(*by_cells(SyntheticArm(STEP, noise=n)), bootstrap=Bootstrap(100)).alpha2.std
+        for n in (0.001, 0.004, 0.016)
+    ]
     assert stds[0] < stds[1] < stds[2]
 
 
@@ -161,6 +165,6 @@ def test_the_range_of_the_break_begins_in_the_first_cell() -> None:
 
 def test_an_arm_of_seven_cells_gives_its_numbers() -> None:
     arm = SyntheticArm(FiveParameters(190.0, 380.0, 0.0, 0.0, 8.0), length=72.0, ripple=0.2, node_spacing=0.5)
-    found = identify(*by_cells(arm), draws=50)
+    found = identify(*by_cells(arm), bootstrap=Bootstrap(50))
     assert found.law.alpha2 == pytest.approx(380.0, rel=0.02)
     assert found.two_lines

@@ -10,6 +10,7 @@ from test_rod_calibration import known
 
 from geometry import Centreline
 from rod import (
+    Bootstrap,
     FiveParameters,
     Identification,
     Load,
@@ -19,7 +20,7 @@ from rod import (
     rest_curvature,
 )
 from rod.curves.curve import chord_angles
-from rod.identification.regression import Seen
+from rod.identification.observed import Observed
 
 #: the arm with one semicircular chamber at 37 kPa, from finite elements (the file's head says what)
 TABLE = np.loadtxt(
@@ -51,7 +52,7 @@ def rough(curve: Centreline, noise: float) -> Centreline:
 def identified(every: int = 1, noise: float = 0.0) -> Identification:
     free, loaded = (rough(thinned(curve, every), noise) for curve in (FREE, LOADED))
     curvatures = (cell_averaged(curve, PITCH) for curve in (free, loaded))
-    return identify(*curvatures, *known(free, loaded, LOAD), draws=100)
+    return identify(*curvatures, *known(free, loaded, LOAD), bootstrap=Bootstrap(100))
 
 
 def rod_of(found: Identification) -> Rod:
@@ -86,19 +87,21 @@ def test_an_arm_that_closes_the_wrong_way_keeps_the_line_of_its_cells() -> None:
     """Where the arm hardly bends the end may move against the moment, within the error of that."""
     moment, moved = known(FREE, LOADED, LOAD)
     wrong = replace(moved, value=-0.3 * moved.value, error=0.1 * abs(moved.value))
-    line = identify(*(cell_averaged(curve, PITCH) for curve in (FREE, LOADED)), moment, wrong, draws=50).single_line
+    line = identify(
+        *(cell_averaged(curve, PITCH) for curve in (FREE, LOADED)), moment, wrong, bootstrap=Bootstrap(50)
+    ).single_line
     assert 1500.0 < line.alpha.value < 10_000.0
     assert line.alpha.low < line.alpha.value < line.alpha.high
 
 
 def test_what_is_rough_in_both_curves_is_no_error_of_their_difference() -> None:
     curvatures = [cell_averaged(curve, PITCH) for curve in (FREE, LOADED)]
-    seen = Seen.of(*curvatures, *known(FREE, LOADED, Load((0.0, FORCE))))
-    assert np.trace(seen.noise) < 0.01 * np.trace(seen.covariance)
+    observed = Observed.of(*curvatures, *known(FREE, LOADED, Load((0.0, FORCE))))
+    assert np.trace(observed.noise) < 0.01 * np.trace(observed.covariance)
     arm = SyntheticArm(FiveParameters(300.0, 300.0, 0.0, 0.0, 11.0), noise=0.005)
     free, loaded, load = arm.curves(0)
-    seen = Seen.of(cell_averaged(free, arm.pitch), cell_averaged(loaded, arm.pitch), *known(free, loaded, load))
-    assert np.trace(seen.noise) == pytest.approx(np.trace(seen.covariance), rel=0.5)
+    observed = Observed.of(cell_averaged(free, arm.pitch), cell_averaged(loaded, arm.pitch), *known(free, loaded, load))
+    assert np.trace(observed.noise) == pytest.approx(np.trace(observed.covariance), rel=0.5)
 
 
 @pytest.mark.parametrize("closed", [True, False])
@@ -121,6 +124,6 @@ def test_intervals_contain_the_truth(offset: float, closed: bool) -> None:
         free, loaded, load = arm.curves(seed)
         moment, moved = known(free, loaded, load)
         curvatures = (cell_averaged(curve, arm.pitch) for curve in (free, loaded))
-        line = identify(*curvatures, moment, moved if closed else None, draws=100, seed=seed).single_line
+        line = identify(*curvatures, moment, moved if closed else None, bootstrap=Bootstrap(100, seed)).single_line
         inside += [line.alpha.low <= alpha <= line.alpha.high, line.m0.low <= m0 <= line.m0.high]
     assert np.all(inside >= 16), inside

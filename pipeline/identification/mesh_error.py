@@ -7,13 +7,13 @@ from dataclasses import replace
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.parameters import NAMES, Parameters, numbers_of_cells
+from pipeline.identification.parameters import Parameters, numbers_of_cells
 from pipeline.richardson import extrapolated
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Record
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
-from rod import Identification, RodError
+from rod import PARAMETER_NAMES, Identification, RodError
 
 
 def with_mesh_error(config: Config, context: RunContext, found: tuple[Parameters, ...]) -> tuple[Parameters, ...]:
@@ -78,6 +78,6 @@ def _numbers(fine: Parameters, free: Record | None, loaded: Record | None) -> di
     except RodError:
         return None
     if fine.by_cells.two_lines:
-        return {name: getattr(found.law, name) for name in NAMES}
+        return {name: getattr(found.law, name) for name in PARAMETER_NAMES}
     alpha, m0 = found.single_line.alpha.value, found.single_line.m0.value
     return {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}

@@ -11,8 +11,10 @@ import numpy as np
 
 from pipeline.simulation.outcome import Outcomes, Record
 from rod import (
+    PARAMETER_NAMES,
     Closure,
     Curvature,
+    Estimate,
     Extension,
     FiveParameters,
     Identification,
@@ -37,7 +39,6 @@ from rod import (
     without_stretch,
 )
 
-NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 #: The estimator whose numbers the rod is given.
 DEFAULT = "cell_averaged"
 
@@ -70,9 +71,9 @@ class Parameters:
     mesh_std: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def estimates(self) -> dict[str, Identification | RodFit]:
+    def estimates(self) -> dict[str, Estimate]:
         """The numbers by the name of their estimator, the default first."""
-        found: dict[str, Identification | RodFit] = {DEFAULT: self.by_cells, "gaussian_process": self.by_process}
+        found: dict[str, Estimate] = {DEFAULT: self.by_cells, "gaussian_process": self.by_process}
         return found if self.by_rod is None else {**found, "rod_fit": self.by_rod}
 
     @property
@@ -118,7 +119,7 @@ class Parameters:
         one = found.single_line
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
         if found.two_lines:
-            return {name: getattr(found, name) for name in NAMES}
+            return {name: getattr(found, name) for name in PARAMETER_NAMES}
         return {"alpha1": one.alpha, "alpha2": one.alpha, "m01": one.m0, "m02": one.m0, "d": d}
 
     def _with_mesh(self, numbers: Mapping[str, Interval]) -> dict[str, Interval]:

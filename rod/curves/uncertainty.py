@@ -1,4 +1,4 @@
-"""Errors of fitted numbers: what noise explains, what misfit adds, and intervals from draws."""
+"""Errors of fitted parameters: noise, misfit, and intervals from a parametric bootstrap."""
 
 import math
 from dataclasses import dataclass
@@ -9,8 +9,20 @@ from geometry.arrays import Array
 
 
 @dataclass(frozen=True)
+class Bootstrap:
+    """A parametric bootstrap: refits to data drawn around the fit with the errors that the fit suggests."""
+
+    draws: int = 400
+    seed: int = 0
+
+    def generator(self) -> np.random.Generator:
+        """A generator that begins with the seed."""
+        return np.random.default_rng(self.seed)
+
+
+@dataclass(frozen=True)
 class Interval:
-    """A number with its error."""
+    """A value with its error, from bootstrap draws."""
 
     value: float
     std: float  #: half the distance of the 16 % and 84 % quantiles of the draws
@@ -18,52 +30,53 @@ class Interval:
     high: float  #: 2.5 % of the draws lie above
 
     def widened(self, std: float) -> "Interval":
-        """With a further error, independent of the one it has."""
+        """The same value with a further, independent error of this standard deviation."""
         further = 1.96 * std
         low, high = (math.hypot(self.value - end, further) for end in (self.low, self.high))
         return Interval(self.value, math.hypot(self.std, std), self.value - low, self.value + high)
 
 
 def interval(value: float, drawn: Array) -> Interval:
-    """A number and its draws as value, standard deviation and 95 % interval."""
+    """A value and bootstrap draws of it, (draws,), as value, standard deviation and 95 % interval."""
     low, below, above, high = np.quantile(drawn, [0.025, 0.1587, 0.8413, 0.975])
-    # a number at a bound of its range may lie beyond all its draws
+    # a value at a bound of its range may lie beyond all its draws
     return Interval(float(value), float(0.5 * (above - below)), float(min(low, value)), float(max(high, value)))
 
 
 def white_noise(response: Array, kappa: Array) -> Array:
     """Covariance of kappa from white sideways noise of the nodes; response (m, n) is kappa by node displacements.
 
-    The variance of the noise is what explains the third differences of kappa along the curve, where a smooth curvature
-    leaves next to nothing.
+    The variance of the noise is that which explains the third differences of kappa along the curve, to which a smooth
+    curvature contributes next to nothing.
     """
-    rough = np.diff(np.eye(len(kappa)), 3, axis=0)
-    seen = rough @ kappa
-    variance = float(seen @ seen) / float(np.sum((rough @ response) ** 2))
+    differences = np.diff(np.eye(len(kappa)), 3, axis=0)
+    rough = differences @ kappa
+    variance = float(rough @ rough) / float(np.sum((differences @ response) ** 2))
     return variance * response @ response.T
 
 
 def misfit_correlation(pitch: float, s: Array) -> Array:
-    """(n, n) correlation of a misfit at the points s (n,) mm: shared within a cell, independent beyond a few."""
+    """(n, n) correlation of a misfit at the points s (n,) mm: high within a cell of `pitch`, none beyond a few."""
     return np.exp(-2.0 * ((s[:, None] - s[None, :]) / pitch) ** 2)
 
 
-def total_covariance(residual: Array, matrix: Array, noise: Array, shared: Array, least: float) -> Array:
-    """(n, n) covariance of noise, plus the misfit that it does not explain, with the correlation `shared`.
+def total_covariance(residual: Array, matrix: Array, noise: Array, correlation: Array, least: float) -> Array:
+    """(n, n) covariance of the noise plus that of the misfit, which the noise does not explain.
 
-    residual (n,) is what a least-squares fit with the columns of matrix (n, k) has left; least: the standard deviation
-    of the misfit that is assumed at the very least. What noise alone leaves in one case of twenty is no misfit.
+    residual (n,): of a least-squares fit with the matrix (n, k); noise (n, n): covariance; correlation (n, n): of the
+    misfit; least: its smallest standard deviation. A residual that noise alone exceeds in one case of twenty is not
+    counted as misfit.
     """
     q, _ = np.linalg.qr(matrix)
 
-    def behind(covariance: Array) -> Array:  # covariance of what is left behind a fit of these columns
+    def of_residual(covariance: Array) -> Array:  # after a fit with this matrix, of data with the covariance
         half = covariance - q @ (q.T @ covariance)
         return half - (half @ q) @ q.T
 
-    rest = behind(noise)
+    rest = of_residual(noise)
     chance = float(np.trace(rest)) + 1.64 * float(np.sqrt(2.0 * np.sum(rest * rest)))
-    excess = max(least**2, (float(residual @ residual) - chance) / float(np.trace(behind(shared))))
-    return noise + excess * shared
+    excess = max(least**2, (float(residual @ residual) - chance) / float(np.trace(of_residual(correlation))))
+    return noise + excess * correlation
 
 
 def effective_observations(error: Array) -> float:
@@ -72,6 +85,6 @@ def effective_observations(error: Array) -> float:
 
 
 def sample_errors(error: Array, draws: int, random: np.random.Generator) -> Array:
-    """(n, draws) errors with the covariance `error`."""
+    """(n, draws) normal errors with the covariance `error` (n, n)."""
     size, vectors = np.linalg.eigh(error)
     return vectors @ (np.sqrt(np.maximum(size, 0.0))[:, None] * random.standard_normal((len(error), draws)))

@@ -1,237 +1,162 @@
-"""Two straight lines through what an estimate of curvature has seen: the regression behind `identify`.
+"""The regression behind `identify`: one or two straight lines through observed Delta, with a prior.
 
-Unknown for a given break d: compliances a_i and offsets b_i of the lines Delta = a_i M - b_i, and two amplitudes of a
-wiggle, Delta times (1 + w_c cos + w_s sin)(2 pi s/p), that a cell may add to its answer. Averaging over whole cells
-removes the wiggle except where d cuts through a cell, and there it would pass for a slope.
+Parameters for a given break d: compliances a_i and offsets b_i of the lines Delta = a_i M - b_i, and the amplitudes of
+a ripple, Delta times (1 + sum of c_k harmonic_k(s)), by which the response of a cell may vary within it. Averaging over
+whole cells removes the ripple except where d cuts through a cell; there it would be taken for a slope.
 
-Within one soft cell M changes little, so that slope and offset of the first line can hardly be told apart. A free
-offset follows the errors there: measured on design (a), it brings alpha_1 to 40-50 N mm2, fits the curve it is fitted
-to, and errs by up to 28 % in the force of the next load. What is known beforehand is that a section without moment
-does not bend: offsets are secants of a curve through the origin. Hence the prior knowledge: offsets b_i of zero within
-0.15 of the largest Delta, wiggles of zero within 0.7. Data that can tell outweigh it.
+Prior: within one soft cell M changes little, so that slope and offset of the first line can hardly be told apart, and a
+free offset follows the errors there (it then fits the curve and fails on the next load by up to 28 % of the force). A
+section without moment does not bend: offsets belong to secants of a curve through the origin. Hence offsets b_i of zero
+within OFFSET of the largest Delta and ripple amplitudes of zero within RIPPLE, as standard deviations. Informative data
+outweigh them.
 
-One more row closes the curve (`closing`): what the lines add up to at the end must be how far the end has moved. It is
-about the lines alone, as a rod without wiggles has them.
+Closure condition: one more row demands that the lines add up to the observed displacement of the end (`rod.curves.
+closure`). It involves the lines alone, for a rod has no ripple.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.optimize import lsq_linear
+from scipy.optimize import lsq_linear, minimize_scalar
 
 from geometry.arrays import Array
-from rod.curves.closure import Closure
-from rod.curves.curve import Curvature, Moment, fine_grid
-from rod.curves.uncertainty import effective_observations, misfit_correlation, total_covariance, white_noise
-from rod.law import RodError
+from rod.curves.uncertainty import effective_observations, misfit_correlation, sample_errors, total_covariance
+from rod.identification.observed import HARMONICS, DesignMatrix, Observed
 
 #: prior standard deviation of an offset, over the largest Delta
 OFFSET = 0.15
-#: prior standard deviation of each amplitude of the wiggle within a cell: gaps bend, chambers hardly do
+#: prior standard deviation of each amplitude of the ripple within a cell: gaps bend, chambers hardly do
 RIPPLE = 0.7
-#: harmonics of the pitch that the wiggle has
-HARMONICS = 2
-#: relative error of Delta below which nothing is believed
+#: relative standard deviation of Delta below which no misfit is resolved
 RESOLUTION_OF_DELTA = 1e-5
-#: the stiffest line that is looked for, over the rigidity of one line for the whole rod
-STIFFEST = 50.0
-
-
-def harmonics(s: Array, pitch: float) -> list[Array]:
-    """cos and sin of every harmonic of the pitch at s, 2 HARMONICS arrays of the shape of s."""
-    angles = [2.0 * np.pi * (k + 1) * s / pitch for k in range(HARMONICS)]
-    return [f(angle) for angle in angles for f in (np.cos, np.sin)]
-
-
-#: share of the moment's range that may be run through backwards
-REVERSAL = 0.05
-
-
-@dataclass(frozen=True)
-class Seen:
-    """Seen Delta, its error, and what the estimate sees of any piecewise law."""
-
-    s: Array  #: (n,) mm
-    delta: Array  #: (n,) 1/mm
-    covariance: Array  #: (n, n) of Delta, as if both curvatures had their errors each for itself
-    noise: Array  #: (n, n) where nodes make it, from Delta alone: what is rough in both curves alike is no error of it
-    length: float  #: mm
-    pitch: float  #: mm
-    running: Array  #: (1 + 2 HARMONICS, n, GRID_CELLS + 1, 2): integrals over sigma of R (M, -1), alone and times waves
-    closing: float  #: how far the end has moved, over the error of that; 0 where it is not known
-    closing_running: (
-        Array  #: (GRID_CELLS + 1, 2): integrals over sigma of the closing's weights times (M, -1), likewise
-    )
-
-    @staticmethod
-    def of(kappa_0: Curvature, kappa: Curvature, moment: Moment, closing: Closure | None) -> "Seen":
-        """What belongs together, checked. Of both resolutions the mean is right to second order in Delta."""
-        if kappa_0.s.shape != kappa.s.shape or np.max(np.abs(kappa_0.s - kappa.s)) > 1e-6 * kappa.length:
-            raise RodError("The intrinsic and the loaded curvature must be given at the same points of the same curve.")
-        length = kappa.length
-        if abs(moment.s[-1] - length) > 1e-6 * length:
-            raise RodError(
-                f"The moment is that of a curve of {moment.s[-1]:g} mm, the curvature of one of {length:g} mm."
-            )
-        if np.ptp(moment.value) == 0.0:
-            raise RodError("The rod carries no moment, or the same everywhere; a rigidity cannot be read from it.")
-        _check_monotone(moment)
-        if np.ptp(kappa.s) < 5.0 * kappa.pitch:
-            raise RodError(
-                f"Five numbers need six cells; this curvature covers {np.ptp(kappa.s) / kappa.pitch + 1:.1f}."
-            )
-        grid, delta = fine_grid(length), kappa.kappa - kappa_0.kappa
-        resolution = 0.5 * (kappa.resolution + kappa_0.resolution)
-        lines = np.column_stack([CubicSpline(moment.s, moment.value)(grid), -np.ones(len(grid))])
-        inside = np.stack([np.ones(len(grid)), *harmonics(grid, kappa.pitch)])
-        seen = resolution[None, :, :, None] * inside[:, None, :, None] * lines[None, None, :, :]
-        closes = np.zeros_like(lines) if closing is None else closing.weights[:, None] * lines / closing.error
-        covariance = kappa.covariance + kappa_0.covariance
-        return Seen(
-            kappa.s,
-            delta,
-            covariance,
-            covariance if kappa.response is None else white_noise(kappa.response, delta),
-            length,
-            kappa.pitch,
-            _running(seen, 2),
-            0.0 if closing is None else closing.value / closing.error,
-            _running(closes, 0),
-        )
-
-    def columns(self, d: float) -> "Columns":
-        """What a_1, b_1, a_2, b_2 bring for a break at d."""
-        return Columns(_parted(self.running, 2, d / self.length), _parted(self.closing_running, 0, d / self.length))
-
-    @property
-    def whole(self) -> "Columns":
-        """The same for one line."""
-        return Columns(self.running[:, :, -1], self.closing_running[-1])
-
-
-@dataclass(frozen=True)
-class Columns:
-    """What the numbers of one or two lines bring."""
-
-    seen: Array  #: (1 + 2 HARMONICS, n, 2 lines): seen Delta by every number, alone and times every wave
-    closing: Array  #: (2 lines,): movement of the end by every number, over its error
-
-
-def _running(parts: Array, axis: int) -> Array:
-    """Sums from the clamp on along the grid on `axis`, from zero."""
-    return np.concatenate([np.zeros_like(parts.take([0], axis)), np.cumsum(parts, axis)], axis)
-
-
-def _parted(running: Array, axis: int, share: float) -> Array:
-    """Columns before and beyond a place (over the length) side by side."""
-    place = share * (running.shape[axis] - 1)
-    left = min(int(place), running.shape[axis] - 2)
-    before, behind = running.take(left, axis), running.take(left + 1, axis)
-    first = before + (place - left) * (behind - before)
-    return np.concatenate([first, running.take(-1, axis) - first], -1)
-
-
-def _check_monotone(moment: Moment) -> None:
-    """Refuse a moment that rises and falls along the curve: then soft and stiff places cannot be told by their load."""
-    steps = np.diff(moment.value) * np.sign(moment.value[-1] - moment.value[0])
-    back = np.minimum(steps, 0.0)
-    if -back.sum() > REVERSAL * np.ptp(moment.value):
-        where = moment.s[:-1][back < 0.0]
-        raise RodError(
-            f"The moment does not fall steadily from one end to the other: it turns back between s = {where[0]:.3g} "
-            f"and {where[-1]:.3g} mm; take a load that bends the whole arm one way."
-        )
+#: largest rigidity of a line, over that of a single line for the whole rod
+MAX_RIGIDITY_RATIO = 50.0
 
 
 @dataclass(frozen=True)
 class Weights:
-    """What one residual weighs against the prior knowledge."""
+    """What the data weigh against the prior, and the errors from which that follows."""
 
-    data: float  #: square root of effective observations per point, over the residual's standard deviation
+    data: float  #: mm, square root of the effective observations per point, over the standard deviation of the error
     offset: float  #: 1/mm, prior standard deviation of b_i
-    closing: float  #: how far the end has moved, over the error of that; 0 where it is not known
-
-
-def weighed(
-    seen: Seen, covariance: Array, offset: float, closing: float, best: Callable[[Weights], "Fit"]
-) -> tuple[Weights, Array]:
-    """Weights of the data and covariance of their errors for a law, from its best fit with next to no prior knowledge.
-
-    covariance (n, n): of the noise; offset: over the largest Delta; closing: as in `Weights`. What the law cannot
-    explain counts as an error.
-    """
-    offset *= float(np.abs(seen.delta).max())
-    least = RESOLUTION_OF_DELTA * math.sqrt(float(np.mean(seen.delta**2)))
-    fit = best(Weights(1.0 / least, offset, closing))
-    error = total_covariance(
-        seen.delta - fit.fitted, fit.matrix, covariance, misfit_correlation(seen.pitch, seen.s), least
-    )
-    deviation = math.sqrt(float(np.trace(error)) / len(seen.s))
-    return Weights(math.sqrt(effective_observations(error) / len(seen.s)) / deviation, offset, closing), error
+    error: Array  #: (n, n) 1/mm2, covariance of the error of Delta: noise, and misfit that it does not explain
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Numbers a, b of each line and the wiggles; all that sampling needs."""
+    """Parameters a, b of each line and the ripple amplitudes, p = 2 lines + 2 HARMONICS; and how they follow."""
 
-    numbers: Array  #: (2 lines + 2 HARMONICS,)
-    fitted: Array  #: (n,)
-    matrix: Array  #: (n, 2 lines + 2 HARMONICS)
-    known: Array  #: (k, 2 lines + 2 HARMONICS): rows of offsets, wiggles and the closing, each over its deviation
-    solution: Array  #: (2 lines + 2 HARMONICS, n + k): numbers from weighted data and what is known
-    objective: float  #: weighted squares, what is known included
-
-
-def solve(columns: Columns, delta: Array, weights: Weights) -> Fit:
-    """Best numbers for the columns of `Seen.columns` or `Seen.whole`."""
-    seen = columns.seen
-    count = seen.shape[2]
-    known = _known(columns, weights)
-    bare = np.delete(known, slice(count // 2, -1), axis=0)[:, :count]
-    plain_rows = np.vstack([weights.data * seen[0], bare])
-    plain = np.linalg.lstsq(plain_rows, _right(weights, delta, len(bare)), rcond=1e-13)[0]
-    # the wiggle multiplies the lines as they are without it
-    matrix = np.column_stack([seen[0], *(seen[1:] @ plain)])
-    solution = np.linalg.pinv(np.vstack([weights.data * matrix, known]), rcond=1e-13)
-    right = _right(weights, delta, len(known))
-    numbers = solution @ right
-    fitted = matrix @ numbers
-    objective = np.sum((weights.data * (delta - fitted)) ** 2) + np.sum((known @ numbers - right[len(delta) :]) ** 2)
-    return Fit(numbers, fitted, matrix, known, solution, float(objective))
+    d: float | None  #: mm, break; None for a single line
+    parameters: Array  #: (p,)
+    fitted: Array  #: (n,) 1/mm, Delta
+    matrix: Array  #: (n, p), fitted by parameters
+    prior: Array  #: (k, p): rows of offsets, ripple amplitudes and the closure, each over its standard deviation
+    inverse: Array  #: (p, n + k): parameters from weighted data and prior
+    objective: float  #: weighted sum of squares, prior included
 
 
-def stiffened(fit: Fit, delta: Array, weights: Weights, stiffest: float) -> Fit:
-    """The same fit with compliances of at least 1/stiffest (N mm2), where the free fit goes below."""
-    lines = (len(fit.numbers) - 2 * HARMONICS) // 2
-    slopes = np.arange(0, 2 * lines, 2)
-    if np.all(fit.numbers[slopes] >= 1.0 / stiffest):
-        return fit
-    low = np.full(len(fit.numbers), -np.inf)
-    low[slopes] = 1.0 / stiffest
-    rows = np.vstack([weights.data * fit.matrix, fit.known])
-    found = lsq_linear(rows, _right(weights, delta, len(fit.known)), bounds=(low, np.inf), method="bvls")
-    return replace(fit, numbers=found.x, fitted=fit.matrix @ found.x, objective=2.0 * float(found.cost))
+@dataclass(frozen=True)
+class Regression:
+    """Least squares for one or two lines through observed data with given weights."""
+
+    observed: Observed
+    weights: Weights
+    max_rigidity: float = math.inf  #: N mm2, of `bounded`
+
+    @staticmethod
+    def weighted(
+        observed: Observed, noise: Array, offset: float, trial_fit: Callable[["Regression"], Fit]
+    ) -> "Regression":
+        """The regression whose weights follow from the residual of a trial fit that hardly feels the prior.
+
+        noise (n, n): covariance of the noise of Delta; offset: prior standard deviation over the largest Delta;
+        trial_fit: the best fit of the law by a regression. What the law cannot explain counts as an error.
+        """
+        offset *= float(np.abs(observed.delta).max())
+        least = RESOLUTION_OF_DELTA * math.sqrt(float(np.mean(observed.delta**2)))
+        fit = trial_fit(Regression(observed, Weights(1.0 / least, offset, noise)))
+        correlation = misfit_correlation(observed.pitch, observed.s)
+        error = total_covariance(observed.delta - fit.fitted, fit.matrix, noise, correlation, least)
+        deviation = math.sqrt(float(np.trace(error)) / len(observed.s))
+        data = math.sqrt(effective_observations(error) / len(observed.s)) / deviation
+        return Regression(observed, Weights(data, offset, error))
+
+    def solve(self, d: float | None = None) -> Fit:
+        """The best two lines with the break at d (mm); the best single line without d."""
+        delta, weight = self.observed.delta, self.weights.data
+        design = self.observed.single_line if d is None else self.observed.two_lines(d)
+        prior = self._prior(design)
+        count = len(design.closure)
+        prior_of_lines = np.delete(prior, slice(count // 2, -1), axis=0)[:, :count]
+        rows = np.vstack([weight * design.data[0], prior_of_lines])
+        lines = np.linalg.lstsq(rows, self._right(len(prior_of_lines)), rcond=1e-13)[0]
+        # the ripple multiplies the lines as they are without it
+        matrix = np.column_stack([design.data[0], *(design.data[1:] @ lines)])
+        inverse = np.linalg.pinv(np.vstack([weight * matrix, prior]), rcond=1e-13)
+        right = self._right(len(prior))
+        parameters = inverse @ right
+        fitted = matrix @ parameters
+        squares = np.sum((weight * (delta - fitted)) ** 2) + np.sum((prior @ parameters - right[len(delta) :]) ** 2)
+        return Fit(d, parameters, fitted, matrix, prior, inverse, float(squares))
+
+    def bounded(self, d: float) -> Fit:
+        """As `solve` for two lines, with rigidities of at most `max_rigidity` where the free fit exceeds it."""
+        fit, slopes, least = self.solve(d), [0, 2], 1.0 / self.max_rigidity
+        if np.all(fit.parameters[slopes] >= least):
+            return fit
+        low = np.full(len(fit.parameters), -np.inf)
+        low[slopes] = least
+        rows = np.vstack([self.weights.data * fit.matrix, fit.prior])
+        bounded = lsq_linear(rows, self._right(len(fit.prior)), bounds=(low, np.inf), method="bvls")
+        return replace(fit, parameters=bounded.x, fitted=fit.matrix @ bounded.x, objective=2.0 * float(bounded.cost))
+
+    def refine(self, grid: Array, profile: Sequence[Fit]) -> float:
+        """The best break (mm) between the neighbours of the best of the fits on the grid (m,) of breaks."""
+        objective = [fit.objective for fit in profile]
+        best = int(np.argmin(objective))
+        bounds = (grid[max(best - 1, 0)], grid[min(best + 1, len(grid) - 1)])
+        refined = minimize_scalar(
+            lambda d: self.solve(d).objective,
+            bounds=bounds,
+            method="bounded",
+            options={"xatol": 1e-7 * self.observed.length},
+        )
+        return float(refined.x) if refined.fun < objective[best] else float(grid[best])
+
+    def about(self, fit: Fit) -> "Regression":
+        """The same regression with the fitted Delta for its data: what a parametric bootstrap draws around."""
+        return replace(self, observed=replace(self.observed, delta=fit.fitted))
+
+    def _prior(self, design: DesignMatrix) -> Array:
+        """(lines + 2 HARMONICS + 1, 2 lines + 2 HARMONICS): rows of the offsets, the ripple and the closure."""
+        count = len(design.closure)
+        lines = count // 2
+        rows = np.zeros((lines + 2 * HARMONICS + 1, count + 2 * HARMONICS))
+        rows[np.arange(lines), 2 * np.arange(lines) + 1] = 1.0 / self.weights.offset
+        rows[lines:-1, count:] = np.eye(2 * HARMONICS) / RIPPLE
+        rows[-1, :count] = design.closure
+        return rows
+
+    def _right(self, prior_rows: int) -> Array:
+        """(n + prior_rows,) right-hand side: weighted data, then offsets and ripple of zero, then the closure."""
+        return np.concatenate(
+            [self.weights.data * self.observed.delta, np.zeros(prior_rows - 1), [self.observed.closure]]
+        )
 
 
-def explained(seen: Seen, fit: Fit) -> float:
-    """Share of the variance of Delta that a fit explains."""
-    return 1.0 - float(np.sum((seen.delta - fit.fitted) ** 2) / np.sum((seen.delta - seen.delta.mean()) ** 2))
+@dataclass(frozen=True)
+class Resample:
+    """Right-hand sides of a parametric bootstrap, one column per draw."""
 
+    data: Array  #: (n, draws) 1/mm: fitted Delta plus drawn errors
+    prior: Array  #: (k, draws): rows of the prior, drawn around zero; the closure around its fitted value
 
-def _known(columns: Columns, weights: Weights) -> Array:
-    """(lines + 2 HARMONICS + 1, 2 lines + 2 HARMONICS): a row for each offset, each wiggle and the closing."""
-    count = len(columns.closing)
-    lines = count // 2
-    rows = np.zeros((lines + 2 * HARMONICS + 1, count + 2 * HARMONICS))
-    rows[np.arange(lines), 2 * np.arange(lines) + 1] = 1.0 / weights.offset
-    rows[lines:-1, count:] = np.eye(2 * HARMONICS) / RIPPLE
-    rows[-1, :count] = columns.closing
-    return rows
-
-
-def _right(weights: Weights, delta: Array, known: int) -> Array:
-    """Weighted data, then what is known: offsets and wiggles of zero, and the closing."""
-    return np.concatenate([weights.data * delta, np.zeros(known - 1), [weights.closing]])
+    @staticmethod
+    def of(regression: Regression, fit: Fit, draws: int, random: np.random.Generator) -> "Resample":
+        """Draws of the errors of the data, then of the prior."""
+        data = fit.fitted[:, None] + sample_errors(regression.weights.error, draws, random)
+        mean = np.zeros((len(fit.prior), 1))
+        mean[-1] = fit.prior[-1] @ fit.parameters
+        return Resample(data, mean + random.standard_normal((len(mean), draws)))

@@ -1,7 +1,7 @@
 """The numbers whose rod comes closest to the shape and the end force of a loaded arm (paper, Fig. 11).
 
-The rod takes the measured shape of Test II as its rest shape, wiggles included: kappa_0 from node to node. It is held
-as in Test III, and the five numbers (with the wiggles of `lines` and the same weak prior knowledge) are those that
+The rod takes the measured shape of Test II as its rest shape, ripples included: kappa_0 from node to node. It is held
+as in Test III, and the five numbers (with the ripples of `lines` and the same weak prior knowledge) are those that
 minimise
 
     sum |r_rod(s_i) - r(s_i)|^2 n_eff/(n sigma^2)  +  |F_rod - F|^2/(FORCE_ERROR |F|)^2
@@ -24,15 +24,16 @@ from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.curve import Moment, chord_angles, moment_from_load, without_stretch
 from rod.curves.uncertainty import (
-    Interval,
+    Bootstrap,
     effective_observations,
-    interval,
     misfit_correlation,
     sample_errors,
     total_covariance,
 )
-from rod.identification.regression import HARMONICS, OFFSET, RIPPLE, harmonics
-from rod.identification.two_lines import NEAREST, default_breaks
+from rod.identification.estimate import Estimate, intervals, parameters_of_lines
+from rod.identification.observed import HARMONICS, harmonics
+from rod.identification.regression import OFFSET, RIPPLE
+from rod.identification.two_lines import MIN_BREAK, default_breaks
 from rod.law import FiveParameters, RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod, RodSolution
@@ -76,19 +77,12 @@ class LoadedShape:
         return np.column_stack([self.loaded.x, self.loaded.y])
 
 
-@dataclass(frozen=True)
-class RodFit:
-    """The five numbers of the closest rod, their errors, and how close it comes."""
+@dataclass(frozen=True, kw_only=True)
+class RodFit(Estimate):
+    """The five parameters of the closest rod, and how close it comes."""
 
-    law: FiveParameters
-    alpha1: Interval  #: N mm2
-    alpha2: Interval  #: N mm2
-    m01: Interval  #: N mm
-    m02: Interval  #: N mm
-    d: Interval  #: mm
     distance: Array  #: (n,) mm, between rod and shape at the nodes
-    shape_error: float  #: largest distance over the length
-    shape_error_without_stretch: float  #: the same to the shape with its stretch taken out, as the rod is fitted
+    inextensible_distance: Array  #: (n,) mm, to the shape with its stretch taken out, as the rod is fitted
     force_error: float  #: |F_rod - F| / |F|
     objective: float  #: half the weighted squares, prior included
 
@@ -97,7 +91,7 @@ def rest_curvature(free: Centreline) -> tuple[float, Array]:
     """theta (rad) at the clamp, and (n, 2) columns s (mm) and kappa (1/mm) at the nodes of the unloaded shape.
 
     The integral of theta is a cubic spline through the chords, so that a rod with this curvature, straight between
-    nodes, has the chords' directions. It wiggles as the shape does and is noisy if that is; only its integrals matter.
+    nodes, has the chords' directions. It ripples as the shape does and is noisy if that is; only its integrals matter.
     """
     s = free.s - free.s[0]
     integral = CubicSpline(s, np.concatenate([[0.0], np.cumsum(np.diff(s) * chord_angles(free))]))
@@ -109,8 +103,7 @@ def fit_rod(
     starts: Sequence[FiveParameters],
     *,
     breaks: tuple[float, float] | None = None,
-    draws: int = 400,
-    seed: int = 0,
+    bootstrap: Bootstrap = Bootstrap(),  # noqa: B008  a frozen value
 ) -> RodFit:
     """The closest rod, from the best of several starts (the laws that `identify` found).
 
@@ -121,51 +114,38 @@ def fit_rod(
     if not starts:
         raise RodError("Fitting a rod needs a law to start from.")
     still = replace(shape, free=without_stretch(shape.free), loaded=without_stretch(shape.loaded))
-    task = _Task.of(still, breaks, starts)
-    rough = min((task.minimised(task.numbers(start)) for start in starts), key=lambda found: float(found.cost))
+    task = _ShapeFit.of(still, breaks, starts)
+    rough = min((task.minimised(task.unknowns(start)) for start in starts), key=lambda fit: float(fit.cost))
     if rough.cost >= 0.5 * _NO_ROD**2:
         raise RodError("No rod near the laws to start from is in equilibrium under these loads.")
     task = task.weighted(rough)
-    found = task.minimised(rough.x)
-    law = task.law(found.x)
-    sampled = task.sampled(found, draws, np.random.default_rng(seed))
-    best = (law.alpha1, law.alpha2, law.m01, law.m02, law.d)
-    intervals = dict(zip(_NAMES, (interval(v, c) for v, c in zip(best, sampled.T, strict=True)), strict=True))
-    rod = task.solved(found.x)
+    fit = task.minimised(rough.x)
+    law = task.law(fit.x)
+    sampled = task.resampled(fit, bootstrap)
+    rod = task.solved(fit.x)
     inextensible = np.hypot(*(rod.positions(shape.s) - still.points).T)
-    # the same numbers with the end held where it was seen, against the shape as it was seen
-    rod = replace(task, shape=shape).solved(found.x)
+    # the same parameters with the end held where it is with stretch, against the shape with its stretch
+    rod = replace(task, shape=shape).solved(fit.x)
     distance = np.hypot(*(rod.positions(shape.s) - shape.points).T)
     fx, fy = shape.load.force
     off = math.hypot(rod.force[0] - fx, rod.force[1] - fy) / shape.load.force_size
     return RodFit(
-        law,
-        **intervals,
+        law=law,
+        **intervals(law, sampled),
         distance=distance,
-        shape_error=float(distance.max()) / shape.length,
-        shape_error_without_stretch=float(inextensible.max()) / shape.length,
+        inextensible_distance=inextensible,
         force_error=off,
-        objective=float(found.cost),
+        objective=float(fit.cost),
     )
 
 
-def profile_over_break(shape: LoadedShape, start: FiveParameters, breaks: Sequence[float]) -> Array:
-    """(n, 3) d (mm), largest distance over length (without stretch), relative force error of the closest rods."""
-    rows = []
-    for d in breaks:
-        fit = fit_rod(shape, [replace(start, d=d)], breaks=(d / shape.length, d / shape.length), draws=2)
-        rows.append((d, fit.shape_error_without_stretch, fit.force_error))
-    return np.array(rows)
-
-
-_NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 #: residual where there is no equilibrium
 _NO_ROD = 1e6
 
 
 @dataclass(frozen=True)
-class _Task:
-    """Unknowns z: compliances over `compliance`, offsets over `offset`, d over length, wiggles."""
+class _ShapeFit:
+    """Unknowns z: compliances over `compliance`, offsets over `offset`, d over length, ripples."""
 
     shape: LoadedShape
     moment: Moment
@@ -179,18 +159,18 @@ class _Task:
     misfit: Array  #: (n, n) mm2, covariance of what the law leaves, in each coordinate
 
     @staticmethod
-    def of(shape: LoadedShape, breaks: tuple[float, float] | None, starts: Sequence[FiveParameters]) -> "_Task":
+    def of(shape: LoadedShape, breaks: tuple[float, float] | None, starts: Sequence[FiveParameters]) -> "_ShapeFit":
         low, high = breaks or default_breaks(shape.length, shape.pitch)
         if not 0.0 < low <= high < 1.0:
             raise RodError(f"The range of d over the length must lie between 0 and 1; {low:g} ... {high:g} does not.")
         if low < high:
-            low = min(max(low, NEAREST * shape.pitch / shape.length), high)
+            low = min(max(low, MIN_BREAK * shape.pitch / shape.length), high)
         moment = moment_from_load(shape.loaded, shape.load)
         bent = max(float(np.abs(law.deviation(moment.s, moment.value)).max()) for law in starts)
         compliance, offset = 1.0 / starts[0].alpha2, OFFSET * bent
         n = len(shape.s)
         first = (1e-4 * shape.length) ** 2 * misfit_correlation(shape.pitch, shape.s)
-        return _Task(
+        return _ShapeFit(
             shape,
             moment,
             *rest_curvature(shape.free),
@@ -208,20 +188,20 @@ class _Task:
             1 / a1, 1 / a2, z[1] * self.offset / a1, z[3] * self.offset / a2, z[4] * self.shape.length
         )
 
-    def numbers(self, law: FiveParameters) -> Array:
+    def unknowns(self, law: FiveParameters) -> Array:
         a1, a2 = 1.0 / law.alpha1, 1.0 / law.alpha2
         z = [a1 / self.compliance, law.m01 * a1 / self.offset, a2 / self.compliance, law.m02 * a2 / self.offset]
         return np.array([*z, law.d / self.shape.length, *[0.0] * (2 * HARMONICS)])
 
     def solved(self, z: Array) -> RodSolution:
-        """The rod of these numbers, held as the loaded shape is. The wiggle multiplies Delta of the measured moment."""
+        """The rod of these numbers, held as the loaded shape is. The ripple multiplies Delta of the measured moment."""
         law, loaded, near = self.law(z), self.shape.loaded, 1e-7 * self.shape.length
-        # both sides of the break are sampled, so that the wiggle jumps there and not at a node, whatever d is
+        # both sides of the break are sampled, so that the ripple jumps there and not at a node, whatever d is
         nodes = self.shape.s
         s = np.sort(np.append(nodes[np.abs(nodes - law.d) > 2.0 * near], [law.d - near, law.d + near]))
         deviation = law.deviation(s, np.interp(s, self.moment.s, self.moment.value))
-        wiggle = deviation * (z[5:] @ np.array(harmonics(s, self.shape.pitch)))
-        kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + wiggle])
+        ripple = deviation * (z[5:] @ np.array(harmonics(s, self.shape.pitch)))
+        kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + ripple])
         rod = Rod(self.shape.length, kappa_0, law, theta0=self.theta0, start=(float(loaded.x[0]), float(loaded.y[0])))
         return rod.under(self.shape.load, end_y=float(loaded.y[-1]))
 
@@ -242,14 +222,14 @@ class _Task:
         free = np.array([True] * 4 + [self.breaks[0] < self.breaks[1]] + [True] * (2 * HARMONICS))
         fixed = np.where(free, z, low)
 
-        def whole(part: Array) -> Array:
+        def all_unknowns(part: Array) -> Array:
             full = fixed.copy()
             full[free] = part
             return full
 
         inside = np.clip(z, np.where(free, low * (1 + 1e-9), low), np.where(free, high * (1 - 1e-9), high))
-        found = least_squares(
-            lambda part: self.residual(whole(part)),
+        fit = least_squares(
+            lambda part: self.residual(all_unknowns(part)),
             inside[free],
             bounds=(low[free], high[free]),
             diff_step=1e-6,
@@ -258,39 +238,39 @@ class _Task:
             gtol=1e-12,
             max_nfev=60,
         )
-        jac = np.zeros((len(found.fun), len(z)))
-        jac[:, free] = found.jac
-        return OptimizeResult(x=whole(found.x), cost=found.cost, fun=found.fun, jac=jac)
+        jac = np.zeros((len(fit.fun), len(z)))
+        jac[:, free] = fit.jac
+        return OptimizeResult(x=all_unknowns(fit.x), cost=fit.cost, fun=fit.fun, jac=jac)
 
-    def weighted(self, found: OptimizeResult) -> "_Task":
-        """The same task with the weights that its residual suggests."""
+    def weighted(self, fit: OptimizeResult) -> "_ShapeFit":
+        """The same task with the weights that the residual of a fit suggests."""
         n = len(self.shape.s)
-        parts = found.fun[: 2 * n].reshape(2, n) / self.weight
+        parts = fit.fun[: 2 * n].reshape(2, n) / self.weight
         # what a smooth misfit leaves next to nothing of; variance 20 of white noise
         variance = float(np.mean(np.diff(parts, 3, axis=1) ** 2)) / 20.0
-        shared = np.kron(np.eye(2), misfit_correlation(self.shape.pitch, self.shape.s)).astype(float)
+        correlation = np.kron(np.eye(2), misfit_correlation(self.shape.pitch, self.shape.s)).astype(float)
         least = SHAPE_ERROR * self.shape.length
-        error = total_covariance(parts.ravel(), found.jac[: 2 * n], variance * np.eye(2 * n), shared, least)[:n, :n]
+        error = total_covariance(parts.ravel(), fit.jac[: 2 * n], variance * np.eye(2 * n), correlation, least)[:n, :n]
         weight = math.sqrt(effective_observations(error) / n / float(error[0, 0]))
         # across the curve both shapes are noisy, along it only the loaded one
         noise = math.sqrt(variance / 1.5)
         return replace(self, weight=weight, noise=noise, misfit=error - variance * np.eye(n))
 
-    def sampled(self, found: OptimizeResult, draws: int, random: np.random.Generator) -> Array:
-        """(draws, 5) the five numbers under drawn errors of both shapes and of the prior, by the linearised fit."""
-        n = len(self.shape.s)
-        moved = np.empty((len(found.fun), draws))
+    def resampled(self, fit: OptimizeResult, bootstrap: Bootstrap) -> Array:
+        """(draws, 5) the five parameters for drawn errors of both shapes and of the prior, by the linearised fit."""
+        n, draws, random = len(self.shape.s), bootstrap.draws, bootstrap.generator()
+        moved = np.empty((len(fit.fun), draws))
         for k in range(draws):
-            moved[:, k] = self._with_noise(random).residual(found.x) - found.fun
+            moved[:, k] = self._with_noise(random).residual(fit.x) - fit.fun
         for rows in (slice(0, n), slice(n, 2 * n)):
             moved[rows] += self.weight * sample_errors(self.misfit, draws, random)
         moved[2 * n :] += random.standard_normal((len(moved) - 2 * n, draws))
-        z = found.x[:, None] - np.linalg.pinv(found.jac, rcond=1e-12) @ moved
+        z = fit.x[:, None] - np.linalg.pinv(fit.jac, rcond=1e-12) @ moved
         a1, a2 = (np.clip(z[i], *COMPLIANCES) * self.compliance for i in (0, 2))
         d = np.clip(z[4], *self.breaks) * self.shape.length
-        return np.column_stack([1 / a1, 1 / a2, z[1] * self.offset / a1, z[3] * self.offset / a2, d])
+        return parameters_of_lines((a1, a2), (z[1] * self.offset, z[3] * self.offset), d)
 
-    def _with_noise(self, random: np.random.Generator) -> "_Task":
+    def _with_noise(self, random: np.random.Generator) -> "_ShapeFit":
         free, loaded = (
             Centreline(
                 c.s,
