@@ -45,9 +45,9 @@ def tangents(size: float) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray
         return solve(right)
 
     system.solver.factorize, system.solver.solve = keep_values, keep_right  # type: ignore[method-assign]
-    control = LoadControl(system.prescribed(1.0, 1.0), 1.0)
+    control = LoadControl(system.constraints.prescribed(1.0, 1.0), 1.0)
     newton.solve(system, system.terms, system.rest_state(), control, newton.NewtonOptions(), lambda *now: None)
-    return system.pattern.indptr, system.pattern.indices, kept
+    return system.storage.pattern.indptr, system.storage.pattern.indices, kept
 
 
 def product(indptr: np.ndarray, indices: np.ndarray, data: np.ndarray) -> LinearOperator:

@@ -7,10 +7,11 @@ from typing import final
 
 from fem.discretisation import FORMULATIONS, Discretisation
 from fem.effects.effect import Effect
+from fem.equations.constraints import Constraints
 from fem.equations.linear import LinearSolver, available_solver
 from fem.equations.system import System
 from fem.materials.material import Material
-from fem.supports import Constraints, Support
+from fem.supports import Support
 from geometry import Mesh
 
 

@@ -1,6 +1,10 @@
-"""Where the body is held: prescribed displacement components on named faces, common edges or single nodes."""
+"""Supports: linear equations between displacement components on named faces, common edges, lines or single nodes.
 
-from collections.abc import Sequence
+Each support is a value that states its equations for a discretisation; `fem.equations.constraints` solves those of a
+model together.
+"""
+
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import final
 
@@ -8,13 +12,15 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fem.discretisation import Discretisation
-from geometry.arrays import Array, Index, Mask
+from geometry.arrays import Array, Index
 
 COMPONENTS = "xyz"
+#: distance over the size of the body within which a node stands at a position
+NEAR = 1e-6
 
 
 class SupportError(ValueError):
-    """A support that names no node, or components that do not exist."""
+    """A support that names no node or component, or that contradicts another one."""
 
 
 @final
@@ -48,59 +54,152 @@ Where = str | tuple[str, str] | Array | Line
 
 
 @final
-@dataclass(frozen=True)
-class Fixed:
-    """Displacement components held at zero.
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Equations:
+    """k linear equations of a support: sum_t coefficients_t u_t = common s + factor ramped + constant.
 
-    where: a face name, a pair of face names (their common edge), node positions (n, 3) in mm or a line.
+    u_t are displacement components in mm, s is one unknown in mm that the equations have in common, factor is the load
+    factor.
+    """
+
+    components: Index  #: (k, t) displacement components, 3 times the node plus 0, 1 or 2 for x, y or z
+    coefficients: Array  #: (k, t)
+    ramped: Array  #: (k,) right-hand sides that grow with the load factor, mm at factor 1
+    constant: Array  #: (k,) right-hand sides in full from the first target on, mm
+    common: float = 0.0  #: coefficient of the unknown in common; 0 where there is none
+
+    @classmethod
+    def of(cls, components: Index, coefficients: Array, value: Array, ramp: bool, common: float = 0.0) -> "Equations":
+        """Equations with the right-hand sides value (k,), ramped or not; coefficients (k, t) or (t,)."""
+        none = np.zeros_like(value)
+        coefficients = np.array(np.broadcast_to(coefficients, components.shape), dtype=float)
+        return cls(components, coefficients, value if ramp else none, none if ramp else value, common)
+
+
+class Support(ABC):
+    """What restricts the displacement of nodes."""
+
+    where: Where
+
+    @abstractmethod
+    def equations(self, space: Discretisation) -> Equations:
+        """Its equations.
+
+        Raises `SupportError` where it names no node or a component that does not exist, and ValueError for a face that
+        does not exist.
+        """
+
+
+@final
+@dataclass(frozen=True)
+class Fixed(Support):
+    """Displacement components that stay zero.
+
+    where: a face name, a pair of face names (their common edge), node positions (n, 3) in mm or a line. components: one
+    or more of the letters x, y and z.
     """
 
     where: Where
     components: str = "xyz"
 
+    def equations(self, space: Discretisation) -> Equations:
+        """u_i = 0."""
+        components = _components(self.components, nodes_at(self.where, space)).reshape(-1, 1)
+        return Equations.of(components, np.ones(1), np.zeros(components.shape[0]), ramp=False)
+
 
 @final
 @dataclass(frozen=True)
-class Prescribed:
-    """One displacement component given a value in mm at load factor 1; with ramp=False whole from the first step."""
+class Prescribed(Support):
+    """One displacement component with a given value in mm at load factor 1.
+
+    With ramp=False the value is prescribed in full from the first target on.
+    """
 
     where: Where
     component: str
     value: float
     ramp: bool = True
 
-
-Support = Fixed | Prescribed
+    def equations(self, space: Discretisation) -> Equations:
+        """u_i = value."""
+        components = _components(self.component, nodes_at(self.where, space)).reshape(-1, 1)
+        return Equations.of(components, np.ones(1), np.full(components.shape[0], self.value), self.ramp)
 
 
 @final
 @dataclass(frozen=True)
-class Constraints:
-    """All supports of a model, resolved to nodes."""
+class Symmetry(Support):
+    """Nodes that move only within a plane of any direction: their displacement along its normal is prescribed.
 
-    fixed: Mask  #: (n, 3) components that are prescribed
-    ramped: Array  #: (n, 3) prescribed values that grow with the load factor, mm
-    constant: Array  #: (n, 3) prescribed values that are whole from the first step, mm
+    normal: (3,) of any length. offset: displacement along the normal in mm at load factor 1, zero by default; with
+    ramp=False it is prescribed in full from the first target on. Raises `SupportError` for a normal of length zero.
+    """
 
-    @classmethod
-    def of(cls, supports: Sequence[Support], space: Discretisation) -> "Constraints":
-        """Resolve `supports`; raises `SupportError`."""
-        shape = space.points.shape
-        fixed = np.zeros(shape, dtype=bool)
-        ramped, constant = np.zeros(shape), np.zeros(shape)
-        for support in supports:
-            nodes = nodes_at(support.where, space)
-            letters = support.components if isinstance(support, Fixed) else support.component
-            for letter in letters:
-                if letter not in COMPONENTS:
-                    raise SupportError(f"component {letter!r} does not exist; allowed are x, y and z")
-                axis = COMPONENTS.index(letter)
-                fixed[nodes, axis] = True
-                value = support.value if isinstance(support, Prescribed) else 0.0
-                moving = isinstance(support, Prescribed) and support.ramp
-                ramped[nodes, axis] = value if moving else 0.0
-                constant[nodes, axis] = 0.0 if moving else value
-        return cls(fixed, ramped, constant)
+    where: Where
+    normal: tuple[float, float, float]
+    offset: float = 0.0
+    ramp: bool = True
+
+    def equations(self, space: Discretisation) -> Equations:
+        """n . u = offset."""
+        nodes, normal = nodes_at(self.where, space), _unit(self.normal)
+        along = np.abs(normal) > 0.0
+        components = _components("xyz", nodes).reshape(-1, 3)[:, along]
+        return Equations.of(components, normal[along], np.full(nodes.shape[0], self.offset), self.ramp)
+
+
+@final
+@dataclass(frozen=True)
+class SharedPlane(Support):
+    """Nodes that lie in one plane of given normal whose distance from the origin is an unknown of the model.
+
+    The plane takes the position in which the forces along its normal balance: without other loads on it the nodes carry
+    no resultant force along the normal. Positions are x = c n + eta e2 + zeta e3 with a common unknown c. Where the
+    normal is not that of the nodes at rest they are moved into the plane that passes through the mean of their
+    distances, in full from the first target on, or with ramp=True in proportion to the load factor.
+
+    normal: (3,) of any length. Raises `SupportError` for a normal of length zero.
+    """
+
+    where: Where
+    normal: tuple[float, float, float]
+    ramp: bool = False
+
+    def equations(self, space: Discretisation) -> Equations:
+        """n . (X + u) = c with c = s + the mean of n . X."""
+        nodes, normal = nodes_at(self.where, space), _unit(self.normal)
+        distance = space.points[nodes] @ normal
+        components = _components("xyz", nodes).reshape(-1, 3)
+        return Equations.of(components, normal, distance.mean() - distance, self.ramp, common=1.0)
+
+    def distance(self, space: Discretisation, positions: Array) -> float:
+        """c, the distance of the plane from the origin in mm, at the current positions (n, 3) in mm of all nodes."""
+        return float(np.mean(positions[nodes_at(self.where, space)] @ _unit(self.normal)))
+
+
+@final
+@dataclass(frozen=True)
+class Tied(Support):
+    """Nodes whose displacement components equal those of other nodes.
+
+    `to` is a single node, to which all are tied, or has the same number of nodes: each node is then tied to the one at
+    the same position of `to`, up to one translation of all (zero where two surfaces coincide). Name coincident nodes by
+    faces: a position cannot tell them apart. components: one or more of the letters x, y and z. Raises `SupportError`
+    where the nodes do not match.
+    """
+
+    where: Where
+    to: Where
+    components: str = "xyz"
+
+    def equations(self, space: Discretisation) -> Equations:
+        """u_i - u_i(to) = 0."""
+        nodes, targets = nodes_at(self.where, space), nodes_at(self.to, space)
+        targets = np.repeat(targets, nodes.shape[0]) if targets.shape[0] == 1 else _matching(nodes, targets, space)
+        pairs = np.stack([_components(self.components, nodes), _components(self.components, targets)], axis=-1)
+        pairs = pairs.reshape(-1, 2)
+        return Equations.of(pairs, np.array([1.0, -1.0]), np.zeros(pairs.shape[0]), ramp=False)
 
 
 def nodes_at(where: Where, space: Discretisation) -> Index:
@@ -118,7 +217,36 @@ def nodes_at(where: Where, space: Discretisation) -> Index:
         return nodes
     positions = where.positions(space) if isinstance(where, Line) else np.atleast_2d(np.asarray(where, dtype=float))
     distance, nodes = cKDTree(space.points).query(positions)
-    if distance.max() > 1e-6 * np.ptp(space.points, axis=0).max():
+    if distance.max() > NEAR * np.ptp(space.points, axis=0).max():
         worst = positions[int(np.argmax(distance))]
         raise SupportError(f"no node at {tuple(np.round(worst, 6))} mm; the nearest is {distance.max():.3g} mm away")
     return np.asarray(nodes)
+
+
+def _components(letters: str, nodes: Index) -> Index:
+    """(k, c) component numbers of the nodes (k,) for c letters; raises `SupportError`."""
+    for letter in letters:
+        if letter not in COMPONENTS:
+            raise SupportError(f"component {letter!r} does not exist; allowed are x, y and z")
+    return 3 * np.asarray(nodes)[:, None] + np.array([COMPONENTS.index(letter) for letter in letters], dtype=np.int64)
+
+
+def _unit(normal: tuple[float, float, float]) -> Array:
+    """The normal with length 1; raises `SupportError`."""
+    length = float(np.linalg.norm(normal))
+    if not (np.isfinite(length) and length > 0.0):
+        raise SupportError(f"a plane needs a normal of finite length greater than zero, not {tuple(normal)}")
+    return np.asarray(normal, dtype=float) / length
+
+
+def _matching(nodes: Index, targets: Index, space: Discretisation) -> Index:
+    """The nodes among the targets that stand where `nodes` (k,) stand, up to a translation; raises `SupportError`."""
+    if nodes.shape[0] != targets.shape[0]:
+        raise SupportError(f"{nodes.shape[0]} nodes cannot be tied to {targets.shape[0]}: their numbers must be equal")
+    positions, others = space.points[nodes], space.points[targets]
+    translated = positions + (others.mean(axis=0) - positions.mean(axis=0))
+    distance, order = cKDTree(others).query(translated)
+    if distance.max() > NEAR * np.ptp(space.points, axis=0).max() or np.unique(order).shape[0] != order.shape[0]:
+        worst = positions[int(np.argmax(distance))]
+        raise SupportError(f"the node at {tuple(np.round(worst, 6))} mm has no counterpart among those it is tied to")
+    return targets[order]

@@ -77,11 +77,11 @@ def noise(system: System, size: float) -> Array:
 
 def dense(system: System, data: Array) -> Array:
     """The whole matrix (d, d) from the values of its upper triangle."""
-    size = system.pattern.size
+    size = system.storage.pattern.size
     upper = np.zeros((size, size))
-    rows = np.repeat(np.arange(size), np.diff(system.pattern.indptr))
-    assert (system.pattern.indices >= rows).all()
-    upper[rows, system.pattern.indices] = data
+    rows = np.repeat(np.arange(size), np.diff(system.storage.pattern.indptr))
+    assert (system.storage.pattern.indices >= rows).all()
+    upper[rows, system.storage.pattern.indices] = data
     return upper + np.triu(upper, 1).T
 
 
@@ -109,10 +109,10 @@ def test_tangent_with_its_own_stress_is_that_of_scikit_fem(formulation: str, hel
         for basis, lam, mu in bases(system, mesh)
     )
     assembly = system.assemble(system.state_at(u, 1.0), ())
-    jump = np.where(system.constraints.fixed, noise(system, 1.0), 0.0)
+    jump = np.where(system.constraints.constrained, noise(system, 1.0), 0.0)
     state = system.state_at(u, 1.0)
     data, coupling = system.tangent(state, assembly, (), jump, convex=False)
-    free = ~system.constraints.fixed.ravel()
+    free = ~system.constraints.constrained.ravel()
     np.testing.assert_allclose(dense(system, data), whole[np.ix_(free, free)], atol=1e-12)
     np.testing.assert_allclose(coupling.displacement.ravel(), whole @ jump.ravel(), atol=1e-11)
 
@@ -177,7 +177,7 @@ def test_the_number_of_threads_changes_nothing() -> None:
 def test_the_order_of_chunks_of_one_colour_changes_nothing() -> None:
     """Bitwise: what one chunk adds to, no other of its colour does, whichever of the threads is first."""
     system = Model(PneuNet(chambers=3).body(6.0).mesh, LAW, [Fixed("clamp")], []).system(SuperLU)
-    space, pattern = system.space, system.pattern
+    space, pattern = system.space, system.storage.pattern
     parts = [np.arange(space.chunks[c], space.chunks[c + 1]) for c in range(space.chunks.shape[0] - 1)]
     turned = [c for b, e in zip(space.colours[:-1], space.colours[1:], strict=True) for c in range(b, e)[::-1]]
     assert turned != sorted(turned)
@@ -194,7 +194,7 @@ def test_the_order_of_chunks_of_one_colour_changes_nothing() -> None:
         internal_force(elements, u, stress, force)
         law = LawArrays(stress, tangent, lame_constants(tangent, stress.shape[1]))
         product = Product(noise(system, 1.0), coupling)
-        tangent_matrix(elements, law, u, system._offset[order], pattern.matrix(data), product)
+        tangent_matrix(elements, law, u, system.storage.element_offset[order], pattern.matrix(data), product)
         results.append((force, data, coupling))
     for one, two in zip(*results, strict=True):
         assert np.any(one)
@@ -289,7 +289,7 @@ def test_an_isotropic_tangent_takes_a_shorter_way_to_the_same_matrix(formulation
     system, _ = system_on(formulation, [Fixed("left"), Fixed("back", "z")])
     state = system.state_at(noise(system, 0.05), 1.0)
     assembly = system.assemble(state, ())
-    jump = np.where(system.constraints.fixed, noise(system, 1.0), 0.0)
+    jump = np.where(system.constraints.constrained, noise(system, 1.0), 0.0)
     assert lame_constants(assembly.law_values.tangent, state.stress.shape[1]).shape == (state.stress.shape[1], 2)
     short, coupling = system.tangent(state, assembly, (), jump, convex=False)
     monkeypatch.setattr("fem.equations.system.lame_constants", lambda tangent, points: np.empty((0, 2)))

@@ -6,7 +6,8 @@ from bodies import box
 
 from fem import Fixed, Model, Prescribed, Pressure, StVenantKirchhoff, follow
 from fem.discretisation import Discretisation
-from fem.supports import Constraints, nodes_at
+from fem.equations.constraints import Constraints
+from fem.supports import SupportError, nodes_at
 
 SPACE = Discretisation.of(box((2, 1, 1), (2.0, 1.0, 1.0)), "p2p0")
 LAW = StVenantKirchhoff(E=1.0, nu=0.3)
@@ -39,17 +40,20 @@ def test_components_and_values() -> None:
     constraints = Constraints.of(supports, SPACE)
     left, bottom, right = (nodes_at(name, SPACE) for name in ("left", "bottom", "right"))
     edge = nodes_at(("right", "top"), SPACE)
-    assert constraints.fixed.sum() == 3 * 9 + (bottom.size - np.intersect1d(bottom, left).size) + 9 + 3
+    assert constraints.constrained.sum() == 3 * 9 + (bottom.size - np.intersect1d(bottom, left).size) + 9 + 3
     np.testing.assert_array_equal(np.unique(np.nonzero(constraints.ramped)[0]), right)
     assert set(constraints.ramped[right, 0]) == {0.3}
     np.testing.assert_array_equal(np.unique(np.nonzero(constraints.constant)[0]), edge)
     assert set(constraints.constant[edge, 2]) == {-0.2}
 
 
-def test_the_last_word_on_a_component_counts() -> None:
-    constraints = Constraints.of([Prescribed("right", "x", 0.3), Fixed("right", "x")], SPACE)
-    assert not constraints.ramped.any()
-    assert constraints.fixed[nodes_at("right", SPACE), 0].all()
+def test_a_component_may_be_prescribed_twice_with_one_value_but_not_with_two() -> None:
+    twice = Constraints.of([Prescribed("right", "x", 0.3), Prescribed(("right", "top"), "x", 0.3)], SPACE)
+    assert twice.constrained.sum() == nodes_at("right", SPACE).size
+    with pytest.raises(SupportError, match=r"^Fixed at 'right' contradicts Prescribed at .right.: .* displacements x "):
+        Constraints.of([Prescribed("right", "x", 0.3), Fixed("right", "x")], SPACE)
+    with pytest.raises(SupportError, match="contradicts"):
+        Constraints.of([Prescribed("right", "x", 0.3), Prescribed("right", "x", 0.3, ramp=False)], SPACE)
 
 
 @pytest.mark.parametrize(

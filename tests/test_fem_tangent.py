@@ -43,7 +43,7 @@ def force(system: System, u: Array) -> Array:
 
 def upper_triangle_times(system: System, data: Array, du: Array) -> Array:
     """K du (n, 3) of a system without supports from the values of the upper triangle of its matrix."""
-    pattern = system.pattern
+    pattern = system.storage.pattern
     rows = np.repeat(np.arange(pattern.size), np.diff(pattern.indptr))
     product = np.zeros(pattern.size)
     np.add.at(product, rows, data * du.ravel()[pattern.indices])

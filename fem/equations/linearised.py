@@ -5,9 +5,10 @@ from typing import final
 
 import numpy as np
 
+from fem.equations.constraints import Constraints
 from fem.equations.linear import LinearSolver
 from fem.equations.state import Change
-from geometry.arrays import Array, Mask
+from geometry.arrays import Array
 
 
 class StaleFactorization(RuntimeError):
@@ -23,30 +24,28 @@ class Linearised:
     grows or its solver is closed, and raises `StaleFactorization` from then on; the other members stay.
     """
 
-    coupling: Change  #: the tangent times the increment of the prescribed displacement components
+    coupling: Change  #: the tangent times the increment by which the displacement is about to meet the constraints
     negative_pivots: int  #: beyond the one that every pressure unknown has; 0 in a stable equilibrium
     _solver: LinearSolver = field(repr=False)
     _generation: int = field(repr=False)
-    _free: Mask = field(repr=False)  #: (n, 3) components that are not prescribed
+    _constraints: Constraints = field(repr=False)
 
     @classmethod
-    def of(cls, solver: LinearSolver, free: Mask, coupling: Change) -> "Linearised":
+    def of(cls, solver: LinearSolver, constraints: Constraints, coupling: Change) -> "Linearised":
         """The matrix that `solver` has just factorized."""
         pivots = solver.negative_pivots - coupling.pressure.shape[0]
-        return cls(coupling, pivots, solver, solver.generation, free)
+        return cls(coupling, pivots, solver, solver.generation, constraints)
 
     def solve(self, gradient: Array, pressure_residual: Array | None = None) -> Change:
         """The change of the unknowns that cancels a gradient (n, 3), N, and a pressure residual (v,), zero by default.
 
-        Prescribed components do not change. Raises `StaleFactorization`, and `SingularMatrix` where the solution is not
-        finite.
+        It keeps to the constraints: prescribed components do not change. Raises `StaleFactorization`, and
+        `SingularMatrix` where the solution is not finite.
         """
         if self._solver.generation != self._generation:
             raise StaleFactorization("the tangent was factorized again since; this factorization is gone")
         if pressure_residual is None:
             pressure_residual = np.zeros_like(self.coupling.pressure)
-        solution = self._solver.solve(-np.concatenate([gradient[self._free], pressure_residual]))
-        displacement = np.zeros_like(gradient)
-        count = solution.shape[0] - pressure_residual.shape[0]
-        displacement[self._free] = solution[:count]
-        return Change(0.0, displacement, solution[count:])
+        solution = self._solver.solve(-np.concatenate([self._constraints.reduce(gradient), pressure_residual]))
+        count = self._constraints.size
+        return Change(0.0, self._constraints.expand(solution[:count]), solution[count:])

@@ -1,43 +1,24 @@
-"""The assembled equations of a model: residual and tangent of the total potential on the free components."""
+"""The assembled equations of a model: residual and tangent of the total potential under its constraints."""
 
-from collections import defaultdict
-from collections.abc import Iterator
-from contextlib import contextmanager
-from time import perf_counter
 from typing import final
 
 import numpy as np
 
 from fem.discretisation import Discretisation
-from fem.effects.effect import Blocks, Terms
+from fem.effects.effect import Terms
+from fem.equations.clock import Clock
+from fem.equations.constraints import Constraints
 from fem.equations.formulation import formulation_of, lame_constants
 from fem.equations.linear import LinearSolver
 from fem.equations.linearised import Linearised
-from fem.equations.pattern import MissingPairs, Pattern, element_keys
 from fem.equations.state import Assembly, Change, State
+from fem.equations.storage import TangentStorage
 from fem.kernels import element as kernels
 from fem.kernels.tangent import LawArrays, Product, tangent_matrix
 from fem.materials.material import Material
-from fem.supports import Constraints
-from geometry.arrays import Array, Index
+from geometry.arrays import Array
 
 NO_INCREMENT = np.empty((0, 3))
-
-
-class Clock:
-    """Seconds by what they were spent on: "assembly" and the names of effects."""
-
-    def __init__(self) -> None:
-        self.seconds: defaultdict[str, float] = defaultdict(float)
-
-    @contextmanager
-    def timing(self, name: str) -> Iterator[None]:
-        """Add the time of the block to `name`."""
-        start = perf_counter()
-        try:
-            yield
-        finally:
-            self.seconds[name] += perf_counter() - start
 
 
 @final
@@ -59,31 +40,29 @@ class System:
         self.constraints = constraints
         self.solver = solver
         self.clock = Clock()
+        self.storage = TangentStorage(space, self.formulation, constraints, solver)
         self._roundoff_stiffness = self._roundoff_stiffness_at_rest()
-        held = np.ones((space.points.shape[0] + self.formulation.unknowns, 3), dtype=bool)
-        held[: space.points.shape[0]] = constraints.fixed
-        held[space.points.shape[0] :, 0] = False  # a pressure stands in the pattern as a node with one component
-        self.pattern = Pattern.of(held, element_keys(self.formulation.element_unknowns, held.shape[0]))
-        self._take_pattern(self.pattern)
 
-    def _take_pattern(self, pattern: Pattern) -> None:
-        a, b = np.triu_indices(self.space.nodes.shape[1])
-        first, second = self.space.nodes[:, a], self.space.nodes[:, b]
-        self.pattern = pattern
-        self._offset = pattern.offset_of(np.minimum(first, second), np.maximum(first, second))
-        self._pressure_offsets = self.formulation.offsets(pattern)
-        self._known: dict[int, tuple[Index, Index]] = {}  # by term: first nodes of its pairs, and their offsets
-        self.solver.analyse(pattern.indptr, pattern.indices)
+    @property
+    def size(self) -> int:
+        """Number of unknowns: those of the constraints and the pressures."""
+        return self.constraints.size + self.formulation.unknowns
+
+    def replace_constraints(self, constraints: Constraints) -> None:
+        """Take other constraints from now on, those of the next angle of a plane for example.
+
+        States stay usable: Newton's method takes them to the new constraints by `Constraints.correction`. The symbolic
+        analysis is repeated only where the sparsity of T^T K T is another one: where T has other stored entries. A
+        `Linearised` made before still belongs to the old constraints.
+        """
+        self.constraints = constraints
+        self.storage.constrain(constraints)
 
     def rest_state(self) -> State:
         """The body at rest."""
         elements, points = self.space.weight.shape
         rest = np.zeros_like(self.space.points)
         return State(0.0, rest, np.zeros(self.formulation.unknowns), *np.zeros((2, elements, points, 6)))
-
-    def prescribed(self, factor: float, share: float) -> Array:
-        """Prescribed displacements (n, 3): ramped ones at `factor`, constant ones to the given share."""
-        return factor * self.constraints.ramped + share * self.constraints.constant
 
     def state_at(self, displacement: Array, factor: float) -> State:
         """The state in which pressure, strain and stress are those of the displacement (n, 3)."""
@@ -140,16 +119,12 @@ class System:
         elastic = float(np.vdot(law_values.energy, self.space.weight))
         return elastic + sum(term.energy(self.space.points + displacement, factor) for term in terms)
 
-    def free(self, values: Array) -> Array:
-        """The free components (d,) of nodal values (n, 3)."""
-        return values[~self.constraints.fixed]
-
     def linearise(
         self, state: State, assembly: Assembly, terms: Terms, increment: Array | None = None, convex: bool = False
     ) -> Linearised:
         """The tangent at `state`, factorized; assembly is that of the state and the terms.
 
-        increment (n, 3) is what the prescribed displacement components are about to change by, mm; zero by default.
+        increment (n, 3) is what the displacement is about to change by to meet the constraints, mm; zero by default.
         With `convex` the terms give a positive semi-definite substitute where they can. Every `Linearised` made before
         becomes stale. Raises `SingularMatrix`.
         """
@@ -157,35 +132,37 @@ class System:
             increment = np.zeros_like(state.displacement)
         data, coupling = self.tangent(state, assembly, terms, increment, convex)
         self.solver.factorize(data)
-        return Linearised.of(self.solver, ~self.constraints.fixed, coupling)
+        return Linearised.of(self.solver, self.constraints, coupling)
 
     def tangent(
-        self, state: State, assembly: Assembly, terms: Terms, jump: Array, convex: bool
+        self, state: State, assembly: Assembly, terms: Terms, increment: Array, convex: bool
     ) -> tuple[Array, Change]:
-        """Values (nnz,) of the reduced upper triangle, and K jump for a jump (n, 3) of the displacement."""
+        """Upper triangle of T^T K T as values (r,), and K increment for an increment (n, 3) of the displacement."""
         x = self.space.points + state.displacement
         hessians = []
         for term in terms:
             with self.clock.timing(term.effect):
                 hessians.append(term.blocks(x, state.factor, convex))
-        offsets = self._room_for(hessians)
+        offsets = self.storage.offsets(hessians)
         with self.clock.timing("assembly"):
-            pattern, moves = self.pattern, bool(np.any(jump))
+            pattern, moves = self.storage.pattern, bool(np.any(increment))
             data, coupling = np.zeros(pattern.indices.shape[0]), np.zeros_like(x)
             lame = lame_constants(assembly.law_values.tangent, state.stress.shape[1])
             law = LawArrays(state.stress, assembly.law_values.tangent, lame)
-            product = Product(jump if moves else NO_INCREMENT, coupling)
-            tangent_matrix(self.space.arrays, law, state.displacement, self._offset, pattern.matrix(data), product)
+            product = Product(increment if moves else NO_INCREMENT, coupling)
+            matrix, offset = pattern.matrix(data), self.storage.element_offset
+            tangent_matrix(self.space.arrays, law, state.displacement, offset, matrix, product)
             for blocks, offset in zip(hessians, offsets, strict=True):
                 pattern.scatter(data, blocks.rows, blocks.columns, blocks.values, offset)
                 if moves:
-                    kernels.blocks_times(blocks.rows, blocks.columns, blocks.values, jump, coupling)
+                    kernels.blocks_times(blocks.rows, blocks.columns, blocks.values, increment, coupling)
             self.formulation.scatter_pressures(
-                pattern, self._pressure_offsets, data, state.displacement, assembly.law_values
+                pattern, self.storage.pressure_offsets, data, state.displacement, assembly.law_values
             )
+            data = self.storage.reduced(data)
         pressure_coupling = np.zeros(self.formulation.unknowns)
         if moves and self.formulation.unknowns:
-            strain = self.linearised_strain(state, jump)
+            strain = self.linearised_strain(state, increment)
             pressure_coupling = self.formulation.pressure_coupling(assembly.law_values, strain)
         return data, Change(0.0, coupling, pressure_coupling)
 
@@ -215,23 +192,6 @@ class System:
                 assembly.strain + strain,
                 stress,
             )
-
-    def _room_for(self, hessians: list[Blocks]) -> list[Index]:
-        """Where the blocks stand in the pattern. It takes up new node pairs (contact), and only ever grows, so this
-        becomes rare."""
-        try:
-            return [self._offset_of(number, blocks) for number, blocks in enumerate(hessians)]
-        except MissingPairs:
-            rows = np.concatenate([blocks.rows for blocks in hessians])
-            columns = np.concatenate([blocks.columns for blocks in hessians])
-            self._take_pattern(self.pattern.with_pairs(rows, columns))
-            return [self._offset_of(number, blocks) for number, blocks in enumerate(hessians)]
-
-    def _offset_of(self, number: int, blocks: Blocks) -> Index:
-        """Where the blocks of a term stand, kept while its pairs are the same array; raises `MissingPairs`."""
-        if number not in self._known or self._known[number][0] is not blocks.rows:
-            self._known[number] = blocks.rows, self.pattern.offset_of(blocks.rows, blocks.columns)
-        return self._known[number][1]
 
 
 def _times(tangent: Array, strain: Array) -> Array:

@@ -54,10 +54,10 @@ class LoadCourse(Course):
         return step.factor
 
     def control(self, system: System, value: float, share: float) -> Control:
-        return LoadControl(system.prescribed(value, share), value)
+        return LoadControl(system.constraints.prescribed(value, share), value)
 
     def rate_at_rest(self, system: System, rest: State, terms: Terms, share: float) -> State | None:
-        still, moved = at_constant_fraction(terms, 0.0), system.prescribed(1.0, share)
+        still, moved = at_constant_fraction(terms, 0.0), system.constraints.prescribed(1.0, share)
         assembly = system.assemble(rest, still)
         linearised = system.linearise(rest, assembly, still, moved)
         whole = system.loads(rest.displacement, 1.0, at_constant_fraction(terms, share))
@@ -97,7 +97,7 @@ class VolumeCourse(Course):
         return enclosed_volume(self.faces, step.positions)
 
     def control(self, system: System, value: float, share: float) -> Control:
-        return VolumeControl(system.prescribed(0.0, share), self.faces, value, self.size)
+        return VolumeControl(system.constraints.prescribed(0.0, share), self.faces, value, self.size)
 
     def rate_at_rest(self, system: System, rest: State, terms: Terms, share: float) -> State | None:
         return None

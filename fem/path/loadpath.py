@@ -257,7 +257,7 @@ class Path:
             displacement=displacement,
             stress=found.state.stress,
             rate=None if (rate := self.places[-1].rate) is None else rate.change,
-            gradient=np.where(self.system.constraints.fixed, found.assembly.gradient, 0.0),
+            gradient=np.where(self.system.constraints.constrained, found.assembly.gradient, 0.0),
             extremes=extremes_of(self.system.space, found.assembly.strain, found.assembly.jacobian),
             min_gap=smallest_gap(self.system.terms, x),
             negative_pivots=found.negative_pivots,
@@ -280,7 +280,7 @@ class Path:
             factorizations=times.factorizations,
             analyses=times.analyses,
             solver=type(self.system.solver).__name__,
-            degrees_of_freedom=self.system.pattern.size,
+            degrees_of_freedom=self.system.size,
         )
 
     def spent(self) -> Seconds:

@@ -32,8 +32,7 @@ def softest_direction(system: System, state: State, terms: Terms) -> Softest:
     itself.
     """
     linearised = system.linearise(state, system.assemble(state, terms), terms)
-    free = ~system.constraints.fixed
-    motion = np.where(free, np.random.default_rng(0).normal(size=free.shape), 0.0)
+    motion = system.constraints.project(np.random.default_rng(0).normal(size=state.displacement.shape))
     stiffness = np.inf
     for _ in range(ITERATIONS):
         motion /= np.linalg.norm(motion)
@@ -56,8 +55,7 @@ def most_softened(system: System, state: State, terms: Terms) -> Softest:
     """
     elastic, assembly = replace(state, stress=np.zeros_like(state.stress)), system.assemble(state, terms)
     linearised = system.linearise(state, assembly, terms)
-    free = ~system.constraints.fixed
-    random = np.where(free, np.random.default_rng(0).normal(size=free.shape), 0.0)
+    random = system.constraints.project(np.random.default_rng(0).normal(size=state.displacement.shape))
     motion, share = -linearised.solve(random).displacement, np.inf
     for _ in range(POWERS):
         motion /= np.linalg.norm(motion)

@@ -81,12 +81,11 @@ def solve(
     Raises `StepFailed`.
     """
     state = control.begin(start)
-    fixed = system.constraints.fixed
     linearised: Linearised | None = None
     relative, limited = np.inf, 0
     for iteration in range(options.iterations + 1):
         assembly = system.assemble(state, terms)
-        jump = np.where(fixed, control.prescribed - state.displacement, 0.0)
+        jump = system.constraints.correction(state.displacement, control.prescribed)
         relative = _relative_residual(system, assembly)
         watch(iteration, relative)
         there = not np.any(jump) and abs(control.miss(system, state)) < options.tolerance
@@ -131,7 +130,7 @@ def _advance(
 
 
 def _relative_residual(system: System, assembly: Assembly) -> float:
-    residual = float(np.linalg.norm(system.free(assembly.gradient)))
+    residual = float(np.linalg.norm(system.constraints.reduce(assembly.gradient)))
     if residual <= assembly.roundoff:  # a turned body without stress: nothing balances, so nothing to compare with
         return 0.0
     return residual / assembly.scale if assembly.scale > 0 else (np.inf if residual > 0 else 0.0)

@@ -1,0 +1,111 @@
+"""Where the values of a tangent stand: in the upper triangle over the free components, reduced by the constraints."""
+
+from collections.abc import Sequence
+from typing import final
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from fem.discretisation import Discretisation
+from fem.effects.effect import Blocks
+from fem.equations.constraints import Constraints
+from fem.equations.formulation import Formulation, PressureOffsets
+from fem.equations.linear import LinearSolver
+from fem.equations.pattern import MissingPairs, Pattern, element_keys
+from fem.equations.reduction import Reduction
+from geometry.arrays import Array, Index
+
+#: row starts (d + 1,) and columns (nnz,) of an upper triangle in compressed rows
+UpperTriangle = tuple[Index, NDArray[np.int32]]
+
+
+@final
+class TangentStorage:
+    """Sparsity pattern of a model's tangent, with the positions of elements, pressures and effects in it.
+
+    Where the constraints select components the tangent is assembled over these alone. For others it is assembled over
+    all components and reduced, T^T K T. The pattern is enlarged by new contact pairs and never shrinks, so re-analysis
+    is rare.
+    """
+
+    pattern: Pattern  #: of the assembled tangent
+    element_offset: Index  #: (e, pairs) of the node pairs a <= b of each element, as `Pattern.offset_of` gives them
+    pressure_offsets: PressureOffsets
+
+    def __init__(
+        self, space: Discretisation, formulation: Formulation, constraints: Constraints, solver: LinearSolver
+    ) -> None:
+        self._space = space
+        self._formulation = formulation
+        self._constraints = constraints
+        self._solver = solver
+        #: pattern of the factorized matrix, as it was last analysed
+        self._analysed: UpperTriangle = np.empty(0, np.int64), np.empty(0, np.int32)
+        #: blocks of the last tangent: their rows and offsets, by the identity of the array of rows
+        self._last: dict[int, tuple[Index, Index]] = {}
+        nodes = space.points.shape[0] + formulation.unknowns
+        self._use(element_keys(formulation.element_unknowns, nodes))
+
+    def constrain(self, constraints: Constraints) -> None:
+        """Take other constraints; analyse again only if the pattern of the factorized matrix is another one."""
+        self._constraints = constraints
+        self._use(self.pattern.keys)
+
+    def reduced(self, data: Array) -> Array:
+        """Values of the factorized matrix from those of the assembled tangent (nnz,)."""
+        return data if self._reduction is None else self._reduction.values(data)
+
+    def offsets(self, blocks: Sequence[Blocks]) -> list[Index]:
+        """Where the blocks of effects stand in the pattern, which is enlarged where it does not hold them."""
+        try:
+            offsets = [self._offset(one) for one in blocks]
+        except MissingPairs:
+            rows = np.concatenate([one.rows for one in blocks])
+            columns = np.concatenate([one.columns for one in blocks])
+            self._use(self.pattern.with_pairs(rows, columns).keys)
+            offsets = [self._offset(one) for one in blocks]
+        self._last = {id(one.rows): (one.rows, offset) for one, offset in zip(blocks, offsets, strict=True)}
+        return offsets
+
+    def _offset(self, blocks: Blocks) -> Index:
+        """From the last call where an effect gives the same array of rows again; raises `MissingPairs`."""
+        if id(blocks.rows) in self._last:
+            return self._last[id(blocks.rows)][1]
+        return self.pattern.offset_of(blocks.rows, blocks.columns)
+
+    def _use(self, keys: Index) -> None:
+        """Take the pattern of node pairs with these keys."""
+        space, selects, count = self._space, self._constraints.selects, self._space.points.shape[0]
+        prescribed = np.ones((count + self._formulation.unknowns, 3), dtype=bool)
+        prescribed[:count] = self._constraints.constrained if selects else False
+        prescribed[count:, 0] = False  # a pressure stands in the pattern as a node with one component
+        self.pattern = pattern = Pattern.of(prescribed, keys)
+        a, b = np.triu_indices(space.nodes.shape[1])
+        first, second = space.nodes[:, a], space.nodes[:, b]
+        self.element_offset = pattern.offset_of(np.minimum(first, second), np.maximum(first, second))
+        self.pressure_offsets = self._formulation.offsets(pattern)
+        self._last = {}
+        self._reduction: Reduction | None = None
+        factorized: UpperTriangle = pattern.indptr, pattern.indices
+        if not selects:
+            transformation = with_identity(self._constraints.transformation, self._formulation.unknowns)
+            self._reduction = Reduction.of(pattern.indptr, pattern.indices, transformation)
+            factorized = self._reduction.indptr, self._reduction.indices
+        starts, columns = self._analysed
+        if not (np.array_equal(factorized[0], starts) and np.array_equal(factorized[1], columns)):
+            self._solver.analyse(*factorized)
+            self._analysed = factorized
+
+
+def with_identity(transformation: sp.csr_matrix, unknowns: int) -> sp.csr_matrix:
+    """T with an identity for further unknowns below it and to its right; stored zeros stay."""
+    rows, columns = transformation.shape
+    return sp.csr_matrix(
+        (
+            np.concatenate([transformation.data, np.ones(unknowns)]),
+            np.concatenate([transformation.indices, columns + np.arange(unknowns)]),
+            np.concatenate([transformation.indptr, transformation.indptr[-1] + 1 + np.arange(unknowns)]),
+        ),
+        shape=(rows + unknowns, columns + unknowns),
+    )
