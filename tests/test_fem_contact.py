@@ -98,7 +98,7 @@ def test_contact_that_is_never_activated_is_bitwise_no_contact(short: Body, touc
 def test_contact_that_is_never_activated_does_not_load_ipctk() -> None:
     program = (
         "import sys\n"
-        "from fem import *\n"
+        "from fem import Experiment, Pressure, SelfContact, StVenantKirchhoff, follow\n"
         "from geometry import PneuNet\n"
         "body = PneuNet(chambers=2).body(7.0)\n"
         "effects = [Pressure('cavity', 1e-3), SelfContact('gap', starts_inactive=True)]\n"
