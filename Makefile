@@ -9,7 +9,7 @@ READY := .venv/.ready
 PEERS := .venv-peers
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy asked-accuracy scaling
-.PHONY: help setup $(all_targets) test slow hard fuzz kills lint types doctor bench-peers clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills wheel examples lint types doctor bench-peers clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -68,12 +68,22 @@ fuzz: $(READY)  ## two thousand configurations, right and wrong: each is meshed 
 kills: $(READY)  ## fifty runs killed at random moments and started again, against runs that nobody disturbed
 	@$(BIN)/python benchmarks/kills.py
 
+wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
+	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py
+
+examples: $(READY)  ## the three programs in examples/, results in results/
+	@for example in own_arm own_material rod_alone; do
+		echo "examples/$$example.py"
+		$(BIN)/python examples/$$example.py
+	done
+
 lint: $(READY)  ## style: ruff
 	@$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
 types: $(READY)  ## types: mypy
 	@$(BIN)/mypy
+	$(BIN)/mypy examples
 
 doctor: $(READY)  ## what is installed, what is missing, and the one command that mends it
 	@$(BIN)/pneurod doctor

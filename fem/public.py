@@ -11,6 +11,7 @@ from fem.equations.linear import available_solver
 from fem.experiments import Experiment
 from fem.materials import Hencky, Material, MaterialError, MooneyRivlin, NeoHooke, StVenantKirchhoff, Yeoh
 from fem.materials.material import Uniaxial
+from fem.materials.rubber import IsochoricLaw
 from fem.model import Model
 from fem.path.loadpath import PathOptions, follow, follow_volume
 from fem.path.newton import NewtonOptions
@@ -33,6 +34,7 @@ __all__ = [
     "Fixed",
     "Gravity",
     "Hencky",
+    "IsochoricLaw",
     "LayerError",
     "LineForce",
     "Material",

@@ -1,6 +1,10 @@
 """What README says is true: its configuration is read, its commands and targets are there, its table is complete."""
 
+import os
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -25,6 +29,20 @@ def test_the_configuration_is_the_arm_of_the_paper(readme: str, tmp_path: Path) 
     config = load_config(tmp_path / "arm.yaml")
     assert config.design == PneuNet()
     assert config.pressures_kPa == (5.0, 17.0, 31.0, 45.0)
+
+
+def test_the_python_block_runs_as_it_stands(readme: str, tmp_path: Path) -> None:
+    [block] = re.findall(r"```python\n(.*?)```", readme, flags=re.DOTALL)
+    assert "import pneurod" in readme[:4000]  # on the first screen
+    (tmp_path / "block.py").write_text(block, encoding="utf-8")
+    shutil.copytree(HERE / "configs", tmp_path / "configs")
+    environment = {**os.environ, "PYTHONPATH": str(HERE)}
+    command = [sys.executable, "-W", "error", "block.py"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path, env=environment)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    assert re.search(r"^1 +20\.0 +\d+\.\d+ +\d+\.\d+", ended.stdout, flags=re.MULTILINE)
+    assert re.search(r"^end at \(\d+\.\d, -?\d+\.\d\) mm, turned by -?\d\.\d+ rad$", ended.stdout, flags=re.MULTILINE)
+    assert (tmp_path / "results" / "short_arm" / "report.html").is_file()
 
 
 def test_commands_and_options_are_there(readme: str) -> None:

@@ -1,0 +1,78 @@
+"""The programs in examples/ run as they stand, print what they promise, and leave the files that they name."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent.parent
+EXAMPLES = HERE / "examples"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("examples")
+
+
+@pytest.fixture(scope="module")
+def own_arm(folder: Path) -> str:
+    return output_of("own_arm", "arm", cwd=folder)
+
+
+def output_of(name: str, *arguments: str, cwd: Path) -> str:
+    """What the program prints on standard output; warnings are errors in it, and standard error must stay empty."""
+    environment = {**os.environ, "PYTHONPATH": str(HERE), "MPLBACKEND": "agg"}
+    command = [sys.executable, "-W", "error", str(EXAMPLES / f"{name}.py"), *arguments]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=cwd, env=environment)
+    assert (ended.returncode, ended.stderr) == (0, "")
+    return ended.stdout
+
+
+def test_every_example_is_tested() -> None:
+    names = {path.stem for path in EXAMPLES.glob("*.py")}
+    assert names == {"own_arm", "own_material", "rod_alone"}
+    readme = (HERE / "README.md").read_text(encoding="utf-8")
+    makefile = (HERE / "Makefile").read_text(encoding="utf-8")
+    assert "examples/" in readme
+    assert all(name in makefile for name in names)
+
+
+def test_own_arm_prints_its_parameters_and_draws_them(own_arm: str, folder: Path) -> None:
+    table = re.findall(r"^(\d+\.\d) +(\d+\.\d+) +(\d+\.\d+) +(\d+\.\d+)", own_arm, flags=re.MULTILINE)
+    assert [row[0] for row in table] == ["10.0", "20.0"]
+    assert all(100.0 < float(row[3]) < 1000.0 for row in table)  # alpha2, N mm2
+    distances = [float(text) for text in re.findall(r"the rod is within (\d+\.\d) %", own_arm)]
+    assert len(distances) == 2
+    assert max(distances) < 5.0
+    [moved] = re.findall(r"5 g at the tip move it by (-\d+\.\d) mm", own_arm)
+    assert -20.0 < float(moved) < -1.0
+    assert (folder / "arm" / "own_arm.png").stat().st_size > 10_000
+    assert (folder / "arm" / "report.html").is_file()
+
+
+def test_own_material_meets_its_closed_form(folder: Path) -> None:
+    printed = output_of("own_material", cwd=folder)
+    rows = re.findall(r"^ +(\d\.\d\d) +(\d\.\d+) MPa +(\d\.\d+) MPa +(-?\d\.\d\d) %$", printed, flags=re.MULTILINE)
+    assert [row[0] for row in rows] == ["1.25", "1.50", "1.75", "2.00"]
+    assert all(abs(float(row[3])) < 0.1 for row in rows)
+    [rest] = re.findall(r"with the change of volume: (-?\d\.\de[-+]\d+)", printed)
+    assert abs(float(rest)) < 1e-6
+
+
+def test_the_rod_alone_bends_in_milliseconds(own_arm: str, folder: Path) -> None:
+    assert own_arm
+    printed = output_of("rod_alone", "arm", cwd=folder)
+    rows = re.findall(r"^ +(0\.\d{3}) +(-?\d+\.\d\d) +(-?\d+\.\d\d)", printed, flags=re.MULTILINE)
+    heights = [float(row[2]) for row in rows]
+    assert len(heights) == 6
+    assert heights == sorted(heights)  # the larger the force, the higher the tip
+    [pace] = re.findall(r"^(\d+\.\d\d) ms per shape$", printed, flags=re.MULTILINE)
+    assert float(pace) < 10.0
+    assert "own_arm at 15 kPa under 0.05 N: tip at (" in printed
+
+
+def test_the_rod_alone_needs_no_run(folder: Path) -> None:
+    assert "needs F_y = " in output_of("rod_alone", cwd=folder)
