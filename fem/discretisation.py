@@ -10,7 +10,7 @@ import skfem
 from fem.kernels.element import ElementArrays, chunk_colours
 from fem.kernels.surface import FaceArrays
 from geometry import Mesh
-from geometry.arrays import Array, Index
+from geometry.arrays import Array, Index, Mask
 
 #: the elements: linear with "p1", quadratic with the others
 FORMULATIONS = ("p2p0", "p2", "mixed", "p1")
@@ -45,6 +45,14 @@ class Faces:
     def unique_nodes(self) -> Index:
         """(k,) nodes of the surface, sorted."""
         return np.unique(self.nodes)
+
+    @cached_property
+    def node_pairs(self) -> tuple[Index, Index, Mask]:
+        """Of all pairs a <= b of nodes of each face, the smaller and the larger node (m f,), and whether they were
+        swapped for it (m f,). The same arrays on each call, so that their position in a matrix can be kept."""
+        a, b = np.triu_indices(self.nodes.shape[1])
+        first, second = self.nodes[:, a], self.nodes[:, b]
+        return np.minimum(first, second).ravel(), np.maximum(first, second).ravel(), (first > second).ravel()
 
 
 @dataclass(frozen=True)

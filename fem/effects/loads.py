@@ -10,7 +10,7 @@ from fem.effects.effect import NO_BLOCKS, Blocks, Effect, LoadTerm
 from fem.kernels.surface import surface_pressure, surface_pressure_tangent
 from fem.materials.material import Material
 from fem.supports import Line, nodes_at
-from geometry.arrays import Array, Index, Mask
+from geometry.arrays import Array
 
 
 @final
@@ -28,16 +28,7 @@ class Pressure(Effect):
     def bind(self, space: Discretisation, material: Material) -> "PressureTerm":
         """The potential of the pressure; raises ValueError for a face that does not exist."""
         faces = space.surface(self.where)
-        a, b = np.triu_indices(faces.nodes.shape[1])
-        first, second = faces.nodes[:, a], faces.nodes[:, b]
-        return PressureTerm(
-            faces,
-            self.value,
-            np.minimum(first, second).ravel(),
-            np.maximum(first, second).ravel(),
-            (first > second).ravel(),
-            constant_fraction=None if self.ramp else 0.0,
-        )
+        return PressureTerm(faces, self.value, constant_fraction=None if self.ramp else 0.0)
 
 
 @final
@@ -49,9 +40,6 @@ class PressureTerm(LoadTerm):
 
     faces: Faces
     value: float  #: MPa at load factor 1
-    rows: Index  #: (m f,), of the m = 21 or 6 pairs of nodes of each face
-    columns: Index  #: (m f,)
-    swapped: Mask  #: (m f,) pairs whose first node has the larger number
 
     def energy(self, x: Array, factor: float) -> float:
         return -self._pressure(factor) * enclosed_volume(self.faces, x)
@@ -60,11 +48,12 @@ class PressureTerm(LoadTerm):
         out -= self._pressure(factor) * volume_gradient(self.faces, x)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
-        values = np.empty((self.rows.shape[0], 3, 3))
+        rows, columns, swapped = self.faces.node_pairs
+        values = np.empty((rows.shape[0], 3, 3))
         surface_pressure_tangent(self.faces.arrays, x, values.reshape(self.faces.nodes.shape[0], -1, 3, 3))
         values *= self._pressure(factor)
-        values[self.swapped] = values[self.swapped].transpose(0, 2, 1)
-        return Blocks(self.rows, self.columns, values)
+        values[swapped] = values[swapped].transpose(0, 2, 1)
+        return Blocks(rows, columns, values)
 
     def _pressure(self, factor: float) -> float:
         return self.value * self.scale(factor)

@@ -80,3 +80,62 @@ def surface_pressure_tangent(surface: FaceArrays, x: Array, values: Array) -> No
                     for j in range(3):
                         values[f, pair, i, j] = 0.5 * (full[a, b, i, j] + full[b, a, j, i])
                 pair += 1
+
+
+@njit(cache=True)
+def axial_flux(surface: FaceArrays, x: Array, gradient: Array, flux: Array) -> None:
+    """Flux of the field z e_z through the surface at positions x (n, 3), mm: per face int z n_z into flux (f,), mm3,
+    and its derivative by the positions added to gradient (n, 3), mm2; n = x_,xi x x_,eta.
+
+    The field has no flux through planes that contain the z axis direction, nor through z = 0, so that these need not be
+    part of the surface: the flux through walls between such planes is the volume between them.
+    """
+    faces, shape, derivative, weight = surface.nodes, surface.shape, surface.derivative, surface.weight
+    for f in range(faces.shape[0]):
+        flux[f] = 0.0
+        for q in range(weight.shape[0]):
+            z = 0.0
+            t = np.zeros((2, 2))
+            for a in range(faces.shape[1]):
+                z += shape[q, a] * x[faces[f, a], 2]
+                for i in range(2):
+                    t[0, i] += derivative[q, a, 0] * x[faces[f, a], i]
+                    t[1, i] += derivative[q, a, 1] * x[faces[f, a], i]
+            normal = t[0, 0] * t[1, 1] - t[0, 1] * t[1, 0]
+            flux[f] += weight[q] * z * normal
+            for a in range(faces.shape[1]):
+                node, w = faces[f, a], weight[q] * z
+                gradient[node, 0] += w * (derivative[q, a, 0] * t[1, 1] - derivative[q, a, 1] * t[0, 1])
+                gradient[node, 1] += w * (derivative[q, a, 1] * t[0, 0] - derivative[q, a, 0] * t[1, 0])
+                gradient[node, 2] += weight[q] * shape[q, a] * normal
+
+
+@njit(cache=True)
+def axial_flux_tangent(surface: FaceArrays, x: Array, values: Array) -> None:
+    """Second derivative of the flux of z e_z as blocks values (f, pair, 3, 3), pair running over a <= b."""
+    faces, shape, derivative, weight = surface.nodes, surface.shape, surface.derivative, surface.weight
+    n = faces.shape[1]
+    slope = np.empty((n, 2))  # derivative of n_z by x and y of a node
+    for f in range(faces.shape[0]):
+        values[f] = 0.0
+        for q in range(weight.shape[0]):
+            z = 0.0
+            t = np.zeros((2, 2))
+            for a in range(n):
+                z += shape[q, a] * x[faces[f, a], 2]
+                for i in range(2):
+                    t[0, i] += derivative[q, a, 0] * x[faces[f, a], i]
+                    t[1, i] += derivative[q, a, 1] * x[faces[f, a], i]
+            for a in range(n):
+                slope[a, 0] = weight[q] * (derivative[q, a, 0] * t[1, 1] - derivative[q, a, 1] * t[0, 1])
+                slope[a, 1] = weight[q] * (derivative[q, a, 1] * t[0, 0] - derivative[q, a, 0] * t[1, 0])
+            pair = 0
+            for a in range(n):
+                for b in range(a, n):
+                    twist = derivative[q, a, 0] * derivative[q, b, 1] - derivative[q, a, 1] * derivative[q, b, 0]
+                    values[f, pair, 0, 1] += weight[q] * z * twist
+                    values[f, pair, 1, 0] -= weight[q] * z * twist
+                    for i in range(2):
+                        values[f, pair, i, 2] += slope[a, i] * shape[q, b]
+                        values[f, pair, 2, i] += shape[q, a] * slope[b, i]
+                    pair += 1

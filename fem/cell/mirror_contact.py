@@ -1,0 +1,82 @@
+"""Contact of a wall with its own mirror image beyond a plane of symmetry."""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from fem.discretisation import Discretisation, Faces
+from fem.effects.barrier import OVERLAP, FacingTerm
+from fem.effects.contact import STIFFNESS, ContactError
+from fem.effects.effect import Effect, UnilateralTerm
+from fem.effects.facing_pairs import FacingPairs
+from fem.materials.material import Material
+from geometry.arrays import Array, Index
+
+#: cosine of the largest angle between the normals of a wall and of the plane it faces
+FACING = 0.9
+
+
+@final
+@dataclass(frozen=True)
+class MirrorContact(Effect):
+    """The walls `faces` may touch their mirror images beyond the plane of the face `plane`, but not cross them.
+
+    dhat: activation distance in mm between a wall and its image, as in `fem.SelfContact`. A wall and its image 2 g
+    apart press on each other as the wall does on the plane g away, with half the activation distance and twice the
+    stiffness. Walls that face another wall of the piece are left to `fem.SelfContact`.
+    """
+
+    faces: str
+    plane: str
+    dhat: float
+
+    def bind(self, space: Discretisation, material: Material) -> FacingTerm:
+        """The barrier; raises `fem.ContactError` where no wall faces the plane."""
+        pairs = plane_pairs(space.surface(self.faces), space.surface(self.plane), space.points)
+        if pairs.nodes.size == 0:
+            raise ContactError(f"no wall of {self.faces!r} faces the plane {self.plane!r}")
+
+        def none_better() -> UnilateralTerm:
+            raise ContactError("a wall passes through its mirror image, and a stiffer barrier does not prevent it")
+
+        stiffness = 2.0 * STIFFNESS * 3.0 * material.shear_modulus
+        return FacingTerm(pairs, self.dhat / 2.0, stiffness, OVERLAP, False, none_better)
+
+
+def plane_pairs(walls: Faces, plane: Faces, points: Array) -> FacingPairs:
+    """The nodes of the walls that face a plane with nothing between, each with one large triangle of the plane.
+
+    points: (n, 3) positions at rest, mm. The signed gap of a pair is the distance of the node from the plane.
+    """
+    corner = _large_triangle(plane, points)
+    normal = _area_vectors(points, corner[None])[0]
+    normal /= np.linalg.norm(normal)
+    triangles = walls.triangles
+    vectors = _area_vectors(points, triangles)
+    area = np.linalg.norm(vectors, axis=1)
+    facing = triangles[vectors @ normal < -FACING * area]
+    nodal = np.zeros(points.shape[0])
+    for k in range(3):
+        np.add.at(nodal, facing[:, k], area[vectors @ normal < -FACING * area] / 3.0)
+    behind = FacingPairs.of(walls, points).nodes
+    nodes = np.setdiff1d(np.unique(facing), behind)
+    return FacingPairs(nodes, np.tile(corner, (nodes.shape[0], 1)), nodal[nodes])
+
+
+def _large_triangle(plane: Faces, points: Array) -> Index:
+    """Three nodes (3,) of a plane face that span a large triangle, its normal into the body."""
+    nodes = plane.unique_nodes
+    x = points[nodes]
+    first = int(np.argmax(np.linalg.norm(x - x.mean(axis=0), axis=1)))
+    second = int(np.argmax(np.linalg.norm(x - x[first], axis=1)))
+    height = np.linalg.norm(np.cross(x - x[first], x[second] - x[first]), axis=1)
+    corner = nodes[[first, second, int(np.argmax(height))]]
+    outward = _area_vectors(points, plane.triangles).sum(axis=0)
+    return corner if _area_vectors(points, corner[None])[0] @ outward < 0.0 else corner[[0, 2, 1]]
+
+
+def _area_vectors(points: Array, triangles: Index) -> Array:
+    """Normals (f, 3) of triangles (f, 3) with their areas as lengths."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    return np.asarray(np.cross(b - a, c - a) / 2.0)
