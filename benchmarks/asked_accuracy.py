@@ -25,8 +25,8 @@ from pipeline.accuracy.ladder import Rung, mesh_series  # noqa: E402
 from pipeline.accuracy.measure import measure  # noqa: E402
 from pipeline.accuracy.result import HEADLINE, Headline, RungResult  # noqa: E402
 from pipeline.config.config import Config, load_config  # noqa: E402
+from pipeline.identification.richardson import extrapolated  # noqa: E402
 from pipeline.progress import Silent  # noqa: E402
-from pipeline.richardson import extrapolated  # noqa: E402
 from pipeline.run import run  # noqa: E402
 from pipeline.store.atomic_file import write_whole  # noqa: E402
 from pipeline.store.formats import with_present_keys  # noqa: E402

@@ -10,16 +10,13 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn
+from typing import Annotated, NoReturn
 
 import typer
 from rich.console import Console
 from rich.table import Table
 
 from pipeline.errors import InputError, RunFailed
-
-if TYPE_CHECKING:
-    from geometry import Body, Design
 
 app = typer.Typer(
     help="From the drawing of a pneumatic soft actuator to a rod model that can be trusted.",
@@ -89,6 +86,7 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
 
         from pipeline.simulation.scene import Scene
         from pipeline.store.atomic_file import beside
+        from pipeline.terminal import body_table
 
         body = Scene.meshed(design).body
         try:
@@ -97,7 +95,7 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
                 body.mesh.write(place)
         except OSError as failure:
             raise InputError(f"--out {folder}: cannot be written ({failure.strerror}); give another folder") from None
-        Console().print(_body_table(folder / "mesh.vtu", design.design, body), highlight=False, soft_wrap=True)
+        Console().print(body_table(folder / "mesh.vtu", design.design, body), highlight=False, soft_wrap=True)
 
 
 @app.command()
@@ -112,23 +110,21 @@ def effects(
         design = load_config(config, settings or ())
         folder = out or Path("results") / f"{design.name}_effects"
 
-        from pipeline.effects_study import about_contact, compare_effects
-        from pipeline.terminal import comparison
+        from pipeline.effects_study import compare_effects, contact_sentences
+        from pipeline.terminal import effects_comparison
 
         console = Console()
         progress = progress_for(console)
         try:
-            rows, failures = compare_effects(
-                design, folder, jobs or min(2, len(os.sched_getaffinity(0))), fresh, progress
-            )
+            table = compare_effects(design, folder, jobs or min(2, len(os.sched_getaffinity(0))), fresh, progress)
         finally:
             progress.done()
-        console.print(comparison(rows), highlight=False)
-        for sentence in about_contact(rows):
+        console.print(effects_comparison(table.rows), highlight=False)
+        for sentence in contact_sentences(table.rows):
             console.print(sentence, highlight=False, soft_wrap=True)
         console.print(f"table: {folder / 'effects_table.json'}", highlight=False, soft_wrap=True)
-        if failures:
-            raise RunFailed("; ".join(failures))
+        if table.failures:
+            raise RunFailed("; ".join(table.failures))
 
 
 @app.command()
@@ -146,7 +142,7 @@ def accuracy(
 
         from pipeline.accuracy.study import run_study
         from pipeline.accuracy.table import reference_sentences
-        from pipeline.terminal import costs
+        from pipeline.terminal import study_table
 
         console = Console()
         progress = progress_for(console)
@@ -154,7 +150,7 @@ def accuracy(
             study = run_study(design, folder, jobs or min(2, len(os.sched_getaffinity(0))), fresh, progress)
         finally:
             progress.done()
-        console.print(costs(study), highlight=False)
+        console.print(study_table(study), highlight=False)
         for sentence in reference_sentences(study):
             console.print(sentence, highlight=False, soft_wrap=True)
         console.print(f"picture: {folder / 'accuracy.html'}", highlight=False, soft_wrap=True)
@@ -208,14 +204,14 @@ def material(
         from pipeline.material.fits import ALL, WIDEST, FitOptions
         from pipeline.material.sentences import caveats, moduli_sentences, yaml_block
         from pipeline.material.study import fit_material
-        from pipeline.terminal import laws
+        from pipeline.terminal import law_table
 
         fits = fit_material(tests, FitOptions.read(nu, density, break_strain, up_to, within), out)
         console = Console()
         for line in moduli_sentences(fits):
             console.print(line, highlight=False)
         for name in (ALL, WIDEST):
-            console.print("", laws(fits, name), highlight=False)
+            console.print("", law_table(fits, name), highlight=False)
         console.print(f"\nfor a configuration, fitted to {WIDEST}:", highlight=False)
         for line in (yaml_block(fit, density) for fit in fits.usable.values()):
             console.print(line, highlight=False, soft_wrap=True)
@@ -307,9 +303,9 @@ def _say_effects(console: Console, folder: Path) -> None:
     """Which effects were simulated, and why."""
     file = folder / "effects.json"
     if file.is_file():
-        from pipeline.terminal import sentences
+        from pipeline.terminal import effects_summary
 
-        console.print(sentences(json.loads(file.read_text(encoding="utf-8"))), highlight=False)
+        console.print(effects_summary(json.loads(file.read_text(encoding="utf-8"))), highlight=False)
 
 
 def _say_accuracy(console: Console, folder: Path) -> None:
@@ -317,25 +313,3 @@ def _say_accuracy(console: Console, folder: Path) -> None:
     file = folder / "run.json"
     if file.is_file() and (said := json.loads(file.read_text(encoding="utf-8")).get("accuracy")):
         console.print(said["sentence"], highlight=False, soft_wrap=True)
-
-
-def _body_table(path: Path, design: "Design", body: "Body") -> Table:
-    quality, halves = body.mesh.quality, 2 if body.half else 1
-    air = body.mesh.enclosed_volume(body.cavities[0])
-    table = Table.grid(padding=(0, 2))
-    table.add_row("mesh", f"{path}, {'the half z >= 0' if body.half else 'the whole body'}")
-    table.add_row("length", f"{body.length:g} mm")
-    table.add_row(
-        "solid", f"{halves * body.mesh.volume:.7g} mm3 in the whole body; closed form {design.solid_volume:.7g}"
-    )
-    table.add_row(body.cavities[0], f"{halves * air:.7g} mm3 in the whole body; closed form {design.cavity_volume:.7g}")
-    table.add_row("tetrahedra", str(quality.count))
-    table.add_row(
-        "radius ratio", f"smallest {quality.minimum:.3f} at {_point(quality.position)} mm, mean {quality.mean:.3f}"
-    )
-    table.add_row("longest edge", f"{quality.longest_edge:.3g} mm")
-    return table
-
-
-def _point(place: tuple[float, float, float]) -> str:
-    return "(" + ", ".join(f"{coordinate:.3g}" for coordinate in place) + ")"

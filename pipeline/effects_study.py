@@ -1,21 +1,22 @@
-"""Each effect on and off: what it changes in the numbers of the rod, and what it costs."""
+"""Study of effects: each effect on and off, what it changes in the numbers of the rod, and what it costs."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
 
 from pipeline.config.config import FULLY_INTEGRATED, Config
 from pipeline.context import RunContext
-from pipeline.identification.parameters import identify_all
-from pipeline.identification.record import parameters_record
+from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.progress import Progress
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import GAP, Scene, is_on
 from pipeline.simulation.simulate import simulate
-from pipeline.store.store import open_store
+from pipeline.store.json_values import JsonObject
+from pipeline.store.store import Store, open_store
+from pipeline.study import Study
 
 BASE = "as configured"
-#: key of a row -> how its column is called
+#: number of a row -> title of its column
 COLUMNS = {
     "kappa_0_middle_per_mm": "κ₀(l/2) 1/mm",
     "alpha1_N_mm2": "α₁ N mm²",
@@ -27,7 +28,7 @@ COLUMNS = {
 
 @dataclass(frozen=True)
 class Variant:
-    """A configuration and what was changed in it."""
+    """A configuration and the effect that was changed in it."""
 
     effect: str  #: BASE, or the effect that was changed
     state: str  #: what it was changed to; empty for BASE
@@ -40,40 +41,154 @@ class Variant:
 
     @property
     def folder(self) -> str:
-        """Where its results stand in the folder of the comparison: the configuration itself in that folder."""
+        """Folder of its states, relative to that of the study; the configuration itself is solved in the latter."""
         return f"{self.effect}_{self.state}" if self.state else "."
 
 
-def compare_effects(
-    config: Config, out: Path, jobs: int, fresh: bool, progress: Progress
-) -> tuple[list[dict[str, Any]], list[str]]:
-    """Run II and III with each effect on and off; one row per variant and pressure, also in `out`/effects_table.json.
+@dataclass(frozen=True)
+class VariantNumbers:
+    """The numbers of the rod at one pressure."""
 
-    The second list says in sentences which pressures were not reached. Raises InputError for a body that cannot be
-    meshed or a folder that cannot be used.
+    pressure_kPa: float
+    kappa_0_middle_per_mm: float
+    end_force_N: float  #: y component in III
+    end_y_II_mm: float
+    alpha1_N_mm2: float
+    alpha2_N_mm2: float
+    d_mm: float | None  #: None where a single line suffices, which has no break
+    single_line_suffices: bool
+    r2_single_line: float
+    r2_two_lines: float
+    stretch_of_curve: tuple[float, float]  #: in II and III
+
+    @staticmethod
+    def of(parameters: Parameters) -> "VariantNumbers":
+        """From the parameters at one pressure."""
+        free, loaded, lines = parameters.free, parameters.loaded, parameters.by_cells
+        numbers = {name: interval.value for name, interval in parameters.numbers.items()}
+        return VariantNumbers(
+            pressure_kPa=parameters.pressure_kPa,
+            kappa_0_middle_per_mm=parameters.kappa_0_middle,
+            end_force_N=loaded.load.force[1],
+            end_y_II_mm=free.summary.end_mm[1],
+            alpha1_N_mm2=numbers["alpha1"],
+            alpha2_N_mm2=numbers["alpha2"],
+            d_mm=numbers["d"] if lines.two_lines else None,
+            single_line_suffices=not lines.two_lines,
+            r2_single_line=lines.single_line.r2,
+            r2_two_lines=lines.r2,
+            stretch_of_curve=(free.centreline.stretch, loaded.centreline.stretch),
+        )
+
+
+@dataclass(frozen=True)
+class VariantCost:
+    """Cost of II and III over all pressures."""
+
+    seconds: float
+    factorizations: int
+    degrees_of_freedom: int
+
+    @staticmethod
+    def of(outcomes: Outcomes) -> "VariantCost":
+        """From the experiments."""
+        return VariantCost(outcomes.seconds.total, outcomes.factorizations, outcomes.degrees_of_freedom)
+
+
+@dataclass(frozen=True)
+class VariantResult:
+    """What one variant gives."""
+
+    numbers: tuple[VariantNumbers, ...]  #: by pressure
+    cost: VariantCost
+    failures: tuple[str, ...]  #: a sentence for every pressure that was not reached
+
+
+@dataclass(frozen=True)
+class EffectRow:
+    """One variant at one pressure, and its relative changes against the configuration at the same pressure."""
+
+    effect: str
+    state: str
+    numbers: VariantNumbers
+    cost: VariantCost
+    relative_change: dict[str, float | None]  #: by the names of `COLUMNS`; None where a number is missing
+
+    def record(self) -> JsonObject:
+        """As in effects_table.json."""
+        return {
+            "effect": self.effect,
+            "state": self.state,
+            **asdict(self.numbers),
+            **asdict(self.cost),
+            "relative_change": self.relative_change,
+        }
+
+
+@dataclass(frozen=True)
+class EffectsTable:
+    """The results of the variants so far, also in effects_table.json."""
+
+    store: Store
+    results: list[tuple[Variant, VariantResult]] = field(default_factory=list)
+
+    def read(self, variant: Variant) -> VariantResult | None:
+        """None: what is kept of earlier runs are the states, from which results are made anew."""
+        return None
+
+    def save(self, variant: Variant, result: VariantResult) -> None:
+        """Add a variant and write the table."""
+        self.results.append((variant, result))
+        self.store.save_json("effects_table.json", [row.record() for row in self.rows])
+
+    @property
+    def rows(self) -> list[EffectRow]:
+        """One row per variant and pressure."""
+        base = {
+            numbers.pressure_kPa: numbers
+            for variant, result in self.results
+            if variant.effect == BASE
+            for numbers in result.numbers
+        }
+        return [
+            EffectRow(
+                variant.effect, variant.state, numbers, result.cost, _changes(numbers, base.get(numbers.pressure_kPa))
+            )
+            for variant, result in self.results
+            for numbers in result.numbers
+        ]
+
+    @property
+    def failures(self) -> list[str]:
+        """A sentence for every pressure that was not reached."""
+        return [f"{variant.name}: {sentence}" for variant, result in self.results for sentence in result.failures]
+
+
+def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> EffectsTable:
+    """Run II and III with each effect on and off; `out`/effects_table.json has one row per variant and pressure.
+
+    Raises InputError for a body that cannot be meshed or a folder that cannot be used.
     """
-    rows: list[dict[str, Any]] = []
-    failures: list[str] = []
     with open_store(out, config, fresh=fresh) as store:
-        for variant in variants(Scene.meshed(config)):
+
+        def measure(variant: Variant) -> VariantResult:
             progress.stage(variant.name)
             if variant.effect == BASE:
-                found, refused = _rows(variant, RunContext(store, jobs, progress))
-            else:
-                with open_store(out / variant.folder, variant.config, fresh=fresh) as own:
-                    found, refused = _rows(variant, RunContext(own, jobs, progress))
-            rows += found
-            failures += refused
-            store.save_json("effects_table.json", _compared(rows))
-    return _compared(rows), failures
+                return _measure(variant, RunContext(store, jobs, progress))
+            with open_store(out / variant.folder, variant.config, fresh=fresh) as own:
+                return _measure(variant, RunContext(own, jobs, progress))
+
+        table = EffectsTable(store)
+        list(Study(variants(Scene.meshed(config)), measure, table).run())
+    return table
 
 
 def variants(scene: Scene) -> list[Variant]:
-    """The configuration, and the ones that differ from it in one effect.
+    """The configuration, and those that differ from it in one effect.
 
-    Pressure is not among them: without it there is no arm that bends. Contact is left out where no faces can meet, the
-    half body where the body is whole, the layer where the mesh has no faces for it. Linear elements know no
-    way to treat incompressibility and give place to quadratic ones.
+    Pressure is not varied: without it the arm does not bend. Contact is left out where no faces can meet, the half body
+    where the body is whole, the layer where the mesh has no faces for it. Linear elements cannot treat
+    incompressibility and are replaced by quadratic ones.
     """
     config, body = scene.config, scene.body
     flipped = {
@@ -93,69 +208,38 @@ def variants(scene: Scene) -> list[Variant]:
     return [Variant(BASE, "", config), *sorted(changed, key=lambda variant: list(config.effects).index(variant.effect))]
 
 
-def _rows(variant: Variant, context: RunContext) -> tuple[list[dict[str, Any]], list[str]]:
-    """The rows of one variant, and a sentence for all that is missing in them."""
-    config = variant.config
-    scene = Scene.meshed(config)
+def _measure(variant: Variant, context: RunContext) -> VariantResult:
+    scene = Scene.meshed(variant.config)
     outcomes = simulate(scene, context, ("III", "II"))
-    found, refused = identify_all(outcomes, scene.body.pitch)
-    record = parameters_record(config, found)
-    cost = {
-        "seconds": outcomes.seconds.total,
-        "factorizations": outcomes.factorizations,
-        "degrees_of_freedom": outcomes.degrees_of_freedom,
-    }
-    rows = [
-        {
-            "effect": variant.effect,
-            "state": variant.state,
-            "pressure_kPa": one.pressure_kPa,
-            "kappa_0_middle_per_mm": record["kappa_0"]["middle_per_mm"][k],
-            "end_force_N": one.loaded.load.force[1],
-            "end_y_II_mm": one.free.summary.end_mm[1],
-            **{name: record[name][k] for name in ("alpha1_N_mm2", "alpha2_N_mm2")},
-            "d_mm": None if record["single_line_suffices"][k] else record["d_mm"][k],  # one line has no break
-            **{name: record[name][k] for name in ("single_line_suffices", "r2_single_line", "r2_two_lines")},
-            "stretch_of_curve": [one.free.centreline.stretch, one.loaded.centreline.stretch],
-            **cost,
-        }
-        for k, one in enumerate(found)
-    ]
-    return rows, [f"{variant.name}: {sentence}" for sentence in [*outcomes.failures, *refused]]
+    parameters, failures = identify_all(outcomes, scene.body.pitch)
+    numbers = tuple(VariantNumbers.of(at_pressure) for at_pressure in parameters)
+    return VariantResult(numbers, VariantCost.of(outcomes), (*outcomes.failures, *failures))
 
 
-def _compared(rows: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The rows with the relative change of each number against the row of the configuration at the same pressure."""
-    base = {row["pressure_kPa"]: row for row in rows if row["effect"] == BASE}
-    compared = []
-    for row in rows:
-        reference = base.get(row["pressure_kPa"])
-        change = {name: _change(row[name], reference[name] if reference else None) for name in COLUMNS}
-        compared.append({**row, "relative_change": change})
-    return compared
+def _changes(numbers: VariantNumbers, base: VariantNumbers | None) -> dict[str, float | None]:
+    return {name: _change(getattr(numbers, name), getattr(base, name) if base else None) for name in COLUMNS}
 
 
 def _change(value: float | None, reference: float | None) -> float | None:
     return value / reference - 1.0 if value is not None and reference else None
 
 
-def about_contact(rows: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Whether the two slopes come from chambers that touch, in one sentence per pressure; none without such a pair."""
-    by_state: dict[float, dict[str, Mapping[str, Any]]] = {}
+def contact_sentences(rows: Sequence[EffectRow]) -> list[str]:
+    """Whether the two slopes are caused by chambers in contact, one sentence per pressure; none without both cases."""
+    by_state: dict[float, dict[str, VariantNumbers]] = {}
     for row in rows:
-        if row["effect"] in (BASE, "self_contact"):
-            by_state.setdefault(row["pressure_kPa"], {})[row["state"]] = row
-    sentences = []
-    for pressure, found in by_state.items():
-        if len(found) == 2:
-            without = found.get("off", found[""])
-            touching = found.get("on", found[""])
-            sentences.append(f"{pressure:g} kPa: with contact {_slopes(touching)}; without it {_slopes(without)}")
-    return sentences
+        if row.effect in (BASE, "self_contact"):
+            by_state.setdefault(row.numbers.pressure_kPa, {})[row.state] = row.numbers
+    return [
+        f"{pressure:g} kPa: with contact {_slopes(states.get('on', states['']))}; "
+        f"without contact {_slopes(states.get('off', states['']))}"
+        for pressure, states in by_state.items()
+        if len(states) == 2
+    ]
 
 
-def _slopes(row: Mapping[str, Any]) -> str:
-    alpha1, alpha2 = row["alpha1_N_mm2"], row["alpha2_N_mm2"]
-    if row["single_line_suffices"]:
-        return f"one line suffices, alpha = {alpha1:.4g} N mm2"
-    return f"alpha1 = {alpha1:.4g}, alpha2 = {alpha2:.4g} N mm2, d = {row['d_mm']:.3g} mm"
+def _slopes(numbers: VariantNumbers) -> str:
+    if numbers.d_mm is None:
+        return f"a single line suffices, alpha = {numbers.alpha1_N_mm2:.4g} N mm2"
+    slopes = f"alpha1 = {numbers.alpha1_N_mm2:.4g}, alpha2 = {numbers.alpha2_N_mm2:.4g} N mm2"
+    return f"{slopes}, d = {numbers.d_mm:.3g} mm"

@@ -1,43 +1,41 @@
-"""Tables on the terminal: what effects change and cost, the laws of a material, and what accuracy costs."""
+"""Tables on the terminal: body, effects of a run, study of effects, material laws, convergence study."""
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from rich.table import Table
 from rich.text import Text
 
+from geometry import Body, Design
 from pipeline.accuracy.record import ConvergenceStudy
 from pipeline.accuracy.table import COLUMNS as STUDY_COLUMNS
 from pipeline.accuracy.table import cells
-from pipeline.effects_study import BASE, COLUMNS
+from pipeline.effects_study import BASE, COLUMNS, EffectRow
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit, Refused
 from pipeline.material.sentences import with_error
 
-Row = Mapping[str, Any]
 
-
-def comparison(rows: Sequence[Row]) -> Table:
-    """Rows of effects_table.json: every number above its change against the configuration, and the cost; it fits into
-    80 columns."""
-    heads = [name.replace(" ", "\n", 1) for name in COLUMNS.values()]
-    table = Table("effect", "p\nkPa", *heads, "one\nline", "s", "factori-\nzations", box=None, padding=(0, 1, 0, 0))
-    table.caption = "one line: whether one slope describes the arm as well as two"
-    for column in table.columns[1:]:
-        column.justify = "right"
-        column.no_wrap = True
-    before = ""
-    for row in rows:
-        name = f"{row['effect']} {row['state']}".strip().replace("_", " ")
-        first, before = name != before, name
-        numbers = [_number(row, key) for key in COLUMNS]
-        cost = (f"{row['seconds']:.0f}", str(row["factorizations"])) if first else ("", "")
-        suffices = "yes" if row["single_line_suffices"] else "no"
-        table.add_row(name if first else "", f"{row['pressure_kPa']:g}", *numbers, suffices, *cost)
+def body_table(file: Path, design: Design, body: Body) -> Table:
+    """The meshed body: volumes beside those of the closed form, and the quality of the elements."""
+    quality, halves = body.mesh.quality, 2 if body.half else 1
+    air = body.mesh.enclosed_volume(body.cavities[0])
+    table = Table.grid(padding=(0, 2))
+    table.add_row("mesh", f"{file}, {'the half z >= 0' if body.half else 'the full body'}")
+    table.add_row("length", f"{body.length:g} mm")
+    table.add_row(
+        "solid", f"{halves * body.mesh.volume:.7g} mm3 in the full body; closed form {design.solid_volume:.7g}"
+    )
+    table.add_row(body.cavities[0], f"{halves * air:.7g} mm3 in the full body; closed form {design.cavity_volume:.7g}")
+    table.add_row("tetrahedra", str(quality.count))
+    at = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
+    table.add_row("radius ratio", f"smallest {quality.minimum:.3f} at ({at}) mm, mean {quality.mean:.3f}")
+    table.add_row("longest edge", f"{quality.longest_edge:.3g} mm")
     return table
 
 
-def sentences(rows: Sequence[Row]) -> Table:
+def effects_summary(rows: Sequence[Mapping[str, Any]]) -> Table:
     """Rows of effects.json: which effects were simulated, and why."""
     table = Table.grid(padding=(0, 2))
     for row in rows:
@@ -46,7 +44,36 @@ def sentences(rows: Sequence[Row]) -> Table:
     return table
 
 
-def laws(fits: Fits, name: str) -> Table:
+def effects_comparison(rows: Sequence[EffectRow]) -> Table:
+    """Every number above its change against the configuration, and the cost; it fits into 80 columns."""
+    heads = [name.replace(" ", "\n", 1) for name in COLUMNS.values()]
+    table = Table("effect", "p\nkPa", *heads, "single\nline", "s", "factori-\nzations", box=None, padding=(0, 1, 0, 0))
+    table.caption = "single line: whether one slope describes the arm as well as two"
+    for column in table.columns[1:]:
+        column.justify = "right"
+        column.no_wrap = True
+    previous = ""
+    for row in rows:
+        name = f"{row.effect} {row.state}".strip().replace("_", " ")
+        first, previous = name != previous, name
+        cost = (f"{row.cost.seconds:.0f}", str(row.cost.factorizations)) if first else ("", "")
+        suffices = "yes" if row.numbers.single_line_suffices else "no"
+        numbers = [_number(row, key) for key in COLUMNS]
+        table.add_row(name if first else "", f"{row.numbers.pressure_kPa:g}", *numbers, suffices, *cost)
+    return table
+
+
+def _number(row: EffectRow, name: str) -> str:
+    value, change = getattr(row.numbers, name), row.relative_change[name]
+    if value is None:
+        return ""
+    shown = f"{value:.4g}"
+    if row.effect == BASE or change is None:
+        return shown
+    return f"{shown}\n{100 * change:+.{1 if abs(change) < 0.0995 else 0}f} %"
+
+
+def law_table(fits: Fits, name: str) -> Table:
     """The fits with this name (`ALL` or `WIDEST` of `pipeline.material.fits`); laws without a fit are listed below."""
     columns = ("law", "constants, MPa", "rms MPa", "holds for", "limit", "stable for")
     refused = [fit for both in fits.laws.values() if isinstance(fit := both[name], Refused)]
@@ -74,7 +101,7 @@ def _stretches(low: float, high: float) -> str:
     return f"{low:.3g} - {high:.3g}".replace("inf", "∞")
 
 
-def costs(study: ConvergenceStudy) -> Table:
+def study_table(study: ConvergenceStudy) -> Table:
     """Cost and errors of every configuration of the convergence study; those of the Pareto front in bold."""
     table = Table(*STUDY_COLUMNS, box=None)
     for column in table.columns[1:]:
@@ -82,13 +109,3 @@ def costs(study: ConvergenceStudy) -> Table:
     for row in study.rows:
         table.add_row(*cells(row), style="bold" if row.on_front else "")
     return table
-
-
-def _number(row: Row, key: str) -> str:
-    value, change = row[key], row["relative_change"][key]
-    if value is None:
-        return ""
-    shown = f"{value:.4g}"
-    if row["effect"] == BASE or change is None:
-        return shown
-    return f"{shown}\n{100 * change:+.{1 if abs(change) < 0.0995 else 0}f} %"

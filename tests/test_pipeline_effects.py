@@ -4,6 +4,7 @@ import io
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +15,22 @@ from rich.console import Console
 import fem
 from pipeline.config.config import load_config
 from pipeline.context import RunContext
-from pipeline.effects_study import BASE, about_contact, compare_effects, variants
+from pipeline.effects_study import (
+    BASE,
+    EffectRow,
+    VariantCost,
+    VariantNumbers,
+    compare_effects,
+    contact_sentences,
+    variants,
+)
 from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_rows
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
-from pipeline.terminal import comparison
+from pipeline.terminal import effects_comparison
 
 HERE = Path(__file__).resolve().parent.parent
 SHORT = ("geometry.chambers=3", "mesh.size=4 mm")
@@ -74,6 +83,7 @@ def test_contact_joins_when_walls_come_near(tmp_path: Path) -> None:
 
 FRESH = """
 import json, sys
+from dataclasses import replace
 from pathlib import Path
 from tests.test_pipeline_effects import SHORT, simulated
 
@@ -160,23 +170,21 @@ def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
         assert layer == "off" or np.abs(np.array(stretch) - 1.0).max() < 2e-3
 
 
-def test_two_slopes_are_held_against_contact() -> None:
-    two = {
-        "pressure_kPa": 17.0,
-        "alpha1_N_mm2": 185.0,
-        "alpha2_N_mm2": 300.6,
-        "d_mm": 6.19,
-        "single_line_suffices": False,
-    }
-    one = {**two, "alpha2_N_mm2": 185.0, "d_mm": None, "single_line_suffices": True}
-    with_and_without = [{"effect": BASE, "state": "", **two}, {"effect": "self_contact", "state": "off", **one}]
-    assert about_contact(with_and_without) == [
+def test_slopes_with_and_without_contact_are_compared() -> None:
+    two = VariantNumbers(17.0, -0.01, 0.04, -20.0, 185.0, 300.6, 6.19, False, 0.9, 0.99, (1.0, 1.0))
+    one = replace(two, alpha2_N_mm2=185.0, d_mm=None, single_line_suffices=True)
+
+    def row(effect: str, state: str, numbers: VariantNumbers) -> EffectRow:
+        return EffectRow(effect, state, numbers, VariantCost(1.0, 20, 30_000), {})
+
+    switched_off = [row(BASE, "", two), row("self_contact", "off", one)]
+    assert contact_sentences(switched_off) == [
         "17 kPa: with contact alpha1 = 185, alpha2 = 300.6 N mm2, d = 6.19 mm; "
-        "without it one line suffices, alpha = 185 N mm2"
+        "without contact a single line suffices, alpha = 185 N mm2"
     ]
-    switched_on = [{"effect": BASE, "state": "", **one}, {"effect": "self_contact", "state": "on", **two}]
-    assert about_contact(switched_on) == about_contact(with_and_without)
-    assert about_contact(with_and_without[:1]) == []
+    switched_on = [row(BASE, "", one), row("self_contact", "on", two)]
+    assert contact_sentences(switched_on) == contact_sentences(switched_off)
+    assert contact_sentences(switched_off[:1]) == []
 
 
 def test_table_of_effects(tmp_path: Path) -> None:
@@ -186,17 +194,19 @@ def test_table_of_effects(tmp_path: Path) -> None:
     assert [variant.name for variant in variants(Scene.meshed(config))] == [
         *(BASE, "symmetry off", "incompressibility off", "gravity on", "strain_limiting_layer on")
     ]
-    rows, failures = compare_effects(config, tmp_path / "table", 1, False, Silent())
-    assert failures == []
-    assert json.loads((tmp_path / "table" / "effects_table.json").read_text()) == json.loads(json.dumps(rows))
-    by_name = {f"{row['effect']} {row['state']}".strip(): row for row in rows}
-    assert by_name[BASE]["relative_change"]["alpha1_N_mm2"] == 0.0
-    assert abs(by_name["symmetry off"]["relative_change"]["end_force_N"]) < 1e-4
-    assert by_name["strain_limiting_layer on"]["relative_change"]["kappa_0_middle_per_mm"] > 0.3
-    assert all(row["seconds"] > 0.0 and row["factorizations"] > 0 for row in rows)
+    table = compare_effects(config, tmp_path / "table", 1, False, Silent())
+    rows = table.rows
+    assert table.failures == []
+    written = json.loads((tmp_path / "table" / "effects_table.json").read_text())
+    assert written == json.loads(json.dumps([row.record() for row in rows]))
+    by_name = {f"{row.effect} {row.state}".strip(): row for row in rows}
+    assert by_name[BASE].relative_change["alpha1_N_mm2"] == 0.0
+    assert abs(by_name["symmetry off"].relative_change["end_force_N"]) < 1e-4
+    assert by_name["strain_limiting_layer on"].relative_change["kappa_0_middle_per_mm"] > 0.3
+    assert all(row.cost.seconds > 0.0 and row.cost.factorizations > 0 for row in rows)
     console = Console(record=True, width=80, file=io.StringIO())
-    console.print(comparison(rows))
+    console.print(effects_comparison(rows))
     shown = console.export_text()
     assert "…" not in shown
     assert all(word in shown for name in by_name for word in name.replace("_", " ").split())
-    assert all(text in shown for text in ("one line: whether", " +", "0.0 %"))
+    assert all(text in shown for text in ("single line: whether", " +", "0.0 %"))

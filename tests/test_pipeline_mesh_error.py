@@ -9,10 +9,10 @@ import pytest
 from pipeline.config.config import load_config
 from pipeline.errors import InputError
 from pipeline.identification.mesh_error import mesh_deviations
+from pipeline.identification.richardson import extrapolated
 from pipeline.progress import Silent
 from pipeline.report.numbers import mesh_error
 from pipeline.report.results import read_results
-from pipeline.richardson import extrapolated
 from pipeline.run import run
 from rod import Interval
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from pipeline.richardson import extrapolated
+from pipeline.identification.richardson import extrapolated
 from rod import RodError
 
 

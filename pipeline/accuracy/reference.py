@@ -1,7 +1,8 @@
 """The reference of every number of the convergence study, and the errors against it.
 
 The reference of a number is its limit on the finest meshes, extrapolated over the degrees of freedom n as n^(-1/3)
-(`pipeline.richardson`), less the effect of the contact distance, which is extrapolated to zero on one mesh.
+(`pipeline.identification.richardson`), less the effect of the contact distance, which is extrapolated to zero on one
+mesh.
 """
 
 import math
@@ -10,7 +11,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from pipeline.accuracy.result import HEADLINE, RodNumbers
-from pipeline.richardson import extrapolated
+from pipeline.identification.richardson import extrapolated
 from pipeline.store.json_values import JsonObject
 
 #: name of a number -> its symbol

@@ -8,7 +8,7 @@ from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.parameters import Parameters, numbers_of_cells
-from pipeline.richardson import extrapolated
+from pipeline.identification.richardson import extrapolated
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Record
 from pipeline.simulation.scene import Scene
