@@ -1,0 +1,96 @@
+"""The documentation: links and paths exist, the glossary is used, and the words are those of the field."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).resolve().parent.parent
+PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", *sorted((HERE / "docs").glob("*.md"))]
+FOLDERS = ("geometry", "fem", "rod", "pipeline", "pneurod", "tests", "benchmarks", "configs", "docs", "examples")
+
+#: Former names that a reader from outside would not understand, as regular expressions.
+DIALECT = (
+    r"wiggle",
+    r"foretold|foretells",
+    r"\bawake\b|\basleep\b|\bwoken\b|\bwakes?\b",
+    r"\bforgiving\b|\bstricter\b",
+    r"sixth number",
+    r"one line suffices",
+    r"\bthe closing\b|\bone rung\b|\bthe ladders?\b",
+    r"\b(arm|design) \([a-d]\)|\([b-d]\) (to|and) \([b-d]\)",
+    r"design notes?\b",
+    r"held against",
+    r"\bbelieved\b",
+    r"older contact",
+)
+
+
+def text_of(page: Path) -> str:
+    return page.read_text(encoding="utf-8")
+
+
+def prose_of(page: Path) -> str:
+    """The text of a page without code blocks and code spans."""
+    without_blocks = re.sub(r"^```.*?^```", "", text_of(page), flags=re.DOTALL | re.MULTILINE)
+    return re.sub(r"`[^`\n]*`", "", re.sub(r"^ {4}.*$", "", without_blocks, flags=re.MULTILINE))
+
+
+def links_of(page: Path) -> list[str]:
+    links = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text_of(page))
+    return [link for link in links if not link.startswith(("http://", "https://"))]
+
+
+def paths_of(page: Path) -> list[str]:
+    """The code spans that name a file or folder of the repository."""
+    spans = re.findall(r"`([\w./*-]+)`", text_of(page))
+    return [span for span in spans if span.split("/")[0] in FOLDERS and "/" in span]
+
+
+def test_links_between_pages_resolve() -> None:
+    links = [(page, link) for page in PAGES for link in links_of(page)]
+    assert len(links) > 30
+    assert [f"{page.name}: {link}" for page, link in links if not (page.parent / link).exists()] == []
+
+
+def test_every_page_is_linked_from_the_readme() -> None:
+    links = links_of(HERE / "README.md")
+    assert [page.name for page in PAGES if page.parent.name == "docs" and f"docs/{page.name}" not in links] == []
+
+
+def test_named_files_and_folders_exist() -> None:
+    paths = [(page, path) for page in PAGES for path in paths_of(page)]
+    assert len(paths) > 60
+    assert [f"{page.name}: {path}" for page, path in paths if not list(HERE.glob(path.rstrip("/")))] == []
+
+
+def test_named_test_modules_exist() -> None:
+    names = {name for page in PAGES for name in re.findall(r"`(?:[\w/]+/)?(test_\w+\.py)`", text_of(page))}
+    assert len(names) > 10
+    assert [name for name in sorted(names) if not list((HERE / "tests").rglob(name))] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_pages_use_the_terms_of_the_field(page: Path) -> None:
+    prose = prose_of(page)
+    assert [found.group() for words in DIALECT for found in re.finditer(words, prose, re.IGNORECASE)] == []
+
+
+def terms() -> list[str]:
+    rows = re.findall(r"^\| ([^|]+) \|", text_of(HERE / "docs" / "glossary.md"), re.MULTILINE)
+    return [term.strip(" `") for row in rows if row != "term" for term in row.split(", ")]
+
+
+def test_every_term_of_the_glossary_is_used() -> None:
+    sources = [path for folder in ("geometry", "fem", "rod", "pipeline") for path in (HERE / folder).rglob("*.py")]
+    pages = [page for page in PAGES if page.name != "glossary.md"]
+    words = " ".join(" ".join(text_of(path).lower().split()) for path in (*pages, *sources))
+    assert len(terms()) > 50
+    assert [term for term in terms() if term.lower() not in words] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_lines_outside_tables_are_short(page: Path) -> None:
+    lines = text_of(page).splitlines()
+    long = [line for line in lines if len(line) > 120 and not line.startswith(("|", "- ", "    ", "!["))]
+    assert long == []
