@@ -23,7 +23,7 @@ from rod import (
     Curvature,
     Identification,
     Load,
-    Reference,
+    ReferenceArm,
     Rod,
     cell_averaged,
     end_displacement_closure,
@@ -95,7 +95,7 @@ def solved(chambers: int, pressures: Sequence[float], size: float) -> list[Arm]:
     return arms
 
 
-def reference(arms: Sequence[Arm], origin: float) -> Reference:
+def reference(arms: Sequence[Arm], origin: float) -> ReferenceArm:
     """The parameterization of the arms of one length at one of their pressures (kPa)."""
     pressures = [arm.pressure for arm in arms]
     beta = []
@@ -104,10 +104,10 @@ def reference(arms: Sequence[Arm], origin: float) -> Reference:
         beta.append(straightness(pressures, [i.value for i in intervals], [i.std for i in intervals]).slope)
     arm = next(arm for arm in arms if arm.pressure == origin)
     weight = DENSITY * PneuNet(chambers=arm.chambers).solid_volume * 9810.0
-    return Reference(arm.kappa_0.length, weight, origin, arm.numbers.law, beta[0], beta[1], arm.middle)
+    return ReferenceArm(arm.kappa_0.length, weight, origin, arm.numbers.law, beta[0], beta[1], arm.middle)
 
 
-def held_against(arm: Arm, known: Reference) -> Row:
+def held_against(arm: Arm, known: ReferenceArm) -> Row:
     """The rod scaled to an arm, against its finite elements."""
     guess = scaled(known, length=arm.free.length, pressure=arm.pressure)
     start = (float(arm.free.x[0]), float(arm.free.y[0]))

@@ -17,7 +17,7 @@ from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod, RodSolution
 from rod.pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
-from rod.scaling import Reference, Scaled, scaled
+from rod.scaling import ReferenceArm, Scaled, scaled
 
 __all__ = [
     "EXPORTS",
@@ -40,7 +40,7 @@ __all__ = [
     "MomentRange",
     "Observation",
     "PressurisedRod",
-    "Reference",
+    "ReferenceArm",
     "Rod",
     "RodError",
     "RodFit",

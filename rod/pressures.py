@@ -27,7 +27,6 @@ class Straightness:
     slope: float  #: per kPa
     slope_std: float
     intercept: float  #: at 0 kPa
-    departure: float  #: largest distance of a value from the line, over the largest value
     straight: bool  #: every value lies within two standard deviations or TOLERANCE of the line
     tested: bool  #: there are more than the two pressures through which a line always goes
 
@@ -51,7 +50,6 @@ def straightness(pressures: Sequence[float], values: Sequence[float], stds: Sequ
         float(slope),
         float(np.sqrt(covariance[0, 0])),
         float(intercept),
-        float(off.max()) / scale,
         bool(np.all(off <= np.maximum(2.0 * e, TOLERANCE * scale))),
         len(p) > 2,
     )

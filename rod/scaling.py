@@ -19,7 +19,7 @@ from rod.law import FiveParameters, RodError
 
 
 @dataclass(frozen=True)
-class Reference:
+class ReferenceArm:
     """One parameterised arm. Raises `RodError` for a length, weight or pressure that is not positive."""
 
     length: float  #: mm, l_0
@@ -42,14 +42,11 @@ class Scaled:
 
     length: float  #: mm, l_i
     pressure: float  #: kPa, p_i
-    kappa_0_l: float  #: kappa_0 times l_i
-    alpha1_hat: float  #: alpha_1/(m g l_i^2), m g of the reference
-    alpha2_hat: float
-    law: FiveParameters  #: the same in N and mm
+    law: FiveParameters
     kappa_0: float  #: 1/mm
 
 
-def scaled(reference: Reference, *, length: float, pressure: float) -> Scaled:
+def scaled(reference: ReferenceArm, *, length: float, pressure: float) -> Scaled:
     """Equation (9) for another length (mm) and pressure (kPa).
 
     Raises `RodError` when the length or the pressure is not positive, when d lies off the shorter arm, and when a
@@ -67,4 +64,4 @@ def scaled(reference: Reference, *, length: float, pressure: float) -> Scaled:
     kappa_0_l = reference.kappa_0 * reference.length * (pressure / reference.pressure) * ratio
     alpha1, alpha2 = (hat * reference.weight * length**2 for hat in hats)
     law = FiveParameters(alpha1, alpha2, old.m01, old.m02, old.d)
-    return Scaled(length, pressure, kappa_0_l, hats[0], hats[1], law, kappa_0_l / length)
+    return Scaled(length, pressure, law, kappa_0_l / length)

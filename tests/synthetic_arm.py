@@ -1,8 +1,7 @@
-"""Curves of rods whose numbers are known: what an estimator must give back before it is trusted with finite-element
-curves.
+"""Curves of rods whose parameters are known, which every estimator must recover.
 
-An arm like design (a): a curvature that ripples within each cell, in the rest state and in its answer to a moment,
-nodes as a mesh spaces them, and measured positions with white noise.
+An arm like the gapped pneu-net arm: a curvature with a ripple within each cell, in the rest state and in its response
+to a moment, nodes as a mesh spaces them, and measured positions with white noise.
 """
 
 from dataclasses import dataclass, replace
@@ -10,7 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry import Centreline
-from rod import FiveParameters, Load, Rod
+from geometry.arrays import Array
+from rod import Curvature, FiveParameters, Load, Rod
+from rod.curves.curve import GRID_CELLS, fine_grid
 
 
 @dataclass(frozen=True)
@@ -52,3 +53,14 @@ class SyntheticArm:
             delta = self.law.deviation(s, np.interp(s, moment.s, moment.moment))
             loaded = replace(rest, kappa_0=np.column_stack([s, kappa_0 + self.compliance_ripple * wave * delta]))
         return rest, loaded
+
+
+def exact_curvature(s: Array, kappa: Array, *, length: float, pitch: float) -> Curvature:
+    """Curvature known without error at the points s, (n,) mm; its resolution is linear interpolation."""
+    grid = fine_grid(length)
+    position = np.clip((np.asarray(s) - grid[0]) / (grid[1] - grid[0]), 0.0, GRID_CELLS - 1.0)
+    left = np.minimum(position.astype(int), GRID_CELLS - 2)
+    resolution = np.zeros((len(s), GRID_CELLS))
+    resolution[np.arange(len(s)), left] = 1.0 - (position - left)
+    resolution[np.arange(len(s)), left + 1] += position - left
+    return Curvature(length, pitch, s, kappa, np.zeros(len(s)), np.zeros((len(s), len(s))), resolution)

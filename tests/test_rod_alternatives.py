@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from synthetic_arm import SyntheticArm
+from synthetic_arm import SyntheticArm, exact_curvature
 
-from rod import Curvature, FiveParameters, Load, Moment, Rod, RodError, cell_averaged, moment_from_load
+from rod import FiveParameters, Load, Moment, Rod, RodError, cell_averaged, moment_from_load
 from rod.identification.alternatives import AS_GOOD, Candidate, Observation, compare_laws, simplest
 from rod.identification.shape_fit import rest_curvature
 
@@ -15,10 +15,7 @@ MOMENTS = [-6.0 * (1.0 - S / 112.0), -9.0 * (1.0 - S / 112.0) ** 1.3, 5.0 * (1.0
 
 def observed(law, moment, noise=0.0, seed=0):
     error = noise * np.random.default_rng(seed).standard_normal(len(S))
-    free, bent = (
-        Curvature.at_points(S, k, length=112.0, pitch=10.0, theta=0 * S)
-        for k in (0 * S + 0.02, 0.02 + law(moment) + error)
-    )
+    free, bent = (exact_curvature(S, k, length=112.0, pitch=10.0) for k in (0 * S + 0.02, 0.02 + law(moment) + error))
     return Observation(free, bent, Moment(S, moment))
 
 

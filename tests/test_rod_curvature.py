@@ -4,11 +4,11 @@ import dataclasses
 
 import numpy as np
 import pytest
-from synthetic_arm import SyntheticArm
+from synthetic_arm import SyntheticArm, exact_curvature
 
 from geometry import Centreline
-from rod import Curvature, RodError, Smoothing, cell_averaged, gaussian_process, shared_smoothing
-from rod.curves.curve import chord_angles, fine_grid, mean_angle_weights, moment_from_load
+from rod import RodError, Smoothing, cell_averaged, gaussian_process, shared_smoothing
+from rod.curves.curve import fine_grid, mean_angle_weights, moment_from_load
 from rod.curves.gaussian_process import _posterior
 from rod.law import FiveParameters
 from rod.load import Load
@@ -174,16 +174,6 @@ def test_moment_by_equation_7():
     assert moment_from_load(curve, Load(couple=2.0)).value == pytest.approx(2.0)
 
 
-def test_profile_reaches_from_clamp_to_tip():
-    profile = cell_averaged(arc(0.03), PITCH).profile
-    assert profile[[0, -1], 0].tolist() == [0.0, 112.0]
-    assert np.all(np.diff(profile[:, 0]) > 0)
-
-
-def test_chord_angles_are_continuous_through_half_a_turn():
-    assert np.diff(chord_angles(arc(0.08))).max() < 0.1
-
-
 @pytest.mark.parametrize(
     ("call", "sentence"),
     [
@@ -200,7 +190,7 @@ def test_chord_angles_are_continuous_through_half_a_turn():
             r"must have the same points s; these are of different bodies",
         ),
         (
-            lambda: Curvature.at_points(NODES[:4], NODES[:4], length=3.0, pitch=1.0, theta=NODES[:4]),
+            lambda: exact_curvature(NODES[:4], NODES[:4], length=3.0, pitch=1.0),
             r"A curvature needs at least 6 points along the curve; there are 4",
         ),
     ],

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_bvp
 
-from rod import FiveParameters, Rod, RodError
+from rod import FiveParameters, Load, Rod, RodError
 from rod.mechanics.profile import cut_into_steps
 from rod.mechanics.shooting import RodArrays, sweep
 
@@ -50,7 +50,7 @@ def test_piecewise_law_with_curved_rest_shape(law, x, y, angle, moment):
 
 def test_agreement_with_scipy_solve_bvp():
     law, force, moment, weight = TWO_LINES, (0.5, -1.0), 0.2, (0.0, -0.7)
-    shape = Rod(1.0, lambda s: 2.0 + 0.4 * np.sin(9.0 * s), law).solve(force=force, moment=moment, weight=weight)
+    shape = Rod(1.0, lambda s: 2.0 + 0.4 * np.sin(9.0 * s), law).under(Load(force, moment, weight))
 
     def rates(t, z):  # both pieces on one unit interval, so that nothing jumps
         out = []
@@ -148,7 +148,7 @@ def test_end_moment_bends_a_circle():
 
 
 def test_gravity_bends_a_light_cantilever_as_the_linear_theory_says():
-    shape = Rod(1.0, 0.0, PLAIN).solve(weight=(0.0, -1e-3))
+    shape = Rod(1.0, 0.0, PLAIN).under(Load(weight=(0.0, -1e-3)))
     assert shape.y[-1] == pytest.approx(-1e-3 / 8, rel=1e-5)
 
 

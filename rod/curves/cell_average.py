@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry import Centreline
 from geometry.arrays import Array
-from rod.curves.curve import Curvature, chord_angles, mean_angle_weights
+from rod.curves.curve import Curvature, mean_angle_weights
 from rod.curves.uncertainty import white_noise
 from rod.law import RodError
 
@@ -42,7 +42,7 @@ def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
     ahead = _interpolation(middle, middle[starts] + pitch)
     behind = np.eye(len(middle))[starts]
     difference = (ahead - behind) / pitch
-    angle = chord_angles(centreline)
+    angle = centreline.angle
     kappa = difference @ angle
     response = difference @ _sideways(s)
     centres = middle[starts] + 0.5 * pitch

@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry import Centreline
 from geometry.arrays import Array
-from rod.curves.curve import chord_angles, mean_angle_weights
+from rod.curves.curve import mean_angle_weights
 from rod.law import RodError
 from rod.load import Load
 
@@ -44,7 +44,7 @@ def end_displacement_closure(free: Centreline, loaded: Centreline, load: Load) -
     if not size > 0.0:
         raise RodError("Without an end force there is no direction in which the end could be closed.")
     ex, ey = load.force[0] / size, load.force[1] / size
-    before, after = chord_angles(free), chord_angles(loaded)
+    before, after = free.angle, loaded.angle
     turn, mean = after - before, 0.5 * (before + after)
     lever = np.diff(s) * np.sinc(turn / (2.0 * np.pi)) * (ey * np.cos(mean) - ex * np.sin(mean))
     weights = lever @ mean_angle_weights(s, float(s[-1]))

@@ -57,25 +57,6 @@ class Curvature:
         """(n,) 1/mm, standard deviation of kappa."""
         return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
 
-    @property
-    def profile(self) -> Array:
-        """(m, 2) columns s and kappa from 0 to length, as `Rod` takes kappa_0; the ends repeat the nearest value."""
-        s = np.concatenate([[0.0], self.s, [self.length]])
-        kappa = np.concatenate([self.kappa[:1], self.kappa, self.kappa[-1:]])
-        inner = np.concatenate([[self.s[0] > 1e-9], np.ones(len(self.s), bool), [self.s[-1] < self.length - 1e-9]])
-        return np.column_stack([s[inner], kappa[inner]])
-
-    @staticmethod
-    def at_points(s: Array, kappa: Array, *, length: float, pitch: float, theta: Array) -> "Curvature":
-        """Curvature known without error at the points s, (n,) mm; its resolution is linear interpolation."""
-        grid = fine_grid(length)
-        place = np.clip((np.asarray(s) - grid[0]) / (grid[1] - grid[0]), 0.0, GRID_CELLS - 1.0)
-        left = np.minimum(place.astype(int), GRID_CELLS - 2)
-        resolution = np.zeros((len(s), GRID_CELLS))
-        resolution[np.arange(len(s)), left] = 1.0 - (place - left)
-        resolution[np.arange(len(s)), left + 1] += place - left
-        return Curvature(length, pitch, s, kappa, theta, np.zeros((len(s), len(s))), resolution)
-
 
 @dataclass(frozen=True)
 class Moment:
@@ -111,14 +92,9 @@ def _lever_integral(s: Array, x: Array) -> Array:
     return np.append(np.cumsum(pieces[::-1])[::-1], 0.0) - (s[-1] - s) * x
 
 
-def chord_angles(centreline: Centreline) -> Array:
-    """(n - 1,) rad: continuous angles of the chords between neighbouring nodes, the mean tangent angles there."""
-    return np.unwrap(np.arctan2(np.diff(centreline.y), np.diff(centreline.x)))
-
-
 def without_stretch(curve: Centreline) -> Centreline:
     """The curve with the same tangent angles and its rest length: what an inextensible rod can be at best."""
-    angle, h = chord_angles(curve), np.diff(curve.s)
+    angle, h = curve.angle, np.diff(curve.s)
     # the chord of an arc that turns by t is shorter than the arc by sin(t/2)/(t/2)
     chord = h * np.sinc(np.gradient(angle) / (2.0 * np.pi))
     x, y = (np.concatenate([[0.0], np.cumsum(chord * f(angle))]) for f in (np.cos, np.sin))

@@ -19,7 +19,6 @@ from scipy.interpolate import CubicSpline
 from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.cell_average import cell_averaged
-from rod.curves.curve import chord_angles
 from rod.law import RodError
 
 
@@ -59,7 +58,7 @@ class Extension:
 
 def stretches(curve: Centreline) -> Array:
     """(n - 1,) arc length over rest length between neighbouring nodes; the chord of an arc is shorter than the arc."""
-    return curve.chords / (np.diff(curve.s) * np.sinc(np.gradient(chord_angles(curve)) / (2.0 * np.pi)))
+    return curve.chords / (np.diff(curve.s) * np.sinc(np.gradient(curve.angle) / (2.0 * np.pi)))
 
 
 def extension(free: Centreline, loaded: Centreline, pitch: float) -> Extension:

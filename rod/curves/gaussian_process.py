@@ -24,7 +24,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from geometry import Centreline
 from geometry.arrays import Array
-from rod.curves.curve import GRID_CELLS, Curvature, chord_angles, fine_grid, without_stretch
+from rod.curves.curve import GRID_CELLS, Curvature, fine_grid, without_stretch
 from rod.law import RodError
 
 #: the smallest and the largest length scale over the pitch
@@ -99,7 +99,7 @@ def gaussian_process(centreline: Centreline, smoothing: Smoothing) -> Curvature:
     y1, y2 = (_derivative(s, maps[k], centreline.y, k) for k in (1, 2))
     speed = np.hypot(x1, y1)
     kappa = (x1 * y2 - x2 * y1) / speed**3
-    x_moves, y_moves = _moves(s, chord_angles(centreline))
+    x_moves, y_moves = _moves(s, centreline.angle)
     covariance, resolution = np.zeros((len(s), len(s))), np.zeros((len(s), GRID_CELLS))
     # kappa by the first and the second derivative of X, then of Y
     for by_first, by_second, moves in (

@@ -22,7 +22,7 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from geometry import Centreline
 from geometry.arrays import Array
-from rod.curves.curve import Moment, chord_angles, moment_from_load, without_stretch
+from rod.curves.curve import Moment, moment_from_load, without_stretch
 from rod.curves.uncertainty import (
     Bootstrap,
     effective_observations,
@@ -94,7 +94,7 @@ def rest_curvature(free: Centreline) -> tuple[float, Array]:
     nodes, has the chords' directions. It ripples as the shape does and is noisy if that is; only its integrals matter.
     """
     s = free.s - free.s[0]
-    integral = CubicSpline(s, np.concatenate([[0.0], np.cumsum(np.diff(s) * chord_angles(free))]))
+    integral = CubicSpline(s, np.concatenate([[0.0], np.cumsum(np.diff(s) * free.angle)]))
     return float(integral(0.0, 1)), np.column_stack([s, integral(s, 2)])
 
 

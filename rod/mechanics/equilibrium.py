@@ -12,7 +12,7 @@ and those components, are found by shooting (`shooting`), large loads by continu
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -99,14 +99,13 @@ class Rod:
         end_x: float | None = None,
         end_y: float | None = None,
         moment: float = 0.0,
-        weight: Sequence[float] = (0.0, 0.0),
         order: Order = "as tested",
     ) -> RodSolution:
         """The equilibrium that is reached when the loads grow from nothing.
 
         force: dead end force (F_x, F_y) in N; or end = (x, y), end_x or end_y in mm, the position of the end (the
-        other force component is zero: end_y alone is Test III). Either may be combined with moment, M(l) in N mm, and
-        weight, a dead load (q_x, q_y) per length in N/mm.
+        other force component is zero: end_y alone is experiment III). Either may be combined with moment, M(l) in
+        N mm. `under` takes a `Load`, with a weight.
 
         order says which of several equilibria is meant. "pressure first": the loads grow on the rod that already has
         its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
@@ -121,14 +120,10 @@ class Rod:
             end_x, end_y = pair(end, "end")
         if force is not None and (end_x is not None or end_y is not None):
             raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
-        load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment, pair(weight, "weight"))
-        loaded = force is not None or load.couple != 0.0 or any(load.weight)
-        case = _LoadCase(load, (end_x, end_y), _grow_together(order, end_x, end_y, loaded=loaded))
-        solution = self._solved(self.steps, case)
-        refinement = _refinement(self, solution, load)
-        if refinement > 1.0:
-            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.law, refinement), case)
-        return solution
+        load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment)
+        loaded = force is not None or load.couple != 0.0
+        together = _grow_together(order, end_x, end_y, loaded=loaded)
+        return self._equilibrium(_LoadCase(load, (end_x, end_y), together))
 
     def under(self, load: Load, end_y: float | None = None) -> RodSolution:
         """The equilibrium under a load, grown "as tested".
@@ -136,8 +131,17 @@ class Rod:
         With end_y (mm) the end is held at that height as in experiment III: couple and weight act, and the force of the
         load is not used, for it follows. Raises `RodError` as `solve` does.
         """
-        force = load.force if end_y is None else None
-        return self.solve(force, end_y=end_y, moment=load.couple, weight=load.weight)
+        if end_y is not None:
+            load = replace(load, force=(0.0, 0.0))
+        return self._equilibrium(_LoadCase(load, (None, end_y), together=end_y is not None))
+
+    def _equilibrium(self, case: "_LoadCase") -> RodSolution:
+        """The solution, on finer steps where the end force turns out to be large."""
+        solution = self._solved(self.steps, case)
+        refinement = _refinement(self, solution, case.load)
+        if refinement > 1.0:
+            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.law, refinement), case)
+        return solution
 
     def _solved(self, steps: Steps, case: "_LoadCase") -> RodSolution:
         problem = _problem(self, steps, case)

@@ -19,7 +19,6 @@ from rod import (
     identify,
     rest_curvature,
 )
-from rod.curves.curve import chord_angles
 from rod.identification.observed import Observed
 
 #: the arm with one semicircular chamber at 37 kPa, from finite elements (the file's head says what)
@@ -41,7 +40,7 @@ def thinned(curve: Centreline, every: int) -> Centreline:
 
 def rough(curve: Centreline, noise: float) -> Centreline:
     """Every chord turned by white noise (rad), the same for every curve, as they share their mesh."""
-    angle = chord_angles(curve) + np.random.default_rng(0).normal(scale=noise, size=len(curve.s) - 1)
+    angle = curve.angle + np.random.default_rng(0).normal(scale=noise, size=len(curve.s) - 1)
     chord = np.hypot(np.diff(curve.x), np.diff(curve.y))
     x, y = (
         start + np.append(0.0, np.cumsum(chord * f(angle))) for start, f in ((curve.x[0], np.cos), (curve.y[0], np.sin))

@@ -5,12 +5,11 @@ import dataclasses
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
-from synthetic_arm import SyntheticArm
+from synthetic_arm import SyntheticArm, exact_curvature
 
 from rod import (
     PARAMETER_NAMES,
     Bootstrap,
-    Curvature,
     FiveParameters,
     Moment,
     Rod,
@@ -49,9 +48,7 @@ def test_round_trip_from_the_rod_itself(law):
     s = np.linspace(0.0, 112.0, 449)[:-1] + 0.125
     moment = CubicSpline(shape.s, shape.moment)(s)
     loaded = 0.03 + law.deviation(s, moment)
-    free, bent = (
-        Curvature.at_points(s, k, length=112.0, pitch=10.0, theta=0 * s) for k in (np.full(len(s), 0.03), loaded)
-    )
+    free, bent = (exact_curvature(s, k, length=112.0, pitch=10.0) for k in (np.full(len(s), 0.03), loaded))
     found = identify(free, bent, Moment(shape.s, shape.moment), bootstrap=Bootstrap(20))
     for name in PARAMETER_NAMES:
         scale = abs(shape.moment[0]) if name.startswith("m0") else getattr(law, name)
