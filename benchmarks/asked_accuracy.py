@@ -117,7 +117,7 @@ def solved(request: Request, folder: Path) -> Solved:
     if not file.is_file():
         begin = process_time()
         with tempfile.TemporaryDirectory() as out:
-            run(request.config, Path(out), 1, True, Silent())
+            run(request.config, Path(out), 1, True, Silent()).raise_if_failed()
             record, parameters, rows = (
                 json.loads((Path(out) / f"{name}.json").read_text(encoding="utf-8"))
                 for name in ("run", "parameters", "experiments")

@@ -4,7 +4,6 @@ Everything heavy is imported inside the commands, so that `pneurod --help` answe
 """
 
 import errno
-import json
 import os
 import signal
 from collections.abc import Iterator
@@ -63,15 +62,18 @@ def run(
         folder = out or Path("results") / design.name
 
         from pipeline.run import run as run_story
+        from pipeline.terminal import effects_summary
 
         console = Console()
         progress = progress_for(console)
         try:
-            run_story(design, folder, jobs or min(3, len(os.sched_getaffinity(0))), fresh, progress)
+            report = run_story(design, folder, jobs or min(3, len(os.sched_getaffinity(0))), fresh, progress)
         finally:
             progress.done()
-        _say_effects(console, folder)
-        _say_accuracy(console, folder)
+        report.raise_if_failed()
+        console.print(effects_summary([state.row() for state in report.effects]), highlight=False)
+        if report.accuracy:
+            console.print(report.accuracy.sentence, highlight=False, soft_wrap=True)
         console.print(f"report: {folder / 'report.html'}", highlight=False, soft_wrap=True)
 
 
@@ -297,19 +299,3 @@ def _remedy(failure: OSError) -> str:
 def _end(sentence: str, status: int) -> NoReturn:
     typer.echo(f"pneurod: {sentence}", err=True)
     raise typer.Exit(status) from None
-
-
-def _say_effects(console: Console, folder: Path) -> None:
-    """Which effects were simulated, and why."""
-    file = folder / "effects.json"
-    if file.is_file():
-        from pipeline.terminal import effects_summary
-
-        console.print(effects_summary(json.loads(file.read_text(encoding="utf-8"))), highlight=False)
-
-
-def _say_accuracy(console: Console, folder: Path) -> None:
-    """What was chosen for an asked accuracy, and what is believed to remain."""
-    file = folder / "run.json"
-    if file.is_file() and (said := json.loads(file.read_text(encoding="utf-8")).get("accuracy")):
-        console.print(said["sentence"], highlight=False, soft_wrap=True)

@@ -43,7 +43,7 @@ def characterize(
     cores = len(os.sched_getaffinity(0))
     listener = progress_for() if progress else Silent()
     try:
-        run(design, folder, jobs or min(len(EXPERIMENTS), cores), fresh, listener)
+        run(design, folder, jobs or min(len(EXPERIMENTS), cores), fresh, listener).raise_if_failed()
     except RunFailed as failure:
         raise RunFailed(str(failure), directory=folder) from None
     finally:

@@ -1,6 +1,7 @@
 """The rod held against shapes that are known: distances, forces, curvatures, and what cannot be compared."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from fem import Seconds
 from fem.solution import Extremes
 from geometry import Centreline
 from pipeline.simulation.outcome import Record, StateSummary
-from pipeline.validation.compare import CURVE_COLUMNS, Rods, held_against, rows_of
+from pipeline.validation.compare import CURVE_COLUMNS, ComparedState, Rods, compare_rods, rows_of
 from rod import Extension, FiveParameters, Load, MomentRange, Rod
 
 LENGTH, PITCH = 112.0, 10.0
@@ -34,6 +35,11 @@ def record(experiment: str, rod: Rod, **loads) -> Record:
     load = Load((float(shape.force[0]), float(shape.force[1])))
     empty = np.zeros((0, 3))
     return Record(summary(experiment), Centreline(S, x, y), load, empty, {}, (), Seconds())
+
+
+def row_of(compared: Rods, solid: Record, load: str = "") -> dict[str, Any]:
+    """The row of validation.json; a load in words makes the state one out of sample."""
+    return dict(compare_rods(compared, ComparedState(solid, load, in_sample=not load), PITCH).row())
 
 
 def summary(experiment: str) -> StateSummary:
@@ -65,7 +71,7 @@ def summary(experiment: str) -> StateSummary:
     ("experiment", "loads"), [("II", {}), ("III", {"end_y": 1.0}), ("dead", {"force": (0.0, 0.05)})]
 )
 def test_a_rod_agrees_with_itself_under_every_load(experiment: str, loads: dict) -> None:
-    row = held_against(rods(ROD), record(experiment, ROD, **loads), PITCH).row()
+    row = row_of(rods(ROD), record(experiment, ROD, **loads))
     assert row["distance_over_length"] < 1e-7
     assert row["distance_over_length_without_stretch"] < 1e-4  # chords instead of arcs
     assert abs(row["end_angle_error_rad"]) < 0.01  # the last chord against the tangent
@@ -76,30 +82,30 @@ def test_a_rod_agrees_with_itself_under_every_load(experiment: str, loads: dict)
 
 def test_errors_are_those_put_in() -> None:
     stiffer = replace(ROD, law=FiveParameters(209.0, 440.0, 0.0, 0.0, 6.0))
-    row = held_against(rods(stiffer), record("III", ROD, end_y=1.0), PITCH, "end at +10 mm", in_sample=False).row()
+    row = row_of(rods(stiffer), record("III", ROD, end_y=1.0), "end at +10 mm")
     assert row["force_error"] == pytest.approx(0.1, abs=2e-3)
     assert row["sample"] == "out"
     assert row["load"] == "end at +10 mm"
     shifted = record("II", ROD)
     moved = replace(shifted, centreline=Centreline(S, shifted.centreline.x, shifted.centreline.y + S / LENGTH))
-    row = held_against(rods(ROD), moved, PITCH).row()
+    row = row_of(rods(ROD), moved)
     assert row["distance_over_length"] == pytest.approx(1.0 / LENGTH)
     assert row["distance_at_s_mm"] == LENGTH
 
 
 def test_a_soft_place_is_found_where_it_is() -> None:
     soft = replace(ROD, law=FiveParameters(40.0, 400.0, 0.0, 0.0, 12.0))
-    row = held_against(rods(ROD), record("III", soft, end_y=1.0), PITCH).row()
+    row = row_of(rods(ROD), record("III", soft, end_y=1.0))
     assert row["curvature_error_at_s_mm"] < 12.0
 
 
 def test_numbers_of_another_arm_and_loads_without_solution_say_so() -> None:
-    row = held_against(rods(replace(ROD, length=72.0)), record("II", ROD), PITCH).row()
+    row = row_of(rods(replace(ROD, length=72.0)), record("II", ROD))
     assert row["reason"] == "The numbers are those of an arm of 72 mm, the shape is one of 112 mm."
     assert row["distance_over_length"] is None
     far = record("III", ROD, end_y=1.0)
     beyond = replace(far, centreline=Centreline(S, far.centreline.x, far.centreline.y + 3.0 * S))
-    row = held_against(rods(ROD), beyond, PITCH).row()
+    row = row_of(rods(ROD), beyond)
     assert row["reason"].endswith(".")
     assert row["force_error"] is None
     assert np.isnan(rows_of(beyond, None, PITCH)[0][CURVE_COLUMNS.index("rod_x_mm")])
@@ -107,7 +113,7 @@ def test_numbers_of_another_arm_and_loads_without_solution_say_so() -> None:
 
 def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
     longer = replace(ROD, extension=LONGER)
-    row = held_against(rods(ROD), record("III", longer, end_y=1.0), PITCH).row()
+    row = row_of(rods(ROD), record("III", longer, end_y=1.0))
     assert row["distance_over_length_with_eccentricity"] < 1e-7
     assert abs(row["force_error_with_eccentricity"]) < 1e-7
     assert row["distance_over_length"] > 0.01
@@ -116,11 +122,11 @@ def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
 def test_the_couple_of_the_held_edge_is_part_of_the_load() -> None:
     held = record("III", ROD, end_y=1.0, moment=0.5)
     held = replace(held, load=replace(held.load, couple=0.5))
-    assert abs(held_against(rods(ROD), held, PITCH).row()["force_error"]) < 1e-7
+    assert abs(row_of(rods(ROD), held)["force_error"]) < 1e-7
 
 
 def test_moments_that_were_not_identified_are_said() -> None:
     held = record("III", ROD, end_y=1.0)
-    row = held_against(rods(ROD, MomentRange(0.0, 1.0)), held, PITCH).row()
+    row = row_of(rods(ROD, MomentRange(0.0, 1.0)), held)
     assert row["warning"].startswith("The moment leaves the 0 to 1 N mm")
-    assert held_against(rods(ROD), held, PITCH).row()["warning"] == ""
+    assert row_of(rods(ROD), held)["warning"] == ""

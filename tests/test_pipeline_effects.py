@@ -25,7 +25,7 @@ from pipeline.effects_study import (
     variants,
 )
 from pipeline.progress import Silent
-from pipeline.simulation.effects_record import effect_rows
+from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
@@ -45,7 +45,7 @@ def simulated(
     with open_store(out, config) as store:
         outcomes = simulate(scene, RunContext(store, 1, Silent()), experiments)
     assert [outcome.failure for outcome in outcomes] == [None] * len(experiments)
-    return outcomes, {row["effect"]: row for row in effect_rows(scene, outcomes)}
+    return outcomes, {state.effect: state.row() for state in effect_states(scene, outcomes)}
 
 
 def ends(outcomes: Outcomes) -> np.ndarray:

@@ -18,7 +18,7 @@ from pipeline.config.config import load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.progress import Silent
-from pipeline.simulation.effects_record import effect_rows
+from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
@@ -81,12 +81,12 @@ def test_own_body_is_inflated(tmp_path: Path) -> None:
     scene = Scene.meshed(config)
     with open_store(tmp_path, config) as store:
         outcomes = simulate(scene, RunContext(store, 1, Silent()), ("II",))
-        rows = {row["effect"]: row for row in effect_rows(scene, outcomes)}
+        rows = {state.effect: state for state in effect_states(scene, outcomes)}
     (record,) = outcomes["II"].records
     assert record.summary.end_mm[1] < 1.0 - 2.0
     assert abs(record.summary.stretch_of_curve - 1.0) < 2e-3
-    assert rows["self_contact"]["state"] == "off"
-    assert rows["symmetry"]["state"] == rows["strain_limiting_layer"]["state"] == "on"
+    assert rows["self_contact"].state == "off"
+    assert rows["symmetry"].state == rows["strain_limiting_layer"].state == "on"
 
 
 @pytest.fixture(scope="module")

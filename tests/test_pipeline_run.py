@@ -156,9 +156,11 @@ def test_a_pressure_that_cannot_be_borne_ends_in_a_sentence_and_keeps_the_rest(
     config_file: Path, tmp_path: Path
 ) -> None:
     config = load_config(config_file, ["pressures=[8 kPa, 1 MPa]", "geometry.chambers=2"])
+    report = run(config, tmp_path, 2, False, Silent())
     with pytest.raises(RunFailed, match=REFUSED) as failure:
-        run(config, tmp_path, 2, False, Silent())
+        report.raise_if_failed()
     assert "\n" not in str(failure.value)
+    assert {outcome.failure and outcome.failure.pressure_kPa for outcome in report.outcomes} == {1000.0}
     rows = read(tmp_path, "experiments.json")
     assert {row["status"] for row in rows if row["pressure_kPa"] == 8.0} == {"converged"}
     assert all(row["reason"] for row in rows if row["pressure_kPa"] == 1000.0)

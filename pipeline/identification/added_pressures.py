@@ -13,22 +13,22 @@ from rod import LinearRange, linear_range, next_pressure
 Quantities = dict[str, tuple[list[float], list[float]]]
 
 
-def quantities_of(found: Sequence[Parameters]) -> tuple[list[float], Quantities]:
+def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], Quantities]:
     """Pressures (kPa) and what is tested for linearity: alpha1, alpha2 (N mm2) and kappa_0(l/2) (1/mm) with their
     standard deviations."""
     quantities: Quantities = {"alpha1": ([], []), "alpha2": ([], []), "kappa_0": ([], [])}
-    for p in found:
+    for p in parameters:
         for name in ("alpha1", "alpha2"):
             quantities[name][0].append(p.numbers_without_mesh[name].value)
             quantities[name][1].append(p.numbers_without_mesh[name].std)
         quantities["kappa_0"][0].append(p.kappa_0_middle)
         quantities["kappa_0"][1].append(p.kappa_0_middle_std)
-    return [p.pressure_kPa for p in found], quantities
+    return [p.pressure_kPa for p in parameters], quantities
 
 
-def covered_range(found: Sequence[Parameters]) -> LinearRange | None:
+def covered_range(parameters: Sequence[Parameters]) -> LinearRange | None:
     """The pressures that straight lines cover, or None."""
-    pressures, quantities = quantities_of(found)
+    pressures, quantities = quantities_of(parameters)
     return linear_range(pressures, quantities)
 
 
@@ -36,7 +36,7 @@ def with_added_pressures(
     scene: Scene,
     context: RunContext,
     outcomes: Outcomes,
-    found: tuple[Parameters, ...],
+    parameters: tuple[Parameters, ...],
 ) -> tuple[Outcomes, tuple[Parameters, ...], tuple[str, ...]]:
     """Outcomes and numbers with up to `added_pressures` more pressures, each where it says most about the range,
     and a sentence where one could not be had.
@@ -44,7 +44,7 @@ def with_added_pressures(
     Nothing is added to a run that stopped early, and no pressure after one that fails. Raises RunFailed as `simulate`.
     """
     for _ in range(scene.config.added_pressures):
-        pressure = next_pressure([p.pressure_kPa for p in found], covered_range(found))
+        pressure = next_pressure([p.pressure_kPa for p in parameters], covered_range(parameters))
         if pressure is None or outcomes.failures:
             break
         cases = [up_to(scene.config, name, pressure) for name in EXPERIMENTS]
@@ -52,10 +52,10 @@ def with_added_pressures(
         reasons = [outcome.failure.reason for outcome in more if outcome.failure]
         stopped = [f"no pressure was added at {pressure:g} kPa: {reason}" for reason in reasons]
         if stopped:
-            return outcomes, found, tuple(stopped)
+            return outcomes, parameters, tuple(stopped)
         outcomes = outcomes.merged(more)
         new, refused = identify_all(more.with_records(lambda records: records[-1:]), scene.body.pitch)
         if refused:
-            return outcomes, found, refused
-        found = tuple(sorted((*found, *new), key=lambda p: p.pressure_kPa))
-    return outcomes, found, ()
+            return outcomes, parameters, refused
+        parameters = tuple(sorted((*parameters, *new), key=lambda p: p.pressure_kPa))
+    return outcomes, parameters, ()

@@ -13,32 +13,42 @@ from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Record
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
-from rod import PARAMETER_NAMES, Identification, RodError
+from rod import PARAMETER_NAMES, RodError
 
 
-def with_mesh_error(config: Config, context: RunContext, found: tuple[Parameters, ...]) -> tuple[Parameters, ...]:
-    """The same numbers with the deviations that II and III on a mesh `config.mesh.coarser` times as coarse suggest.
+def with_mesh_error(
+    config: Config, context: RunContext, parameters: tuple[Parameters, ...]
+) -> tuple[tuple[Parameters, ...], str]:
+    """The same parameters with the deviations that II and III on a mesh `config.mesh.coarser` times as coarse suggest,
+    and a sentence where that mesh gave none at some pressure (else empty).
 
     Unchanged where no such factor is configured, and where that mesh cannot be made or gives no number at any pressure:
-    a mesh that is too coarse for the arm says nothing about the finer one, and the report says so. Raises RunFailed as
-    `simulate` does.
+    a mesh that is too coarse for the arm says nothing about the finer one. Raises RunFailed as `simulate` does.
     """
     factor = config.mesh.coarser
-    if factor is None or not found:
-        return found
+    if factor is None or not parameters:
+        return parameters, ""
     second = replace(config, mesh=replace(config.mesh, size_mm=factor * config.mesh.size_mm))
     try:
         scene = Scene.meshed(second)
-    except InputError:
-        return found
-    pressures = schedule(config, tuple(p.pressure_kPa for p in found))
+    except InputError as failure:
+        return parameters, f"the mesh {factor:g} times as coarse cannot be made: {failure}"
+    pressures = schedule(config, tuple(p.pressure_kPa for p in parameters))
     cases = [LoadCase(f"coarser_{name}", name, pressures, config.end_y_mm) for name in ("III", "II")]
     outcomes = simulate(scene, context, cases)
     free, loaded = outcomes["coarser_II"], outcomes["coarser_III"]
-    others = [_numbers(p, free.at(p.pressure_kPa), loaded.at(p.pressure_kPa)) for p in found]
-    values = [{name: one.value for name, one in p.numbers_without_mesh.items()} for p in found]
-    deviations = mesh_deviations(values, others, config.mesh.size_mm, factor)
-    return tuple(replace(p, mesh_std=stds) for p, stds in zip(found, deviations, strict=True))
+    coarse: list[dict[str, float] | None] = []
+    refused = list(outcomes.failures)
+    for p in parameters:
+        try:
+            coarse.append(_numbers(p, free.at(p.pressure_kPa), loaded.at(p.pressure_kPa)))
+        except RodError as failure:
+            coarse.append(None)
+            refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
+    fine = [{name: number.value for name, number in p.numbers_without_mesh.items()} for p in parameters]
+    deviations = mesh_deviations(fine, coarse, config.mesh.size_mm, factor)
+    reason = f"on the mesh {factor:g} times as coarse: {'; '.join(refused)}" if refused else ""
+    return tuple(replace(p, mesh_std=stds) for p, stds in zip(parameters, deviations, strict=True)), reason
 
 
 def mesh_deviations(
@@ -51,17 +61,17 @@ def mesh_deviations(
     relative errors for rigidities, which grow with the pressure.
     """
     sizes = (size, factor * size)
-    own: list[dict[str, float]] = []
-    for here, there in zip(fine, coarse, strict=True):
-        stds = {} if there is None else {n: extrapolated(sizes, (here[n], there[n])).error_std for n in here}
-        own.append({n: std / _scale(n, here) for n, std in stds.items()})
-    known = [stds for stds in own if stds]
-    if not known:
-        return tuple({} for _ in own)
-    usual = {n: math.sqrt(sum(stds[n] ** 2 for stds in known) / len(known)) for n in known[0]}
+    scaled: list[dict[str, float]] = []
+    for on_fine, on_coarse in zip(fine, coarse, strict=True):
+        pairs = {} if on_coarse is None else {n: (on_fine[n], on_coarse[n]) for n in on_fine}
+        scaled.append({n: extrapolated(sizes, pair).error_std / _scale(n, on_fine) for n, pair in pairs.items()})
+    available = [stds for stds in scaled if stds]
+    if not available:
+        return tuple({} for _ in scaled)
+    rms = {n: math.sqrt(sum(stds[n] ** 2 for stds in available) / len(available)) for n in available[0]}
     return tuple(
-        {n: max(stds.get(n, 0.0), usual[n]) * _scale(n, here) for n in usual}
-        for stds, here in zip(own, fine, strict=True)
+        {n: max(stds.get(n, 0.0), rms[n]) * _scale(n, on_fine) for n in rms}
+        for stds, on_fine in zip(scaled, fine, strict=True)
     )
 
 
@@ -70,14 +80,14 @@ def _scale(name: str, numbers: Mapping[str, float]) -> float:
 
 
 def _numbers(fine: Parameters, free: Record | None, loaded: Record | None) -> dict[str, float] | None:
-    """The numbers on the coarser mesh, of as many lines as on the fine one."""
+    """The numbers on the coarser mesh, of as many lines as on the fine one; None where it was not reached.
+
+    Raises RodError.
+    """
     if free is None or loaded is None:
         return None
-    try:
-        found: Identification = numbers_of_cells(free, loaded, fine.kappa.pitch)
-    except RodError:
-        return None
+    coarse = numbers_of_cells(free, loaded, fine.kappa.pitch)
     if fine.by_cells.two_lines:
-        return {name: getattr(found.law, name) for name in PARAMETER_NAMES}
-    alpha, m0 = found.single_line.alpha.value, found.single_line.m0.value
+        return {name: getattr(coarse.law, name) for name in PARAMETER_NAMES}
+    alpha, m0 = coarse.single_line.alpha.value, coarse.single_line.m0.value
     return {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}

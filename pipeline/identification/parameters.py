@@ -44,12 +44,10 @@ DEFAULT = "cell_averaged"
 
 
 @dataclass(frozen=True)
-class Headline:
-    """The three numbers at one pressure by whose errors a result is judged."""
+class NoFit:
+    """An estimator that gave no numbers at a pressure."""
 
-    kappa_0_mid: float  #: 1/mm, rest curvature in the middle of the curve
-    alpha2: float  #: N mm2
-    force: float  #: N, end force along y in III
+    reason: str  #: a sentence
 
 
 @dataclass(frozen=True)
@@ -66,15 +64,14 @@ class Parameters:
     by_process: Identification  #: the same from a Gaussian process, for comparison
     extensible: Identification  #: from cell averages with the levers of the stretched curve, for the extensible rod
     extension: Extension  #: how the curve stretches: rest stretch and eccentricity
-    by_rod: RodFit | None  #: the same from the closest rod; None where none is in equilibrium near the others
+    by_rod: RodFit | NoFit  #: the same from the closest rod
     #: what the mesh adds to the deviations of the rod's numbers; empty where it is not known
     mesh_std: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def estimates(self) -> dict[str, Estimate]:
+    def estimates(self) -> dict[str, Estimate | NoFit]:
         """The numbers by the name of their estimator, the default first."""
-        found: dict[str, Estimate] = {DEFAULT: self.by_cells, "gaussian_process": self.by_process}
-        return found if self.by_rod is None else {**found, "rod_fit": self.by_rod}
+        return {DEFAULT: self.by_cells, "gaussian_process": self.by_process, "rod_fit": self.by_rod}
 
     @property
     def kappa_0_middle(self) -> float:
@@ -85,11 +82,6 @@ class Parameters:
     def kappa_0_middle_std(self) -> float:
         """Standard deviation of kappa_0(l/2), 1/mm."""
         return float(np.interp(self.kappa_0.length / 2, self.kappa_0.s, self.kappa_0.kappa_std))
-
-    @property
-    def headline(self) -> Headline:
-        """The numbers by whose errors a result is judged."""
-        return Headline(self.kappa_0_middle, self.numbers_without_mesh["alpha2"].value, self.loaded.load.force[1])
 
     @property
     def shortest_break(self) -> float:
@@ -111,19 +103,19 @@ class Parameters:
         """The same of the rod whose curve stretches."""
         return self._with_mesh(self._of_rod(self.extensible))
 
-    def _of_rod(self, found: Identification) -> dict[str, Interval]:
+    def _of_rod(self, identification: Identification) -> dict[str, Interval]:
         """The numbers of two lines, or twice those of one line where that suffices.
 
         The place of a change that is none is put where the range of d begins.
         """
-        one = found.single_line
+        line = identification.single_line
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
-        if found.two_lines:
-            return {name: getattr(found, name) for name in PARAMETER_NAMES}
-        return {"alpha1": one.alpha, "alpha2": one.alpha, "m01": one.m0, "m02": one.m0, "d": d}
+        if identification.two_lines:
+            return {name: getattr(identification, name) for name in PARAMETER_NAMES}
+        return {"alpha1": line.alpha, "alpha2": line.alpha, "m01": line.m0, "m02": line.m0, "d": d}
 
     def _with_mesh(self, numbers: Mapping[str, Interval]) -> dict[str, Interval]:
-        return {name: one.widened(self.mesh_std.get(name, 0.0)) for name, one in numbers.items()}
+        return {name: number.widened(self.mesh_std.get(name, 0.0)) for name, number in numbers.items()}
 
     @property
     def rod(self) -> Rod:
@@ -138,7 +130,7 @@ class Parameters:
     def _rod(self, numbers: Mapping[str, Interval], extension: Extension | None) -> Rod:
         theta0, profile = rest_curvature(self.free.centreline)
         curve = self.free.centreline
-        law = FiveParameters(**{name: one.value for name, one in numbers.items()})
+        law = FiveParameters(**{name: number.value for name, number in numbers.items()})
         start = (float(curve.x[0]), float(curve.y[0]))
         return Rod(curve.length, profile, law, theta0, start, extension=extension)
 
@@ -158,13 +150,13 @@ def identify_all(outcomes: Outcomes, pitch: float) -> tuple[tuple[Parameters, ..
     """The numbers at every pressure reached in both II and III, and a sentence for each where there are none."""
     free = {record.pressure_kPa: record for record in outcomes["II"].records}
     loaded = {record.pressure_kPa: record for record in outcomes["III"].records}
-    found, refused = [], []
+    parameters, refused = [], []
     for pressure in sorted(free.keys() & loaded.keys()):
         try:
-            found.append(_identified(pressure, free[pressure], loaded[pressure], pitch))
+            parameters.append(_identified(pressure, free[pressure], loaded[pressure], pitch))
         except RodError as failure:
             refused.append(f"no five numbers at {pressure:g} kPa: {failure}")
-    return tuple(found), tuple(refused)
+    return tuple(parameters), tuple(refused)
 
 
 def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> Parameters:
@@ -204,8 +196,8 @@ def _moment_and_closure(free: Record, loaded: Record) -> tuple[Moment, Closure]:
     return moment, end_displacement_closure(free.centreline, loaded.centreline, loaded.load)
 
 
-def _closest_rod(shape: LoadedShape, *starts: Identification) -> RodFit | None:
+def _closest_rod(shape: LoadedShape, *starts: Identification) -> RodFit | NoFit:
     try:
         return fit_rod(shape, [start.law for start in starts])
-    except RodError:  # the other two estimators do not need an equilibrium
-        return None
+    except RodError as failure:  # the other two estimators do not need an equilibrium
+        return NoFit(str(failure))

@@ -1,12 +1,12 @@
 """The content of parameters.json."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
-from pipeline.identification.parameters import DEFAULT, Parameters
+from pipeline.identification.parameters import DEFAULT, NoFit, Parameters
 from pipeline.store.formats import FORMAT
+from pipeline.store.json_values import Json, JsonObject
 from rod import Identification, Interval, LinearRange, rest_curvature
 
 ESTIMATORS = (DEFAULT, "gaussian_process", "rod_fit")
@@ -14,69 +14,72 @@ ESTIMATORS = (DEFAULT, "gaussian_process", "rod_fit")
 _NUMBERS = {"alpha1": "N_mm2", "alpha2": "N_mm2", "m01": "N_mm", "m02": "N_mm", "d": "mm"}
 
 
-def parameters_record(config: Config, found: Sequence[Parameters]) -> dict[str, Any]:
+def parameters_record(config: Config, parameters: Sequence[Parameters], mesh_error_reason: str = "") -> JsonObject:
     """The numbers of the rod at the top, those of all three estimators under `estimators`."""
     mass = config.material.density_tonne_mm3 * config.design.solid_volume
-    cells = [p.by_cells for p in found]
+    single_lines = [p.by_cells.single_line for p in parameters]
     return {
         "format": FORMAT,
         "design": config.record()["geometry"],
         "material": config.record()["material"],
         "length_mm": config.design.length,
         "mass_g": mass * 1e6,
-        "pressures_kPa": [p.pressure_kPa for p in found],
+        "pressures_kPa": [p.pressure_kPa for p in parameters],
         "estimator": DEFAULT,
-        **_columns([p.numbers for p in found]),
-        "d_is_at_most": [_at_most(p.numbers["d"], p) for p in found],
-        **_linear(found),
-        "single_line_alpha_N_mm2": [one.single_line.alpha.value for one in cells],
-        "single_line_alpha_N_mm2_std": [one.single_line.alpha.std for one in cells],
-        "single_line_m0_N_mm": [one.single_line.m0.value for one in cells],
-        "single_line_suffices": [not one.two_lines for one in cells],
-        "r2_two_lines": [one.r2 for one in cells],
-        "r2_single_line": [one.single_line.r2 for one in cells],
-        "observations": [one.observations for one in cells],
-        "mesh_error": _mesh_error(config, found),
-        "moment_range_N_mm": [[p.moment_range.low, p.moment_range.high] for p in found],
-        "eccentricity": _eccentricity(found),
-        "estimators": {name: _estimator(name, found) for name in ESTIMATORS},
-        "kappa_0": _profiles(found),
-        "dimensionless": _dimensionless(found, config.design.length, mass * 9810.0),
+        **_columns([p.numbers for p in parameters]),
+        "d_is_at_most": [_at_most(p.numbers["d"], p) for p in parameters],
+        **_linear(parameters),
+        "single_line_alpha_N_mm2": [line.alpha.value for line in single_lines],
+        "single_line_alpha_N_mm2_std": [line.alpha.std for line in single_lines],
+        "single_line_m0_N_mm": [line.m0.value for line in single_lines],
+        "single_line_suffices": [not p.by_cells.two_lines for p in parameters],
+        "r2_two_lines": [p.by_cells.r2 for p in parameters],
+        "r2_single_line": [line.r2 for line in single_lines],
+        "observations": [p.by_cells.observations for p in parameters],
+        "mesh_error": _mesh_error(config, parameters),
+        "mesh_error_reason": mesh_error_reason,
+        "moment_range_N_mm": [[p.moment_range.low, p.moment_range.high] for p in parameters],
+        "eccentricity": _eccentricity(parameters),
+        "estimators": {name: _estimator(name, parameters) for name in ESTIMATORS},
+        "kappa_0": _profiles(parameters),
+        "dimensionless": _dimensionless(parameters, config.design.length, mass * 9810.0),
         "profile_over_d": [
             {"pressure_kPa": p.pressure_kPa, "d_mm": p.by_cells.profile[:, 0], "rms_per_mm": p.by_cells.profile[:, 1]}
-            for p in found
+            for p in parameters
         ],
     }
 
 
-def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, list[Any]]:
-    """Lists over the pressures; null where nothing was found."""
-    columns: dict[str, list[Any]] = {}
+def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, Json]:
+    """Lists over the pressures; null where there is no number."""
+    columns: dict[str, Json] = {}
     for name, unit in _NUMBERS.items():
-        intervals = [None if one is None else one[name] for one in numbers]
-        columns[f"{name}_{unit}"] = [one and one.value for one in intervals]
-        columns[f"{name}_{unit}_std"] = [one and one.std for one in intervals]
-        columns[f"{name}_{unit}_95"] = [one and [one.low, one.high] for one in intervals]
+        intervals = [None if of_pressure is None else of_pressure[name] for of_pressure in numbers]
+        columns[f"{name}_{unit}"] = [None if interval is None else interval.value for interval in intervals]
+        columns[f"{name}_{unit}_std"] = [None if interval is None else interval.std for interval in intervals]
+        columns[f"{name}_{unit}_95"] = [
+            None if interval is None else [interval.low, interval.high] for interval in intervals
+        ]
     return columns
 
 
-def _mesh_error(config: Config, found: Sequence[Parameters]) -> dict[str, Any] | None:
+def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> JsonObject | None:
     """What the mesh contributes to the deviations of the rod's numbers, None where no second mesh tells."""
-    if config.mesh.coarser is None or not any(p.mesh_std for p in found):
+    if config.mesh.coarser is None or not any(p.mesh_std for p in parameters):
         return None
-    columns = {f"{name}_{unit}_std": [p.mesh_std.get(name) for p in found] for name, unit in _NUMBERS.items()}
+    columns = {f"{name}_{unit}_std": [p.mesh_std.get(name) for p in parameters] for name, unit in _NUMBERS.items()}
     return {"sizes_mm": [config.mesh.size_mm, config.mesh.coarser * config.mesh.size_mm], **columns}
 
 
-def _eccentricity(found: Sequence[Parameters]) -> dict[str, Any]:
+def _eccentricity(parameters: Sequence[Parameters]) -> JsonObject:
     """The eccentricity of the neutral axis, the rest stretch, and the five numbers of the rod that has them."""
-    if not found:
+    if not parameters:
         return {}
     return {
-        "eccentricity_mm": [p.extension.eccentricity for p in found],
-        "eccentricity_mm_std": [p.extension.eccentricity_std for p in found],
-        **_columns([p.extensible_numbers for p in found]),
-        "rest_stretch": [p.extension.rest_stretch for p in found],
+        "eccentricity_mm": [p.extension.eccentricity for p in parameters],
+        "eccentricity_mm_std": [p.extension.eccentricity_std for p in parameters],
+        **_columns([p.extensible_numbers for p in parameters]),
+        "rest_stretch": [p.extension.rest_stretch for p in parameters],
     }
 
 
@@ -84,30 +87,31 @@ def _at_most(d: Interval, parameters: Parameters) -> bool:
     return bool(d.value <= 1.001 * parameters.shortest_break)
 
 
-def _estimator(name: str, found: Sequence[Parameters]) -> dict[str, list[Any]]:
+def _estimator(name: str, parameters: Sequence[Parameters]) -> dict[str, Json]:
     """Two lines at every pressure, whether one suffices, and how many independent observations there were."""
-    estimates = [p.estimates.get(name) for p in found]
-    columns = _columns([None if one is None else {n: getattr(one, n) for n in _NUMBERS} for one in estimates])
+    estimates = [p.estimates[name] for p in parameters]
+    columns = _columns([None if isinstance(e, NoFit) else {n: getattr(e, n) for n in _NUMBERS} for e in estimates])
     columns["d_is_at_most"] = [
-        None if one is None else _at_most(one.d, p) for one, p in zip(estimates, found, strict=True)
+        None if isinstance(e, NoFit) else _at_most(e.d, p) for e, p in zip(estimates, parameters, strict=True)
     ]
-    lines = [one for one in estimates if isinstance(one, Identification)]
-    if len(lines) == len(found):
-        columns["single_line_suffices"] = [not one.two_lines for one in lines]
-        columns["single_line_alpha_N_mm2"] = [one.single_line.alpha.value for one in lines]
-        columns["observations"] = [one.observations for one in lines]
+    columns["reason"] = [e.reason if isinstance(e, NoFit) else "" for e in estimates]
+    identified = [e for e in estimates if isinstance(e, Identification)]
+    if len(identified) == len(parameters):
+        columns["single_line_suffices"] = [not e.two_lines for e in identified]
+        columns["single_line_alpha_N_mm2"] = [e.single_line.alpha.value for e in identified]
+        columns["observations"] = [e.observations for e in identified]
     return columns
 
 
-def _linear(found: Sequence[Parameters]) -> dict[str, Any]:
+def _linear(parameters: Sequence[Parameters]) -> JsonObject:
     """beta1, beta2 over the linear range (over all pressures where there is none), and how straight everything is."""
-    covered = covered_range(found)
-    record: dict[str, Any] = {"linear_range_kPa": None, "linear_range_tested": False, "straightness": []}
+    covered = covered_range(parameters)
+    record: dict[str, Json] = {"linear_range_kPa": None, "linear_range_tested": False, "straightness": []}
     for number in ("1", "2"):
         record[f"beta{number}_N_mm2_per_kPa"] = record[f"beta{number}_N_mm2_per_kPa_std"] = None
-    if len(found) < 2:
+    if len(parameters) < 2:
         return record
-    pressures, quantities = quantities_of(found)
+    pressures, quantities = quantities_of(parameters)
     if covered is not None:
         record["linear_range_kPa"], record["linear_range_tested"] = [covered.low, covered.high], covered.tested
     lines = LinearRange.over(pressures, quantities).lines if covered is None else covered.lines
@@ -130,7 +134,7 @@ def _linear(found: Sequence[Parameters]) -> dict[str, Any]:
     return record
 
 
-def _dimensionless(found: Sequence[Parameters], length: float, weight: float) -> list[Mapping[str, Any]]:
+def _dimensionless(parameters: Sequence[Parameters], length: float, weight: float) -> list[JsonObject]:
     return [
         {
             "pressure_kPa": p.pressure_kPa,
@@ -138,20 +142,20 @@ def _dimensionless(found: Sequence[Parameters], length: float, weight: float) ->
             "delta_kappa_times_length": p.by_cells.points[:, 1] * length,
             "moment_over_m_g_length": p.by_cells.points[:, 3] / (weight * length),
         }
-        for p in found
+        for p in parameters
     ]
 
 
-def _profiles(found: Sequence[Parameters]) -> dict[str, Any]:
+def _profiles(parameters: Sequence[Parameters]) -> JsonObject:
     """kappa_0(s, p) of the rod: at the nodes of the curve, as the shape of II has it, and averaged over cells."""
-    if not found:
+    if not parameters:
         return {}
-    rows = [rest_curvature(p.free.centreline) for p in found]
+    rows = [rest_curvature(p.free.centreline) for p in parameters]
     return {
         "s_mm": rows[0][1][:, 0],
         "theta0_rad": [theta for theta, _ in rows],
         "kappa_0_per_mm": [profile[:, 1] for _, profile in rows],
-        "cell_s_mm": found[0].kappa_0.s,
-        "cell_averaged_per_mm": [p.kappa_0.kappa for p in found],
-        "middle_per_mm": [p.kappa_0_middle for p in found],
+        "cell_s_mm": parameters[0].kappa_0.s,
+        "cell_averaged_per_mm": [p.kappa_0.kappa for p in parameters],
+        "middle_per_mm": [p.kappa_0_middle for p in parameters],
     }

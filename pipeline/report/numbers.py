@@ -46,11 +46,8 @@ def mesh_error(results: Results) -> str:
     found = results.parameters.get("mesh_error")
     asked = (results.run.get("config", {}).get("mesh") or {}).get("coarser")
     if not found:
-        why = (
-            f"a mesh {asked:g} times as coarse gave no numbers"
-            if asked
-            else "mesh.coarser in the configuration adds it"
-        )
+        reason = results.parameters.get("mesh_error_reason") or f"a mesh {asked} times as coarse gave no numbers"
+        why = reason if asked else "mesh.coarser in the configuration adds it"
         return f"The deviations do not contain the error of the mesh: {why}."
     sizes = " and ".join(f"{size:g}" for size in found["sizes_mm"])
     shares = []

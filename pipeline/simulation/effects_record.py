@@ -1,13 +1,34 @@
 """Which effects took part in a run, and why."""
 
+from dataclasses import dataclass
+
 from pipeline.config.config import FULLY_INTEGRATED, CavityPressure, Config
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene, gravity_breaks_symmetry, is_on
 from pipeline.store.json_values import JsonObject
 
 
-def effect_rows(scene: Scene, outcomes: Outcomes) -> list[JsonObject]:
-    """Rows of effects.json: effect, state, reason, share of the solver's time (null where it has none of its own)."""
+@dataclass(frozen=True)
+class EffectState:
+    """Whether an effect took part in a run, and why."""
+
+    effect: str
+    state: str  #: on or off
+    reason: str
+    fraction_of_time: float | None  #: of the solver's time; None for an effect without time of its own
+
+    def row(self) -> JsonObject:
+        """The row of effects.json."""
+        return {
+            "effect": self.effect,
+            "state": self.state,
+            "reason": self.reason,
+            "share_of_time": self.fraction_of_time,
+        }
+
+
+def effect_states(scene: Scene, outcomes: Outcomes) -> tuple[EffectState, ...]:
+    """Every effect with its state in a run and the reason for it."""
     config = scene.config
     states = {
         "pressure": _pressure(config),
@@ -18,15 +39,10 @@ def effect_rows(scene: Scene, outcomes: Outcomes) -> list[JsonObject]:
         "strain_limiting_layer": _layer(scene),
     }
     timeless = ("symmetry", "incompressibility")
-    return [
-        {
-            "effect": effect,
-            "state": state,
-            "reason": reason,
-            "share_of_time": None if effect in timeless else _fraction_of_time(effect, outcomes),
-        }
+    return tuple(
+        EffectState(effect, state, reason, None if effect in timeless else _fraction_of_time(effect, outcomes))
         for effect, (state, reason) in states.items()
-    ]
+    )
 
 
 def _fraction_of_time(effect: str, outcomes: Outcomes) -> float:

@@ -10,6 +10,7 @@ from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Outcomes, Record
+from pipeline.store.json_values import JsonObject
 from rod import Load, MomentRange, Rod, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
 
 CURVE_COLUMNS = (
@@ -18,79 +19,113 @@ CURVE_COLUMNS = (
 )
 
 
+#: the errors in a row of validation.json; null where the rod has no equilibrium or where there is no such quantity
+ERRORS = (
+    *("distance_over_length", "distance_at_s_mm", "distance_over_length_without_stretch", "end_angle_error_rad"),
+    *("force_error", "force_N", "rod_force_N", "curvature_error", "curvature_error_at_s_mm"),
+    *("distance_over_length_with_eccentricity", "force_error_with_eccentricity"),
+)
+
+
 @dataclass(frozen=True)
-class Comparison:
-    """The rod at one pressure under the load of one experiment, or why there is none."""
+class ComparedState:
+    """A state of the finite elements that rods are compared with."""
 
     record: Record
-    shape: RodSolution | None
-    reason: str  #: empty, or a sentence
-    pitch: float  #: mm
-    extensible: RodSolution | None = None  #: of the extensible rod
-    warning: str = ""  #: a sentence where the moment leaves what the identification has seen
-    load: str = ""  #: besides the pressure, in words; empty for II and III as identified
-    in_sample: bool = True  #: the numbers were fitted to this very load and pressure
+    load: str  #: besides the pressure, in words; empty for II and III as identified
+    in_sample: bool  #: the parameters were fitted to this very load and pressure
 
-    def row(self) -> dict[str, Any]:
-        """As in validation.json; distances over the length, angle in rad, force and curvature relative."""
-        row: dict[str, Any] = {
+
+@dataclass(frozen=True)
+class NoSolution:
+    """A rod that has no equilibrium under a load, or cannot be compared."""
+
+    reason: str  #: a sentence
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The rod at one pressure under the load of one state."""
+
+    state: ComparedState
+    inextensible: RodSolution | NoSolution
+    extensible: RodSolution | NoSolution
+    pitch: float  #: mm, of the cells over which curvatures are averaged
+    warning: str  #: a sentence where the moment leaves the range of the identification; else empty
+
+    @property
+    def record(self) -> Record:
+        """The state of the finite elements."""
+        return self.state.record
+
+    @property
+    def shape(self) -> RodSolution | None:
+        """The inextensible rod, None where it has no equilibrium."""
+        return self.inextensible if isinstance(self.inextensible, RodSolution) else None
+
+    def row(self) -> JsonObject:
+        """The row of validation.json; distances over the length, angle in rad, force and curvature relative."""
+        return {
             "experiment": self.record.experiment,
             "pressure_kPa": self.record.pressure_kPa,
-            "load": self.load,
-            "sample": "in" if self.in_sample else "out",
-            "distance_over_length": None,
-            "distance_at_s_mm": None,
-            "distance_over_length_without_stretch": None,
-            "end_angle_error_rad": None,
-            "force_error": None,
-            "force_N": None,
-            "rod_force_N": None,
-            "curvature_error": None,
-            "curvature_error_at_s_mm": None,
-            "distance_over_length_with_eccentricity": None,
-            "force_error_with_eccentricity": None,
-            "reason": self.reason,
+            "load": self.state.load,
+            "sample": "in" if self.state.in_sample else "out",
+            **dict.fromkeys(ERRORS),
+            **self._errors(),
+            "reason": _reason(self.inextensible),
+            "reason_with_eccentricity": _reason(self.extensible),
             "warning": self.warning,
         }
-        if self.shape is None:
-            return row
-        curve = self.record.centreline
-        off = self._distances(self.shape, curve)
-        row["distance_over_length"] = float(off.max()) / curve.length
-        row["distance_at_s_mm"] = float(curve.s[off.argmax()] - curve.s[0])
-        row["distance_over_length_without_stretch"] = (
-            float(self._distances(self.shape, without_stretch(curve)).max()) / curve.length
-        )
-        ends = np.unwrap([float(curve.angle[-1]), float(self.shape.theta[-1])])
-        row["end_angle_error_rad"] = float(ends[1] - ends[0])
-        force = self.record.load.force[1]
+
+    def _errors(self) -> dict[str, float]:
+        if isinstance(self.inextensible, NoSolution):
+            return {}
+        curve, force = self.record.centreline, self.record.load.force[1]
+        errors = {**_shape_errors(curve, self.inextensible), **_curvature_errors(curve, self.inextensible, self.pitch)}
+        if isinstance(self.extensible, RodSolution):
+            distance = float(_distances(self.extensible, curve).max())
+            errors["distance_over_length_with_eccentricity"] = distance / curve.length
         if force and self.record.experiment == "III":
-            row["force_N"], row["rod_force_N"] = force, float(self.shape.force[1])
-            row["force_error"] = float(self.shape.force[1]) / force - 1.0
-            if self.extensible is not None:
-                row["force_error_with_eccentricity"] = float(self.extensible.force[1]) / force - 1.0
-        if self.extensible is not None:
-            row["distance_over_length_with_eccentricity"] = (
-                float(self._distances(self.extensible, curve).max()) / curve.length
-            )
-        row["curvature_error"], row["curvature_error_at_s_mm"] = self._curvature_error(self.shape, curve)
-        return row
+            rod_force = float(self.inextensible.force[1])
+            errors |= {"force_N": force, "rod_force_N": rod_force, "force_error": rod_force / force - 1.0}
+            if isinstance(self.extensible, RodSolution):
+                errors["force_error_with_eccentricity"] = float(self.extensible.force[1]) / force - 1.0
+        return errors
 
-    @staticmethod
-    def _distances(shape: RodSolution, curve: Centreline) -> Array:
-        """(n,) mm, at equal s."""
-        off = shape.positions(curve.s - curve.s[0]) - np.column_stack([curve.x, curve.y])
-        return np.hypot(off[:, 0], off[:, 1])
 
-    def _curvature_error(self, shape: RodSolution, curve: Centreline) -> tuple[float | None, float | None]:
-        """Largest difference of the cell-averaged curvatures over the largest of them, and where (mm)."""
-        places = shape.positions(curve.s - curve.s[0])
-        try:
-            found = [cell_averaged(c, self.pitch) for c in (curve, Centreline(curve.s, places[:, 0], places[:, 1]))]
-        except RodError:  # an arm of one or two cells has none
-            return None, None
-        off = np.abs(found[1].kappa - found[0].kappa)
-        return float(off.max() / np.abs(found[0].kappa).max()), float(found[0].s[off.argmax()])
+def _reason(solution: RodSolution | NoSolution) -> str:
+    return solution.reason if isinstance(solution, NoSolution) else ""
+
+
+def _shape_errors(curve: Centreline, shape: RodSolution) -> dict[str, float]:
+    distances = _distances(shape, curve)
+    ends = np.unwrap([float(curve.angle[-1]), float(shape.theta[-1])])
+    return {
+        "distance_over_length": float(distances.max()) / curve.length,
+        "distance_at_s_mm": float(curve.s[distances.argmax()] - curve.s[0]),
+        "distance_over_length_without_stretch": float(_distances(shape, without_stretch(curve)).max()) / curve.length,
+        "end_angle_error_rad": float(ends[1] - ends[0]),
+    }
+
+
+def _curvature_errors(curve: Centreline, shape: RodSolution, pitch: float) -> dict[str, float]:
+    """Largest difference of the cell-averaged curvatures over the largest of them, and where (mm)."""
+    x, y = shape.positions(curve.s - curve.s[0]).T
+    try:
+        solid, rod = (cell_averaged(shown, pitch) for shown in (curve, Centreline(curve.s, x, y)))
+    except RodError:  # an arm of one or two cells has no cell averages to compare
+        return {}
+    differences = np.abs(rod.kappa - solid.kappa)
+    return {
+        "curvature_error": float(differences.max() / np.abs(solid.kappa).max()),
+        "curvature_error_at_s_mm": float(solid.s[differences.argmax()]),
+    }
+
+
+def _distances(shape: RodSolution, curve: Centreline) -> Array:
+    """(n,) mm, at equal s."""
+    difference = shape.positions(curve.s - curve.s[0]) - np.column_stack([curve.x, curve.y])
+    return np.hypot(difference[:, 0], difference[:, 1])
 
 
 @dataclass(frozen=True)
@@ -102,39 +137,43 @@ class Rods:
     moment_range: MomentRange
 
 
-def compare(found: Sequence[Parameters]) -> tuple[Comparison, ...]:
+def compare(parameters: Sequence[Parameters]) -> tuple[Comparison, ...]:
     """The rod of every pressure, unloaded as in II and with its end held as in III."""
-    rows = []
-    for parameters in found:
-        rods = Rods(parameters.rod, parameters.extensible_rod, parameters.moment_range)
-        for record in (parameters.free, parameters.loaded):
-            rows.append(held_against(rods, record, parameters.kappa.pitch))
-    return tuple(rows)
+    comparisons = []
+    for p in parameters:
+        rods = Rods(p.rod, p.extensible_rod, p.moment_range)
+        for record in (p.free, p.loaded):
+            comparisons.append(compare_rods(rods, ComparedState(record, "", True), p.kappa.pitch))
+    return tuple(comparisons)
 
 
-def held_against(rods: Rods, record: Record, pitch: float, load: str = "", in_sample: bool = True) -> Comparison:
-    """The rod under the load of a record: its end at the height of III with the couple that the held edge exerts
+def compare_rods(rods: Rods, state: ComparedState, pitch: float) -> Comparison:
+    """The rods under the load of a state: their end at the height of III with the couple that the held edge exerts
     there, the force of dead, nothing in II."""
-    length = record.centreline.length
+    record, length = state.record, state.record.centreline.length
     identified = rods.inextensible.length
     if abs(length - identified) > 1e-6 * identified:
         reason = f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm."
-        return Comparison(record, None, reason, pitch, load=load, in_sample=in_sample)
-    applied = record.load if record.experiment in ("III", "dead") else Load()
+        return not_compared(state, reason, pitch)
+    load = record.load if record.experiment in ("III", "dead") else Load()
     end_y = float(record.centreline.y[-1]) if record.experiment == "III" else None
-    try:
-        shape = rods.inextensible.under(applied, end_y)
-    except RodError as failure:
-        return Comparison(record, None, str(failure), pitch, load=load, in_sample=in_sample)
-    warning = rods.moment_range.warning(shape)
-    return Comparison(record, shape, "", pitch, _solved(rods.extensible, applied, end_y), warning, load, in_sample)
+    shape = _solution(rods.inextensible, load, end_y)
+    if isinstance(shape, NoSolution):
+        return not_compared(state, shape.reason, pitch)
+    extensible = _solution(rods.extensible, load, end_y)
+    return Comparison(state, shape, extensible, pitch, rods.moment_range.warning(shape))
 
 
-def _solved(rod: Rod, load: Load, end_y: float | None) -> RodSolution | None:
+def not_compared(state: ComparedState, reason: str, pitch: float) -> Comparison:
+    """A state without a rod to compare with."""
+    return Comparison(state, NoSolution(reason), NoSolution(reason), pitch, "")
+
+
+def _solution(rod: Rod, load: Load, end_y: float | None) -> RodSolution | NoSolution:
     try:
         return rod.under(load, end_y)
-    except RodError:  # the inextensible rod stands for both
-        return None
+    except RodError as failure:
+        return NoSolution(str(failure))
 
 
 def curve_rows(outcomes: Outcomes, comparisons: Sequence[Comparison], pitch: float) -> list[tuple[Any, ...]]:

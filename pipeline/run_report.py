@@ -1,0 +1,72 @@
+"""What a run leaves behind as one value, and the content of run.json."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.accuracy.plan import Plan, Review
+from pipeline.config.config import Config
+from pipeline.errors import RunFailed
+from pipeline.identification.parameters import Parameters
+from pipeline.simulation.effects_record import EffectState
+from pipeline.simulation.outcome import Outcomes
+from pipeline.store.json_values import JsonObject
+from pipeline.store.provenance import provenance
+from pipeline.validation.compare import Comparison
+from pipeline.validation.validate import LawRow
+
+
+@dataclass(frozen=True)
+class ReviewedPlan:
+    """The discretisation chosen for a requested accuracy, and the error estimated after the run."""
+
+    plan: Plan
+    review: Review | None  #: None where no state was reached
+
+    @property
+    def sentence(self) -> str:
+        """What was requested, chosen and is estimated to remain."""
+        return self.plan.sentence(self.review)
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """The results of a run as far as it went; the same numbers stand in the files of `directory`."""
+
+    directory: Path
+    config: Config  #: as it was solved, with the mesh that an accuracy was planned with
+    outcomes: Outcomes  #: of experiments I, II and III
+    parameters: tuple[Parameters, ...]  #: by ascending pressure
+    comparisons: tuple[Comparison, ...]  #: rod against finite elements, loads of the identification first
+    laws: tuple[LawRow, ...]  #: laws fitted to III and tried at the validation loads
+    effects: tuple[EffectState, ...]
+    accuracy: ReviewedPlan | None  #: None where no accuracy was requested
+    seconds: Mapping[str, float]  #: wall time by stage
+    failures: tuple[str, ...]  #: a sentence for everything that was not reached; empty where all was
+
+    @property
+    def failure(self) -> str:
+        """The failures in one sentence; empty where everything was reached."""
+        return "; ".join(self.failures)
+
+    def raise_if_failed(self) -> None:
+        """Raise RunFailed with the failures and the directory where anything was not reached."""
+        if self.failures:
+            raise RunFailed(f"{self.failure}; what was reached is in {self.directory}", directory=self.directory)
+
+    def record(self) -> JsonObject:
+        """The content of run.json."""
+        indicator = self.outcomes.largest_indicator
+        return {
+            "config": self.config.record(),
+            "config_hash": self.config.hash,
+            **provenance(),
+            "seconds": self.seconds,
+            "solver_seconds": self.outcomes.seconds_by_stage,
+            "factorizations": {outcome.name: outcome.factorizations for outcome in self.outcomes},
+            "degrees_of_freedom": {outcome.name: outcome.degrees_of_freedom for outcome in self.outcomes},
+            "solver": sorted({outcome.solver for outcome in self.outcomes}),
+            **({"indicator": indicator.record()} if indicator else {}),
+            **({"accuracy": self.accuracy.plan.record(self.accuracy.review)} if self.accuracy else {}),
+            **({"failure": self.failure} if self.failures else {}),
+        }
