@@ -7,13 +7,12 @@ from functools import cached_property
 import numpy as np
 import skfem
 
+from fem.elements import Element, Volumetric, element_of
 from fem.kernels.element import ElementArrays, chunk_colours
 from fem.kernels.surface import FaceArrays
 from geometry import Mesh
 from geometry.arrays import Array, Index, Mask
 
-#: the elements: linear with "p1", quadratic with the others
-FORMULATIONS = ("p2p0", "p2", "mixed", "p1")
 #: least number of elements in a chunk, and largest number of chunks: enough for the threads of a laptop, and few enough
 #: elements in each for what they share to stay in a core's cache
 CHUNK, CHUNKS = 64, 32
@@ -57,10 +56,10 @@ class Faces:
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Tetrahedra with straight edges, their stress points and their surfaces; a = 10 nodes, 4 with `p1`.
+    """Tetrahedra with straight edges, their stress points and their surfaces; a = 10 nodes, 4 in linear elements.
 
-    Stress points: with `p2p0` four points carry the shear part of the law and the centroid the volumetric part; with
-    `p2` and `mixed` four points carry the whole law, with `p1` the centroid does (`fem.equations.formulation`).
+    The stress points are those of the quadrature rule of the shape functions, and after them the centroid where the
+    element evaluates the volumetric part of the law there alone.
     """
 
     points: Array  #: (n, 3) reference positions of all nodes, vertices first, mm
@@ -71,23 +70,22 @@ class Discretisation:
     reference: Array  #: (q, a, 3) reference gradients of the shape functions at the stress points
     vertex_shape: Array  #: (q, 4) linear shape functions of the vertices at the stress points
     weight: Array  #: (e, q) quadrature weights times volume, mm3
-    formulation: str
+    element: Element
     surfaces: Mapping[str, Faces]
 
     @classmethod
     def of(cls, mesh: Mesh, formulation: str) -> "Discretisation":
-        """Elements on `mesh`; raises ValueError for a formulation that does not exist."""
-        if formulation not in FORMULATIONS:
-            raise ValueError(f"formulation {formulation!r}: allowed are {', '.join(FORMULATIONS)}")
+        """The elements of that name on `mesh`; raises ValueError where there are none (`fem.elements.ELEMENTS`)."""
+        element = element_of(formulation)
         grid = skfem.MeshTet(mesh.points.T.copy(), np.asarray(mesh.tets, dtype=np.int64).T.copy())
-        element, order = (skfem.ElementTetP1(), 1) if formulation == "p1" else (skfem.ElementTetP2(), 2)
-        basis = skfem.Basis(grid, skfem.ElementVector(element), intorder=order)
+        tetrahedron = skfem.ElementTetP2() if element.quadratic else skfem.ElementTetP1()
+        basis = skfem.Basis(grid, skfem.ElementVector(tetrahedron), intorder=element.shape.degree)
         nodes = np.ascontiguousarray(basis.element_dofs[::3].T // 3, dtype=np.int64)
         points = np.ascontiguousarray(basis.doflocs[:, ::3].T)
         nodes, chunks, colours = _in_chunks(nodes, mesh.points)
         jacobian = np.stack([points[nodes[:, k]] - points[nodes[:, 0]] for k in (1, 2, 3)], axis=2)
         volume = np.abs(np.linalg.det(jacobian)) / 6.0
-        reference, vertex_shape, share = _stress_points(basis, element, formulation)
+        reference, vertex_shape, fraction = _stress_points(basis, tetrahedron, element)
         return cls(
             points=points,
             nodes=nodes,
@@ -96,9 +94,9 @@ class Discretisation:
             inverse=np.ascontiguousarray(np.linalg.inv(jacobian)),
             reference=reference,
             vertex_shape=vertex_shape,
-            weight=np.ascontiguousarray(volume[:, None] * share[None, :]),
-            formulation=formulation,
-            surfaces=_surfaces(mesh, None if formulation == "p1" else grid),
+            weight=np.ascontiguousarray(volume[:, None] * fraction[None, :]),
+            element=element,
+            surfaces=_surfaces(mesh, grid if element.quadratic else None),
         )
 
     @property
@@ -106,10 +104,20 @@ class Discretisation:
         """What the kernels take."""
         return ElementArrays(self.colours, self.chunks, self.nodes, self.inverse, self.reference, self.weight)
 
+    @cached_property
+    def vertices(self) -> Index:
+        """(e, 4) the nodes that are vertices."""
+        return np.ascontiguousarray(self.nodes[:, :4])
+
     @property
-    def has_middles(self) -> bool:
-        """Whether edges have a node in their middle."""
-        return self.nodes.shape[1] > 4
+    def shear_points(self) -> slice:
+        """The stress points that carry the shear part of the law: those of the quadrature rule of the elements."""
+        return slice(0, self.element.shape.points)
+
+    @cached_property
+    def volume(self) -> Array:
+        """(e,) mm3."""
+        return np.asarray(self.weight[:, self.shear_points].sum(axis=1))
 
     def surface(self, name: str) -> Faces:
         """The named surface; raises ValueError naming those that exist."""
@@ -132,25 +140,25 @@ def _in_chunks(nodes: Index, vertices: Array) -> tuple[Index, Index, Index]:
     return np.ascontiguousarray(nodes[np.concatenate(parts)]), begins.astype(np.int64), colours.astype(np.int64)
 
 
-def _stress_points(basis: skfem.Basis, element: skfem.Element, formulation: str) -> tuple[Array, Array, Array]:
-    """Reference gradients (q, a, 3), linear shape functions (q, 4) and shares of the element volume (q,)."""
-    places, share = [basis.X], [6.0 * basis.W]
-    if formulation == "p2p0":
-        places.append(np.full((3, 1), 0.25))
-        share.append(np.ones(1))
-    where = np.concatenate(places, axis=1)
-    gradients = np.stack([element.lbasis(where, a)[1].T for a in range(basis.Nbfun // 3)], axis=1)
-    linear = np.stack([skfem.ElementTetP1().lbasis(where, a)[0] for a in range(4)], axis=1)
-    return np.ascontiguousarray(gradients), np.ascontiguousarray(linear), np.concatenate(share)
+def _stress_points(basis: skfem.Basis, tetrahedron: skfem.Element, element: Element) -> tuple[Array, Array, Array]:
+    """Reference gradients (q, a, 3), linear shape functions (q, 4) and fractions of the element volume (q,)."""
+    points, fractions = [basis.X], [6.0 * basis.W]
+    if element.volumetric is Volumetric.CENTROID:
+        points.append(np.full((3, 1), 0.25))
+        fractions.append(np.ones(1))
+    positions = np.concatenate(points, axis=1)
+    gradients = np.stack([tetrahedron.lbasis(positions, a)[1].T for a in range(basis.Nbfun // 3)], axis=1)
+    linear = np.stack([skfem.ElementTetP1().lbasis(positions, a)[0] for a in range(4)], axis=1)
+    return np.ascontiguousarray(gradients), np.ascontiguousarray(linear), np.concatenate(fractions)
 
 
 def _surfaces(mesh: Mesh, grid: skfem.MeshTet | None) -> dict[str, Faces]:
     """The named faces, with the middles of their edges where the grid of quadratic elements is given."""
-    element, degree = (skfem.ElementTriP1(), 1) if grid is None else (skfem.ElementTriP2(), 4)
-    where, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTri, degree)
-    values = [element.lbasis(where, a) for a in range(3 if grid is None else 6)]
+    triangle, degree = (skfem.ElementTriP1(), 1) if grid is None else (skfem.ElementTriP2(), 4)
+    positions, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTri, degree)
+    values = [triangle.lbasis(positions, a) for a in range(3 if grid is None else 6)]
     shape = np.stack([value for value, _ in values], axis=1)
-    derivative = np.stack([slope.T for _, slope in values], axis=1)
+    derivative = np.stack([gradient.T for _, gradient in values], axis=1)
     surfaces = {}
     for name, triangles in mesh.faces.items():
         nodes = np.array(triangles, dtype=np.int64)  # writable, as those of quadratic elements: one kernel for both

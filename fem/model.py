@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import final
 
-from fem.discretisation import FORMULATIONS, Discretisation
+from fem.discretisation import Discretisation
 from fem.effects.effect import Effect
+from fem.elements import element_of
 from fem.equations.constraints import Constraints
 from fem.equations.linear import LinearSolver, available_solver
 from fem.equations.system import System
@@ -20,8 +21,8 @@ from geometry import Mesh
 class Model:
     """Body, law, supports and effects.
 
-    formulation: "p2p0" (quadratic tetrahedra, volumetric part of the law at one point, the default), "p2" (four points
-    throughout), "mixed" (the pressure an unknown) or "p1" (linear tetrahedra). Raises ValueError for another one.
+    formulation: a name of `fem.elements.ELEMENTS`; by default "p2p0", quadratic tetrahedra with the volumetric part of
+    the law at one point. Raises ValueError for another one.
     """
 
     mesh: Mesh = field(repr=False)
@@ -31,8 +32,7 @@ class Model:
     formulation: str = "p2p0"
 
     def __post_init__(self) -> None:
-        if self.formulation not in FORMULATIONS:
-            raise ValueError(f"formulation {self.formulation!r}: allowed are {', '.join(FORMULATIONS)}")
+        element_of(self.formulation)
 
     @cached_property
     def space(self) -> Discretisation:

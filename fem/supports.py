@@ -32,7 +32,7 @@ class Line:
 
     def positions(self, space: Discretisation) -> Array:
         """Its nodes (m, 3) at rest in their order, mm: with the middles of its edges where the elements have them."""
-        if not space.has_middles:
+        if not space.element.quadratic:
             return self.vertices
         line = np.empty((2 * self.vertices.shape[0] - 1, 3))
         line[::2] = self.vertices
@@ -42,11 +42,11 @@ class Line:
     def nodal_weights(self, space: Discretisation) -> Array:
         """Consistent nodal weights (m,) of a uniform line load; they sum to 1."""
         edges = np.linalg.norm(np.diff(self.vertices, axis=0), axis=1)
-        at_ends, inside, step = (1 / 6, 4 / 6, 2) if space.has_middles else (1 / 2, 0.0, 1)
+        of_edge = space.element.shape.edge_weights
+        step = len(of_edge) - 1
         weights = np.zeros(step * edges.shape[0] + 1)
-        weights[1::step] += inside * edges
-        weights[:-step:step] += at_ends * edges
-        weights[step::step] += at_ends * edges
+        for node, weight in enumerate(of_edge):
+            weights[node : node + step * edges.shape[0] : step] += weight * edges
         return weights / edges.sum()
 
 

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
-from pipeline.config.config import FULLY_INTEGRATED, Config
+from fem.elements import ELEMENTS
+from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.progress import Progress
@@ -192,7 +193,7 @@ def variants(scene: Scene) -> list[Variant]:
     """
     config, body = scene.config, scene.body
     flipped = {
-        "incompressibility": "on" if config.mesh.formulation in FULLY_INTEGRATED else "off",
+        "incompressibility": "on" if ELEMENTS[config.mesh.formulation].fully_integrated else "off",
         "gravity": "off" if is_on(config, "gravity") else "on",
     }
     if config.contact_faces or GAP in body.mesh.faces:

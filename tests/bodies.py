@@ -6,14 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from fem.discretisation import FORMULATIONS
+from fem.elements import ELEMENTS
 from geometry import Design, Mesh
 from geometry.arrays import Array, Mask
 
 Grid = Mask
 
 #: those with quadratic displacements, which bend on coarse meshes
-QUADRATIC = tuple(name for name in FORMULATIONS if name != "p1")
+QUADRATIC = tuple(name for name, element in ELEMENTS.items() if element.quadratic)
 
 DATA = Path(__file__).resolve().parent / "data"
 

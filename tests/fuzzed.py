@@ -9,9 +9,10 @@ from typing import Any
 import yaml
 from hypothesis import strategies as st
 
+from fem.elements import ELEMENTS
 from fem.materials import LAWS
 from geometry import FAMILIES, GRADINGS
-from pipeline.config.schema import EFFECTS, FORMULATIONS
+from pipeline.config.schema import EFFECTS
 
 #: a drawing and a mesh that stand beside the configuration, and files that are not what their names say
 SOUND_FILES = ("finger.step", "ready.msh")
@@ -263,7 +264,7 @@ def of_the_mesh() -> st.SearchStrategy[dict[str, Any]]:
     return st.fixed_dictionaries(
         {},
         optional={
-            "formulation": st.sampled_from(FORMULATIONS),
+            "formulation": st.sampled_from([*ELEMENTS]),
             "grading": st.sampled_from([*GRADINGS, False]),
             "coarser": st.floats(0.9, 3.0),
         },

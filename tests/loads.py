@@ -20,7 +20,7 @@ Density = Callable[[Array], Array]
 def tetrahedron_rule(space: Discretisation, degree: int) -> tuple[Array, Array, Array, Array]:
     """Shape functions (q, a), gradients (e, q, a, 3), positions (e, q, 3) and weights (e, q) in the body at rest."""
     where, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, degree)
-    element = skfem.ElementTetP2() if space.has_middles else skfem.ElementTetP1()
+    element = skfem.ElementTetP2() if space.element.quadratic else skfem.ElementTetP1()
     values = [element.lbasis(where, a) for a in range(space.nodes.shape[1])]
     shape = np.stack([value for value, _ in values], axis=1)
     gradient = np.einsum("qak,eki->eqai", np.stack([slope.T for _, slope in values], axis=1), space.inverse)
@@ -53,7 +53,7 @@ class Traction(Effect):
     def bind(self, space: Discretisation, material: Material) -> Term:
         faces = space.surface(self.where)
         where, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTri, 6)
-        element = skfem.ElementTriP2() if space.has_middles else skfem.ElementTriP1()
+        element = skfem.ElementTriP2() if space.element.quadratic else skfem.ElementTriP1()
         shape = np.stack([element.lbasis(where, a)[0] for a in range(faces.nodes.shape[1])], axis=1)
         corners = space.points[faces.nodes[:, :3]]
         doubled = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)

@@ -10,9 +10,10 @@ from bodies import box, difference, hollow_box
 from skfem.helpers import ddot, det, grad, identity, inv, mul, trace, transpose
 
 from fem import Fixed, Model, StVenantKirchhoff
-from fem.discretisation import CHUNK, CHUNKS, FORMULATIONS, Discretisation
+from fem.discretisation import CHUNK, CHUNKS, Discretisation
 from fem.effects.effect import Blocks
 from fem.effects.loads import Pressure, enclosed_volume
+from fem.elements import ELEMENTS
 from fem.equations.formulation import lame_constants
 from fem.equations.linear import SuperLU
 from fem.equations.system import System
@@ -54,12 +55,12 @@ def tangent_form(lam: float, mu: float) -> skfem.BilinearForm:
 
 def bases(system: System, mesh: skfem.MeshTet) -> list[tuple[skfem.Basis, float, float]]:
     """The quadrature rules of a formulation with the Lame constants each of them carries."""
-    if system.space.formulation == "p1":
+    if system.space.element.name == "p1":
         return [(skfem.Basis(mesh, skfem.ElementVector(skfem.ElementTetP1()), intorder=1), LAMBDA, MU)]
     element = skfem.ElementVector(skfem.ElementTetP2())
     full = skfem.Basis(mesh, element, intorder=2)
     assert full.X.shape == (3, 4)
-    if system.space.formulation == "p2":
+    if system.space.element.name == "p2":
         return [(full, LAMBDA, MU)]
     centre = skfem.Basis(mesh, element, quadrature=(np.full((3, 1), 0.25), np.array([1 / 6])))
     return [(full, 0.0, MU), (centre, LAMBDA, 0.0)]
@@ -284,7 +285,7 @@ def test_enclosed_volume_is_exact(half: bool, formulation: str) -> None:
     assert enclosed_volume(faces, space.points @ shear.T) == pytest.approx(whole * np.linalg.det(shear), rel=1e-13)
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", ELEMENTS)
 def test_an_isotropic_tangent_takes_a_shorter_way_to_the_same_matrix(formulation: str, monkeypatch) -> None:
     system, _ = system_on(formulation, [Fixed("left"), Fixed("back", "z")])
     state = system.state_at(noise(system, 0.05), 1.0)

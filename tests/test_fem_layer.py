@@ -5,8 +5,9 @@ import pytest
 from bodies import QUADRATIC, difference
 
 import fem
-from fem.discretisation import FORMULATIONS, Discretisation
+from fem.discretisation import Discretisation
 from fem.effects.membrane import LayerError, LayerTerm, StrainLimitingLayer
+from fem.elements import ELEMENTS
 from geometry import Mesh
 from geometry.arrays import Array
 
@@ -93,7 +94,7 @@ def test_layer_does_not_feel_a_rotation(bound: tuple[LayerTerm, Array]) -> None:
     assert term.energy(x @ turn.T + 3.0, 1.0) == pytest.approx(term.energy(x, 1.0), rel=1e-12)
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", ELEMENTS)
 def test_two_layers_in_tension(formulation: str) -> None:
     """Equal Poisson ratios keep the strip homogeneous: F = (E h + E_layer t) w (lambda^3 - lambda) / 2, exact."""
     mesh, nu, stretch = strip((4, 1, 2)), 0.3, 1.2

@@ -19,7 +19,7 @@ from fem import (
     StrainLimitingLayer,
     follow,
 )
-from fem.discretisation import FORMULATIONS
+from fem.elements import ELEMENTS
 from fem.equations.linear import SuperLU
 from fem.equations.system import System
 from geometry import Mesh
@@ -83,7 +83,7 @@ def orders(model: Model) -> list[float]:
     return [float(np.log(after) / np.log(before)) for before, after in pairwise(near)]
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", ELEMENTS)
 @pytest.mark.parametrize("law", LAWS)
 def test_newton_ends_quadratically(law: str, formulation: str) -> None:
     """With a tangent that is wrong anywhere the order would be 1. Measured: 1.97 to 2.6."""
@@ -94,7 +94,7 @@ def test_newton_ends_quadratically(law: str, formulation: str) -> None:
     assert min(found) > 1.8
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", ELEMENTS)
 def test_newton_ends_quadratically_in_contact(formulation: str) -> None:
     """The barrier bends so fast that the order grows slowly. Measured at the end: 1.56 to 2.0."""
     corners = np.array([[6.0, 0.0, 0.0], [6.0, 0.0, 1.0]])

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 from benchmarks.accuracy import markdown
+from fem.elements import ELEMENTS
 from pipeline.accuracy import ladder as rungs
 from pipeline.accuracy import study as study_module
 from pipeline.accuracy.figure import html_page, svg_picture
-from pipeline.accuracy.ladder import CONTACT, LOCKING, POINTS, TOLERANCE, Rung, ladder, mesh_series
+from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, ladder, mesh_series
 from pipeline.accuracy.record import ConvergenceStudy, convergence_study
 from pipeline.accuracy.reference import (
     Errors,
@@ -119,7 +120,7 @@ def made_up(rung: Rung) -> RungResult:
     size, formulation = rung.config.mesh.size_mm, rung.config.mesh.formulation
     n = 500_000 / size**2 * (1.3 if rung.config.mesh.grading == "walls" else 1.0)
     n = round(n / 6 if formulation == "p1" else n)
-    error = 1000.0 / n * (2.0 if formulation in LOCKING else 1.0)
+    error = 1000.0 / n * (2.0 if ELEMENTS[formulation].fully_integrated else 1.0)
     error += 0.5 * (rung.config.contact_dhat_mm or CONTACT_MM)
     numbers = [
         rod_numbers(pressure, stride, error) for pressure in rung.config.pressures_kPa for stride in rung.strides
@@ -219,8 +220,8 @@ def test_table_and_pictures(study: ConvergenceStudy) -> None:
 
 def test_a_small_study_is_solved_and_resumed(configs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rungs, "SIZES", {"off": (1.0, 0.75)})
-    monkeypatch.setattr(rungs, "LOCKING", {"p1": (0.5,)})
-    monkeypatch.setattr(rungs, "FORMULATIONS", ("mixed", "p1"))
+    monkeypatch.setattr(rungs, "LOCKING", {1: (0.5,)})
+    monkeypatch.setattr(rungs, "ELEMENTS", {name: ELEMENTS[name] for name in ("mixed", "p1")})
     monkeypatch.setattr(rungs, "TOLERANCES", ())
     monkeypatch.setattr(rungs, "DISTANCES", ())
     overrides = ["geometry.chambers=8", "mesh={size: 8 mm, formulation: mixed}", "pressures=[5 kPa]"]

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 
 import fem
-import fem.discretisation
+from fem.elements import ELEMENTS
+from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
 from pipeline.config.config import Config, Validation, load_config
-from pipeline.config.schema import EFFECTS, FORMULATIONS
+from pipeline.config.schema import EFFECTS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
 
@@ -244,8 +245,19 @@ def test_units_are_converted(text: str, dimension: Dimension, number: float) -> 
     assert convert(text, dimension) == number
 
 
-def test_what_is_offered_stands_in_fem() -> None:
-    assert set(FORMULATIONS) == set(fem.discretisation.FORMULATIONS)
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_a_configuration_takes_every_element(configs: Path, name: str) -> None:
+    config = load_config(configs / "pneunet_coarse.yaml", [f"mesh.formulation={name}"])
+    assert config.mesh.formulation == name
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_configuration_takes_every_law_with_its_constants(configs: Path, name: str) -> None:
+    values = {name: 0.3 if kind is Constant.POISSON_RATIO else 0.5 for name, kind in LAWS[name].constants().items()}
+    texts = [f"{constant}: {value}{LAWS[name].constants()[constant].unit}" for constant, value in values.items()]
+    material = f"material={{law: {name}, density: 1130 kg/m^3, {', '.join(texts)}}}"
+    config = load_config(configs / "pneunet_coarse.yaml", [material])
+    assert config.material.built() == LAWS[name](**values)
 
 
 def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> None:

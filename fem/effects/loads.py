@@ -88,11 +88,9 @@ class Gravity(Effect):
 
     def bind(self, space: Discretisation, material: Material) -> "DeadForceTerm":
         """The potential of the consistent nodal weights."""
-        volume = space.weight[:, :4].sum(axis=1)
         mass = np.zeros(space.points.shape[0])
-        # exact integrals of the shape functions over a tetrahedron: quadratic -V/20 at vertices, V/5 at mid-edges
-        nodal = np.array([-0.05] * 4 + [0.2] * 6 if space.has_middles else [0.25] * 4)
-        np.add.at(mass, space.nodes, self.density * volume[:, None] * nodal)
+        nodal = np.array(space.element.shape.nodal_weights)
+        np.add.at(mass, space.nodes, self.density * space.volume[:, None] * nodal)
         force = mass[:, None] * np.asarray(self.acceleration)
         return DeadForceTerm("gravity", force, constant_fraction=None if self.ramp else 0.0)
 

@@ -60,10 +60,10 @@ class StrainLimitingLayer(Effect):
     def bind(self, space: Discretisation, material: Material) -> "LayerTerm":
         """The membrane; raises `LayerError` where a triangle is not a face of the mesh."""
         nodes = _nodes(space, self.triangles)
-        slope, area = _slopes(space.points[self.triangles], space.has_middles)
+        gradients, area = _gradients(space.points[self.triangles], space.element.quadratic)
         weight = np.repeat(self.thickness * area[:, None] / POINTS.shape[0], POINTS.shape[0], axis=1)
         plane = np.array([[1.0, self.nu, 0.0], [self.nu, 1.0, 0.0], [0.0, 0.0, (1 - self.nu) / 2]])
-        return LayerTerm(MembraneArrays(nodes, slope, weight), self.E / (1 - self.nu**2) * plane, None)
+        return LayerTerm(MembraneArrays(nodes, gradients, weight), self.E / (1 - self.nu**2) * plane, None)
 
 
 @final
@@ -111,7 +111,7 @@ class LayerTerm(StressCarryingTerm):
         return strain
 
 
-def _slopes(corners: Array, quadratic: bool) -> tuple[Array, Array]:
+def _gradients(corners: Array, quadratic: bool) -> tuple[Array, Array]:
     """Gradients (f, q, 6, 2) of the quadratic or (f, q, 3, 2) of the linear shape functions on triangles with corners
     (f, 3, 3), and areas (f,)."""
     along, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
@@ -146,6 +146,6 @@ def _nodes(space: Discretisation, triangles: Index) -> Index:
     found = np.minimum(np.searchsorted(known, wanted), known.shape[0] - 1)
     if not np.array_equal(known[found], wanted):
         raise LayerError("strain-limiting layer: one of its triangles is not a face of the mesh")
-    if not space.has_middles:
+    if not space.element.quadratic:
         return triangles
     return np.concatenate([triangles, space.nodes[:, 4:].ravel()[place][found]], axis=1)

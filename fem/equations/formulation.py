@@ -21,6 +21,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import SuperLU, splu
 
 from fem.discretisation import Discretisation
+from fem.elements import Volumetric
 from fem.equations.pattern import Pattern
 from fem.kernels.mixed import pressure_columns
 from fem.materials.material import Material, MaterialError, Response
@@ -106,7 +107,8 @@ class Formulation(ABC):
 
 def formulation_of(space: Discretisation, material: Material) -> Formulation:
     """The one the discretisation was made for."""
-    return Mixed(space, material) if space.formulation == "mixed" else DisplacementOnly(space, material)
+    mixed = space.element.volumetric is Volumetric.PRESSURE
+    return Mixed(space, material) if mixed else DisplacementOnly(space, material)
 
 
 NO_PRESSURE = np.empty(0)
@@ -115,7 +117,7 @@ NO_PRESSURE = np.empty(0)
 @final
 @dataclass(frozen=True)
 class DisplacementOnly(Formulation):
-    """The volumetric part is taken at the stress points: "p2" at four, "p2p0" at one; "p1" has one for all."""
+    """The volumetric part is evaluated at the displacement's strain: at all points, or at the centroid alone."""
 
     space: Discretisation
     material: Material
@@ -129,15 +131,16 @@ class DisplacementOnly(Formulation):
         return self.space.nodes
 
     def evaluate(self, strain: Array, pressure: Array) -> LawValues:
-        if self.space.formulation != "p2p0":
+        if self.space.element.fully_integrated:
             shear, volumetric = self.material.shear(strain), self.material.volumetric(strain)
             energy, stress = shear.energy + volumetric.energy, shear.stress + volumetric.stress
             tangent = shear.tangent + volumetric.tangent
         else:
-            shear, volumetric = self.material.shear(strain[:, :4]), self.material.volumetric(strain[:, 4:])
+            points = self.space.element.shape.points
+            shear, volumetric = self.material.shear(strain[:, :points]), self.material.volumetric(strain[:, points:])
             energy = np.concatenate([shear.energy, volumetric.energy], axis=1)
             stress = np.concatenate([shear.stress, volumetric.stress], axis=1)
-            tangent = np.concatenate([_per_point(shear, 4), _per_point(volumetric, 1)], axis=1)
+            tangent = np.concatenate([_per_point(shear, points), _per_point(volumetric, 1)], axis=1)
         # in one layout whatever the law: the kernels are compiled once for each
         stress, tangent = np.ascontiguousarray(stress), np.ascontiguousarray(tangent)
         return LawValues(energy, stress, tangent, np.empty((0, 0)), np.empty((0, 0, 6)))
@@ -185,12 +188,12 @@ class Mixed(Formulation):
 
     @cached_property
     def unknowns(self) -> int:
-        return int(self.space.nodes[:, :4].max()) + 1
+        return int(self.space.vertices.max()) + 1
 
     @cached_property
     def element_unknowns(self) -> Index:
-        vertices = self.space.nodes[:, :4] + self.space.points.shape[0]
-        return np.concatenate([self.space.nodes, vertices], axis=1)
+        pressures = self.space.vertices + self.space.points.shape[0]
+        return np.concatenate([self.space.nodes, pressures], axis=1)
 
     def evaluate(self, strain: Array, pressure: Array) -> LawValues:
         shear, theta = self.material.shear(strain), self.material.dilatation(strain)
@@ -220,7 +223,7 @@ class Mixed(Formulation):
         return self._pressure_at_points(pressure)[..., None] * law_values.dilatation_gradient
 
     def offsets(self, pattern: Pattern) -> PressureOffsets:
-        nodes, pressures = self.element_unknowns[:, :10, None], self.element_unknowns[:, None, 10:]
+        nodes, pressures = self.space.nodes[:, :, None], self.element_unknowns[:, None, -4:]
         rows, columns, _ = self._compressibility
         return pattern.offset_of(*np.broadcast_arrays(nodes, pressures)), pattern.offset_of(rows, columns)
 
@@ -243,18 +246,18 @@ class Mixed(Formulation):
 
     def _pressure_at_points(self, pressure: Array) -> Array:
         """(e, q) MPa."""
-        return self._pressure_unit * np.asarray(pressure[self.space.nodes[:, :4]] @ self.space.vertex_shape.T)
+        return self._pressure_unit * np.asarray(pressure[self.space.vertices] @ self.space.vertex_shape.T)
 
     def _integrated(self, values: Array) -> Array:
         """int N_v values dX (v,) of values (e, q)."""
         local = (values * self.space.weight) @ self.space.vertex_shape
-        integrals = np.bincount(self.space.nodes[:, :4].ravel(), local.ravel(), minlength=self.unknowns)
+        integrals = np.bincount(self.space.vertices.ravel(), local.ravel(), minlength=self.unknowns)
         return np.asarray(integrals, dtype=float)
 
     @cached_property
     def _mass(self) -> sp.csr_matrix:
         """(v, v) int N_v N_w dX, mm3."""
-        shape, vertices = self.space.vertex_shape, self.space.nodes[:, :4]
+        shape, vertices = self.space.vertex_shape, self.space.vertices
         local = np.einsum("eq,qa,qb->eab", self.space.weight, shape, shape)
         rows, columns = np.repeat(vertices, 4, axis=1), np.tile(vertices, (1, 4))
         return sp.csr_matrix((local.ravel(), (rows.ravel(), columns.ravel())), shape=(self.unknowns,) * 2)

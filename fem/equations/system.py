@@ -103,7 +103,7 @@ class System:
         """
         rest = np.zeros((1, 6))
         stiffness = float((self.material.shear(rest).tangent + self.material.volumetric(rest).tangent).max())
-        size = (float(self.space.weight[:, :4].sum()) / self.space.nodes.shape[0]) ** (1 / 3)
+        size = (float(self.space.weight[:, self.space.shear_points].sum()) / self.space.nodes.shape[0]) ** (1 / 3)
         return float(4 * stiffness * size * np.finfo(float).eps * np.sqrt(self.space.points.shape[0]))
 
     def _strain(self, displacement: Array) -> tuple[Array, Array]:

@@ -35,7 +35,7 @@ def extremes_of(space: Discretisation, strain: Array, jacobian: Array) -> Extrem
     least, largest = principal_stretches(strain[low])[..., 0], principal_stretches(strain[high])[..., 2]
 
     def centre(element: int) -> tuple[float, float, float]:
-        x, y, z = space.points[space.nodes[element, :4]].mean(axis=0)
+        x, y, z = space.points[space.vertices[element]].mean(axis=0)
         return float(x), float(y), float(z)
 
     return Extremes(

@@ -16,7 +16,8 @@ def element_fields(step: Step, material: Material) -> dict[str, Array]:
     strain, jacobian = strain_at_stress_points(space, step.displacement)
     law = formulation_of(space, material)
     stress = law.evaluate(strain, law.pressure_of(strain)).stress
-    second = stress[:, :4].mean(axis=1) + stress[:, 4:].sum(axis=1)
+    points = space.element.shape.points
+    second = stress[:, :points].mean(axis=1) + stress[:, points:].sum(axis=1)
     gradient = _mean_deformation_gradient(step)
     matrix = np.empty((second.shape[0], 3, 3))
     for v, (i, j) in enumerate(VOIGT):
@@ -24,13 +25,13 @@ def element_fields(step: Step, material: Material) -> dict[str, Array]:
     cauchy = np.einsum("eij,ejk,elk->eil", gradient, matrix, gradient) / np.linalg.det(gradient)[:, None, None]
     return {
         "stretch": principal_stretches(strain)[..., 2].max(axis=1),
-        "J": jacobian[:, :4].mean(axis=1),
+        "J": jacobian[:, space.shear_points].mean(axis=1),
         "cauchy_stress_MPa": np.stack([cauchy[:, i, j] for i, j in VOIGT], axis=1),
     }
 
 
 def _mean_deformation_gradient(step: Step) -> Array:
-    """(e, 3, 3), mean over the four points of the full rule."""
+    """(e, 3, 3), mean over the points of the quadrature rule."""
     space = step.space
-    slopes = np.einsum("ak,eki->eai", space.reference[:4].mean(axis=0), space.inverse)
-    return np.eye(3) + np.einsum("eai,eaj->eij", step.displacement[space.nodes], slopes)
+    gradients = np.einsum("ak,eki->eai", space.reference[space.shear_points].mean(axis=0), space.inverse)
+    return np.eye(3) + np.einsum("eai,eaj->eij", step.displacement[space.nodes], gradients)

@@ -46,13 +46,13 @@ def stress_error(step: Step, material: Material) -> StressError:
     """How far the stress of a state is from the one recovered from it; zero for a body at rest."""
     space = step.space
     strain, _ = strain_at_stress_points(space, step.displacement)
-    shear, weight = material.shear(strain[:, :4]).stress, space.weight[:, :4]
+    shear, weight = material.shear(strain[:, space.shear_points]).stress, space.weight[:, space.shear_points]
     computed = _squares(shear, weight)
     squares = _squares(recovered(space, shear) - shear, weight)
     if computed.sum() <= (AT_REST * material.shear_modulus) ** 2 * weight.sum():
         squares = np.zeros_like(squares)
     whole = float(squares.sum())
-    x, y, z = space.points[space.nodes[int(np.argmax(squares)), :4]].mean(axis=0)
+    x, y, z = space.points[space.vertices[int(np.argmax(squares))]].mean(axis=0)
     return StressError(
         energy=whole / float(computed.sum()) if whole else 0.0,
         share=squares / whole if whole else squares,
@@ -72,7 +72,7 @@ def recovered(space: Discretisation, values: Array) -> Array:
     """
     shape = space.vertex_shape[: values.shape[1]]
     # in one layout for all elements and laws: the kernels are compiled once
-    vertices, values = np.ascontiguousarray(space.nodes[:, :4]), np.ascontiguousarray(values)
+    vertices, values = space.vertices, np.ascontiguousarray(values)
     positions = np.ascontiguousarray(np.einsum("qa,eai->eqi", shape, space.points[vertices]))
     begin, members = _patches(vertices, values.shape[1])
     count, terms = begin.shape[0] - 1, TERMS

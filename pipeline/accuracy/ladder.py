@@ -3,16 +3,16 @@ Newton tolerance and of the contact distance."""
 
 from dataclasses import dataclass, replace
 
+from fem.elements import ELEMENTS, MOST_ACCURATE
 from pipeline.config.config import Config
-from pipeline.config.schema import FORMULATIONS
 
 #: mesh sizes over that of the configuration by grading
 SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (1.5, 1.25, 1.0, 0.75, 0.5)}
 #: the same for elements that lock on every mesh: fewer, without grading. p1 has a sixth of the unknowns of p2 on a mesh
 #: and half the nodes on the material curve, too few for the cells of the arms at 1.5
-LOCKING: dict[str, tuple[float, ...]] = {"p2": (1.5, 1.0, 0.6), "p1": (1.0, 0.5, 0.25)}
+LOCKING: dict[int, tuple[float, ...]] = {2: (1.5, 1.0, 0.6), 1: (1.0, 0.5, 0.25)}
 #: further sizes of the series that converges fastest, from which the reference is extrapolated
-FINEST = {("mixed", "walls"): (0.4, 0.325)}
+FINEST = {(MOST_ACCURATE, "walls"): (0.4, 0.325)}
 #: series beside those of meshes; their rungs have everything else as configured
 TOLERANCE, CONTACT, POINTS = "Newton tolerance", "contact distance", "points of the curve"
 TOLERANCES = (1e-3, 1e-4, 1e-8)
@@ -56,11 +56,12 @@ def ladder(config: Config, contact_mm: float | None) -> list[Rung]:
     contact_mm: the configured activation distance of contact; None where no faces can meet.
     """
     rungs = []
-    for formulation in FORMULATIONS:
-        for grading, factors in ({"off": LOCKING[formulation]} if formulation in LOCKING else SIZES).items():
-            for factor in (*factors, *FINEST.get((formulation, grading), ())):
+    for element in ELEMENTS.values():
+        sizes = {"off": LOCKING[element.shape.degree]} if element.fully_integrated else SIZES
+        for grading, factors in sizes.items():
+            for factor in (*factors, *FINEST.get((element.name, grading), ())):
                 size = round(factor * config.mesh.size_mm, 6)
-                mesh = replace(config.mesh, size_mm=size, formulation=formulation, grading=grading)
+                mesh = replace(config.mesh, size_mm=size, formulation=element.name, grading=grading)
                 dense = factor == DENSE and replace(mesh, size_mm=config.mesh.size_mm) == config.mesh
                 changed = replace(config, mesh=mesh)
                 rungs.append(Rung(mesh_series(changed), size, changed, (1, *STRIDES) if dense else (1,)))

@@ -13,6 +13,7 @@ from math import floor
 from typing import Any
 
 import fem
+from fem.elements import MOST_ACCURATE
 from pipeline.accuracy.error_model import MeshErrorModel, Pilot, SolvedMesh
 from pipeline.accuracy.ladder import Rung, mesh_series
 from pipeline.accuracy.measure import measure, numbers_of
@@ -28,7 +29,7 @@ from pipeline.store.json_values import JsonObject
 from pipeline.store.store import Store
 
 #: element and grading that reach an accuracy with the fewest degrees of freedom
-FORMULATION, GRADING = "mixed", "walls"
+FORMULATION, GRADING = MOST_ACCURATE, "walls"
 #: sizes of the pilots over the smallest side of the body
 PILOTS = (0.4, 0.27)
 #: fraction of the requested error that contact may have, and fraction of the rest that the mesh is planned for

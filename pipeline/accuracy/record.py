@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from fem.elements import MOST_ACCURATE
 from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, mesh_series
 from pipeline.accuracy.reference import (
     SCALARS,
@@ -17,7 +18,6 @@ from pipeline.accuracy.reference import (
 )
 from pipeline.accuracy.result import RodNumbers, RungResult
 from pipeline.config.config import Config
-from pipeline.config.schema import FORMULATIONS
 from pipeline.errors import RunFailed
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import JsonObject
@@ -26,7 +26,7 @@ from pipeline.store.provenance import provenance
 #: the numbers whose meaning depends on whether the law has one slope or two
 OF_THE_LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm")
 #: the element whose limit is the reference
-REFERENCE_ELEMENT = next(name for name in ("mixed", "p2p0") if name in FORMULATIONS)
+REFERENCE_ELEMENT = MOST_ACCURATE
 
 #: numbers of a mesh with its degrees of freedom, or with its contact distance (mm)
 Located = tuple[float, RodNumbers]

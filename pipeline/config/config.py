@@ -11,19 +11,16 @@ from pathlib import Path
 from typing import Any
 
 import fem.materials
+from fem.elements import ELEMENTS, automatic_element
 from fem.materials import LAWS
 from geometry import FAMILIES, CadFile, Design, DesignError, MeshFile
 from geometry.design import check_size
 from pipeline.config.document import Document, read_document
-from pipeline.config.schema import EFFECTS, FULLY_INTEGRATED, OWN, checked
+from pipeline.config.schema import EFFECTS, OWN, checked
 from pipeline.errors import InputError
 
-#: Poisson's ratio from which the volumetric part of the law is integrated by a rule of its own
-NEARLY_INCOMPRESSIBLE = 0.4
 #: size of elements over the smallest side of the body, where a size is still to be looked for
 NOMINAL = 0.4
-#: Poisson's ratio from which the pressure is an unknown of its own
-PRACTICALLY_INCOMPRESSIBLE = 0.499
 
 
 @dataclass(frozen=True)
@@ -44,7 +41,7 @@ class MeshChoice:
     """How fine and with which elements."""
 
     size_mm: float
-    formulation: str  #: one of FORMULATIONS
+    formulation: str  #: one of fem.elements.ELEMENTS
     coarser: float | None  #: the second mesh's size over size_mm, for the mesh error of the numbers; None for none
     grading: str  #: one of geometry.GRADINGS
 
@@ -256,7 +253,7 @@ def _check_together(document: Document, content: Any) -> None:
     """Refuse effects that contradict each other or the mesh."""
     effects, formulation = content.effects, content.mesh.formulation
     state = effects.incompressibility.state
-    if formulation is not None and state != "auto" and (state == "off") != (formulation in FULLY_INTEGRATED):
+    if formulation is not None and state != "auto" and (state == "off") != ELEMENTS[formulation].fully_integrated:
         raise document.wrong_together(
             (("effects", "incompressibility"), ("mesh", "formulation")),
             f"incompressibility {state} and formulation {formulation} contradict each other; leave one of them out",
@@ -282,11 +279,7 @@ def _formulation(given: str | None, state: str, nu: float) -> str:
     """The elements: as given, else by the state of the effect and Poisson's ratio."""
     if given is not None:
         return given
-    if state == "auto":
-        state = "on" if nu >= NEARLY_INCOMPRESSIBLE else "off"
-    if state == "off":
-        return "p2"
-    return "mixed" if nu >= PRACTICALLY_INCOMPRESSIBLE else "p2p0"
+    return automatic_element(nu, None if state == "auto" else state == "on").name
 
 
 def _poisson_ratio(document: Document, material: Material) -> float:

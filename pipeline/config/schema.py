@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, get_type_hints
 import pydantic
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
+from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, GRADINGS, CadFile, MeshFile
 from pipeline.config.document import Document
@@ -148,10 +149,6 @@ FaceNames = Annotated[tuple[Text, ...], BeforeValidator(_names), Field(strict=Fa
 State = Annotated[Literal[STATES], BeforeValidator(_state)]  # type: ignore[valid-type]
 CavityPressure = Annotated[tuple[str, float], BeforeValidator(_share_or_pressure)]
 
-#: the elements that `fem` offers
-FORMULATIONS = ("p2p0", "p2", "mixed", "p1")
-#: those that do nothing about incompressibility
-FULLY_INTEGRATED = ("p2", "p1")
 #: how the constants of a law are written
 CONSTANTS: dict[Constant, Any] = {
     Constant.STRESS: Stress,
@@ -191,7 +188,7 @@ def _size(value: Any) -> Any:
 
 class _Mesh(_Section):
     size: Annotated[float | None, BeforeValidator(_size), Field(examples=[LENGTH.example])]
-    formulation: Annotated[Literal[FORMULATIONS] | None, Field(examples=["p2p0"])] = None  # type: ignore[valid-type]
+    formulation: Annotated[Literal[tuple(ELEMENTS)] | None, Field(examples=["p2p0"])] = None  # type: ignore[valid-type]
     grading: Annotated[
         Literal[tuple(GRADINGS)],  # type: ignore[valid-type]
         BeforeValidator(_grading),
@@ -201,7 +198,7 @@ class _Mesh(_Section):
 
 
 class _ReadyMesh(_Section):
-    formulation: Annotated[Literal[FORMULATIONS] | None, Field(examples=["p2p0"])] = None  # type: ignore[valid-type]
+    formulation: Annotated[Literal[tuple(ELEMENTS)] | None, Field(examples=["p2p0"])] = None  # type: ignore[valid-type]
 
 
 class _End(_Section):

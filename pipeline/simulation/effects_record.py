@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from pipeline.config.config import FULLY_INTEGRATED, CavityPressure, Config
+from fem.elements import ELEMENTS
+from pipeline.config.config import CavityPressure, Config
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene, gravity_breaks_symmetry, is_on
 from pipeline.store.json_values import JsonObject
@@ -93,14 +94,8 @@ def _symmetry(scene: Scene) -> tuple[str, str]:
 
 
 def _incompressibility(config: Config) -> tuple[str, str]:
-    formulation, nu = config.mesh.formulation, config.material.built().poisson_ratio
-    how = {
-        "p2": "the whole law is taken at four points per element",
-        "p2p0": "the volumetric part of the law is taken at one point per element",
-        "mixed": "the pressure is an unknown of its own, linear in each element and continuous",
-        "p1": "the whole law is taken at the one point of a linear element",
-    }
-    return "off" if formulation in FULLY_INTEGRATED else "on", f"nu = {nu:.5g}: {how[formulation]}"
+    element, nu = ELEMENTS[config.mesh.formulation], config.material.built().poisson_ratio
+    return "off" if element.fully_integrated else "on", f"nu = {nu:.5g}: {element.summary}"
 
 
 def _gravity(config: Config) -> tuple[str, str]:

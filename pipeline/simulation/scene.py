@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import fem
+from fem.elements import ELEMENTS, Volumetric
 from geometry import GRADINGS, Body, DesignError, MeshError
 from pipeline.config.config import Config
 from pipeline.errors import InputError
@@ -124,10 +125,11 @@ def material_of(config: Config) -> fem.Material:
         law = config.material.built()
     except fem.MaterialError as failure:
         raise InputError(f"{config.source}: material: {failure}") from None
-    if config.mesh.formulation == "mixed" and law.volumetric_modulus <= 0:
+    formulation = config.mesh.formulation
+    if ELEMENTS[formulation].volumetric is Volumetric.PRESSURE and law.volumetric_modulus <= 0:
         raise InputError(
-            f"{config.source}: mesh.formulation: mixed needs a law that resists a change of volume by more than shear "
-            f"does; its volumetric modulus here is {law.volumetric_modulus:g} MPa; write p2 or p2p0"
+            f"{config.source}: mesh.formulation: {formulation} needs a law that resists a change of volume by more "
+            f"than shear does; its volumetric modulus here is {law.volumetric_modulus:g} MPa; write p2 or p2p0"
         )
     return law
 

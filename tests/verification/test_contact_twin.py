@@ -24,9 +24,9 @@ from fem import (
     StVenantKirchhoff,
     follow,
 )
-from fem.discretisation import FORMULATIONS
 from fem.effects.barrier import WEIGHT, contact_potential
 from fem.effects.contact import STIFFNESS
+from fem.elements import ELEMENTS
 from geometry import Mesh
 from geometry.arrays import Array
 
@@ -106,7 +106,7 @@ def closed_form(dhat: float) -> float:
     return bar(least - brentq(balance, 0.0, dhat))
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", ELEMENTS)
 def test_a_bar_pressed_against_a_plane(formulation: str) -> None:
     """Force within 0.06 to 0.22 % (p1: 5e-6): nodes push by their share of the wall, and a quadratic face spreads an
     even pressure otherwise, so the foot of the bar is not flat."""

@@ -11,7 +11,8 @@ from bodies import box
 from laws import LAWS
 
 from fem import Model, NewtonOptions, PathOptions, Prescribed, element_fields, follow
-from fem.discretisation import FORMULATIONS, Discretisation
+from fem.discretisation import Discretisation
+from fem.elements import ELEMENTS
 from geometry import Mesh
 
 GRADIENT = np.array([[0.15, 0.1, -0.05], [0.0, -0.1, 0.2], [0.05, 0.0, 0.05]])
@@ -25,7 +26,7 @@ def irregular() -> Mesh:
     return Mesh(mesh.points + np.where(inner[:, None], shift, 0.0), mesh.tets, dict(mesh.faces))
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", ELEMENTS)
 @pytest.mark.parametrize("law", LAWS)
 def test_a_linear_displacement_is_exact(law: str, formulation: str) -> None:
     mesh, material = irregular(), LAWS[law]

@@ -11,7 +11,8 @@ from bodies import box
 from laws import LAWS
 
 from fem import Model, NewtonOptions, PathOptions, Prescribed, follow
-from fem.discretisation import FORMULATIONS, Discretisation
+from fem.discretisation import Discretisation
+from fem.elements import ELEMENTS
 from geometry.arrays import Array
 
 AXIS = np.array([1.0, 2.0, -1.0]) / np.sqrt(6)
@@ -25,7 +26,7 @@ def rotation() -> Array:
     return np.eye(3) + np.sin(ANGLE) * cross + (1 - np.cos(ANGLE)) * cross @ cross
 
 
-@pytest.mark.parametrize("formulation", FORMULATIONS)
+@pytest.mark.parametrize("formulation", ELEMENTS)
 @pytest.mark.parametrize("law", LAWS)
 def test_a_turned_end_turns_the_bar(law: str, formulation: str) -> None:
     mesh = box((2, 1, 1), (2.0, 1.0, 1.0))
