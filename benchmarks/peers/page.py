@@ -23,14 +23,14 @@ def medians(runs: Sequence[Run]) -> dict[tuple[str, str], Run]:
     return {key: middle([run for run in runs if (run.peer, run.path) == key]) for key in keys}
 
 
-def costs(peers: Sequence[Peer], path: str, found: Mapping[tuple[str, str], Run], missing: Mapping[str, str]) -> str:
-    """What the path cost each of the peers, and the ratio to the first of them."""
-    head = ["", "increments (given up)", "factorizations", "CPU s", "wall s", "CPU / ours"]
-    head += ["set-up CPU s", "whole process CPU s", "whole / ours", "peak MB"]
-    ours = found[peers[0].name, path]
+def costs(peers: Sequence[Peer], path: str, measured: Mapping[tuple[str, str], Run], missing: Mapping[str, str]) -> str:
+    """Cost of the path for each of the peers, and its ratio to the first of them."""
+    head = ["", "increments (failed)", "factorizations", "CPU s", "wall s", "CPU / pneurod"]
+    head += ["set-up CPU s", "whole process CPU s", "whole / pneurod", "peak MB"]
+    first = measured[peers[0].name, path]
     rows = []
     for peer in peers:
-        run = found.get((peer.name, path))
+        run = measured.get((peer.name, path))
         if run is None or run.outcome.note:
             why = missing.get(peer.name, "not run") if run is None else stopped(run)
             rows.append([peer.name, why, *[""] * (len(head) - 2)])
@@ -43,10 +43,10 @@ def costs(peers: Sequence[Peer], path: str, found: Mapping[tuple[str, str], Run]
                 f"{spent.factorizations}",
                 f"{spent.solve_cpu:.1f}",
                 f"{spent.solve_wall:.1f}",
-                f"{spent.solve_cpu / ours.outcome.solve_cpu:.1f}",
+                f"{spent.solve_cpu / first.outcome.solve_cpu:.1f}",
                 f"{spent.set_up_cpu:.1f}",
                 f"{run.cpu:.1f}",
-                f"{run.cpu / ours.cpu:.1f}",
+                f"{run.cpu / first.cpu:.1f}",
                 f"{run.peak:.0f}",
             ]
         )
@@ -54,20 +54,20 @@ def costs(peers: Sequence[Peer], path: str, found: Mapping[tuple[str, str], Run]
 
 
 def stopped(run: Run) -> str:
-    """Where a path that was not walked to its end stopped, and what that cost."""
+    """Where an incomplete path stopped, and what that cost."""
     reached = max(map(float, run.outcome.answers), default=0.0)
     spent = run.outcome
     return f"stopped above {reached:g} kPa after {spent.factorizations} factorizations, {spent.solve_cpu:.0f} s CPU"
 
 
-def answers(peers: Sequence[Peer], found: Mapping[tuple[str, str], Run]) -> str:
-    """Tip and volume at the four pressures, and the largest distance from the reference."""
-    head = ["", "p kPa", "u_x mm", "u_y mm", "V mm³", "off in u mm", "off in u %", "off in V %"]
+def answers(peers: Sequence[Peer], measured: Mapping[tuple[str, str], Run]) -> str:
+    """Tip and volume at the four pressures, and their distance from the reference."""
+    head = ["", "p kPa", "u_x mm", "u_y mm", "V mm³", "error of u mm", "error of u %", "error of V %"]
     rows = []
     for pressure, (x, y, volume) in REFERENCE.items():
         rows.append(["reference", f"{pressure:g}", f"{x:.6f}", f"{y:.6f}", f"{volume:.4f}", "", "", ""])
         for peer in peers:
-            run = found.get((peer.name, "four"))
+            run = measured.get((peer.name, "four"))
             if run is None or f"{pressure:g}" not in run.outcome.answers:
                 continue
             got = run.outcome.answers[f"{pressure:g}"]
@@ -95,7 +95,7 @@ def shared(runs: Sequence[Run]) -> str:
 
 def page(peers: Sequence[Peer], session: Session) -> str:
     """docs/peers.md."""
-    found = medians(session.runs)
+    measured = medians(session.runs)
     listed = []
     for peer in peers:
         runs = [run for run in session.runs if run.peer == peer.name and run.path == peer.paths[0]]
@@ -105,7 +105,7 @@ def page(peers: Sequence[Peer], session: Session) -> str:
         machine=session.machine,
         shared=shared(session.runs),
         packages=table(["", "package", "factorizes with", "runs"], listed),
-        four=costs(peers, "four", found, session.missing),
-        straight=costs(peers, "straight", found, session.missing),
-        answers=answers(peers, found),
+        four=costs(peers, "four", measured, session.missing),
+        straight=costs(peers, "straight", measured, session.missing),
+        answers=answers(peers, measured),
     )
