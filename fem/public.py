@@ -20,7 +20,7 @@ from fem.post.fields import element_fields
 from fem.post.recovery import StressError, stress_error
 from fem.post.self_intersection import crossing
 from fem.solution import End, NotConverged, Seconds, Solution, Step
-from fem.supports import Fixed, Prescribed, SupportError
+from fem.supports import Fixed, Prescribed, SharedPlane, Support, SupportError, Symmetry, Tied
 from fem.warm_up import compile_kernels
 
 __all__ = [
@@ -49,12 +49,16 @@ __all__ = [
     "Pressure",
     "Seconds",
     "SelfContact",
+    "SharedPlane",
     "Solution",
     "StVenantKirchhoff",
     "Step",
     "StrainLimitingLayer",
     "StressError",
+    "Support",
     "SupportError",
+    "Symmetry",
+    "Tied",
     "Uniaxial",
     "Yeoh",
     "available_solver",

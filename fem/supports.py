@@ -185,8 +185,9 @@ class Tied(Support):
 
     `to` is a single node, to which all are tied, or has the same number of nodes: each node is then tied to the one at
     the same position of `to`, up to one translation of all (zero where two surfaces coincide). Name coincident nodes by
-    faces: a position cannot tell them apart. components: one or more of the letters x, y and z. Raises `SupportError`
-    where the nodes do not match.
+    faces: a position cannot tell them apart. Displacements are tied, the pressures of mixed elements are not.
+
+    components: one or more of the letters x, y and z. Raises `SupportError` where the nodes do not match.
     """
 
     where: Where
