@@ -45,8 +45,8 @@ def tangents(size: float) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray
         return solve(right)
 
     system.solver.factorize, system.solver.solve = keep_values, keep_right  # type: ignore[method-assign]
-    control = LoadControl(system.constraints.prescribed(1.0, 1.0), 1.0)
-    newton.solve(system, system.terms, system.rest_state(), control, newton.NewtonOptions(), lambda *now: None)
+    control, start = LoadControl.of(system).target(1.0, 1.0), newton.Start(system.rest_state(), system.terms)
+    newton.solve(start, control, newton.NewtonOptions(), lambda *arguments: None)
     return system.storage.pattern.indptr, system.storage.pattern.indices, kept
 
 

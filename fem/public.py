@@ -13,7 +13,8 @@ from fem.materials import Hencky, Material, MaterialError, MooneyRivlin, NeoHook
 from fem.materials.material import Uniaxial
 from fem.materials.rubber import IsochoricLaw
 from fem.model import Model
-from fem.path.loadpath import PathOptions, follow, follow_volume
+from fem.path.follower import PathObserver, PathOptions
+from fem.path.loadpath import follow, follow_volume
 from fem.path.newton import NewtonOptions
 from fem.post.extremes import beyond_the_law, in_words
 from fem.post.fields import element_fields
@@ -44,6 +45,7 @@ __all__ = [
     "NeoHooke",
     "NewtonOptions",
     "NotConverged",
+    "PathObserver",
     "PathOptions",
     "Prescribed",
     "Pressure",

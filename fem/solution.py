@@ -72,9 +72,11 @@ class Step:
     min_gap: float  #: smallest signed gap between facing walls, mm; infinity without such walls
     negative_pivots: int  #: of the tangent; 0 in an equilibrium that is stable while the load is held
     instability: str  #: in how many directions the equilibrium is unstable and where; empty in a stable one
-    newton_iterations: int  #: since the previous step, failed attempts included
-    factorizations: int  #: since the previous step, failed attempts included
-    cutbacks: int  #: attempts that failed since the previous step
+    newton_iterations: int  #: of the increments since the previous step that converged; starts that failed left out
+    #: all since the previous step: one for each Newton iteration, those of failed starts and increments included, one
+    #: for the tangent at rest, and one where the stability of an unstable equilibrium is analysed
+    factorizations: int
+    cutbacks: int  #: increments that failed since the previous step
     effects: tuple[str, ...]  #: names of the effects in the potential
     active: tuple[bool, ...]  #: which of the model's effects, in their order, are in the potential
     seconds: float  #: since the previous step
@@ -106,7 +108,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Solution:
-    """The steps at the asked load factors, as far as the path went."""
+    """The steps at the targets, as far as the path went."""
 
     steps: tuple[Step, ...]
     seconds: Seconds
@@ -121,20 +123,20 @@ class End:
     """Where and why a path ended."""
 
     quantity: str  #: what is driven along the path, for sentences
-    asked: float  #: its value that was not reached
+    target: float  #: its value that was not reached
     reached: float  #: its value at the last equilibrium
-    share: float  #: of the displacements and loads that do not grow with the load factor, 1 once an asked value was met
-    cutbacks: int  #: attempts that failed since the last value that was reached
-    factorizations: int  #: since then
+    constant_fraction: float  #: applied of constant loads and displacements, 1 once the first target was reached
+    cutbacks: int  #: increments that failed since the last target that was reached
+    factorizations: int  #: since then, that of the last equilibrium's stability included
     cause: str  #: a sentence without full stop
 
 
 class NotConverged(RuntimeError):
-    """The path ended before the last asked value. Carries the end, the reason and what was reached."""
+    """The path ended before the last target. Carries the end, the reason and what was reached."""
 
     def __init__(self, end: End, partial: Solution) -> None:
         self.reason = (
-            f"no equilibrium found beyond {end.quantity} {end.reached:.4g} on the way to {end.asked:.4g}: {end.cause}"
+            f"no equilibrium found beyond {end.quantity} {end.reached:.4g} on the way to {end.target:.4g}: {end.cause}"
         )
         super().__init__(self.reason)
         self.end = end

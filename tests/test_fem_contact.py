@@ -17,6 +17,7 @@ from fem import (
     Fixed,
     Model,
     NewtonOptions,
+    PathObserver,
     PathOptions,
     Prescribed,
     Pressure,
@@ -198,7 +199,7 @@ def test_walls_that_pass_through_a_soft_contact_are_separated_by_a_stiffer_one(m
 
     monkeypatch.setattr(FacingTerm, "tightened", recorded)
     stability: list[tuple[Term, ...]] = []
-    monkeypatch.setattr("fem.path.loadpath.instability", lambda system, found, terms: stability.append(terms) or "")
+    monkeypatch.setattr("fem.path.follower.instability", lambda system, found, terms: stability.append(terms) or "")
     _, steps = bend(short, [SelfContact("gap", starts_inactive=True)], [37.0])
     assert len(gaps) == 2
     assert gaps[0] < gaps[1] < 0 < steps[0].min_gap
@@ -213,11 +214,12 @@ def test_contact_is_activated_before_there_is_equilibrium_without_it(short: Body
     model = Experiment.of("II", short, 0.0).model(
         LAW, [Pressure("cavity", 0.037), SelfContact("gap", starts_inactive=True)], "p2p0"
     )
-    seen: list[tuple[int, float]] = []
-    step = follow(model, [1.0], watch=lambda factor, iteration, residual: seen.append((iteration, residual))).steps[0]
+    residuals: list[tuple[int, float]] = []
+    observer = PathObserver(lambda target, iteration, residual: residuals.append((iteration, residual)))
+    step = follow(model, [1.0], observer=observer).steps[0]
     assert step.active[-1]
-    begins = [place for place, (iteration, _) in enumerate(seen) if iteration == 0]
-    last_without = [seen[place - 1][1] for place in begins[1:]]
+    begins = [number for number, (iteration, _) in enumerate(residuals) if iteration == 0]
+    last_without = [residuals[number - 1][1] for number in begins[1:]]
     assert all(NewtonOptions().tolerance < residual < NEAR for residual in last_without)
     assert len(begins) == 2
 

@@ -7,13 +7,17 @@ import pytest
 from bodies import box, hollow_box
 
 from fem import Fixed, Model, NewtonOptions, Pressure, StVenantKirchhoff
+from fem.effects.effect import Terms
 from fem.equations.linear import LinearSolver, Pardiso, SuperLU, available_solver
 from fem.equations.linearised import Linearised, StaleFactorization
+from fem.equations.state import State
 from fem.equations.system import System
 from fem.path import newton
 from fem.path.control import LoadControl
 from fem.path.diagnosis import near_limit_point
-from fem.path.modes import softest_direction
+from fem.path.modes import critical_mode
+from fem.path.newton import Converged, Start
+from fem.path.predictor import PathPoint
 from geometry.arrays import Array
 
 LAW = StVenantKirchhoff(E=1.0, nu=0.3)
@@ -63,13 +67,20 @@ def test_a_factorization_that_was_overwritten_refuses(solver: Callable[[], Linea
     assert first.negative_pivots == 0
 
 
+def equilibrium(control: LoadControl, start: State, options: NewtonOptions) -> Converged:
+    return newton.solve(Start(start, control.system.terms), control, options, lambda *arguments: None)
+
+
+def near_limit(system: System, state: State, terms: Terms) -> str:
+    return near_limit_point(system, PathPoint(1.0, 1.0, state, terms=terms))
+
+
 def test_the_analysis_of_instability_leaves_no_usable_factor_behind() -> None:
-    """`softest_direction` and `near_limit_point` factorize; what Newton returned before must not solve with theirs."""
+    """`critical_mode` and `near_limit_point` factorize; what Newton returned before must not solve with theirs."""
     model = Model(hollow_box(half=True), LAW, [Fixed("clamp"), Fixed("sym", "z")], [Pressure("cavity", 0.05)])
-    for analysis in (softest_direction, near_limit_point):
+    for analysis in (critical_mode, near_limit):
         system = model.system()
-        control = LoadControl(system.constraints.prescribed(1.0, 1.0), 1.0)
-        converged = newton.solve(system, system.terms, system.rest_state(), control, NewtonOptions(), lambda *now: None)
+        converged = equilibrium(LoadControl.of(system).target(1.0, 1.0), system.rest_state(), NewtonOptions())
         assert converged.linearised is not None
         converged.linearised.solve(force(system))
         analysis(system, converged.state, system.terms)
@@ -80,16 +91,15 @@ def test_the_analysis_of_instability_leaves_no_usable_factor_behind() -> None:
 def test_the_rate_of_a_path_uses_the_last_tangent_of_newton() -> None:
     model = Model(hollow_box(half=True), LAW, [Fixed("clamp"), Fixed("sym", "z")], [Pressure("cavity", 0.05)])
     system = model.system()
-    control = LoadControl(system.constraints.prescribed(1.0, 1.0), 1.0)
+    control = LoadControl.of(system).target(1.0, 1.0)
     options = NewtonOptions(tolerance=1e-9)
-    converged = newton.solve(system, system.terms, system.rest_state(), control, options, lambda *now: None)
+    converged = equilibrium(control, system.rest_state(), options)
     assert converged.linearised is not None
     assert converged.negative_pivots == converged.linearised.negative_pivots == 0
     before = system.solver.times.factorizations
-    rate = control.rate(system, converged.state, converged.linearised, system.terms)
+    rate = control.rate(converged.state, converged.linearised, system.terms)
     assert rate is not None
     assert system.solver.times.factorizations == before
-    more = LoadControl(system.constraints.prescribed(1.0, 1.0), 1.001)
-    ahead = newton.solve(system, system.terms, converged.state, more, options, lambda *now: None)
+    ahead = equilibrium(control.target(1.001, 1.0), converged.state, options)
     difference = (ahead.state.displacement - converged.state.displacement) / 0.001
     np.testing.assert_allclose(rate.displacement, difference, atol=0.01 * np.abs(difference).max())

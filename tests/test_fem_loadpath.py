@@ -1,12 +1,11 @@
-"""The walk along the load path: cut back, restore, give up with a reason, take up again."""
+"""The load path: targets, increments that are cut, reasons for its end, resumption, counts."""
 
-from dataclasses import replace
+from contextlib import suppress
 
 import numpy as np
 import pytest
 from bodies import box
 
-import fem.path.newton
 from fem import (
     Experiment,
     Fixed,
@@ -14,6 +13,7 @@ from fem import (
     Model,
     NewtonOptions,
     NotConverged,
+    PathObserver,
     PathOptions,
     Prescribed,
     Pressure,
@@ -24,8 +24,10 @@ from fem import (
     step_from_arrays,
     step_to_arrays,
 )
-from fem.path.newton import StepFailed
-from fem.path.predictor import Predictor, Start, predicted
+from fem.path import newton
+from fem.path.control import LoadControl
+from fem.path.newton import Start, StepFailed
+from fem.path.predictor import PathPoint, extrapolate
 from geometry import Body, PneuNet
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.495)
@@ -39,9 +41,9 @@ def beam(effects: list) -> Model:
     return Model(box((4, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.3), [Fixed("left")], effects)
 
 
-def test_steps_stand_exactly_at_the_asked_factors_in_their_order() -> None:
+def test_steps_are_at_the_targets_in_their_order() -> None:
     kept: list[Step] = []
-    solution = follow(beam([WEIGHT]), [0.3, 1.0, 0.3], keep=kept.append)
+    solution = follow(beam([WEIGHT]), [0.3, 1.0, 0.3], observer=PathObserver(step_done=kept.append))
     assert [step.factor for step in solution.steps] == [0.3, 1.0, 0.3]
     assert tuple(kept) == solution.steps
     np.testing.assert_allclose(solution.steps[0].displacement, solution.steps[2].displacement, atol=1e-5)
@@ -49,42 +51,41 @@ def test_steps_stand_exactly_at_the_asked_factors_in_their_order() -> None:
     assert solution.seconds.total > 0
 
 
-def test_what_newton_does_can_be_watched() -> None:
-    seen: list[tuple[float, int, float]] = []
-    solution = follow(beam([WEIGHT]), [0.5, 1.0], watch=lambda *now: seen.append(now))
-    assert {factor for factor, _, _ in seen} == {0.5, 1.0}
-    assert sum(iteration > 0 for _, iteration, _ in seen) + 1 == solution.factorizations  # one for the rate at rest
-    assert seen[-1][2] < NewtonOptions().tolerance
+def test_newton_iterations_can_be_observed_and_are_counted() -> None:
+    observed: list[tuple[float, int, float]] = []
+    observer = PathObserver(lambda *arguments: observed.append(arguments))
+    solution = follow(beam([WEIGHT]), [0.5, 1.0], observer=observer)
+    assert {target for target, _, _ in observed} == {0.5, 1.0}
+    assert observed[-1][2] < NewtonOptions().tolerance
+    first, second = solution.steps
+    for step in solution.steps:
+        assert step.cutbacks == 0
+        iterations = [iteration for target, iteration, _ in observed if target == step.factor]
+        assert step.newton_iterations == sum(iteration > 0 for iteration in iterations)
+    assert first.factorizations == first.newton_iterations + 1  # of the tangent at rest
+    assert second.factorizations == second.newton_iterations
 
 
-def test_failed_attempts_are_cut(monkeypatch) -> None:
-    """Attempts over more than a third of the way fail here; the end state must not know of it."""
-    plain = follow(beam([WEIGHT]), [1.0])
-    real, starts, reached = fem.path.newton.solve, [], [0.0]
-
-    def fails_far_out(system, terms, start, control, *rest):
-        starts.append((control.factor, start.displacement.copy()))
-        if control.factor - reached[-1] > 0.34:
-            raise StepFailed("too far")
-        found = real(system, terms, start, control, *rest)
-        reached.append(control.factor)
-        return found
-
-    monkeypatch.setattr(fem.path.newton, "solve", fails_far_out)
-    step = follow(beam([WEIGHT]), [1.0]).steps[0]
+def test_increments_that_fail_are_halved_and_leave_no_trace_in_the_result() -> None:
+    """Two iterations do not suffice for the full weight, but for parts of it."""
+    direct = follow(beam([WEIGHT]), [1.0]).steps[0]
+    observed: list[int] = []
+    observer = PathObserver(lambda target, iteration, residual: observed.append(iteration))
+    solution = follow(beam([WEIGHT]), [1.0], PathOptions(NewtonOptions(iterations=2)), observer)
+    step = solution.steps[0]
+    assert direct.newton_iterations > 2
     assert step.cutbacks >= 2
-    assert reached == sorted(reached)
-    assert reached[-1] == 1.0
-    # each from a share of the way along the rate at rest that strains a little, under two stresses
-    assert [factor for factor, _ in starts[:5]] == [1.0, 1.0, 0.5, 0.5, 0.25]
-    sizes = [np.linalg.norm(displacement) for _, displacement in starts[:5]]
-    assert sizes[0] == sizes[1] >= sizes[2] == sizes[3] >= sizes[4] > 0
-    np.testing.assert_allclose(step.displacement, plain.steps[0].displacement, atol=1e-4)
+    assert [step.factor for step in solution.steps] == [1.0]
+    np.testing.assert_allclose(step.displacement, direct.displacement, atol=1e-4)
+    # failed attempts were factorized, but are no iterations that led to the result
+    assert step.factorizations == sum(iteration > 0 for iteration in observed) + 1
+    assert step.newton_iterations < step.factorizations - 2 * step.cutbacks
+    assert step.newton_iterations > direct.newton_iterations
 
 
 @pytest.mark.parametrize("formulation", ["p2", "p2p0", "mixed"])
 def test_the_rate_of_a_step_is_its_derivative(formulation: str) -> None:
-    """Of displacement and pressures by the load factor; the factor at hand is that of the iteration before the end."""
+    """Of displacement and pressures by the load factor; the tangent matrix is that of the last iteration."""
     model = Model(box((4, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.49), [Fixed("left")], [WEIGHT], formulation)
     options = PathOptions(NewtonOptions(tolerance=1e-10))
     before, at, after = follow(model, [0.49, 0.5, 0.51], options).steps
@@ -97,21 +98,21 @@ def test_the_rate_of_a_step_is_its_derivative(formulation: str) -> None:
     assert np.abs(at.rate.pressure - by_difference).max(initial=0.0) <= 5e-3 * np.abs(by_difference).max(initial=0.0)
 
 
-def test_what_does_not_ramp_is_whole_from_the_first_factor_on() -> None:
+def test_constant_loads_are_applied_in_full_from_the_first_target_on() -> None:
     first, last = follow(beam([Gravity(5e-8, ramp=False)]), [0.1, 1.0]).steps
     np.testing.assert_allclose(first.displacement, last.displacement, atol=1e-9)
     alone = follow(beam([WEIGHT]), [1.0]).steps[0]
     np.testing.assert_allclose(last.displacement, alone.displacement, atol=1e-4)
 
 
-def test_a_pressure_no_body_can_bear_ends_with_a_sentence(short: Body) -> None:
-    """1 MPa on 17 kPa's way: what was reached stays, the limit of the law is named. Measured: 150 factorizations."""
+def test_a_pressure_that_no_body_can_bear_ends_with_a_reason(short: Body) -> None:
+    """1 MPa after 17 kPa: the step that was reached is returned, the limit of the law is named."""
     model = Experiment.of("II", short, 0.0).model(
         LAW, [Pressure("cavity", 1.0), SelfContact("gap", starts_inactive=True)], "p2p0"
     )
     kept: list[Step] = []
     with pytest.raises(NotConverged) as caught:
-        follow(model, [0.017, 1.0], keep=kept.append)
+        follow(model, [0.017, 1.0], observer=PathObserver(step_done=kept.append))
     reason, partial = caught.value.reason, caught.value.partial
     assert str(caught.value) == reason
     assert reason.startswith("no equilibrium found beyond load factor 0.0")
@@ -123,9 +124,11 @@ def test_a_pressure_no_body_can_bear_ends_with_a_sentence(short: Body) -> None:
     assert partial.seconds.factorization > 0
 
 
-def test_a_body_that_is_not_held_is_told_so() -> None:
+def test_a_body_that_is_not_held_is_reported() -> None:
     model = Model(box((2, 1, 1), (2.0, 1.0, 1.0)), LAW, [Fixed("left", "x")], [Gravity(1e-9)])
-    with pytest.raises(NotConverged, match=r"singular.*a part of the body is not held") as caught:
+    with pytest.raises(
+        NotConverged, match=r"at rest the tangent is singular: a part of the body is not held"
+    ) as caught:
         follow(model, [1.0])
     assert caught.value.partial.steps == ()
     assert caught.value.partial.factorizations < 20
@@ -140,14 +143,14 @@ def test_an_element_turned_inside_out_is_named() -> None:
     assert len(caught.value.partial.steps) == 1
 
 
-def test_iterations_that_do_not_suffice_are_said() -> None:
-    options = PathOptions(NewtonOptions(iterations=1), smallest=0.3)
+def test_too_few_iterations_are_reported() -> None:
+    options = PathOptions(NewtonOptions(iterations=1), min_increment=0.3)
     with pytest.raises(NotConverged, match=r"no equilibrium after 1 iterations \(relative residual \d"):
         follow(beam([WEIGHT]), [1.0], options)
 
 
 @pytest.mark.parametrize("through_arrays", [False, True])
-def test_a_path_taken_up_again_goes_on_as_if_never_left(short: Body, through_arrays: bool) -> None:
+def test_a_resumed_path_continues_as_if_it_had_not_been_interrupted(short: Body, through_arrays: bool) -> None:
     effects = [Pressure("cavity", 0.037), SelfContact("gap", starts_inactive=True)]
     model = Experiment.of("II", short, 0.0).model(LAW, effects, "p2p0")
     factors = [5 / 37, 25 / 37, 1.0]
@@ -162,10 +165,11 @@ def test_a_path_taken_up_again_goes_on_as_if_never_left(short: Body, through_arr
         for step, first in zip(again, whole, strict=True):
             np.testing.assert_allclose(step.displacement, first.displacement, rtol=0, atol=1e-10)
             assert step.factorizations == first.factorizations
+            assert step.newton_iterations == first.newton_iterations
             assert step.effects == first.effects
 
 
-def test_a_finished_path_taken_up_again_does_nothing() -> None:
+def test_a_finished_path_that_is_resumed_solves_nothing() -> None:
     model = beam([WEIGHT])
     steps = follow(model, [0.5, 1.0]).steps
     again = follow(model, [0.5, 1.0], resume=steps)
@@ -179,26 +183,35 @@ def test_two_loads_of_one_kind_add_up() -> None:
     np.testing.assert_allclose(both.displacement, one.displacement, atol=1e-12)
 
 
-def test_a_predicted_start_whose_strain_is_limited_is_given_up(monkeypatch) -> None:
-    """A guess far beyond what the rate at rest is good for costs one factorization, not all that a guess is worth."""
+def test_a_trial_start_is_given_up_as_soon_as_the_strain_is_limited() -> None:
+    """Far beyond what the rate at rest is good for: a trial costs one factorization, another start is iterated on."""
     body = PneuNet(chambers=2).body(7.0)
     model = Experiment.of("II", body, 0.0).model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 5e-3)], "p2p0")
-    starts, guesses = Predictor.starts, []
+    system = model.system()
+    control = LoadControl.of(system)
+    rest = PathPoint(0.0, 0.0, system.rest_state(), rate=control.rate_at_rest(system.terms, 1.0))
+    far = extrapolate(None, rest, 30.0)
+    assert far is not None
+    spent = system.solver.times.factorizations
+    with pytest.raises(StepFailed, match="the tangent stays indefinite"):
+        newton.solve(
+            Start(far, system.terms, trial=True), control.target(1.0, 1.0), NewtonOptions(), lambda *arguments: None
+        )
+    assert system.solver.times.factorizations == spent + 1
+    iterations: list[int] = []
+    with suppress(StepFailed):
+        newton.solve(
+            Start(far, system.terms),
+            control.target(1.0, 1.0),
+            NewtonOptions(),
+            lambda iteration, residual: iterations.append(iteration),
+        )
+    assert iterations[-1] > 1
 
-    def plain(self: Predictor, places, aim, terms):
-        yield list(starts(self, places, aim, terms))[-1]
 
-    def misled(self: Predictor, places, aim, terms):
-        *_, last = starts(self, places, aim, terms)
-        far = predicted(None, replace(places[-1], rate=self._rate), 30.0 * aim.value)
-        guesses.append(far)
-        yield Start(far, terms, iterations=8, trial=True)
-        yield last
-
-    monkeypatch.setattr(Predictor, "starts", plain)
-    direct = follow(model, [1.0])
-    monkeypatch.setattr(Predictor, "starts", misled)
-    led = follow(model, [1.0])
-    assert len(guesses) == 1
-    assert led.factorizations == direct.factorizations + 1
-    np.testing.assert_allclose(led.steps[0].displacement, direct.steps[0].displacement, atol=1e-6)
+def test_a_start_has_an_iteration_limit_of_its_own() -> None:
+    system = beam([WEIGHT]).system()
+    start = Start(system.rest_state(), system.terms, max_iterations=1)
+    with pytest.raises(StepFailed, match="no equilibrium after 1 iterations"):
+        newton.solve(start, LoadControl.of(system).target(1.0, 1.0), NewtonOptions(), lambda *arguments: None)
+    assert system.solver.times.factorizations == 1

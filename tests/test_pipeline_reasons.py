@@ -15,4 +15,4 @@ def test_where_a_path_ended_in_the_units_of_the_configuration() -> None:
     assert failure_in_kPa(end, held) == (
         "no equilibrium found beyond 18 kPa with the end moved -15 mm on the way to 45 kPa and -30 mm: no luck"
     )
-    assert "moved" not in failure_in_kPa(replace(end, share=1.0), held)
+    assert "moved" not in failure_in_kPa(replace(end, constant_fraction=1.0), held)

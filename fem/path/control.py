@@ -1,4 +1,4 @@
-"""What a step prescribes: the load factor, or the volume of a cavity with the load factor as an unknown.
+"""What is driven along a path: the load factor, or the volume of a cavity with the load factor as an unknown.
 
 A limit point of the load, where no neighbouring equilibrium has more of it, is an ordinary point of a path on which the
 volume is prescribed: the equation V(x) = V* joins the others with the load factor as its unknown, one bordered row and
@@ -8,127 +8,204 @@ column (E. Riks, "An incremental approach to the solution of snapping and buckli
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field, replace
-from typing import final
+from functools import cached_property
+from typing import ClassVar, Self, final
 
 import numpy as np
 
 from fem.discretisation import Faces
-from fem.effects.effect import Terms
+from fem.effects.effect import Terms, at_constant_fraction
 from fem.effects.loads import enclosed_volume, volume_gradient
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, Change, State
 from fem.equations.system import System
+from fem.solution import Step
 from geometry.arrays import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Control(ABC):
-    """What is prescribed in a step."""
+    """A quantity that is driven from its value at rest to the targets, and the value that is prescribed at present.
 
-    prescribed: Array = field(repr=False)  #: (n, 3) displacements where the model prescribes them, mm
+    Loads and prescribed displacements that are constant along the path are brought up on the way to the first target.
+    """
+
+    name: ClassVar[str]  #: of the quantity, for sentences
+
+    system: System = field(repr=False)
+    value: float  #: prescribed value of the quantity
+    constant_fraction: float  #: of constant loads and prescribed displacements: 0 at rest, 1 from the first target on
+
+    @final
+    def target(self, value: float, constant_fraction: float) -> Self:
+        """The same quantity at another prescribed value."""
+        return replace(self, value=value, constant_fraction=constant_fraction)
+
+    @cached_property
+    def prescribed(self) -> Array:
+        """(n, 3) displacements where the model prescribes them, mm."""
+        return self.system.constraints.prescribed(self._ramp, self.constant_fraction)
+
+    @property
+    @abstractmethod
+    def _ramp(self) -> float:
+        """What prescribed displacements that grow with the load factor are multiplied by."""
 
     @abstractmethod
-    def begin(self, state: State) -> State:
-        """The state Newton's method starts from."""
+    def value_of(self, step: Step) -> float:
+        """The value of the quantity at a finished step."""
 
     @abstractmethod
-    def miss(self, system: System, state: State) -> float:
-        """How far the state is from what is prescribed, relative."""
+    def start(self, state: State) -> State:
+        """The state at which Newton's method starts, from a state near the prescribed value."""
 
     @abstractmethod
-    def change(
-        self, system: System, state: State, assembly: Assembly, linearised: Linearised, jump: Array, terms: Terms
+    def residual(self, state: State) -> float:
+        """The constraint equation: how far the quantity is from the prescribed value, relative."""
+
+    @abstractmethod
+    def increment(
+        self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
     ) -> tuple[Change, int]:
-        """Newton's change of the unknowns but the prescribed displacements, with the tangent at the state.
+        """Newton increment of the free unknowns from the tangent at the state, and the number of unstable directions.
 
-        jump (n, 3) is what those still miss.
-
-        And the number of directions in which the body is unstable while the prescribed quantity is held.
+        prescribed_increment (n, 3), mm, is what the prescribed displacements still miss. The number is that of the
+        negative eigenvalues of the tangent while the quantity is prescribed. Raises `SingularMatrix`.
         """
 
     @abstractmethod
-    def rate(self, system: System, state: State, linearised: Linearised, terms: Terms) -> Change | None:
-        """Change of the unknowns per unit of the prescribed quantity in equilibrium, with a tangent near the state.
+    def rate(self, state: State, linearised: Linearised, terms: Terms) -> Change | None:
+        """Tangent of the path, d(unknowns)/d(value) at an equilibrium, from a tangent matrix near it.
 
-        None where that cannot tell.
+        None where that matrix does not give it. Raises `SingularMatrix`.
+        """
+
+    @abstractmethod
+    def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
+        """Tangent of the path at rest, d(state)/d(value), with constant loads growing by `fraction` per unit of value.
+
+        Factorizes. None where the path is not started from it. Raises `SingularMatrix`.
         """
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LoadControl(Control):
-    """The load factor is prescribed."""
+    """The load factor is prescribed, 0 at rest."""
 
-    factor: float
+    name = "load factor"
 
-    def begin(self, state: State) -> State:
-        return replace(state, factor=self.factor)
+    @classmethod
+    def of(cls, system: System) -> "LoadControl":
+        """The body at rest."""
+        return cls(system, 0.0, 0.0)
 
-    def miss(self, system: System, state: State) -> float:
+    @property
+    def _ramp(self) -> float:
+        return self.value
+
+    def value_of(self, step: Step) -> float:
+        return step.factor
+
+    def start(self, state: State) -> State:
+        return replace(state, factor=self.value)
+
+    def residual(self, state: State) -> float:
         return 0.0
 
-    def change(
-        self, system: System, state: State, assembly: Assembly, linearised: Linearised, jump: Array, terms: Terms
+    def increment(
+        self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
     ) -> tuple[Change, int]:
         return _to_equilibrium(assembly, linearised), linearised.negative_pivots
 
-    def rate(self, system: System, state: State, linearised: Linearised, terms: Terms) -> Change | None:
-        if system.constraints.ramped.any():  # would need the tangent's columns of the prescribed components
+    def rate(self, state: State, linearised: Linearised, terms: Terms) -> Change | None:
+        if self.system.constraints.ramped.any():  # would need the tangent's columns of the prescribed components
             return None
-        return replace(_loaded(system, state, linearised, terms), factor=1.0)
+        return replace(_load_rate(self.system, state, linearised, terms), factor=1.0)
+
+    def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
+        system, rest, unloaded = self.system, self.system.rest_state(), at_constant_fraction(terms, 0.0)
+        motion = system.constraints.prescribed(1.0, fraction)
+        assembly = system.assemble(rest, unloaded)
+        linearised = system.linearise(rest, assembly, unloaded, motion)
+        loaded = system.loads(rest.displacement, 1.0, at_constant_fraction(terms, fraction))
+        loads, coupling = loaded - system.loads(rest.displacement, 0.0, unloaded), linearised.coupling
+        change = linearised.solve(loads + coupling.displacement, coupling.pressure)
+        return system.rate(rest, assembly, replace(change, factor=1.0, displacement=change.displacement + motion))
 
 
 @final
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class VolumeControl(Control):
     """The volume behind `faces` is prescribed, mm3; the load factor is the unknown that brings it about."""
 
     faces: Faces = field(repr=False)
-    volume: float
-    scale: float  #: mm3, what a miss is held against
+    scale: float  #: mm3, what the residual is relative to
 
-    def begin(self, state: State) -> State:
+    name = "volume in mm3"
+
+    @classmethod
+    def of(cls, system: System, where: str) -> "VolumeControl":
+        """The body at rest, with the volume behind the named faces.
+
+        Raises ValueError for faces that do not exist and for prescribed displacements that grow with the load factor.
+        """
+        if system.constraints.ramped.any():
+            raise ValueError("with a prescribed volume no displacement can grow with the load factor; set ramp=False")
+        faces, x = system.space.surface(where), system.space.points
+        # a volume of the size that the faces could enclose: their area to the power 3/2
+        scale = float(np.linalg.norm(volume_gradient(faces, x), axis=1).sum() ** 1.5)
+        return cls(system, enclosed_volume(faces, x), 0.0, faces, scale)
+
+    @property
+    def _ramp(self) -> float:
+        return 0.0  # there is nothing to multiply, see `of`
+
+    def value_of(self, step: Step) -> float:
+        return enclosed_volume(self.faces, step.positions)
+
+    def start(self, state: State) -> State:
         return state
 
-    def miss(self, system: System, state: State) -> float:
-        return (enclosed_volume(self.faces, system.space.points + state.displacement) - self.volume) / self.scale
+    def residual(self, state: State) -> float:
+        volume = enclosed_volume(self.faces, self.system.space.points + state.displacement)
+        return (volume - self.value) / self.scale
 
-    def change(
-        self, system: System, state: State, assembly: Assembly, linearised: Linearised, jump: Array, terms: Terms
+    def increment(
+        self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
     ) -> tuple[Change, int]:
-        growth = volume_gradient(self.faces, system.space.points + state.displacement)
-        free = _to_equilibrium(assembly, linearised)
-        loaded = _loaded(system, state, linearised, terms)
-        compliance = float(np.vdot(growth, loaded.displacement))
+        area = volume_gradient(self.faces, self.system.space.points + state.displacement)
+        unloaded = _to_equilibrium(assembly, linearised)
+        loaded = _load_rate(self.system, state, linearised, terms)
+        compliance = float(np.vdot(area, loaded.displacement))
         if compliance == 0.0:
             raise SingularMatrix("the load does not change the prescribed volume")
-        missing = self.miss(system, state) * self.scale + float(np.vdot(growth, free.displacement + jump))
-        factor = -missing / compliance
-        # by Sylvester's law for the bordered matrix: a volume held takes one negative direction away
+        excess = self.residual(state) * self.scale
+        excess += float(np.vdot(area, unloaded.displacement + prescribed_increment))
+        factor = -excess / compliance
+        # by Sylvester's law of inertia for the bordered matrix: a prescribed volume takes one negative direction away
         unstable = linearised.negative_pivots - (1 if compliance < 0 else 0)
-        return free + replace(loaded.scaled(factor), factor=factor), unstable
+        return unloaded + replace(loaded.scaled(factor), factor=factor), unstable
 
-    def rate(self, system: System, state: State, linearised: Linearised, terms: Terms) -> Change | None:
-        growth = volume_gradient(self.faces, system.space.points + state.displacement)
-        loaded = _loaded(system, state, linearised, terms)
-        compliance = float(np.vdot(growth, loaded.displacement))
+    def rate(self, state: State, linearised: Linearised, terms: Terms) -> Change | None:
+        area = volume_gradient(self.faces, self.system.space.points + state.displacement)
+        loaded = _load_rate(self.system, state, linearised, terms)
+        compliance = float(np.vdot(area, loaded.displacement))
         return replace(loaded.scaled(1 / compliance), factor=1 / compliance) if compliance else None
+
+    def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
+        return None
 
 
 def _to_equilibrium(assembly: Assembly, linearised: Linearised) -> Change:
-    """Newton's change of the unknowns under the present load, the prescribed components taking their increment."""
+    """Newton increment under the present load, with the increment of the prescribed displacements."""
     coupling = linearised.coupling
     return linearised.solve(assembly.gradient + coupling.displacement, assembly.pressure_residual + coupling.pressure)
 
 
-def _loaded(system: System, state: State, linearised: Linearised, terms: Terms) -> Change:
+def _load_rate(system: System, state: State, linearised: Linearised, terms: Terms) -> Change:
     """Change of displacement and pressures per unit of the load factor."""
     # the loads are linear in the load factor
     more, less = (system.loads(state.displacement, state.factor + step, terms) for step in (0.5, -0.5))
     return linearised.solve(more - less)
-
-
-def size_of(faces: Faces, x: Array) -> float:
-    """A volume (mm3) of the size that the faces could enclose at positions x (n, 3): their area to the power 3/2."""
-    return float(np.linalg.norm(volume_gradient(faces, x), axis=1).sum() ** 1.5)

@@ -1,5 +1,5 @@
-"""Where an equilibrium is softest, by the eigenvalue of the tangent nearest to zero, and where stress and loads have
-taken most of the elastic stiffness; and the motions that belong to them."""
+"""Modes of an equilibrium: the eigenvector of the tangent whose eigenvalue is nearest to zero, and the motion in which
+stress and loads have taken most of the elastic stiffness."""
 
 from dataclasses import dataclass, replace
 
@@ -10,64 +10,67 @@ from fem.equations.state import State
 from fem.equations.system import System
 from geometry.arrays import Array
 
-ITERATIONS = 30
-#: iterations for the share of the elastic stiffness: nearly all motions keep all of it, so that standing still is no
-#: sign of having arrived; a motion that keeps a half grows by 2^25
-POWERS = 25
+#: largest number of inverse iterations for the eigenvalue nearest to zero, and the change at which they end
+MAX_ITERATIONS, TOLERANCE = 30, 1e-3
+#: number of power iterations for the stiffness ratio: nearly all motions keep all of their elastic stiffness, so that a
+#: small change is no sign of convergence; a motion that keeps a half grows by 2^25
+POWER_ITERATIONS = 25
 
 
 @dataclass(frozen=True)
-class Softest:
-    """The direction in which the body resists least."""
+class Mode:
+    """A motion of the body and what resists it."""
 
-    stiffness: float  #: eigenvalue of the tangent nearest to zero, N/mm; negative where the equilibrium is unstable
-    motion: Array  #: (n, 3) its eigenvector, of norm 1
-    at: tuple[float, float, float]  #: reference position of the node that moves most, mm
+    stiffness: float  #: what each function says, negative where the equilibrium is unstable
+    motion: Array  #: (n, 3), of norm 1
+    position: tuple[float, float, float]  #: reference position of the node that moves most, mm
 
 
-def softest_direction(system: System, state: State, terms: Terms) -> Softest:
-    """By inverse iteration with the tangent at an equilibrium.
+def critical_mode(system: System, state: State, terms: Terms) -> Mode:
+    """The eigenvector of the tangent at an equilibrium whose eigenvalue is nearest to zero, by inverse iteration.
 
-    Factorizes: earlier factorizations become stale. Raises `fem.equations.linear.SingularMatrix` at a limit point
-    itself.
+    Its `stiffness` is that eigenvalue, N/mm. Factorizes: earlier factorizations become stale. Raises
+    `fem.equations.linear.SingularMatrix` at a limit point itself.
     """
     linearised = system.linearise(state, system.assemble(state, terms), terms)
-    motion = system.constraints.project(np.random.default_rng(0).normal(size=state.displacement.shape))
-    stiffness = np.inf
-    for _ in range(ITERATIONS):
+    motion, eigenvalue = _random_motion(system), np.inf
+    for _ in range(MAX_ITERATIONS):
         motion /= np.linalg.norm(motion)
         answer = -linearised.solve(motion).displacement
-        before, stiffness = stiffness, 1.0 / float(np.vdot(motion, answer))
+        before, eigenvalue = eigenvalue, 1.0 / float(np.vdot(motion, answer))
         motion = answer
-        if abs(stiffness - before) < 1e-3 * abs(stiffness):
+        if abs(eigenvalue - before) < TOLERANCE * abs(eigenvalue):
             break
-    return Softest(stiffness, *_largest(system, motion))
+    return _mode(system, eigenvalue, motion)
 
 
-def most_softened(system: System, state: State, terms: Terms) -> Softest:
-    """The smallest eigenvalue of K v = share E v, E being the part of the tangent K that comes from the law alone.
+def stiffness_ratio_mode(system: System, state: State, terms: Terms) -> Mode:
+    """The mode of the smallest eigenvalue r of K v = r E v, E being the part of the tangent K that comes from the law.
 
-    Its `stiffness` is what stress and loads leave of the elastic stiffness, 1 at rest and 0 at a limit point. The
-    eigenvalue of K itself would not tell: a slender body is softer in bending at rest than its walls are where they
-    balloon; and against the tangent at rest every part that has turned is softer. E is taken without the pressures of
-    mixed elements, which a motion that keeps the volume does not feel. Earlier factorizations become stale. Raises
-    `fem.equations.linear.SingularMatrix` at a limit point itself.
+    Its `stiffness` is r, the fraction of the elastic stiffness that stress and loads leave: 1 at rest and 0 at a limit
+    point. The eigenvalue of K itself would not tell: a slender body is softer in bending at rest than its walls are
+    where they balloon; and compared with the tangent at rest every part that has turned is softer. E is taken without
+    the pressures of mixed elements, which a motion that keeps the volume does not feel. Factorizes: earlier
+    factorizations become stale. Raises `fem.equations.linear.SingularMatrix` at a limit point itself.
     """
     elastic, assembly = replace(state, stress=np.zeros_like(state.stress)), system.assemble(state, terms)
     linearised = system.linearise(state, assembly, terms)
-    random = system.constraints.project(np.random.default_rng(0).normal(size=state.displacement.shape))
-    motion, share = -linearised.solve(random).displacement, np.inf
-    for _ in range(POWERS):
+    motion, ratio = -linearised.solve(_random_motion(system)).displacement, np.inf
+    for _ in range(POWER_ITERATIONS):
         motion /= np.linalg.norm(motion)
-        _, pulled = system.tangent(elastic, assembly, (), motion, convex=False)
-        answer = -linearised.solve(pulled.displacement).displacement
-        share = float(np.vdot(motion, pulled.displacement) / np.vdot(answer, pulled.displacement))
+        _, force = system.tangent(elastic, assembly, (), motion, convex=False)
+        answer = -linearised.solve(force.displacement).displacement
+        ratio = float(np.vdot(motion, force.displacement) / np.vdot(answer, force.displacement))
         motion = answer
-    return Softest(share, *_largest(system, motion))
+    return _mode(system, ratio, motion)
 
 
-def _largest(system: System, motion: Array) -> tuple[Array, tuple[float, float, float]]:
-    """The motion with norm 1, and where at rest the node stands that moves most."""
+def _random_motion(system: System) -> Array:
+    """A motion (n, 3) that the supports admit, always the same."""
+    return system.constraints.project(np.random.default_rng(0).normal(size=system.space.points.shape))
+
+
+def _mode(system: System, stiffness: float, motion: Array) -> Mode:
     motion = motion / np.linalg.norm(motion)
     x, y, z = system.space.points[int(np.argmax(np.linalg.norm(motion, axis=1)))]
-    return motion, (float(x), float(y), float(z))
+    return Mode(stiffness, motion, (float(x), float(y), float(z)))

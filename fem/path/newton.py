@@ -9,9 +9,7 @@ linearised around it,
     S <- S(e) + C(e) : (E(u) + B du - e),    e <- E(u) + B du,    u <- u + du,
 
 because u alone strains the body far more on its way than it does in the end. In equilibrium e = E(u), which is checked
-with the law itself, so the solution is that of the usual method. Measured with an older contact, three chambers of arm
-(a), nu = 0.495, to 5, 17 and 37 kPa with contact: 5, 14 and 11 factorizations for Hencky's law (71, 41 and 191 with the
-law at E(u)), 5, 13 and 11 for St. Venant-Kirchhoff's.
+with the law itself, so the solution is that of the usual method.
 """
 
 from collections.abc import Callable
@@ -22,13 +20,15 @@ import numpy as np
 from fem.effects.effect import Terms, UnilateralTerm, advanced, smallest_gap, step_limit
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
-from fem.equations.state import Assembly, Change, State
+from fem.equations.state import Assembly, State
 from fem.equations.system import System
 from fem.path.control import Control
+from geometry.arrays import Array
 
-#: relative residual below which a state shows which walls meet. Factorizations of I, II and III on the coarse arm (a)
-#: at 17 and 37 kPa: 51, and 54 where equilibrium without contact is found first
+#: relative residual below which a state shows which walls meet, as well as an equilibrium does
 NEAR = 0.1
+#: relative residual above which terms give a positive semi-definite substitute of their second derivative
+CONVEX_ABOVE = 0.1
 
 #: called after every iteration with its number and the relative residual
 Watch = Callable[[int, float], None]
@@ -36,21 +36,31 @@ Watch = Callable[[int, float], None]
 
 @dataclass(frozen=True)
 class NewtonOptions:
-    """When Newton stops."""
+    """When Newton's method stops."""
 
     tolerance: float = 1e-6  #: norm of the residual over the norm of the internal forces
-    iterations: int = 30  #: factorizations per step at the most
+    iterations: int = 30  #: largest number of iterations, one factorization each
     strain: float = 0.14  #: largest change of a strain component, to first order, where the tangent is indefinite
-    limited: int = 10  #: iterations limited by that before the attempt is given up
+    limited: int = 10  #: largest number of iterations in which the change of strain is limited
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where Newton's method starts, and how much it may cost from there."""
+
+    state: State
+    terms: Terms  #: with the stress that goes with the state
+    max_iterations: int | None = None  #: besides that of `NewtonOptions`; None: no other
+    trial: bool = False  #: whether it is given up as soon as the strain is limited, because another start follows
 
 
 @dataclass(frozen=True)
 class Converged:
-    """Equilibrium at one load factor, or a state near to it that wakes effects (see `solve`)."""
+    """Equilibrium, or a state near to it in which walls cross whose contact is inactive (see `solve`)."""
 
     state: State
     assembly: Assembly
-    iterations: int  #: factorizations spent
+    iterations: int  #: one factorization each
     residual: float  #: relative
     linearised: Linearised | None  #: the tangent of the last iteration; None where no iteration was needed
 
@@ -61,35 +71,29 @@ class Converged:
 
 
 class StepFailed(ArithmeticError):
-    """One attempt at a step ended without equilibrium; the sentence says where and why."""
+    """An attempt at an increment ended without equilibrium; the sentence says where and why."""
 
 
 def solve(
-    system: System,
-    terms: Terms,
-    start: State,
-    control: Control,
-    options: NewtonOptions,
-    watch: Watch,
-    inactive: tuple[UnilateralTerm, ...] = (),
+    start: Start, control: Control, options: NewtonOptions, watch: Watch, inactive: tuple[UnilateralTerm, ...] = ()
 ) -> Converged:
-    """Equilibrium of the body with `terms` where `control` puts it, from `start`.
+    """Equilibrium of the body where `control` puts it, from `start`.
 
-    Returns early, unconverged, once the relative residual is below NEAR and an inactive contact is penetrated; the
-    caller then activates it.
-
-    Raises `StepFailed`.
+    Returns early, unconverged, once the relative residual is below NEAR and a term of `inactive` is penetrated; the
+    caller then activates it. Raises `StepFailed`.
     """
-    state = control.begin(start)
+    system, state, terms = control.system, control.start(start.state), start.terms
+    max_iterations = min(options.iterations, start.max_iterations or options.iterations)
+    max_limited = 0 if start.trial else options.limited
     linearised: Linearised | None = None
     relative, limited = np.inf, 0
-    for iteration in range(options.iterations + 1):
+    for iteration in range(max_iterations + 1):
         assembly = system.assemble(state, terms)
-        jump = system.constraints.correction(state.displacement, control.prescribed)
+        correction = system.constraints.correction(state.displacement, control.prescribed)
         relative = _relative_residual(system, assembly)
         watch(iteration, relative)
-        there = not np.any(jump) and abs(control.miss(system, state)) < options.tolerance
-        if relative < options.tolerance and there:
+        is_at_target = not np.any(correction) and abs(control.residual(state)) < options.tolerance
+        if relative < options.tolerance and is_at_target:
             settled = system.state_at(state.displacement, state.factor)
             exact = system.assemble(settled, terms)
             relative = _relative_residual(system, exact)
@@ -99,34 +103,47 @@ def solve(
             return Converged(state, assembly, iteration, relative, linearised)
         if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
-        if linearised is not None and limited > options.limited:
+        if linearised is not None and limited > max_limited:
             raise StepFailed(f"the tangent stays indefinite ({linearised.negative_pivots} negative pivots)")
-        if iteration < options.iterations:
-            begin, x = state.displacement, system.space.points + state.displacement
-            try:
-                linearised = system.linearise(state, assembly, terms, jump, convex=relative > 0.1)
-                change, unstable = control.change(system, state, assembly, linearised, jump, terms)
-            except SingularMatrix as error:
-                raise StepFailed(f"the tangent is singular ({error})") from None
-            change = replace(change, displacement=change.displacement + jump)
-            limit = options.strain if unstable else np.inf
-            state, whole = _advance(system, terms, state, assembly, change, limit)
-            limited += not whole
-            terms = advanced(terms, x, state.displacement - begin)
-    raise StepFailed(f"no equilibrium after {options.iterations} iterations (relative residual {relative:.1e})")
+        if iteration < max_iterations:
+            before = _Iterate(state, terms, assembly, correction)
+            state, linearised, is_limited = _iterate(before, control, relative > CONVEX_ABOVE, options.strain)
+            limited += is_limited
+            terms = advanced(terms, before.positions(system), state.displacement - before.state.displacement)
+    raise StepFailed(f"no equilibrium after {max_iterations} iterations (relative residual {relative:.1e})")
 
 
-def _advance(
-    system: System, terms: Terms, state: State, assembly: Assembly, change: Change, limit: float
-) -> tuple[State, bool]:
-    """The next state, and whether no strain component was kept from changing by more than `limit`."""
+@dataclass(frozen=True)
+class _Iterate:
+    """What an iteration starts from."""
+
+    state: State
+    terms: Terms
+    assembly: Assembly
+    correction: Array  #: (n, 3) what the prescribed displacements still miss, mm
+
+    def positions(self, system: System) -> Array:
+        """(n, 3), mm."""
+        return system.space.points + self.state.displacement
+
+
+def _iterate(before: _Iterate, control: Control, convex: bool, max_strain: float) -> tuple[State, Linearised, bool]:
+    """The next state, the tangent that led to it, and whether the strain was kept from changing by more than
+    `max_strain` because the tangent is indefinite. Raises `StepFailed`."""
+    system, state, assembly, terms = control.system, before.state, before.assembly, before.terms
+    try:
+        linearised = system.linearise(state, assembly, terms, before.correction, convex=convex)
+        change, unstable = control.increment(state, assembly, linearised, before.correction, terms)
+    except SingularMatrix as error:
+        raise StepFailed(f"the tangent is singular ({error})") from None
+    change = replace(change, displacement=change.displacement + before.correction)
     strain = system.linearised_strain(state, change.displacement)
     largest = float(np.abs(strain).max())
-    # an indefinite tangent (thin walls at rest under the whole pressure) points past a saddle: its direction counts
-    whole = not largest > limit
-    share = 1.0 if whole else limit / largest
-    share *= step_limit(terms, system.space.points + state.displacement, share * change.displacement)
-    return system.advanced(state, assembly, change.scaled(share), share * strain), whole
+    # an indefinite tangent (thin walls at rest under the full pressure) points past a saddle: its direction counts
+    is_limited = unstable != 0 and largest > max_strain
+    fraction = max_strain / largest if is_limited else 1.0
+    fraction *= step_limit(terms, before.positions(system), fraction * change.displacement)
+    return system.advanced(state, assembly, change.scaled(fraction), fraction * strain), linearised, is_limited
 
 
 def _relative_residual(system: System, assembly: Assembly) -> float:

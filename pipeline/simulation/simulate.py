@@ -72,9 +72,8 @@ def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress) -> Ou
     failure = None
     try:
         options = fem.PathOptions(fem.NewtonOptions(tolerance=scene.config.newton_tolerance))
-        solution = fem.follow(
-            model, case.schedule.factors, options, watch=listener.iteration, keep=listener.step_done, resume=stored
-        )
+        observer = fem.PathObserver(listener.iteration, listener.step_done)
+        solution = fem.follow(model, case.schedule.factors, options, observer, resume=stored)
     except fem.NotConverged as ended:
         solution, end = ended.partial, ended.end
         pressure = case.schedule.pressures_kPa[len(solution.steps)]
@@ -134,9 +133,9 @@ class _PathListener:
 
 def failure_in_kPa(end: fem.End, case: LoadCase) -> str:
     """Why a path ended, in the units of the configuration."""
-    reached, target = (f"{case.schedule.pressure_at(factor):.4g} kPa" for factor in (end.reached, end.asked))
-    if case.end_y_mm and end.share < 1.0:
-        reached += f" with the end moved {end.share * case.end_y_mm:.4g} mm"
+    reached, target = (f"{case.schedule.pressure_at(factor):.4g} kPa" for factor in (end.reached, end.target))
+    if case.end_y_mm and end.constant_fraction < 1.0:
+        reached += f" with the end moved {end.constant_fraction * case.end_y_mm:.4g} mm"
         target += f" and {case.end_y_mm:g} mm"
     return f"no equilibrium found beyond {reached} on the way to {target}: {end.cause}"
 

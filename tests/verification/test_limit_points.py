@@ -83,6 +83,9 @@ def test_a_thin_balloon_through_its_largest_pressure() -> None:
     assert (
         "unstable in 1 direction; the motion nearest to a limit point is largest at (" in solution.steps[-1].instability
     )
+    # the analysis of stability factorizes too, and is counted
+    assert sum(step.factorizations for step in solution.steps) == solution.factorizations
+    assert solution.steps[-1].factorizations > solution.steps[-1].newton_iterations
     largest = max(step.factor for step in solution.steps)
     assert solution.steps[-1].factor < 0.9 * largest
     # with the pressure prescribed there is nothing beyond, and the softest motion is the balloon's own
