@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).resolve().parent.parent
-PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", *sorted((HERE / "docs").glob("*.md"))]
+PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", HERE / "CHANGELOG.md", *sorted((HERE / "docs").glob("*.md"))]
 FOLDERS = ("geometry", "fem", "rod", "pipeline", "pneurod", "tests", "benchmarks", "configs", "docs", "examples")
 
 #: Former names that a reader from outside would not understand, as regular expressions.
