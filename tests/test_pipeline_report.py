@@ -1,4 +1,4 @@
-"""The report is made from the result files alone, opens offline, and says what a failed run did not reach."""
+"""The report is made from the result files alone, opens offline, and names what a failed run did not reach."""
 
 import csv
 import json
@@ -12,7 +12,7 @@ import pytest
 
 from pipeline.report.page import render_report
 from pipeline.report.results import read_results
-from pipeline.report.sentences import agreement_of_rod, difference_of_rest_curvatures, number, share_of_factorization
+from pipeline.report.sentences import agreement_of_rod, difference_of_rest_curvatures, number, time_of_factorization
 
 LENGTH, CUT = 112.0, 15.0
 PRESSURES = (17.0, 37.0)
@@ -150,27 +150,27 @@ def test_report_opens_offline(finished: Path) -> None:
     assert "@import" not in page
 
 
-def test_report_says_the_five_numbers_and_the_agreement(finished: Path) -> None:
+def test_report_has_the_five_parameters_and_the_agreement(finished: Path) -> None:
     html = render_report(finished)
     for text in ("60.0 ± 2.0", "440 ± 15", "β₁ = -0.400 ± 0.050 N mm²/kPa", "β₂ = 7 N mm²/kPa", "0.134"):
         assert text in html
     assert agreement_of_rod(read_results(finished)) == [
-        "In II the curves are at most 0.71 % of the length apart (at 37 kPa), "
-        "the end angle is off by at most 0.57° (at 37 kPa).",
-        "In III the curves are at most 1.8 % of the length apart (at 37 kPa), "
-        "the end angle is off by at most 1.1° (at 37 kPa), the end force by at most 3 % (at 37 kPa).",
+        "In II the largest distance between the curves is 0.71 % of l (at 37 kPa), "
+        "the largest error of the end angle is 0.57° (at 37 kPa).",
+        "In III the largest distance between the curves is 1.8 % of l (at 37 kPa), "
+        "the largest error of the end angle is 1.1° (at 37 kPa), that of the end force 3 % (at 37 kPa).",
     ]
-    assert "At 17 kPa one line is as good as two" in html
+    assert "At 17 kPa a single line describes the data as well as two" in html
     assert "walls come close &lt;here&gt;" in html
 
 
-def test_report_says_how_far_I_and_II_differ_and_where_the_time_went(finished: Path) -> None:
+def test_report_has_the_difference_of_I_and_II_and_the_computing_time(finished: Path) -> None:
     results = read_results(finished)
     assert [row[2] for row in difference_of_rest_curvatures(results)] == ["0.1 %", "0.1 %"]
-    assert share_of_factorization(results) == "Numeric factorization took 63 % of 19 s; there were 66 factorizations."
+    assert time_of_factorization(results) == "Numeric factorization took 63 % of 19 s; there were 66 factorizations."
 
 
-def test_report_of_a_failed_run_says_what_failed(finished: Path) -> None:
+def test_report_of_a_failed_run_names_what_failed(finished: Path) -> None:
     for name in ("parameters.json", "validation.json"):
         (finished / name).unlink()
     rows = json.loads((finished / "experiments.json").read_text(encoding="utf-8"))
@@ -186,7 +186,7 @@ def test_report_of_a_failed_run_says_what_failed(finished: Path) -> None:
 def test_report_of_a_run_that_reached_nothing(tmp_path: Path) -> None:
     html = render_report(tmp_path)
     assert "No pressure was reached" in html
-    assert "There is no run.json" in html
+    assert "The run wrote no run.json" in html
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.report.numbers import Cell, eccentricity, estimators, observations, regimes, with_spread
+from pipeline.report.numbers import Cell, eccentricity, estimators, linear_range, observations, with_spread
 from pipeline.report.results import Results, read_results
-from pipeline.report.validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
+from pipeline.report.validation import beyond_identified, law_rows, out_of_sample, simplest_laws, validation_rows
 
 
 def results(folder: Path, **files: object) -> Results:
@@ -30,7 +30,7 @@ def test_estimators_stand_side_by_side(tmp_path: Path) -> None:
     rows = estimators(results(tmp_path, parameters={"pressures_kPa": [17.0], "estimators": listed}))
     assert [(row[0], row[1]) for row in rows] == [
         ("17", "cell averages"),
-        ("17", "closest rod"),
+        ("17", "rod fit"),
         ("17", "Gaussian process"),
     ]
     assert rows[0][2][0] == Cell("190.00 ± 0.50", "189.00 … 191.00")
@@ -40,24 +40,27 @@ def test_estimators_stand_side_by_side(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("parameters", "said"),
+    ("parameters", "sentence"),
     [
         ({"linear_range_kPa": None}, "There are no three neighbouring pressures"),
-        ({"linear_range_kPa": [10.0, 30.0]}, "nothing was tested"),
-        ({"linear_range_kPa": [10.0, 30.0], "linear_range_tested": True}, "α₂ is off that line by -8.0 % at 45 kPa."),
+        ({"linear_range_kPa": [10.0, 30.0]}, "This is not tested"),
+        (
+            {"linear_range_kPa": [10.0, 30.0], "linear_range_tested": True},
+            "α₂ departs from its straight line by -8.0 % at 45 kPa.",
+        ),
     ],
 )
-def test_the_linear_range_is_said_in_words(tmp_path: Path, parameters: dict, said: str) -> None:
+def test_the_linear_range_in_words(tmp_path: Path, parameters: dict, sentence: str) -> None:
     rows = [{"quantity": "alpha2", "off_the_line": [0.0, 0.03, -0.08]}]
     given = {"pressures_kPa": [10.0, 30.0, 45.0], "straightness": rows, **parameters}
-    sentences = regimes(results(tmp_path, parameters=given))
-    assert said in " ".join(sentences)
-    assert not any("+3.0 %" in sentence and parameters["linear_range_kPa"] for sentence in sentences)
+    sentences = linear_range(results(tmp_path, parameters=given))
+    assert sentence in " ".join(sentences)
+    assert not any("+3.0 %" in text and parameters["linear_range_kPa"] for text in sentences)
 
 
 def test_one_pressure_has_no_range(tmp_path: Path) -> None:
     given = results(tmp_path, parameters={"pressures_kPa": [10.0], "observations": [19.54]})
-    assert regimes(given) == []
+    assert linear_range(given) == []
     assert observations(given).endswith("each pressure gives 20 independent observations.")
     assert with_spread(None, 1.0) == "-"
 
@@ -77,18 +80,17 @@ def row(sample: str, distance: float, force: float | None, load: str = "") -> di
     }
 
 
-def test_where_the_rod_fails_is_said(tmp_path: Path) -> None:
+def test_loads_with_large_errors_are_named(tmp_path: Path) -> None:
     rows = [row("in", 0.5, 0.5), row("out", 0.01, 0.02, "end at +10 mm"), row("out", 0.04, None, "dead force 0, 1 N")]
-    said = out_of_sample(results(tmp_path, validation=rows))
-    assert said == [
-        "Under 2 loads that the numbers were not fitted to, the curves are at most 4 % of the length apart "
+    assert out_of_sample(results(tmp_path, validation=rows)) == [
+        "Under 2 loads that the parameters were not fitted to, the largest distance between the curves is 4 % of l "
         "(dead force 0, 1 N, 31 kPa, at s = 80 mm).",
-        "The end force is off by at most 2 % (end at +10 mm, 31 kPa).",
-        "It is off by more than 3 % of the length or 10 % of the force at: dead force 0, 1 N, 31 kPa; the curvature is "
-        "off most at s = 7 mm.",
+        "The largest error of the end force is 2 % (end at +10 mm, 31 kPa).",
+        "Errors exceed 3 % of l or 10 % of the force at: dead force 0, 1 N, 31 kPa; the error of the curvature is "
+        "largest at s = 7 mm.",
     ]
     fine = out_of_sample(results(tmp_path, validation=rows[:2]))
-    assert fine[-1] == "Nowhere is it off by more than 3 % of the length or 10 % of the force."
+    assert fine[-1] == "No error exceeds 3 % of l or 10 % of the force."
     assert [cells[:2] for cells in validation_rows(results(tmp_path, validation=rows))] == [
         ["III", "in"],
         ["end at +10 mm", "out"],
@@ -137,8 +139,8 @@ def test_the_simplest_law_is_named(tmp_path: Path) -> None:
             "simplest": False,
         },
     ]
-    table, said = laws_by_pressure(results(tmp_path, laws=rows))
-    assert table[0] == ["17", "one line", "2", "10 %", "10 %"]
-    assert said == [
+    given = results(tmp_path, laws=rows)
+    assert law_rows(given)[0] == ["17", "one line", "2", "10 %", "10 %"]
+    assert simplest_laws(given) == [
         "At 17 kPa the simplest law that predicts the other loads as well as any is “one line” with 2 numbers."
     ]

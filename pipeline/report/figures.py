@@ -174,17 +174,17 @@ def alphas_over_pressure(results: Results) -> Figure:
 def end_forces(results: Results) -> Figure:
     """The end force over the pressure, finite elements and rod, for every prescribed height of the end."""
     figure = single_panel("p (kPa)", "F_y (N)")
-    rows = [row for row in results.validation if row.get("force_N") is not None]
-    for number, load in enumerate(sorted({row.get("load", "") for row in rows})):
-        of_load = sorted((row for row in rows if row.get("load", "") == load), key=lambda row: row["pressure_kPa"])
+    rows = [row for row in results.validation if row.force_N is not None]
+    for number, load in enumerate(sorted({row.load for row in rows})):
+        of_load = sorted((row for row in rows if row.load == load), key=lambda row: row.pressure_kPa)
         colour, label = series_colour(number), load or "as identified"
-        pressures = [row["pressure_kPa"] for row in of_load]
+        pressures = [row.pressure_kPa for row in of_load]
         figure.add_scatter(
-            x=pressures, y=[row["force_N"] for row in of_load], mode="markers", name=label, legendgroup=label,
+            x=pressures, y=[row.force_N for row in of_load], mode="markers", name=label, legendgroup=label,
             marker={"color": colour, "size": 9},
         )  # fmt: skip
         figure.add_scatter(
-            x=pressures, y=[row["rod_force_N"] for row in of_load], mode="markers", name=f"rod, {label}",
+            x=pressures, y=[row.rod_force_N for row in of_load], mode="markers", name=f"rod, {label}",
             legendgroup=label, showlegend=False,
             marker={"color": colour, "size": 15, "symbol": "circle-open", "line": {"width": 1.5}},
         )  # fmt: skip

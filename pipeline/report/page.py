@@ -1,7 +1,7 @@
-"""The report: one HTML file that opens offline, made from the result files of a run and from nothing else."""
+"""The report: one HTML file that opens offline, made from the result files of a run alone."""
 
 import base64
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,18 +10,26 @@ import jinja2
 
 from pipeline.plots import Figure, plotly_script
 from pipeline.report import figures
-from pipeline.report.numbers import NUMBERS, eccentricity, estimators, mesh_error, observations, regimes, with_spread
+from pipeline.report.numbers import (
+    NUMBERS,
+    eccentricity,
+    estimators,
+    linear_range,
+    mesh_error,
+    observations,
+    with_spread,
+)
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import (
     agreement_of_rod,
     difference_of_rest_curvatures,
-    limits_met,
     lines_needed,
     number,
     opening,
-    share_of_factorization,
+    remarks,
+    time_of_factorization,
 )
-from pipeline.report.validation import beyond_identified, laws_by_pressure, out_of_sample, validation_rows
+from pipeline.report.validation import beyond_identified, law_rows, out_of_sample, simplest_laws, validation_rows
 
 _EXPERIMENT_COLUMNS = (
     ("experiment", ""),
@@ -30,10 +38,10 @@ _EXPERIMENT_COLUMNS = (
     ("end_y_mm", "end y (mm)"),
     ("reaction_N", "reaction (N)"),
     ("stretch_of_curve", "stretch of curve"),
-    ("min_stretch", "least stretch"),
+    ("min_stretch", "smallest stretch"),
     ("max_stretch", "largest stretch"),
-    ("min_J", "least J"),
-    ("min_gap_mm", "least gap (mm)"),
+    ("min_J", "smallest J"),
+    ("min_gap_mm", "smallest gap (mm)"),
     ("newton_iterations", "Newton iterations"),
     ("factorizations", "factorizations"),
     ("seconds", "seconds"),
@@ -56,7 +64,7 @@ class _Picture:
 
 
 def render_report(directory: Path) -> str:
-    """The report on the result files in `directory`, as HTML. Files that are missing are named in it."""
+    """The report on the result files in `directory`, as HTML. It names the files that are missing."""
     results = read_results(directory)
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
@@ -72,7 +80,7 @@ def render_report(directory: Path) -> str:
         five=_five_numbers(results),
         betas=_betas(results),
         lines=lines_needed(results),
-        regimes=regimes(results),
+        linear_range=linear_range(results),
         estimators=estimators(results),
         observations=observations(results),
         mesh_error=mesh_error(results),
@@ -80,17 +88,18 @@ def render_report(directory: Path) -> str:
         validation=validation_rows(results),
         beyond=beyond_identified(results),
         eccentricity=eccentricity(results),
-        laws=laws_by_pressure(results),
+        laws=law_rows(results),
+        simplest_laws=simplest_laws(results),
         body=[_picture(results, name, title) for name, title in _BODY if name in results.pictures],
         deformed=_deformed(results),
         figures=_figures(results),
         rest_curvatures=difference_of_rest_curvatures(results),
         experiment_titles=[title for _, title in _EXPERIMENT_COLUMNS],
-        experiments=[[_cell(row.get(key)) for key, _ in _EXPERIMENT_COLUMNS] for row in results.experiments],
+        experiments=[[_cell(getattr(row, name)) for name, _ in _EXPERIMENT_COLUMNS] for row in results.experiments],
         stages=results.run.get("seconds", {}),
-        factorization=share_of_factorization(results),
+        factorization=time_of_factorization(results),
         effects=results.effects,
-        limits=limits_met(results),
+        remarks=remarks(results),
         run=results.run,
         number=number,
         plotly=plotly_script(),
@@ -102,30 +111,30 @@ _BODY = (("body", "at rest"), ("body_open", "cut open at z = 0"))
 
 def _five_numbers(results: Results) -> list[list[str]]:
     rows = []
-    for pressure in results.parameters.get("pressures_kPa", ()):
+    for pressure in results.identified_pressures:
         cells = [f"{pressure:g}"]
         for key, _, _ in NUMBERS:
             cells.append(_with_spread(results.at(key, pressure), results.at(f"{key}_std", pressure)))
         if results.at("d_is_at_most", pressure):
             cells[-1] = f"at most {number(results.at('d_mm', pressure))}"
-        cut, length = results.at("d_mm", pressure), results.length
-        cells.append("" if cut is None else f"{cut / length:.3f}")
+        d = results.at("d_mm", pressure)
+        cells.append("" if d is None else f"{d / results.length:.3f}")
         rows.append(cells)
     return rows
 
 
 def _betas(results: Results) -> list[str]:
-    found = []
+    sentences = []
     for which, symbol in ((1, "β₁"), (2, "β₂")):
         key = f"beta{which}_N_mm2_per_kPa"
         if results.parameters.get(key) is not None:
             spread = results.parameters.get(f"{key}_std")
-            found.append(f"{symbol} = {_with_spread(results.parameters[key], spread)} N mm²/kPa")
-    return found
+            sentences.append(f"{symbol} = {_with_spread(results.parameters[key], spread)} N mm²/kPa")
+    return sentences
 
 
 def _figures(results: Results) -> dict[str, str]:
-    """The figures for which there is something to draw, as HTML."""
+    """The figures that have data, as HTML."""
     drawn: dict[str, Figure] = {}
     if any(curve.experiment in ("II", "III") for curve in results.curves):
         drawn["shapes"] = figures.shapes(results)
@@ -135,7 +144,7 @@ def _figures(results: Results) -> dict[str, str]:
         drawn["moments"] = figures.moments(results)
     if results.validation_curves:
         drawn["validation"] = figures.validation_shapes(results)
-    if any(row.get("force_N") is not None for row in results.validation):
+    if any(row.force_N is not None for row in results.validation):
         drawn["forces"] = figures.end_forces(results)
     if results.parameters.get("alpha1_N_mm2"):
         drawn["alphas"] = figures.alphas_over_pressure(results)
@@ -150,13 +159,13 @@ def _figures(results: Results) -> dict[str, str]:
 
 
 def _deformed(results: Results) -> list[tuple[str, list[_Picture]]]:
-    """For each pressure the pictures of I, II and III that are there."""
+    """The pictures of I, II and III by pressure."""
     rows = []
     for pressure in results.pressures:
         names = [(f"{experiment}_{pressure:g}kPa", experiment) for experiment in ("I", "II", "III")]
-        found = [_picture(results, name, title) for name, title in names if name in results.pictures]
-        if found:
-            rows.append((f"{pressure:g} kPa", found))
+        pictures = [_picture(results, name, title) for name, title in names if name in results.pictures]
+        if pictures:
+            rows.append((f"{pressure:g} kPa", pictures))
     return rows
 
 
@@ -175,4 +184,4 @@ def _cell(value: Any) -> str:
         return ", ".join(_cell(item) for item in value)
     if isinstance(value, float):
         return number(value)
-    return "" if isinstance(value, Mapping) else str(value)
+    return str(value)

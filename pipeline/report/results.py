@@ -1,18 +1,18 @@
-"""What the result files of a run say, read once; files that a failed run did not write are simply absent."""
+"""The result files of a run, read once; files that a failed run did not write are simply absent."""
 
 import csv
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from geometry.arrays import Array
 from pipeline.store.formats import CONVERGED, with_present_keys
 
-Rows = Sequence[Mapping[str, Any]]
+Row = TypeVar("Row")
 
 
 @dataclass(frozen=True)
@@ -33,47 +33,133 @@ class Curve:
 
 
 @dataclass(frozen=True)
+class StateRow:
+    """A row of experiments.json; None where the pressure was not reached."""
+
+    experiment: str
+    pressure_kPa: float
+    end_x_mm: float | None = None
+    end_y_mm: float | None = None
+    reaction_N: Sequence[float] | None = None
+    stretch_of_curve: float | None = None
+    min_stretch: float | None = None
+    max_stretch: float | None = None
+    min_J: float | None = None
+    min_gap_mm: float | None = None
+    newton_iterations: int | None = None
+    factorizations: int | None = None
+    seconds: float | None = None
+    status: str = CONVERGED
+    reason: str = ""
+
+    @property
+    def reached(self) -> bool:
+        """Whether the pressure was reached."""
+        return self.status == CONVERGED
+
+
+@dataclass(frozen=True)
+class ValidationRow:
+    """A row of validation.json; None where there is no rod or no force to compare."""
+
+    experiment: str
+    pressure_kPa: float
+    load: str = ""  #: besides the pressure, in words; empty for II and III as identified
+    sample: str = "in"  #: in: the parameters were fitted to this load; out: they were not
+    distance_over_length: float | None = None
+    distance_at_s_mm: float | None = None
+    distance_over_length_without_stretch: float | None = None
+    distance_over_length_with_eccentricity: float | None = None
+    end_angle_error_rad: float | None = None
+    force_error: float | None = None
+    force_error_with_eccentricity: float | None = None
+    force_N: float | None = None
+    rod_force_N: float | None = None
+    curvature_error: float | None = None
+    curvature_error_at_s_mm: float | None = None
+    reason: str = ""
+    warning: str = ""
+
+    @property
+    def title(self) -> str:
+        """The load in words, or the experiment."""
+        return self.load or self.experiment
+
+    @property
+    def location(self) -> str:
+        """Load and pressure, for a sentence."""
+        return f"{self.title}, {self.pressure_kPa:g} kPa"
+
+
+@dataclass(frozen=True)
+class LawRow:
+    """A row of laws.json: one moment-curvature law at one pressure, errors relative."""
+
+    pressure_kPa: float
+    law: str
+    numbers: int
+    in_sample: float
+    out_of_sample: float
+    simplest: bool
+
+
+@dataclass(frozen=True)
+class EffectRow:
+    """A row of effects.json."""
+
+    effect: str
+    state: str
+    reason: str
+    share_of_time: float | None
+
+
+@dataclass(frozen=True)
 class Results:
     """A result directory."""
 
     directory: Path
     parameters: Mapping[str, Any]  #: empty when the identification was not reached
     curves: tuple[Curve, ...]
-    experiments: Rows
-    validation: Rows
+    experiments: tuple[StateRow, ...]
+    validation: tuple[ValidationRow, ...]
     validation_curves: tuple[Curve, ...]
-    laws: Rows
-    effects: Rows
+    laws: tuple[LawRow, ...]
+    effects: tuple[EffectRow, ...]
     run: Mapping[str, Any]
     pictures: Mapping[str, Path]  #: by file name without suffix: body, body_open, II_17kPa
 
     @property
     def pressures(self) -> tuple[float, ...]:
         """All pressures that occur, ascending, kPa."""
-        found = {curve.pressure_kPa for curve in self.curves} | {row["pressure_kPa"] for row in self.experiments}
-        return tuple(sorted(found))
+        occurring = {curve.pressure_kPa for curve in self.curves} | {row.pressure_kPa for row in self.experiments}
+        return tuple(sorted(occurring))
+
+    @property
+    def identified_pressures(self) -> tuple[float, ...]:
+        """The pressures of the parameters, kPa."""
+        return tuple(self.parameters.get("pressures_kPa", ()))
 
     @property
     def length(self) -> float:
-        """Rest length of the material curve, mm; NaN when nothing says it."""
+        """Rest length of the material curve, mm; NaN when no file has it."""
         if "length_mm" in self.parameters:
             return float(self.parameters["length_mm"])
         return max((float(curve["s_mm"].max()) for curve in self.curves), default=float("nan"))
 
     @property
-    def failures(self) -> Rows:
-        """The rows of experiments.json whose pressure was not reached."""
-        return [row for row in self.experiments if row.get("status", CONVERGED) != CONVERGED]
+    def failures(self) -> tuple[StateRow, ...]:
+        """The pressures that were not reached."""
+        return tuple(row for row in self.experiments if not row.reached)
 
     @property
-    def in_sample(self) -> Rows:
-        """The rows of validation.json about the loads that the numbers were fitted to."""
-        return [row for row in self.validation if row.get("sample", "in") == "in"]
+    def in_sample(self) -> tuple[ValidationRow, ...]:
+        """The loads that the parameters were fitted to."""
+        return tuple(row for row in self.validation if row.sample == "in")
 
     @property
-    def out_of_sample(self) -> Rows:
-        """The rows about other loads and pressures."""
-        return [row for row in self.validation if row.get("sample") == "out"]
+    def out_of_sample(self) -> tuple[ValidationRow, ...]:
+        """Other loads and pressures."""
+        return tuple(row for row in self.validation if row.sample == "out")
 
     def curve(self, experiment: str, pressure_kPa: float) -> Curve | None:
         """The curve of one experiment at one pressure."""
@@ -83,28 +169,26 @@ class Results:
         return None
 
     def at(self, key: str, pressure_kPa: float) -> float | None:
-        """The entry of a list in parameters.json that stands at one of its `pressures_kPa`."""
-        listed = list(self.parameters.get("pressures_kPa", ()))
+        """The entry at one pressure of a list in parameters.json."""
         values = self.parameters.get(key)
-        if pressure_kPa not in listed or not isinstance(values, Sequence):
+        if pressure_kPa not in self.identified_pressures or not isinstance(values, Sequence):
             return None
-        value = values[listed.index(pressure_kPa)]
+        value = values[self.identified_pressures.index(pressure_kPa)]
         return None if value is None else float(value)
 
 
 def read_results(directory: Path) -> Results:
-    """Read every result file in `directory` that is there."""
-    curves = _read_curves(directory / "curves.csv")
+    """Read every result file in `directory` that is there, with the keys of the present format."""
     pictures = {path.stem: path for path in sorted((directory / "pictures").glob("*.png"))}
     return Results(
         directory=directory,
         parameters=_read_json(directory / "parameters.json", {}),
-        curves=curves,
-        experiments=_read_json(directory / "experiments.json", []),
-        validation=_read_json(directory / "validation.json", []),
+        curves=_read_curves(directory / "curves.csv"),
+        experiments=_read_rows(directory / "experiments.json", StateRow),
+        validation=_read_rows(directory / "validation.json", ValidationRow),
         validation_curves=_read_curves(directory / "validation_curves.csv"),
-        laws=_read_json(directory / "laws.json", []),
-        effects=_read_json(directory / "effects.json", []),
+        laws=_read_rows(directory / "laws.json", LawRow),
+        effects=_read_rows(directory / "effects.json", EffectRow),
         run=_read_json(directory / "run.json", {}),
         pictures=pictures,
     )
@@ -112,6 +196,12 @@ def read_results(directory: Path) -> Results:
 
 def _read_json(path: Path, absent: Any) -> Any:
     return with_present_keys(json.loads(path.read_text(encoding="utf-8"))) if path.is_file() else absent
+
+
+def _read_rows(path: Path, kind: type[Row]) -> tuple[Row, ...]:
+    """Rows of a table; columns that `kind` has no field for are left out."""
+    names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
+    return tuple(kind(**{name: row[name] for name in names if name in row}) for row in _read_json(path, ()))
 
 
 def _read_curves(path: Path) -> tuple[Curve, ...]:

@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from pipeline.report.results import Results
-from pipeline.store.formats import CONVERGED
+from pipeline.report.results import Results, ValidationRow
 
 
 def number(value: Any) -> str:
-    """A number in four digits, without an exponent where it can be read without."""
+    """A number in four digits, without an exponent between 1e-4 and 1e5."""
     if value is None:
         return "-"
     if isinstance(value, bool) or not isinstance(value, int | float):
@@ -24,57 +23,58 @@ def opening(results: Results) -> str:
     """What the report is about, in one or two sentences."""
     pressures = ", ".join(f"{pressure:g}" for pressure in results.pressures)
     if not results.curves and not results.experiments:
-        return "No pressure was reached, so there is nothing to show but what was asked."
-    begun = f"A body {number(results.length)} mm long, solved at {pressures} kPa"
+        return "No pressure was reached; the report shows the configuration only."
+    body = f"A body {number(results.length)} mm long, solved at {pressures} kPa"
     if not results.parameters:
-        return f"{begun}. The five parameters were not reached."
+        return f"{body}. The five parameters were not identified."
     return (
-        f"{begun}, as a rod with five parameters: M = α (κ - κ₀) + m₀, with α₁ and m₀₁ up to s = d, α₂ and m₀₂ beyond."
+        f"{body}, as a rod with five parameters: M = α (κ - κ₀) + m₀, with α₁ and m₀₁ up to s = d, α₂ and m₀₂ beyond."
     )
 
 
 def agreement_of_rod(results: Results) -> list[str]:
-    """The rod against the finite elements under the loads its numbers come from, one sentence per experiment."""
+    """The rod against the finite elements under the loads of the identification, one sentence per experiment."""
     sentences = []
     for experiment in ("II", "III"):
-        rows = [row for row in results.in_sample if row["experiment"] == experiment]
+        rows = [row for row in results.in_sample if row.experiment == experiment]
         parts = [
-            _largest(rows, "distance_over_length", 100.0, "the curves are at most {value} % of the length apart"),
-            _largest(rows, "distance_over_length_with_eccentricity", 100.0, "those of the extensible rod {value} %"),
-            _largest(rows, "end_angle_error_rad", 180.0 / np.pi, "the end angle is off by at most {value}°"),
-            _largest(rows, "force_error", 100.0, "the end force by at most {value} %"),
+            _largest(rows, "distance_over_length", 100.0, "the largest distance between the curves is {value} % of l"),
+            _largest(rows, "distance_over_length_with_eccentricity", 100.0, "with the extensible rod {value} %"),
+            _largest(rows, "end_angle_error_rad", 180.0 / np.pi, "the largest error of the end angle is {value}°"),
+            _largest(rows, "force_error", 100.0, "that of the end force {value} %"),
         ]
-        said = [part for part in parts if part]
-        if said:
-            sentences.append(f"In {experiment} {', '.join(said)}.")
+        sentence = ", ".join(part for part in parts if part)
+        if sentence:
+            sentences.append(f"In {experiment} {sentence}.")
     return sentences
 
 
 def lines_needed(results: Results) -> str:
-    """At which pressures one straight line is as good as two, which a criterion has judged."""
-    verdicts = results.parameters.get("single_line_suffices") or []
-    plain = [
-        f"{pressure:g}"
-        for pressure, verdict in zip(results.parameters.get("pressures_kPa", ()), verdicts, strict=True)
-        if verdict
-    ]
+    """At which pressures a single line describes the data as well as two, by the criterion of the identification."""
+    verdicts = results.parameters.get("single_line_suffices")
     if not verdicts:
         return ""
-    if not plain:
-        return "At every pressure two lines describe the data better than one."
-    return f"At {', '.join(plain)} kPa one line is as good as two: α₁, α₂ and d mean nothing apart there."
+    single = [
+        f"{pressure:g}" for pressure, is_single in zip(results.identified_pressures, verdicts, strict=True) if is_single
+    ]
+    if not single:
+        return "At every pressure two lines describe the data better than a single one."
+    return (
+        f"At {', '.join(single)} kPa a single line describes the data as well as two: there α₁ = α₂, and d has no "
+        "meaning."
+    )
 
 
-def _largest(rows: Iterable[Any], key: str, scale: float, sentence: str) -> str:
-    found = [(abs(row[key]) * scale, row["pressure_kPa"]) for row in rows if row.get(key) is not None]
-    if not found:
+def _largest(rows: Iterable[ValidationRow], name: str, scale: float, sentence: str) -> str:
+    values = [(abs(value) * scale, row.pressure_kPa) for row in rows if (value := getattr(row, name)) is not None]
+    if not values:
         return ""
-    value, pressure = max(found)
+    value, pressure = max(values)
     return f"{sentence.format(value=f'{value:.2g}')} (at {pressure:g} kPa)"
 
 
 def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str]]:
-    """Per pressure: p, kappa_0 at half the length in I and II, and how far the two profiles differ."""
+    """Per pressure: p, kappa_0 at half the length in I and II, and the relative difference of the two profiles."""
     rows = []
     for pressure in results.pressures:
         free, clamped = results.curve("I", pressure), results.curve("II", pressure)
@@ -84,27 +84,26 @@ def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str]
         second = clamped["kappa_per_mm"]
         middle = [np.interp(results.length / 2, clamped["s_mm"], kappa) for kappa in (first, second)]
         inner = np.abs(clamped["s_mm"] / results.length - 0.5) < 0.4
-        apart = np.sqrt(np.mean((first - second)[inner] ** 2) / np.mean(second[inner] ** 2))
-        rows.append((f"{pressure:g}", f"{middle[0]:.5f}, {middle[1]:.5f}", f"{100 * apart:.2g} %"))
+        difference = np.sqrt(np.mean((first - second)[inner] ** 2) / np.mean(second[inner] ** 2))
+        rows.append((f"{pressure:g}", f"{middle[0]:.5f}, {middle[1]:.5f}", f"{100 * difference:.2g} %"))
     return rows
 
 
-def share_of_factorization(results: Results) -> str:
-    """How much of the solver's time the numeric factorization took."""
+def time_of_factorization(results: Results) -> str:
+    """Which part of the solver's time the numeric factorizations took."""
     parts = results.run.get("solver_seconds") or {}
-    whole = sum(parts.values())
-    if not whole or "factorization" not in parts:
+    total = sum(parts.values())
+    if not total or "factorization" not in parts:
         return ""
-    count = sum(row.get("factorizations") or 0 for row in results.experiments)
-    share = 100 * parts["factorization"] / whole
-    return f"Numeric factorization took {share:.0f} % of {number(whole)} s; there were {count} factorizations."
+    count = sum(row.factorizations or 0 for row in results.experiments)
+    per_cent = 100 * parts["factorization"] / total
+    return f"Numeric factorization took {per_cent:.0f} % of {number(total)} s; there were {count} factorizations."
 
 
-def limits_met(results: Results) -> list[str]:
-    """What was not reached and why, and which of the solved pressures carry a reason too."""
-    sentences = []
-    for row in results.experiments:
-        if row.get("reason"):
-            met = "" if row.get("status") == CONVERGED else f"{row.get('status')}: "
-            sentences.append(f"{row['experiment']} at {row['pressure_kPa']:g} kPa: {met}{row['reason']}")
-    return sentences
+def remarks(results: Results) -> list[str]:
+    """Pressures that were not reached, and states to be used with care, each with the reason."""
+    return [
+        f"{row.experiment} at {row.pressure_kPa:g} kPa: {'' if row.reached else f'{row.status}: '}{row.reason}"
+        for row in results.experiments
+        if row.reason
+    ]
