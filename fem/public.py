@@ -16,10 +16,10 @@ from fem.model import Model
 from fem.path.follower import PathObserver, PathOptions
 from fem.path.loadpath import follow, follow_volume
 from fem.path.newton import NewtonOptions
-from fem.post.extremes import beyond_the_law, in_words
+from fem.post.extremes import outside_stable_range, position_text
 from fem.post.fields import element_fields
 from fem.post.recovery import StressError, stress_error
-from fem.post.self_intersection import crossing
+from fem.post.self_intersection import self_intersection_clause
 from fem.solution import End, NotConverged, Seconds, Solution, Step
 from fem.supports import Fixed, Prescribed, SharedPlane, Support, SupportError, Symmetry, Tied
 from fem.warm_up import compile_kernels
@@ -64,13 +64,13 @@ __all__ = [
     "Uniaxial",
     "Yeoh",
     "available_solver",
-    "beyond_the_law",
     "compile_kernels",
-    "crossing",
     "element_fields",
     "follow",
     "follow_volume",
-    "in_words",
+    "outside_stable_range",
+    "position_text",
+    "self_intersection_clause",
     "step_from_arrays",
     "step_to_arrays",
     "stress_error",

@@ -1,4 +1,4 @@
-"""The kernels compiled before they are needed, so that the first run does not compile them in every process."""
+"""Compilation of the kernels ahead of a run, so that its processes load them from disk."""
 
 import numpy as np
 
@@ -12,10 +12,11 @@ from geometry import Mesh
 
 
 def compile_kernels(formulation: str = "p2p0") -> None:
-    """Solve one element; some twenty seconds once, then a second: the compiled kernels stay on disk.
+    """Solve a model of one element, which compiles every kernel: half a minute once, a second when they are on disk.
 
-    They serve all laws and all formulations; mixed elements need one more, which is compiled where they are asked for,
-    and a strain-limiting layer small ones of its own.
+    The kernels serve all laws and all formulations. "mixed" has one more, which is compiled with that formulation; a
+    strain-limiting layer compiles small kernels of its own when it is first used. Raises ValueError for a formulation
+    that does not exist.
     """
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     faces = {"clamp": np.array([[0, 1, 2]]), "cavity": np.array([[1, 2, 3]])}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bodies import box, fork, hollow_box
 
-from fem import crossing
+from fem import self_intersection_clause
 from fem.discretisation import Discretisation
 from geometry.arrays import Array
 
@@ -26,25 +26,25 @@ def curled(space: Discretisation, turns: float) -> Array:
 
 @pytest.mark.parametrize("turns", [0.1, 0.5, 0.9])
 def test_a_curled_beam_that_does_not_meet_itself(beam: Discretisation, turns: float) -> None:
-    assert crossing(beam, curled(beam, turns), half=False) == ""
+    assert self_intersection_clause(beam, curled(beam, turns), half=False) == ""
 
 
 def test_a_beam_curled_by_more_than_a_turn_passes_through_itself(beam: Discretisation) -> None:
-    where = crossing(beam, curled(beam, 1.1), half=False)
+    where = self_intersection_clause(beam, curled(beam, 1.1), half=False)
     assert where.startswith("passes through itself near (")
     assert where.endswith(") mm")
 
 
 def test_half_a_body_beyond_its_plane_of_symmetry() -> None:
     space = Discretisation.of(hollow_box(half=True), "p2")
-    assert crossing(space, space.points, half=True) == ""
+    assert self_intersection_clause(space, space.points, half=True) == ""
     x = space.points.copy()
     x[space.surface("cavity").unique_nodes, 2] -= 0.7
-    assert crossing(space, x, half=True).startswith("passes through its mirror image near (")
+    assert self_intersection_clause(space, x, half=True).startswith("passes through its mirror image near (")
 
 
 def test_walls_that_are_near_at_rest_are_left_to_contact() -> None:
     space = Discretisation.of(fork(0.4), "p2")
     x = space.points.copy()
     x[x[:, 1] > 1.2, 1] -= 0.6
-    assert crossing(space, x, half=False) == ""
+    assert self_intersection_clause(space, x, half=False) == ""

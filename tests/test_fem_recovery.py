@@ -47,7 +47,7 @@ def test_uniform_strain_has_no_error(formulation: str) -> None:
 def test_a_body_at_rest_has_no_error() -> None:
     supports = [Fixed("clamp"), Fixed("sym", "z")]
     found = stress_error(follow(Model(hollow_box(half=True), LAW, supports, []), [1.0]).steps[0], LAW)
-    assert (found.energy, found.share.sum()) == (0.0, 0.0)
+    assert (found.energy, found.fraction.sum()) == (0.0, 0.0)
 
 
 def angle(parts: int) -> Mesh:
@@ -71,7 +71,7 @@ def test_at_a_re_entrant_edge_it_is_largest_and_falls_with_the_size() -> None:
         found = stress_error(follow(Model(mesh, law, supports, [], "p2"), [1.0]).steps[0], law)
         energies.append(found.energy)
         assert np.hypot(found.worst_at[0] - 1.0, found.worst_at[1] - 1.0) < 1.0 / parts
-        assert found.share.sum() == pytest.approx(1.0)
+        assert found.fraction.sum() == pytest.approx(1.0)
     rates = np.log2(np.array(energies[:-1]) / np.array(energies[1:]))
     assert 0.9 < rates[-1] < 1.3, f"energies {energies}, rates {rates}"  # measured: 1.30 and 1.22
 

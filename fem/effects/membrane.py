@@ -24,22 +24,21 @@ from fem.kernels.membrane import (
 from fem.materials.material import Material, check_moduli
 from geometry.arrays import Array, Index
 
-#: Barycentric coordinates (q, 3) of the stress points of a triangle, all of equal weight. One point, for the reason
-#: that gives the volumetric part of the solid one: three strains at three points are more conditions than a triangle
-#: has displacements, and a layer that can hardly stretch would not bend either. Measured on the semicircular arm, end_y
-#: of Test II at 37 kPa: mesh 4 mm, three points -16.9 mm in 46 factorizations, one point -20.7 mm in 11; mesh 2.5 mm,
-#: one point -20.1 mm.
+#: Barycentric coordinates (q, 3) of the stress points of a triangle, all of equal weight. One point, as for the
+#: volumetric part of the solid: three strains at three points would be more conditions than a triangle has
+#: displacements, and a nearly inextensible layer could not bend either (with three points the semicircular arm bends a
+#: fifth less on a mesh of 4 mm).
 POINTS = np.full((1, 3), 1 / 3)
 
 
 class LayerError(ValueError):
-    """A layer that is nowhere, or that has no thickness."""
+    """A layer without faces of the mesh or without thickness."""
 
 
 @final
 @dataclass(frozen=True)
 class StrainLimitingLayer(Effect):
-    """Paper on flat triangles of the mesh, inner ones too; E in MPa, thickness in mm.
+    """Paper or fabric on flat triangles of the mesh, inside the body or on its surface; E in MPa, thickness in mm.
 
     triangles (f, 3) are vertex numbers of the mesh, each triangle a face of a tetrahedron, as `geometry.Mesh.plane`
     gives them. Raises `LayerError` and `fem.materials.material.MaterialError`.
@@ -114,15 +113,15 @@ class LayerTerm(StressCarryingTerm):
 def _gradients(corners: Array, quadratic: bool) -> tuple[Array, Array]:
     """Gradients (f, q, 6, 2) of the quadratic or (f, q, 3, 2) of the linear shape functions on triangles with corners
     (f, 3, 3), and areas (f,)."""
-    along, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    length = np.linalg.norm(along, axis=1)
-    first = along / length[:, None]
-    ahead = np.einsum("fi,fi->f", other, first)
-    height = np.linalg.norm(other - ahead[:, None] * first, axis=1)
+    edge, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    length = np.linalg.norm(edge, axis=1)
+    first = edge / length[:, None]
+    foot = np.einsum("fi,fi->f", other, first)
+    height = np.linalg.norm(other - foot[:, None] * first, axis=1)
     # gradients of the barycentric coordinates 1 and 2 in the frame (first, across); the three sum up to zero
     linear = np.zeros((corners.shape[0], 3, 2))
     linear[:, 2, 1] = 1 / height
-    linear[:, 1] = np.column_stack([1 / length, -ahead / (length * height)])
+    linear[:, 1] = np.column_stack([1 / length, -foot / (length * height)])
     linear[:, 0] = -linear[:, 1] - linear[:, 2]
     area = length * height / 2
     if not quadratic:
@@ -141,11 +140,11 @@ def _nodes(space: Discretisation, triangles: Index) -> Index:
     def keys(first: Index, second: Index) -> Index:
         return np.minimum(first, second) * count + np.maximum(first, second)
 
-    known, place = np.unique(keys(space.nodes[:, a], space.nodes[:, b]), return_index=True)
-    wanted = keys(triangles[:, [0, 1, 0]], triangles[:, [1, 2, 2]])
-    found = np.minimum(np.searchsorted(known, wanted), known.shape[0] - 1)
-    if not np.array_equal(known[found], wanted):
+    mesh_edges, first_use = np.unique(keys(space.nodes[:, a], space.nodes[:, b]), return_index=True)
+    edges = keys(triangles[:, [0, 1, 0]], triangles[:, [1, 2, 2]])
+    position = np.minimum(np.searchsorted(mesh_edges, edges), mesh_edges.shape[0] - 1)
+    if not np.array_equal(mesh_edges[position], edges):
         raise LayerError("strain-limiting layer: one of its triangles is not a face of the mesh")
     if not space.element.quadratic:
         return triangles
-    return np.concatenate([triangles, space.nodes[:, 4:].ravel()[place][found]], axis=1)
+    return np.concatenate([triangles, space.nodes[:, 4:].ravel()[first_use][position]], axis=1)

@@ -7,7 +7,7 @@ from fem.equations.system import System
 from fem.path.modes import critical_mode, stiffness_ratio_mode
 from fem.path.newton import Converged
 from fem.path.predictor import PathPoint
-from fem.post.extremes import beyond_the_law, extremes_of, in_words, strain_at_stress_points
+from fem.post.extremes import extremes_of, outside_stable_range, position_text, strain_at_stress_points
 
 #: fraction of the elastic stiffness that is left, where least is left, below which a path that ends is at a limit
 #: point; 0.2 % before the largest pressure of an arm of rubber it is 0.14
@@ -19,7 +19,7 @@ PASSABLE = "a limit point, beyond which only a prescribed volume or displacement
 def law_limit_clause(system: System, state: State) -> str:
     """A clause for a law that was driven out of its limits; empty otherwise."""
     worst = extremes_of(system.space, *strain_at_stress_points(system.space, state.displacement))
-    clause = beyond_the_law(worst, system.material)
+    clause = outside_stable_range(worst, system.material)
     return f"; there {clause}" if clause else ""
 
 
@@ -38,7 +38,7 @@ def near_limit_point(system: System, last: PathPoint) -> str:
         return ""
     return (
         f"; the last equilibrium has {max(mode.stiffness, 0.0):.1%} of its elastic stiffness left against a "
-        f"motion of {in_words(mode.position)}: {PASSABLE}"
+        f"motion of {position_text(mode.position)}: {PASSABLE}"
     )
 
 
@@ -54,4 +54,4 @@ def instability(system: System, converged: Converged, terms: Terms) -> str:
         mode = critical_mode(system, converged.state, terms)
     except SingularMatrix:
         return f"unstable in {count}, at a limit point"
-    return f"unstable in {count}; the motion nearest to a limit point is largest at {in_words(mode.position)}"
+    return f"unstable in {count}; the motion nearest to a limit point is largest at {position_text(mode.position)}"

@@ -20,7 +20,7 @@ from fem.path.control import Control
 from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
 from fem.path.newton import Converged, NewtonOptions, Start, StepFailed
 from fem.path.predictor import PathPoint, Predictor
-from fem.post.extremes import extremes_of, in_words
+from fem.post.extremes import extremes_of, position_text
 from fem.solution import End, Seconds, Solution, Step
 from geometry.arrays import Array
 
@@ -169,7 +169,9 @@ class PathFollower:
             converged = self._activate(self._solve(start, control, target), control, target)
         if converged.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
-            raise StepFailed(f"an element is turned inside out at {in_words(worst.min_J_at)} (J = {worst.min_J:.3g})")
+            raise StepFailed(
+                f"an element is turned inside out at {position_text(worst.min_J_at)} (J = {worst.min_J:.3g})"
+            )
         return converged
 
     def _activate(self, converged: Converged, control: Control, target: float) -> Converged:

@@ -1,15 +1,12 @@
-"""The extreme stretches of a state, where they sit, and what the law makes of them."""
+"""The extreme stretches of a state, their positions, and whether the law is stable at them."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.kernels.element import VOIGT, green_lagrange
 from fem.materials.material import Material
 from fem.solution import Extremes
-from geometry.arrays import Array
-
-Index = NDArray[np.intp]
+from geometry.arrays import Array, Index
 
 
 def strain_at_stress_points(space: Discretisation, displacement: Array) -> tuple[Array, Array]:
@@ -31,7 +28,7 @@ def principal_stretches(strain: Array) -> Array:
 def extremes_of(space: Discretisation, strain: Array, jacobian: Array) -> Extremes:
     """Extreme J and stretches over all stress points, with the element centres (mm) they belong to, from the
     Green-Lagrange strain (e, q, 6) and det F (e, q)."""
-    low, high = _most_strained(strain)
+    low, high = _candidates(strain)
     least, largest = principal_stretches(strain[low])[..., 0], principal_stretches(strain[high])[..., 2]
 
     def centre(element: int) -> tuple[float, float, float]:
@@ -48,39 +45,43 @@ def extremes_of(space: Discretisation, strain: Array, jacobian: Array) -> Extrem
     )
 
 
-def _most_strained(strain: Array) -> tuple[tuple[Index, ...], tuple[Index, ...]]:
-    """Elements and stress points where the smallest and where the largest principal stretch may be.
+def _candidates(strain: Array) -> tuple[tuple[Index, ...], tuple[Index, ...]]:
+    """Elements and stress points at which the smallest and the largest principal stretch can be; only there are
+    eigenvalues computed.
 
     The eigenvalues of C are m + 2 s cos(phi), m + 2 s cos(phi -+ 2 pi / 3) with 0 <= phi <= pi / 3, where m is their
     mean and 6 s^2 = |C - m I|^2: the largest lies between m + s and m + 2 s, the smallest between m - 2 s and m - s.
     """
     diagonal, shear = 2 * strain[..., :3] + 1, strain[..., 3:]
     mean = diagonal.mean(axis=-1)
-    away = np.sum((diagonal - mean[..., None]) ** 2, axis=-1) + 2 * np.sum(shear**2, axis=-1)
-    size = np.sqrt(away / 6)
+    square = np.sum((diagonal - mean[..., None]) ** 2, axis=-1) + 2 * np.sum(shear**2, axis=-1)
+    size = np.sqrt(square / 6)
     slack = 1e-12 * np.abs(mean).max()
     low, high = mean - 2 * size <= (mean - size).min() + slack, mean + 2 * size >= (mean + size).max() - slack
     return np.nonzero(low), np.nonzero(high)
 
 
-def beyond_the_law(extremes: Extremes, material: Material) -> str:
-    """A clause for stretches outside those between which the law can be trusted; empty where all are inside."""
+def outside_stable_range(extremes: Extremes, material: Material) -> str:
+    """A clause that names a stretch outside the stable range of the law; empty where all are inside."""
     lowest, highest = material.stretch_limits
     law = type(material).__name__
-    volume = f"the smallest J is {extremes.min_J:.3g} at {in_words(extremes.min_J_at)}"
+    volume = f"the smallest J is {extremes.min_J:.3g} at {position_text(extremes.min_J_at)}"
     if extremes.min_stretch < lowest:
+        position = position_text(extremes.min_stretch_at)
         return (
-            f"a stretch of {extremes.min_stretch:.3g} at {in_words(extremes.min_stretch_at)} is below {lowest:.3g}, "
+            f"a stretch of {extremes.min_stretch:.3g} at {position} is below {lowest:.3g}, "
             f"where {law} in compression is no longer stable; {volume}"
         )
     if extremes.max_stretch > highest:
+        position = position_text(extremes.max_stretch_at)
         return (
-            f"a stretch of {extremes.max_stretch:.3g} at {in_words(extremes.max_stretch_at)} is above {highest:.3g}, "
+            f"a stretch of {extremes.max_stretch:.3g} at {position} is above {highest:.3g}, "
             f"the largest that {law} can be trusted at; {volume}"
         )
     return ""
 
 
-def in_words(place: tuple[float, float, float] | Array) -> str:
-    """A position (3,) in mm, to a tenth."""
-    return f"({place[0]:.1f}, {place[1]:.1f}, {place[2]:.1f}) mm"
+def position_text(position: tuple[float, float, float] | Array) -> str:
+    """A position (3,) in mm, formatted to a tenth of a millimetre."""
+    x, y, z = position
+    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"

@@ -1,4 +1,4 @@
-"""What a state looks like per element: stretch, J and Cauchy stress, for pictures."""
+"""Fields of a state per element, for pictures: stretch, J and Cauchy stress."""
 
 import numpy as np
 

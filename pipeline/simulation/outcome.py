@@ -158,7 +158,7 @@ class Indicator:
 
     def location(self) -> str:
         """The state and the position in the body, in words."""
-        return f"in {self.experiment} at {self.pressure_kPa:g} kPa, most of it at {fem.in_words(self.at_mm)}"
+        return f"in {self.experiment} at {self.pressure_kPa:g} kPa, most of it at {fem.position_text(self.at_mm)}"
 
     def sentence(self) -> str:
         """For the report."""

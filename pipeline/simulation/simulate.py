@@ -148,7 +148,7 @@ def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Seque
     if scene.config.effects["self_contact"] == "off":
         return steps, ""
     for count, step in enumerate(steps):
-        if where := fem.crossing(step.space, step.positions, scene.body.half):
+        if where := fem.self_intersection_clause(step.space, step.positions, scene.body.half):
             return steps[:count], f"the body {where}, where contact is not simulated"
     return steps, ""
 
@@ -170,7 +170,7 @@ def _record(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, mat
 def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, material: fem.Material) -> StateSummary:
     end, force, clamp = experiment.end(step), experiment.end_force(step), experiment.clamp_force(step)
     error = fem.stress_error(step, material)
-    remarks = (fem.beyond_the_law(step.extremes, material), step.instability)
+    remarks = (fem.outside_stable_range(step.extremes, material), step.instability)
     return StateSummary(
         experiment=experiment.name,
         pressure_kPa=pressure_kPa,

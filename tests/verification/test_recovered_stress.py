@@ -58,7 +58,7 @@ def test_effectivity(name: str, formulation: str, record_property: Callable[[str
     for n in SIZES:
         step = solve(n, case, formulation)
         found = stress_error(step, case.law)
-        assert found.share.shape == (len(step.space.nodes),)
+        assert found.fraction.shape == (len(step.space.nodes),)
         index.append(np.sqrt(found.energy / true_energy(step, case)))
         indicated.append(np.sqrt(found.energy))
     rate = np.log(indicated[1] / indicated[2]) / np.log(SIZES[2] / SIZES[1])
