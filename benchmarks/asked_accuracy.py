@@ -1,4 +1,4 @@
-"""Requested accuracy on designs that the rule was not made with: errors estimated before and after the run, and true.
+"""Requested accuracy on designs from which its error model was not derived: estimated errors and true ones.
 
     python benchmarks/asked_accuracy.py RESULTS
 

@@ -1,9 +1,10 @@
-"""What could beat one factorization per Newton iteration: the alternatives on the tangents of a real path.
+"""Alternatives to one factorization per Newton iteration, on the tangents of a real path.
 
     python benchmarks/factor.py [mesh size in mm]
 
-Experiment II of design (a) straight to 17 kPa without contact; every tangent of that path is kept and solved again by
-each way, to a residual of 1e-9 of the right-hand side, which Newton needs no better. Processor seconds, one thread.
+Experiment II of the gapped pneu-net (`PneuNet`) in one increment to 17 kPa without contact. Every tangent of that path
+is stored and solved by each method to a residual of 1e-9 of the right-hand side, which is sufficient for Newton's
+method. Processor seconds, one thread.
 """
 
 import os

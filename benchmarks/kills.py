@@ -1,11 +1,11 @@
-"""Runs that are killed at random moments and started again, against runs that nobody disturbed.
+"""Runs that are killed at random times and continued, compared with an uninterrupted run.
 
     python benchmarks/kills.py [--kills 50] [--seed 1] [--keep DIR]
 
-Every kill is SIGKILL. In turn it hits the main process alone, whose workers must then end by themselves, and the whole
-process group; every third resumed run is killed as well. The moments are spread evenly over the undisturbed run, one at
-random in each part, so that mesh, experiments, identification, pictures and report are all met. The same command then
-has to end well and to leave the results of the undisturbed run: equal to the last bit, seconds apart.
+Every signal is SIGKILL, alternately to the main process alone, whose workers must then end by themselves, and to the
+process group; every third resumed run is killed as well. The times are spread over the duration of the uninterrupted
+run, one at random in each part, so that mesh, experiments, identification, pictures and report are all hit. The same
+command must then succeed with the results of the uninterrupted run, equal to the last bit except for the seconds.
 """
 
 import argparse
@@ -107,17 +107,17 @@ def main() -> int:
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--keep", type=Path, help="new folder for the runs, a temporary one by default")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
-        place = asked.keep or Path(temporary)
+        place = options.keep or Path(temporary)
         place.mkdir(parents=True, exist_ok=True)
         references = [undisturbed(place, scene) for scene in SCENES]
-        endings = list(disturbed(place, references, asked.kills, random.Random(asked.seed)))
+        endings = list(disturbed(place, references, options.kills, random.Random(options.seed)))
     for verdict, count in Counter(endings).items():
         say(f"{count} x {verdict}")
     equal = endings.count("equal")
-    say(f"{asked.kills} kills, {equal} equal results")
-    return 0 if equal == asked.kills else 1
+    say(f"{options.kills} kills, {equal} equal results")
+    return 0 if equal == options.kills else 1
 
 
 def undisturbed(place: Path, scene: str) -> Reference:

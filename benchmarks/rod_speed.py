@@ -2,8 +2,9 @@
 
     python benchmarks/rod_speed.py
 
-All three hold the same arm: design (a) at about 31 kPa, five numbers, a dead end force. PyElastica integrates in time
-until the arm hardly moves; it is not made for statics, and the figure only says what one would pay for using it so.
+All three solve the same arm: the gapped pneu-net at about 31 kPa with its five parameters and a dead end force.
+PyElastica integrates in time until the arm hardly moves; it is not made for statics, and its time shows only what
+such a use would cost.
 """
 
 import sys
@@ -90,7 +91,7 @@ def main() -> None:
         ("rod, README example, 1000 solves", seconds_each(lambda: README.solve(force=(0.5, -1.0)), 1000), None),
         ("rod, dead force", seconds_each(lambda: CONSTANT.solve(force=FORCE), 1000), None),
         ("rod, dead force, kappa_0 at 113 nodes", seconds_each(lambda: SAMPLED.solve(force=FORCE), 300), None),
-        ("rod, Test III, kappa_0 at 113 nodes", seconds_each(lambda: SAMPLED.solve(end_y=0.0), 300), None),
+        ("rod, experiment III, kappa_0 at 113 nodes", seconds_each(lambda: SAMPLED.solve(end_y=0.0), 300), None),
     ]
     tip = by_scipy()
     rows.append(("scipy solve_bvp, tol 1e-8", seconds_each(by_scipy, 10), np.hypot(*(tip - ours)) / LENGTH))

@@ -2,9 +2,9 @@
 
     python benchmarks/scaling.py [mesh size in mm] > table
 
-The numbers come from the arm with 11 chambers. Rods for 7, 11 and 20 chambers (l = 10 n + 2 mm) get them by equation
-(9), at the same pressure and from one pressure alone, and are held against their finite elements: largest distance
-over the length in II and III, and the relative error of the end force in III.
+The parameters are those of the arm with 11 chambers. Rods for 7, 11 and 20 chambers (l = 10 n + 2 mm) get them by
+equation (9), at the same pressure and from one pressure alone, and are compared with their own finite elements: largest
+distance over the length in experiments II and III, and the relative error of the end force in III.
 """
 
 import sys

@@ -1,10 +1,10 @@
-"""What one Newton iteration costs, from the coarse arm to a million unknowns.
+"""Cost of a Newton iteration from the coarse arm to a million unknowns.
 
     python benchmarks/size.py [mesh size in mm ...]
 
-Experiment II of design (a) at 5 kPa, without contact, straight from rest to equilibrium; each size in a process of its
-own, so that its peak memory is its own. Seconds are processor seconds of one thread. `--single` keeps the factor in
-single precision whatever memory there is.
+Experiment II of the gapped pneu-net (`PneuNet`) at 5 kPa, without contact, in one increment from rest; each size in a
+separate process, so that peak memories do not mix. Seconds are processor seconds of one thread. `--single` computes the
+factor in single precision whatever memory is free.
 """
 
 import json

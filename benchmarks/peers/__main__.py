@@ -2,7 +2,7 @@
 
     make bench-peers        # or: python -m benchmarks.peers --python .venv-peers/bin/python
 
-Runs are interleaved and kept one by one; the command given again goes on where it was stopped. `--fresh` begins anew.
+Runs are interleaved and stored one by one; the same command continues a session. `--fresh` starts a new one.
 """
 
 import argparse
@@ -44,27 +44,27 @@ def main() -> int:
     parser.add_argument("--python", default=".venv-peers/bin/python", help="of the peers' virtual environment")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--at-most", type=int, default=sys.maxsize, help="number of runs this time")
-    parser.add_argument("--fresh", action="store_true", help="forget the runs kept so far")
+    parser.add_argument("--fresh", action="store_true", help="forget the runs stored so far")
     parser.add_argument("--out", type=Path, default=ROOT / "docs", help="folder of peers.md and peers.json")
-    asked = parser.parse_args()
-    kept = asked.out / "peers.json"
-    session = Session(machine()) if asked.fresh or not kept.exists() else Session.load(kept)
+    options = parser.parse_args()
+    stored = options.out / "peers.json"
+    session = Session(machine()) if options.fresh or not stored.exists() else Session.load(stored)
     session.missing = {peer.name: why for peer in PEERS if (why := absent(peer))}
     if not session.runs:
         measured(PEERS[0], "four", sys.executable)  # not counted: compiles the kernels where they are not on disk yet
-    left = [(peer, path) for peer, path in plan(PEERS, asked.rounds, session.runs) if not absent(peer)]
-    for peer, path in left[: asked.at_most]:
+    left = [(peer, path) for peer, path in plan(PEERS, options.rounds, session.runs) if not absent(peer)]
+    for peer, path in left[: options.at_most]:
         try:
-            run = measured(peer, path, sys.executable if peer.own else asked.python)
+            run = measured(peer, path, sys.executable if peer.own else options.python)
         except RunFailed as failure:
             session.missing[peer.name] = str(failure)
             print(failure, file=sys.stderr)  # noqa: T201
             continue
         session.runs.append(run)
-        session.save(kept)
+        session.save(stored)
         print(f"{peer.name}, {path}: {run.outcome.factorizations} factorizations, {run.cpu:.1f} s CPU", flush=True)  # noqa: T201
-    session.save(kept)
-    (asked.out / "peers.md").write_text(page(PEERS, session), encoding="utf-8")
+    session.save(stored)
+    (options.out / "peers.md").write_text(page(PEERS, session), encoding="utf-8")
     return 0
 
 

@@ -3,7 +3,7 @@
     python -m benchmarks.peers.by_calculix four out.json
 
 Needs `ccx` (Debian: apt-get install calculix-ccx). *ELASTIC with NLGEOM is St. Venant-Kirchhoff's law there, C3D10
-has four points, and *DLOAD P follows the surface; see docs/peers.md for how closely.
+has four points, and *DLOAD P follows the surface; docs/peers.md compares the results.
 """
 
 import os

@@ -3,8 +3,8 @@
     python -m benchmarks.peers.by_felupe four out.json
 
 FElupe ships no boundary region for tetrahedra; `face_region` makes one. Its docs recommend `pypardiso.spsolve`; the
-symmetric PARDISO below is faster. The load stepping is the user's, because FElupe's CutbackPlugin begins every
-increment in the last equilibrium.
+symmetric PARDISO below is faster. The step control is `stepping.py`, because FElupe's CutbackPlugin starts
+every increment at the last equilibrium.
 """
 
 from collections.abc import Callable, Sequence

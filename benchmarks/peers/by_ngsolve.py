@@ -2,8 +2,8 @@
 
     python -m benchmarks.peers.by_ngsolve four out.json
 
-Newton's method and the load stepping are the user's. `--cpp` lets NGSolve write the forms as C++ and compile them,
-which needs a compiler and some ten seconds before the first increment.
+Newton's method and the step control are left to the user (`stepping.py`). `--cpp` lets NGSolve write the forms as C++
+and compile them, which needs a compiler and about ten seconds before the first increment.
 """
 
 import sys
@@ -86,7 +86,7 @@ class Model:
         return -self.answering.FV().NumPy()
 
     def answer(self, unknowns: np.ndarray) -> tuple[float, float, float]:
-        """Tip and volume; the unknowns are hierarchical, so values at nodes are asked for by their place."""
+        """Tip and volume; the unknowns are hierarchical, so values at nodes are evaluated at their positions."""
         self.u.vec.FV().NumPy()[:] = unknowns
         places = self.body.points[self.body.nodes("tip")]
         tip = np.mean([self.u(self.mesh(*place)) for place in places], axis=0)

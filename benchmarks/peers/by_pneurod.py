@@ -20,7 +20,7 @@ def set_up() -> Callable[[Sequence[float]], Found]:
     load_pardiso()
     law, supports = fem.StVenantKirchhoff(E, NU), [fem.Fixed("clamp"), fem.Fixed("sym", "z")]
     model = fem.Model(Mesh.read(MESH), law, supports, [fem.Pressure("cavity", KPA)], "p2")
-    _ = model.space  # made once, when it is asked for
+    _ = model.space  # computed once, at its first use
 
     def walk(pressures: Sequence[float]) -> Found:
         options = fem.PathOptions(newton=fem.NewtonOptions(tolerance=TOLERANCE))

@@ -2,8 +2,8 @@
 
     python -m benchmarks.peers.by_skfem four out.json
 
-SuperLU is told that the matrix is symmetric (minimum degree of A^T + A, diagonal pivots), which takes a fraction of
-its default's time here. Newton's method and the load stepping are the user's.
+SuperLU is used in its symmetric mode (minimum degree of A^T + A, diagonal pivots), which takes a fraction of the
+time of its default here. Newton's method and the step control are left to the user (`stepping.py`).
 """
 
 from collections.abc import Callable, Sequence

@@ -1,7 +1,7 @@
-"""What every peer solves, and what it hands back: the same numbers for all of them.
+"""The problem that every solver solves, and the form of its results.
 
-The reference arm of `tests/data/t2_coarse.msh`, clamped at its face `clamp`, held in its plane of symmetry, its cavity
-under a pressure that follows the surface; St. Venant-Kirchhoff, quadratic tetrahedra with four points, no contact.
+The gapped arm of `tests/data/t2_coarse.msh`, clamped at its face `clamp`, with u_z = 0 in its plane of symmetry and a
+follower pressure in its cavity; St. Venant-Kirchhoff, quadratic tetrahedra with four points, no contact.
 """
 
 import argparse
@@ -22,7 +22,7 @@ E, NU = 1.2, 0.495  #: MPa
 LAMBDA, MU = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))  #: MPa
 KPA = 1e-3  #: MPa
 TOLERANCE = 1e-6  #: of the residual, relative
-#: what is asked: the four pressures one after the other, or the last one straight away, kPa
+#: targets of a path: the four pressures, or the last one alone, kPa
 PATHS = {"four": (5.0, 17.0, 31.0, 45.0), "straight": (45.0,)}
 MESH = Path(__file__).resolve().parents[2] / "tests" / "data" / "t2_coarse.msh"
 
@@ -125,7 +125,7 @@ class Outcome:
     solver: str  #: what factorizes
     answers: dict[str, tuple[float, float, float]]  #: pressure in kPa: u_x, u_y (mm), volume (mm3)
     increments: int  #: converged ones
-    failed: int  #: attempts that were given up
+    failed: int  #: attempts that failed
     factorizations: int  #: failed attempts included
     set_up_cpu: float  #: s before the first increment: imports, mesh, spaces, compiling; from the start of the process
     solve_cpu: float  #: s
@@ -164,10 +164,10 @@ def report(
     parser.add_argument("out", type=Path)
     for flag in flags:
         parser.add_argument(flag, action="store_true")
-    asked = parser.parse_args()
+    options = parser.parse_args()
     walk = set_up()
     begin = Clock.now()
-    found = walk(PATHS[asked.path])
+    found = walk(PATHS[options.path])
     end = Clock.now()
     outcome = Outcome(
         package=package,
@@ -181,4 +181,4 @@ def report(
         solve_wall=end.wall - begin.wall,
         note=found.note,
     )
-    asked.out.write_text(json.dumps(asdict(outcome), indent=1), encoding="utf-8")
+    options.out.write_text(json.dumps(asdict(outcome), indent=1), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Each run is a process of its own, measured from outside; a session keeps them one by one and can go on."""
+"""Runs in separate processes that are measured from outside, and the session that stores them one by one."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Load stepping for the peers that leave it to their users: grow while it goes well, halve where it does not."""
+"""Step control for the solvers that leave it to their users: larger after success, halved after failure."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ Equilibrium = Callable[[float, np.ndarray], tuple[np.ndarray, int]]
 
 
 class NoEquilibrium(ArithmeticError):
-    """Newton's method was given up."""
+    """Newton's method did not converge."""
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Stepping:
     first: float  #: first increment, kPa
     growth: float  #: of the increment after a quick one
     quick: int  #: iterations of a quick increment at the most
-    iterations: int  #: Newton iterations before an attempt is given up
+    iterations: int  #: Newton iterations after which an attempt has failed
     predict: bool  #: begin where the last two equilibria point, not in the last one
     smallest: float = 0.01  #: kPa, the increment at which the path ends
 
@@ -35,7 +35,7 @@ class Stepping:
         answer: Callable[[np.ndarray], Answer],
         factorizations: Callable[[], int],
     ) -> Found:
-        """Equilibria at the asked pressures (kPa, ascending) from the state of rest `start`."""
+        """Equilibria at the target pressures (kPa, ascending) from the state of rest `start`."""
         places = [(0.0, start)]
         increment, increments, failed = self.first, 0, 0
         answers: dict[float, Answer] = {}

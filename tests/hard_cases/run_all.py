@@ -1,4 +1,4 @@
-"""Solves all cases, or those whose names hold the words given, prints the table and writes it to docs/robustness.md.
+"""Solve all cases, or those whose names contain the given words; print the table and write it to docs/robustness.md.
 
 python tests/hard_cases/run_all.py [--jobs N] [WORDS]
 """
@@ -20,16 +20,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--jobs", type=int, default=len(os.sched_getaffinity(0)))
     parser.add_argument("words", nargs="*")
-    asked = parser.parse_args()
-    cases = [case for case in read_cases() if all(word in case.name for word in asked.words)]
+    options = parser.parse_args()
+    cases = [case for case in read_cases() if all(word in case.name for word in options.words)]
     os.environ.update(dict.fromkeys(("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS"), "1"))
     lines = []
-    with ProcessPoolExecutor(asked.jobs, get_context("spawn")) as pool:
+    with ProcessPoolExecutor(options.jobs, get_context("spawn")) as pool:
         for seconds, line in pool.map(_timed, cases):
             lines.append(line)
             mark = "ok " if line.as_expected else "NOT"
             print(f"{mark} {seconds:6.1f} s  {line.case.name}: {line.reason or f'{line.error:.2g}'}", flush=True)  # noqa: T201
-    if not asked.words:
+    if not options.words:
         write_table(lines)
     print(table(lines), summary(lines), sep="\n")  # noqa: T201
     return int(not all(line.as_expected for line in lines))

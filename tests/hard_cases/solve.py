@@ -1,4 +1,4 @@
-"""One case solved as a user would have it solved, from its configuration to its records; and its line of the table."""
+"""Solution of one case as by `pneurod run`, from its configuration to its states, and its line of the table."""
 
 import tempfile
 from dataclasses import dataclass
@@ -22,11 +22,11 @@ from pipeline.store.store import open_store
 
 @dataclass(frozen=True)
 class Line:
-    """What became of a case."""
+    """The outcome of a case, a line of the table."""
 
     case: HardCase
-    reason: str  #: why it was not solved; empty where it was
-    error: float  #: difference from what the check is against; NaN without a check
+    reason: str  #: why it was not solved; empty if it was
+    error: float  #: difference from the result of the check; NaN without a check
     steps: int
     cutbacks: int
     factorizations: int
@@ -37,7 +37,7 @@ class Line:
 
     @property
     def as_expected(self) -> bool:
-        """Solved and near what it was checked against, or the expected limit named."""
+        """True if the case was solved and agrees with its check, or its reason names the expected limit."""
         if self.aspect < self.case.aspect:
             return False
         if self.case.limit:
@@ -47,7 +47,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Solved:
-    """A scene and what was found."""
+    """A scene and its outcome."""
 
     config: Config
     body: Body
@@ -92,7 +92,7 @@ def _largest_aspect_ratio(mesh: Mesh) -> float:
 
 
 def solve(scene: Scene) -> Solved:
-    """The scene; raises `Refused` with the sentence a user would read."""
+    """Solve the scene. Raises `Refused` with the sentence that a user would get."""
     with tempfile.TemporaryDirectory() as place:
         try:
             config, body = _configured(scene, Path(place))

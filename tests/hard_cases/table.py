@@ -1,4 +1,4 @@
-"""The table of docs/robustness.md, between two marks; what stands outside them is left alone."""
+"""The table of docs/robustness.md, between two marks; the text outside them is not changed."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Hard cases end as they should: solved and near what they are held against, or with the limit that was met.
+"""Hard cases end as expected: solved in agreement with their checks, or with a reason that names the limit.
 
 `make hard` solves them all and writes the table of docs/robustness.md.
 """

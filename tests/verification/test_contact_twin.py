@@ -1,9 +1,9 @@
-"""Contact against closed forms: a wall before a rigid plane is a wall before its mirror image.
+"""Contact with a rigid plane against contact with the mirror image, and against closed forms.
 
 The barrier is that of M. Li et al., "Incremental potential contact", ACM Trans. Graph. 39 (2020), in the form of
 `fem.effects.barrier.contact_potential`, dhat f(g / dhat): a wall g from the plane with dhat, and one 2 g from its
-mirror image with 2 dhat, feel the same pressure. A bar pressed against the plane is one-dimensional (St.
-Venant-Kirchhoff, P = E s (s^2 - 1) / 2): the barrier's pressure at the gap that is left must be P. Without the barrier
+mirror image with 2 dhat, have the same contact pressure. A bar pressed against the plane is one-dimensional (St.
+Venant-Kirchhoff, P = E s (s^2 - 1) / 2): the barrier's pressure at the remaining gap must be P. Without the barrier
 the gap would be zero; with it the error is of first order in dhat.
 """
 

@@ -2,10 +2,10 @@
 (2002) 4-10.
 
 A displacement is chosen, and the body force -Div P and the traction P N that it needs are derived from the law and
-applied; the body must answer with the displacement. P is written down here once more, as dW/dF, and differentiated by
-complex steps. Second route: P from complex steps of W, -Div P from real differences.
+applied; the solver must return the displacement. P is implemented here independently, as dW/dF, and differentiated by
+complex steps. It is checked by a second derivation: P from complex steps of W, -Div P from real differences.
 
-Rates. Quadratic tetrahedra: 3 for the displacement in L2, 2 for its gradient; linear ones: 2 and 1. p2p0 takes one
+Rates. Quadratic tetrahedra: 3 for the displacement in L2, 2 for its gradient; linear ones: 2 and 1. p2p0 has one
 volumetric strain per element, which is a constant pressure: 2 and 1, however smooth the solution (D. Boffi, F. Brezzi,
 M. Fortin, "Mixed finite element methods and applications", Springer 2013, chapter 8).
 """

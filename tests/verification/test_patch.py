@@ -1,8 +1,8 @@
 """The patch test: B. M. Irons, "Engineering applications of numerical integration in stiffness methods", AIAA J. 4
 (1966) 2035-2037; O. C. Zienkiewicz, R. L. Taylor, "The finite element method", 5th ed. 2000, volume 1, chapter 10.
 
-The surface of a block of irregular tetrahedra is displaced linearly in the position; the inside must follow, and the
-strain must be the same everywhere.
+The surface of a block of irregular tetrahedra is displaced linearly in the position; the interior nodes must have
+the same linear displacement, and the strain must be uniform.
 """
 
 import numpy as np

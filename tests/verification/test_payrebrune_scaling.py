@@ -1,4 +1,4 @@
-"""de Payrebrune & O'Reilly, equations (9) and (10), Figs 12 and 13: other lengths from one parameterization."""
+"""Arms of other lengths from one parameterization: de Payrebrune & O'Reilly, equations (9) and (10), Figs 12 and 13."""
 
 import importlib.util
 import sys

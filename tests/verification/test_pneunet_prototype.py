@@ -1,8 +1,8 @@
-"""The gapped pneu-net against what prototypes of it gave (design notes "mechanics" and "rod").
+"""The gapped pneu-net against results of independent finite element prototypes.
 
-Test II at 5 kPa, quadratic tetrahedra with the one-point volumetric term: end_y -22.75 mm at 25 500 dofs, -23.70 at
-70 500, -24.03 at 277 500. Test III at 31 kPa: end force 0.0866 N at 70 000 dofs. An unstructured mesh makes equal
-cells differ by 7-10 %, a repeated one by nothing.
+Experiment II at 5 kPa, quadratic tetrahedra with the one-point volumetric term: end_y -22.75 mm at 25 500 dofs, -23.70
+at 70 500, -24.03 at 277 500. Experiment III at 31 kPa: end force 0.0866 N at 70 000 dofs. With an unstructured mesh
+equal cells differ by 7-10 %, with a repeated one not at all.
 """
 
 import numpy as np

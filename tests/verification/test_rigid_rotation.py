@@ -1,8 +1,8 @@
-"""A rotation strains nothing: C. Truesdell, W. Noll, "The non-linear field theories of mechanics", Handbuch der Physik
-III/3, Springer 1965, section 29 (elastic materials are indifferent to the frame).
+"""A rigid rotation causes no stress: C. Truesdell, W. Noll, "The non-linear field theories of mechanics", Handbuch der
+Physik III/3, Springer 1965, section 29 (elastic materials are indifferent to the frame).
 
-Here through the whole solver: one end of a bar is turned about a skew axis and moved, and the bar must follow without
-stress, though the way there leads through strains. `test_uniaxial` asks the same of the law at a given displacement.
+One end of a bar is rotated about a skew axis and moved, and the solver must find the rotated bar without stress,
+although the iterates are strained. `test_uniaxial` tests the same for the law at a given displacement.
 """
 
 import numpy as np

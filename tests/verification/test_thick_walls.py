@@ -1,4 +1,4 @@
-"""Thick-walled cylinder (plane strain) and sphere under internal pressure that follows the wall; radii 1 and 2.
+"""Thick-walled cylinder (plane strain) and sphere under internal follower pressure; radii 1 and 2.
 
 St. Venant-Kirchhoff, E = 1.2: displacements of the inner and outer wall from the radial equilibrium
 d(P_r)/dR + k (P_r - P_t) / R = 0 (k = 1, 2), solved as a boundary-value problem to nine digits. Incompressible

@@ -1,7 +1,7 @@
 """Uniaxial tension and compression of every law against its closed form.
 
 St. Venant-Kirchhoff: the lateral stretch follows from S22 = 0, 2 E22 = -2 nu E11, so t^2 = 1 - nu (s^2 - 1), and
-P = E s (s^2 - 1) / 2 (design note "mechanics", section 4). Hencky: ln t = -nu ln s, P = E ln(s) / s. Rubber, nearly
+P = E s (s^2 - 1) / 2. Hencky: ln t = -nu ln s, P = E ln(s) / s. Rubber, nearly
 incompressible: P = 2 (s - 1/s^2) (w' + c / s) with w' at I1 = s^2 + 2/s (R. S. Rivlin, D. W. Saunders, Phil. Trans. R.
 Soc. A 243 (1951) 251).
 """
