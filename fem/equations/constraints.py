@@ -44,10 +44,10 @@ class Constraints:
         """
         elimination = _Elimination(supports, space)
         equations = [support.equations(space) for support in supports]
-        for number, one in enumerate(equations):
-            elimination.take_single(number, one)
-        for number, one in enumerate(equations):
-            elimination.take_coupled(number, one)
+        for number, rows in enumerate(equations):
+            elimination.take_single(number, rows)
+        for number, rows in enumerate(equations):
+            elimination.take_coupled(number, rows)
         return elimination.constraints()
 
     @property

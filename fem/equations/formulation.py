@@ -8,7 +8,8 @@ m/2 theta(E)^2 the potential is
     Pi(u, p) = int W_shear(E) + p theta(E) - p^2 / (2 m) dX - ...,
 
 stationary in p where p is m times the projection of theta on the linear fields: a displacement determines its
-pressure. The unknowns are the nodal p over the shear modulus, which keeps both kinds of rows of one size in any unit.
+pressure. The unknowns are the nodal p over the shear modulus, so that the displacement and the pressure rows of the
+tangent are of similar size in any units.
 """
 
 from abc import ABC, abstractmethod
@@ -37,7 +38,7 @@ class LawValues:
     """Energy, stress and tangent of a law at all stress points of a body."""
 
     energy: Array  #: (e, q), MPa
-    stress: Array  #: (e, q, 6), second Piola-Kirchhoff, each point's share of the law, MPa
+    stress: Array  #: (e, q, 6), second Piola-Kirchhoff, of the part of the law taken at each point, MPa
     tangent: Array  #: (e, q, 6, 6) dS/dE, MPa; (1, q or 1, 6, 6) where it is the same everywhere
     dilatation: Array  #: (e, q) theta; (0, 0) where the pressure is not an unknown
     #: (e, q, 6) d theta / d E, (1, 1, 6) where it is the same everywhere; (0, 0, 6) without pressure unknowns
@@ -106,7 +107,7 @@ class Formulation(ABC):
 
 
 def formulation_of(space: Discretisation, material: Material) -> Formulation:
-    """The one the discretisation was made for."""
+    """The law on a discretisation, with pressure unknowns where it was made for them; raises `MaterialError`."""
     mixed = space.element.volumetric is Volumetric.PRESSURE
     return Mixed(space, material) if mixed else DisplacementOnly(space, material)
 
@@ -141,7 +142,7 @@ class DisplacementOnly(Formulation):
             energy = np.concatenate([shear.energy, volumetric.energy], axis=1)
             stress = np.concatenate([shear.stress, volumetric.stress], axis=1)
             tangent = np.concatenate([_per_point(shear, points), _per_point(volumetric, 1)], axis=1)
-        # in one layout whatever the law: the kernels are compiled once for each
+        # contiguous for all laws: a kernel is compiled once for each layout
         stress, tangent = np.ascontiguousarray(stress), np.ascontiguousarray(tangent)
         return LawValues(energy, stress, tangent, np.empty((0, 0)), np.empty((0, 0, 6)))
 

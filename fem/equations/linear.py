@@ -24,19 +24,19 @@ class SingularMatrix(ArithmeticError):
 
 
 #: a pivot below ten to this power times the largest entry counts as zero
-ZERO_PIVOT = -12
-#: orderings of PARDISO; slender bodies have small separators anyway. Processor seconds of a factor, minimum degree over
-#: nested dissection: 0.88 at 32 000 unknowns, 0.84 at 58 000, 1.0 at 130 000
+ZERO_PIVOT_EXPONENT = -12
+#: orderings of PARDISO: minimum degree is faster for slender bodies, which have small separators, up to about 100 000
+#: unknowns (docs/performance.md)
 MINIMUM_DEGREE, NESTED_DISSECTION = 0, 3
 LARGE = 100_000
-#: place in PARDISO's iparm: 0 takes single pivots from the diagonal, 1 pairs too (Bunch and Kaufman). Single ones
-#: suffice for all tangents that were met, mixed ones too (residual 5e-16 either way), and take a tenth less time
+#: index in PARDISO's iparm: 0 takes single pivots from the diagonal, 1 also pairs (Bunch and Kaufman). Single pivots
+#: are as accurate for the tangents here, mixed ones included, and faster; pairs are the second attempt
 PIVOTING = 21
-#: residual over right-hand side to which a solution is refined, in how many rounds of how many GMRES iterations
-REFINED = 1e-9
+#: residual over right-hand side to which a solution is refined, in at most so many rounds of so many GMRES iterations
+REFINED_RESIDUAL = 1e-9
 REFINEMENTS = 8
 RESTART = 40
-LOOSE = "a pivot is zero: a part of the body is not held, or the equilibrium is at a limit point"
+SINGULAR = "a pivot is zero: a part of the body is not held, or the equilibrium is at a limit point"
 
 
 @dataclass
@@ -58,7 +58,10 @@ class LinearSolver(ABC):
 
     @abstractmethod
     def analyse(self, indptr: NDArray[Any], indices: NDArray[Any]) -> None:
-        """Symbolic analysis of an upper triangular CSR pattern with sorted rows and a full diagonal."""
+        """Symbolic analysis of an upper triangular pattern, indptr (d + 1,) and indices (nnz,) in compressed rows.
+
+        Its rows are sorted and its diagonal is full.
+        """
 
     @abstractmethod
     def factorize(self, data: Array) -> None:
@@ -66,7 +69,10 @@ class LinearSolver(ABC):
 
     @abstractmethod
     def solve(self, right: Array) -> Array:
-        """Solution (d,) or (d, k) for the last factorized matrix; raises `SingularMatrix`."""
+        """Solution (d,) or (d, k) for right-hand sides of that shape with the matrix of the last `factorize`.
+
+        Raises `SingularMatrix` where it is not finite.
+        """
 
     @property
     @abstractmethod
@@ -96,8 +102,8 @@ class Pardiso(LinearSolver):
         self._solver = PyPardisoSolver(mtype=-2)
         self._error = PyPardisoError
         self._finalizer = weakref.finalize(self, _release, self._solver)
-        for place, value in {1: 1, 8: 0, 10: -ZERO_PIVOT, 11: 0, 13: 0, 24: 0}.items():
-            self._solver.set_iparm(place, value)
+        for position, value in {1: 1, 8: 0, 10: -ZERO_PIVOT_EXPONENT, 11: 0, 13: 0, 24: 0}.items():
+            self._solver.set_iparm(position, value)
         self._memory = memory
         self._matrix = sp.csr_matrix((0, 0))
         self._data = np.empty(0)
@@ -153,7 +159,7 @@ class Pardiso(LinearSolver):
         self.times.factorization += perf_counter() - start
         self.times.factorizations += 1
         if self._replaced_pivots:
-            raise SingularMatrix(LOOSE)
+            raise SingularMatrix(SINGULAR)
 
     @property
     def _replaced_pivots(self) -> bool:
@@ -178,14 +184,14 @@ class Pardiso(LinearSolver):
             LinearOperator(upper.shape, lambda x: upper @ x + upper.T @ x - diagonal * x, dtype=float),
             LinearOperator(upper.shape, lambda x: self._call(33, x.ravel()).astype(float), dtype=float),
         )
-        solution, rest = np.zeros_like(right), right
+        solution, residual = np.zeros_like(right), right
         for _ in range(REFINEMENTS):  # rounding to single precision is no linear operator: GMRES alone would stall
-            step, _ = gmres(operators[0], rest, M=operators[1], rtol=1e-5, restart=RESTART, maxiter=1)
+            step, _ = gmres(operators[0], residual, M=operators[1], rtol=1e-5, restart=RESTART, maxiter=1)
             solution = solution + step
-            rest = right - operators[0] @ solution
-            if np.linalg.norm(rest) <= REFINED * np.linalg.norm(right):
+            residual = right - operators[0] @ solution
+            if np.linalg.norm(residual) <= REFINED_RESIDUAL * np.linalg.norm(right):
                 return solution
-        raise SingularMatrix(f"{LOOSE}; or the factor needs the double precision that memory does not allow here")
+        raise SingularMatrix(f"{SINGULAR}; or the factor needs the double precision that memory does not allow here")
 
     @property
     def negative_pivots(self) -> int:
@@ -199,18 +205,21 @@ class Pardiso(LinearSolver):
 
 @cache
 def _runtime() -> str | None:
-    """The MKL's library where its package put it; pypardiso would look through the whole environment for every solver
-    (0.2 s on the machine of docs/performance.md, as much as two factorizations of the coarse arm)."""
+    """Path of the MKL's library, as its package declares it.
+
+    Without it pypardiso searches the environment's folders for every solver, which takes as long as two factorizations
+    of a coarse mesh. None where the MKL comes from another package manager: pypardiso then searches.
+    """
     try:
         files = metadata.files("mkl") or []
-    except metadata.PackageNotFoundError:  # another packager's; pypardiso finds it
+    except metadata.PackageNotFoundError:
         return None
-    found = (file for file in files if "mkl_rt" in file.name and file.suffix != ".lib")
-    return next((str(Path(str(file.locate())).resolve()) for file in found), None)
+    libraries = (file for file in files if "mkl_rt" in file.name and file.suffix != ".lib")
+    return next((str(Path(str(file.locate())).resolve()) for file in libraries), None)
 
 
 def spare_memory() -> float:
-    """Bytes that the machine can give without swapping; all it has where the system does not tell."""
+    """Bytes that the machine can give without swapping; all of its memory where the system does not say."""
     try:
         lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
         return 1024.0 * next(int(line.split()[1]) for line in lines if line.startswith("MemAvailable"))
@@ -233,7 +242,7 @@ def _release(solver: Any) -> None:
 @final
 @dataclass
 class SuperLU(LinearSolver):
-    """SciPy's SuperLU on the whole matrix: works everywhere, several times slower; the analysis is not kept."""
+    """SciPy's SuperLU on the full matrix: runs everywhere, several times slower; keeps no symbolic analysis."""
 
     times: LinearTimes = field(default_factory=LinearTimes)
     generation: int = 0
@@ -252,22 +261,22 @@ class SuperLU(LinearSolver):
         _check_finite(data)  # SuperLU ends the process on them
         start = perf_counter()
         self._pattern.data = data
-        whole = self._pattern + sp.triu(self._pattern, 1).T
+        full = self._pattern + sp.triu(self._pattern, 1).T
         try:
             # diagonal pivots keep the factor symmetric, so the signs of U's diagonal are the inertia
             self._factor = splu(
-                whole.tocsc(),
+                full.tocsc(),
                 permc_spec="MMD_AT_PLUS_A",
                 diag_pivot_thresh=0.0,
                 options={"SymmetricMode": True},
             )
         except RuntimeError:
-            raise SingularMatrix(LOOSE) from None
+            raise SingularMatrix(SINGULAR) from None
         self._pivots = self._factor.U.diagonal()
         self.times.factorization += perf_counter() - start
         self.times.factorizations += 1
-        if np.abs(self._pivots).min() < 10.0**ZERO_PIVOT * np.abs(data).max():
-            raise SingularMatrix(LOOSE)
+        if np.abs(self._pivots).min() < 10.0**ZERO_PIVOT_EXPONENT * np.abs(data).max():
+            raise SingularMatrix(SINGULAR)
 
     def solve(self, right: Array) -> Array:
         start = perf_counter()

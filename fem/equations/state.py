@@ -10,8 +10,8 @@ from geometry.arrays import Array
 class State:
     """A point on the load path: displacement, and strain and stress, which Newton carries as unknowns of their own.
 
-    In equilibrium both are those of the displacement. On the way the strain is where the law is evaluated, and the
-    stress, which the geometric stiffness takes, is what the law to first order gave there.
+    In equilibrium both are those of the displacement. During the iteration the law is evaluated at the carried strain,
+    and the geometric stiffness takes the carried stress, which the law to first order gave (`fem.path.newton`).
     """
 
     factor: float  #: load factor
@@ -22,7 +22,7 @@ class State:
 
     @property
     def change(self) -> "Change":
-        """What of it are unknowns, for a rate of states."""
+        """Of a rate of states: the rate of the unknowns alone."""
         return Change(self.factor, self.displacement, self.pressure)
 
 

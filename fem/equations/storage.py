@@ -59,13 +59,13 @@ class TangentStorage:
     def offsets(self, blocks: Sequence[Blocks]) -> list[Index]:
         """Where the blocks of effects stand in the pattern, which is enlarged where it does not hold them."""
         try:
-            offsets = [self._offset(one) for one in blocks]
+            offsets = [self._offset(block) for block in blocks]
         except MissingPairs:
-            rows = np.concatenate([one.rows for one in blocks])
-            columns = np.concatenate([one.columns for one in blocks])
+            rows = np.concatenate([block.rows for block in blocks])
+            columns = np.concatenate([block.columns for block in blocks])
             self._use(self.pattern.with_pairs(rows, columns).keys)
-            offsets = [self._offset(one) for one in blocks]
-        self._last = {id(one.rows): (one.rows, offset) for one, offset in zip(blocks, offsets, strict=True)}
+            offsets = [self._offset(block) for block in blocks]
+        self._last = {id(block.rows): (block.rows, offset) for block, offset in zip(blocks, offsets, strict=True)}
         return offsets
 
     def _offset(self, blocks: Blocks) -> Index:
