@@ -294,9 +294,8 @@ def test_the_next_angle_of_a_plane_needs_no_analysis() -> None:
     for angle in (0.0, 0.1, 0.2):
         plane = SharedPlane("right", tilted(angle))
         system.replace_constraints(Constraints.of([*supports, plane], system.space))
-        control = LoadControl(system.constraints.prescribed(1.0, 1.0), 1.0)
-        converged = newton.solve(system, (), state, control, EXACT.newton, lambda *now: None)
-        state = converged.state
+        control = LoadControl.of(system).target(1.0, 1.0)
+        state = newton.solve(newton.Start(state, ()), control, EXACT.newton, lambda *now: None).state
         direct = solved(mesh, [*supports, plane], [])
         np.testing.assert_allclose(state.displacement, direct.displacement, atol=1e-9)
     assert system.solver.times.analyses == analyses + 1
