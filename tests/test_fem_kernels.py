@@ -1,4 +1,4 @@
-"""The kernels against scikit-fem forms, against differences, and against themselves on another number of threads."""
+"""The kernels against scikit-fem forms, finite differences and themselves with another number of threads."""
 
 from collections.abc import Iterator
 
@@ -159,7 +159,7 @@ def threads() -> Iterator[None]:
 
 @pytest.mark.skipif(numba.config.NUMBA_NUM_THREADS < 2, reason="numba has one thread here")
 @pytest.mark.usefixtures("threads")
-def test_the_number_of_threads_changes_nothing() -> None:
+def test_results_do_not_depend_on_the_number_of_threads() -> None:
     results = []
     for count in (1, 2):
         numba.set_num_threads(count)
@@ -175,7 +175,7 @@ def test_the_number_of_threads_changes_nothing() -> None:
         np.testing.assert_array_equal(one, two)
 
 
-def test_the_order_of_chunks_of_one_colour_changes_nothing() -> None:
+def test_results_do_not_depend_on_the_order_of_chunks_of_one_colour() -> None:
     """Bitwise: what one chunk adds to, no other of its colour does, whichever of the threads is first."""
     system = Model(PneuNet(chambers=3).body(6.0).mesh, LAW, [Fixed("clamp")], []).system(SuperLU)
     space, pattern = system.space, system.storage.pattern
@@ -264,7 +264,7 @@ def test_pressure_force_and_tangent_against_differences(half: bool, formulation:
 
 
 @pytest.mark.parametrize("formulation", ["p2p0", "p1"])
-def test_closed_cavity_has_no_resultant(formulation: str) -> None:
+def test_the_pressure_in_a_closed_cavity_has_no_resultant(formulation: str) -> None:
     space = Discretisation.of(hollow_box(half=False), formulation)
     x = space.points + np.random.default_rng(5).normal(scale=0.1, size=space.points.shape) + [10.0, -20.0, 5.0]
     force = np.zeros_like(x)
@@ -286,7 +286,7 @@ def test_enclosed_volume_is_exact(half: bool, formulation: str) -> None:
 
 
 @pytest.mark.parametrize("formulation", ELEMENTS)
-def test_an_isotropic_tangent_takes_a_shorter_way_to_the_same_matrix(formulation: str, monkeypatch) -> None:
+def test_the_kernel_for_isotropic_tangents_gives_the_same_matrix(formulation: str, monkeypatch) -> None:
     system, _ = system_on(formulation, [Fixed("left"), Fixed("back", "z")])
     state = system.state_at(noise(system, 0.05), 1.0)
     assembly = system.assemble(state, ())

@@ -1,4 +1,4 @@
-"""A body that passes through itself where no contact was looked for is seen; one that only curls or touches is not."""
+"""A body that passes through itself where no contact is simulated is detected; one that only curls is not."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def curled(space: Discretisation, turns: float) -> Array:
 
 
 @pytest.mark.parametrize("turns", [0.1, 0.5, 0.9])
-def test_a_curled_beam_that_does_not_meet_itself(beam: Discretisation, turns: float) -> None:
+def test_a_beam_curled_by_less_than_a_turn_does_not_intersect_itself(beam: Discretisation, turns: float) -> None:
     assert self_intersection_clause(beam, curled(beam, turns), half=False) == ""
 
 
@@ -35,7 +35,7 @@ def test_a_beam_curled_by_more_than_a_turn_passes_through_itself(beam: Discretis
     assert where.endswith(") mm")
 
 
-def test_half_a_body_beyond_its_plane_of_symmetry() -> None:
+def test_half_a_body_that_crosses_its_plane_of_symmetry() -> None:
     space = Discretisation.of(hollow_box(half=True), "p2")
     assert self_intersection_clause(space, space.points, half=True) == ""
     x = space.points.copy()
@@ -43,7 +43,7 @@ def test_half_a_body_beyond_its_plane_of_symmetry() -> None:
     assert self_intersection_clause(space, x, half=True).startswith("passes through its mirror image near (")
 
 
-def test_walls_that_are_near_at_rest_are_left_to_contact() -> None:
+def test_walls_that_are_close_at_rest_are_not_examined() -> None:
     space = Discretisation.of(fork(0.4), "p2")
     x = space.points.copy()
     x[x[:, 1] > 1.2, 1] -= 0.6

@@ -1,4 +1,4 @@
-"""The kernels are compiled before they are needed, each once."""
+"""Every kernel is compiled once, before the run."""
 
 from types import ModuleType
 
@@ -13,17 +13,17 @@ LAWS = (fem.StVenantKirchhoff(1.2, 0.3), fem.Hencky(1.2, 0.3), fem.NeoHooke(1.2,
 
 
 def signatures() -> set[tuple[str, str]]:
-    """Of all kernels that have been compiled or loaded in this process."""
+    """Names and argument types of all kernels that have been compiled or loaded in this process."""
     modules: tuple[ModuleType, ...] = (element, mixed, recovery, surface, tangent)
-    found = {
+    kernels = {
         name: kernel for module in modules for name, kernel in vars(module).items() if hasattr(kernel, "signatures")
     }
-    return {(name, str(signature)) for name, kernel in found.items() for signature in kernel.signatures}
+    return {(name, str(signature)) for name, kernel in kernels.items() for signature in kernel.signatures}
 
 
 @pytest.mark.parametrize("formulation", ["p1", "p2", "p2p0", "mixed"])
 def test_nothing_is_compiled_once_a_run_has_begun(formulation: str) -> None:
-    """Another law or element with other memory layouts would compile the tangent again, twenty seconds and silently."""
+    """A law or element whose arrays have another memory layout would compile the tangent again, which takes long."""
     fem.compile_kernels("mixed" if formulation == "mixed" else "p2p0")
     before = signatures()
     mesh = box((2, 1, 1), (2.0, 1.0, 1.0))

@@ -1,4 +1,4 @@
-"""Every law: stress and tangent against differences, its linear limit, its indifference to axes, and its refusals."""
+"""Every law: derivatives against finite differences, the linear limit, isotropy, stable range and refused constants."""
 
 import numpy as np
 import pytest
@@ -79,22 +79,22 @@ def test_a_law_from_a_tensile_test_has_the_given_poisson_ratio(name: str) -> Non
 @pytest.mark.parametrize("strain", [strains(0.01), strains(0.2), SPECIAL], ids=["small", "large", "special"])
 @pytest.mark.parametrize(("name", "part"), PARTS)
 def test_stress_and_tangent_are_derivatives(name: str, part: str, strain: Array) -> None:
-    answer = getattr(LAWS[name], part)
-    response = answer(strain)
+    evaluate = getattr(LAWS[name], part)
+    response = evaluate(strain)
     assert response.energy.shape == strain.shape[:-1]
     assert response.stress.shape == strain.shape
     tangent = np.broadcast_to(response.tangent, (*strain.shape, 6))
     np.testing.assert_allclose(tangent, np.swapaxes(tangent, -1, -2), atol=1e-12)
     for v in range(6):
         direction = np.broadcast_to(np.eye(6)[v], strain.shape)
-        slope = difference(lambda e: answer(e).energy, strain, direction, 1e-3)
+        slope = difference(lambda e: evaluate(e).energy, strain, direction, 1e-3)
         np.testing.assert_allclose(response.stress[..., v], slope, atol=2e-8)
-        change = difference(lambda e: answer(e).stress, strain, direction, 1e-3)
+        change = difference(lambda e: evaluate(e).stress, strain, direction, 1e-3)
         np.testing.assert_allclose(tangent[..., v], change, atol=2e-7)
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_at_rest_every_law_is_the_linear_one(name: str) -> None:
+def test_at_rest_every_law_is_linear_elasticity(name: str) -> None:
     law = LAWS[name]
     rest = np.zeros((1, 1, 6))
     shear, volumetric = law.shear(rest), law.volumetric(rest)
@@ -113,24 +113,24 @@ def test_at_rest_every_law_is_the_linear_one(name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "part"), PARTS)
-def test_turning_the_axes_turns_the_stress(name: str, part: str) -> None:
+def test_every_law_is_isotropic(name: str, part: str) -> None:
     strain = strains(0.2)
     turn = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
 
-    def tensor(components: Array, share: float) -> Array:
+    def tensor(components: Array, factor: float) -> Array:
         full = np.zeros((*components.shape[:-1], 3, 3))
-        full[..., ROW, COLUMN] = full[..., COLUMN, ROW] = components * np.array([1, 1, 1, share, share, share])
+        full[..., ROW, COLUMN] = full[..., COLUMN, ROW] = components * np.array([1, 1, 1, factor, factor, factor])
         return full
 
     turned = voigt(turn @ tensor(strain, 0.5) @ turn.T) * np.array([1, 1, 1, 2, 2, 2])
-    answer = getattr(LAWS[name], part)
-    one, other = answer(strain), answer(turned)
-    np.testing.assert_allclose(one.energy, other.energy, atol=1e-13)
-    np.testing.assert_allclose(voigt(turn @ tensor(one.stress, 1.0) @ turn.T), other.stress, atol=1e-12)
+    evaluate = getattr(LAWS[name], part)
+    original, rotated = evaluate(strain), evaluate(turned)
+    np.testing.assert_allclose(original.energy, rotated.energy, atol=1e-13)
+    np.testing.assert_allclose(voigt(turn @ tensor(original.stress, 1.0) @ turn.T), rotated.stress, atol=1e-12)
 
 
 @pytest.mark.parametrize(("name", "part"), PARTS)
-def test_states_no_body_can_have_give_finite_numbers(name: str, part: str) -> None:
+def test_impossible_strains_give_finite_numbers(name: str, part: str) -> None:
     """Newton's iterates may pass through them."""
     flat = np.array([[[-0.5, 0.1, 0.2, 0.0, 0.0, 0.0], [-0.5] * 3 + [0.0] * 3, [40.0, -0.4, 3.0, 9.0, 1.0, 1.0]]])
     response = getattr(LAWS[name], part)(flat)
@@ -138,7 +138,7 @@ def test_states_no_body_can_have_give_finite_numbers(name: str, part: str) -> No
         assert np.isfinite(value).all()
 
 
-def test_volume_change_alone_meets_the_bulk_modulus_only() -> None:
+def test_a_pure_volume_change_depends_on_the_bulk_modulus_alone() -> None:
     swollen = np.zeros((1, 1, 6))
     swollen[..., :3] = 0.5 * (1.3**2 - 1)
     for name in ("neo_hooke", "mooney_rivlin", "yeoh"):
@@ -148,7 +148,7 @@ def test_volume_change_alone_meets_the_bulk_modulus_only() -> None:
         np.testing.assert_allclose(cauchy, [3.0 * (1.3**3 - 1)] * 3 + [0.0] * 3, atol=1e-13)
 
 
-def test_laws_that_contain_each_other_agree() -> None:
+def test_mooney_rivlin_and_yeoh_contain_neo_hooke() -> None:
     strain = strains(0.2)
     neo = NeoHooke(mu=0.4, kappa=3.0).shear(strain)
     for other in (MooneyRivlin(0.2, 0.0, 3.0), Yeoh(0.2, 0.0, 0.0, 3.0)):
@@ -157,7 +157,7 @@ def test_laws_that_contain_each_other_agree() -> None:
         np.testing.assert_allclose(response.tangent, neo.tangent, atol=1e-13)
 
 
-def test_divided_difference_joins_its_series() -> None:
+def test_the_divided_difference_is_continuous_where_its_series_takes_over() -> None:
     x = np.full(200, 1.3)
     y = x * (1 + np.geomspace(1e-9, 0.5, 200))
     exact = np.array([np.trapezoid((1 - np.log(t)) / t**2, t) for t in np.linspace(x, y, 20_001).T]) / (y - x)
@@ -199,15 +199,15 @@ def test_stretch_limits() -> None:
         (lambda: Yeoh(0.1, 0.1, 0.0, float("nan")), "Yeoh: kappa = nan MPa must be positive"),
     ],
 )
-def test_constants_no_law_can_have(make, sentence: str) -> None:
+def test_inadmissible_constants_are_refused(make, sentence: str) -> None:
     with pytest.raises(MaterialError, match=sentence):
         make()
 
 
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("formulation", ["p2", "p2p0"])
-def test_bodies_of_every_law_are_solved_in_one_step(name: str, formulation: str) -> None:
-    """Newton carries strain and stress of every law, so a beam bent by a third of its length takes one step."""
+def test_a_bent_beam_of_every_law_is_solved_in_one_increment(name: str, formulation: str) -> None:
+    """Newton carries strain and stress of every law, so a beam bent by a third of its length takes one increment."""
     law = LAWS[name]
     weight = Gravity(2.7e-7 * law.shear_modulus)
     model = Model(box((6, 1, 1), (8.0, 1.0, 1.0)), law, [Fixed("left")], [weight], formulation)

@@ -1,4 +1,4 @@
-"""The closed forms of the bar against the energy of each law, against each other, and where no bar can be."""
+"""Uniaxial stress: the closed forms against the energy of each law, and the stretches at which no bar exists."""
 
 import numpy as np
 import pytest
@@ -33,25 +33,25 @@ def energy(law: Material, along: Array, across: Array) -> Array:
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_force_and_sides_follow_from_the_energy(name: str) -> None:
+def test_nominal_stress_and_free_sides_follow_from_the_energy(name: str) -> None:
     law = LAWS[name]
     bar = law.uniaxial(STRETCHES)
-    one = np.ones_like(STRETCHES)
-    force = difference(lambda s: energy(law, s, bar.lateral), bar.stretch, one, 1e-3)
-    sides = difference(lambda t: energy(law, bar.stretch, t), bar.lateral, one, 1e-3)
+    unit = np.ones_like(STRETCHES)
+    force = difference(lambda s: energy(law, s, bar.lateral), bar.stretch, unit, 1e-3)
+    sides = difference(lambda t: energy(law, bar.stretch, t), bar.lateral, unit, 1e-3)
     np.testing.assert_allclose(bar.nominal, force, atol=1e-8)
     np.testing.assert_allclose(sides, 0.0, atol=1e-7)
     np.testing.assert_allclose(bar.J, STRETCHES * bar.lateral**2)
 
 
-def test_numbers_of_saint_venant_kirchhoff() -> None:
+def test_values_of_st_venant_kirchhoff() -> None:
     bar = LAWS["svk"].uniaxial(np.array([1.2, 0.8]))
     np.testing.assert_allclose(bar.nominal / 1.2, [0.2640, -0.1440], atol=1e-12)
     np.testing.assert_allclose(bar.lateral, [0.884421, 1.085449], atol=1e-6)
 
 
 @pytest.mark.parametrize("name", LAWS)
-def test_terms_times_constants_are_the_force_of_the_incompressible_bar(name: str) -> None:
+def test_the_terms_times_the_constants_are_the_nominal_stress_of_the_incompressible_bar(name: str) -> None:
     law = LAWS[name]
     constants = {constant: getattr(law, constant) for constant in law.uniaxial_terms(STRETCHES)}
     stiff = type(law)(**constants, **({"nu": law.nu} if hasattr(law, "nu") else {"kappa": 1e8}))
@@ -68,7 +68,7 @@ def test_compressibility_softens_a_bar_of_rubber() -> None:
     assert (exact - soft) / (exact - stiff) == pytest.approx(10.0, rel=0.2)
 
 
-def test_where_no_bar_can_be() -> None:
+def test_stretches_at_which_no_bar_exists_give_nan() -> None:
     limit = np.sqrt(1 + 1 / 0.495)
     bar = LAWS["svk"].uniaxial(np.array([limit - 1e-6, limit + 1e-6]))
     assert np.isfinite(bar.nominal).tolist() == np.isfinite(bar.lateral).tolist() == [True, False]

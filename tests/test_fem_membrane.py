@@ -1,4 +1,4 @@
-"""The strain-limiting layer: derivatives against differences, and a strip of two layers against closed forms."""
+"""The strain-limiting layer: its derivatives against finite differences, and a two-layer strip against closed forms."""
 
 import numpy as np
 import pytest
@@ -50,52 +50,52 @@ def test_force_is_the_derivative_of_the_energy(bound: tuple[LayerTerm, Array]) -
     force = np.zeros_like(x)
     term.gradient(x, 1.0, force)
     for seed in range(3):
-        way = np.random.default_rng(seed).normal(size=x.shape)
-        slope = difference(lambda y: np.float64(term.energy(y, 1.0)), x, way, 1e-3)  # exact: the energy is quartic
-        assert np.vdot(force, way) == pytest.approx(slope, rel=1e-7)
+        direction = np.random.default_rng(seed).normal(size=x.shape)
+        slope = difference(lambda y: np.float64(term.energy(y, 1.0)), x, direction, 1e-3)  # exact: quartic
+        assert np.vdot(force, direction) == pytest.approx(slope, rel=1e-7)
 
 
-def times(term: LayerTerm, x: Array, way: Array) -> Array:
+def times(term: LayerTerm, x: Array, direction: Array) -> Array:
     blocks, product = term.blocks(x, 1.0, convex=False), np.zeros_like(x)
     assert (blocks.rows <= blocks.columns).all()
     for row, column, value in zip(blocks.rows, blocks.columns, blocks.values, strict=True):
-        product[row] += value @ way[column]
+        product[row] += value @ direction[column]
         if row != column:
-            product[column] += value.T @ way[row]
+            product[column] += value.T @ direction[row]
     return product
 
 
 def test_tangent_is_the_derivative_of_the_force(bound: tuple[LayerTerm, Array]) -> None:
     term, x = bound
-    way = np.random.default_rng(4).normal(size=x.shape)
+    direction = np.random.default_rng(4).normal(size=x.shape)
     ahead, behind = np.zeros_like(x), np.zeros_like(x)
-    term.gradient(x + 1e-5 * way, 1.0, ahead)
-    term.gradient(x - 1e-5 * way, 1.0, behind)
-    assert times(term, x, way) == pytest.approx((ahead - behind) / 2e-5, rel=1e-6, abs=1e-6 * np.abs(ahead).max())
+    term.gradient(x + 1e-5 * direction, 1.0, ahead)
+    term.gradient(x - 1e-5 * direction, 1.0, behind)
+    assert times(term, x, direction) == pytest.approx((ahead - behind) / 2e-5, rel=1e-6, abs=1e-6 * np.abs(ahead).max())
 
 
-def test_carried_stress_is_linear_in_the_step(bound: tuple[LayerTerm, Array]) -> None:
+def test_the_carried_stress_is_linear_in_the_increment(bound: tuple[LayerTerm, Array]) -> None:
     term, x = bound
-    way = np.random.default_rng(5).normal(size=x.shape)
-    carried = term.advanced(x, 1e-6 * way)
+    direction = np.random.default_rng(5).normal(size=x.shape)
+    carried = term.advanced(x, 1e-6 * direction)
     assert isinstance(carried, LayerTerm)
-    assert carried.carried == pytest.approx(term.stress(x + 1e-6 * way), abs=1e-8 * STIFF)
-    far = term.advanced(x, way)
+    assert carried.carried == pytest.approx(term.stress(x + 1e-6 * direction), abs=1e-8 * STIFF)
+    far = term.advanced(x, direction)
     assert isinstance(far, LayerTerm)
     assert far.carried is not None
-    assert not np.allclose(far.carried, term.stress(x + way), rtol=1e-3)
+    assert not np.allclose(far.carried, term.stress(x + direction), rtol=1e-3)
     assert far.energy(x, 1.0) == term.energy(x, 1.0)
-    assert not np.allclose(times(far, x, way), times(term, x, way))
+    assert not np.allclose(times(far, x, direction), times(term, x, direction))
 
 
-def test_layer_does_not_feel_a_rotation(bound: tuple[LayerTerm, Array]) -> None:
+def test_a_rigid_motion_leaves_the_energy_of_the_layer_unchanged(bound: tuple[LayerTerm, Array]) -> None:
     term, x = bound
     turn, _ = np.linalg.qr(np.random.default_rng(6).normal(size=(3, 3)))
     assert term.energy(x @ turn.T + 3.0, 1.0) == pytest.approx(term.energy(x, 1.0), rel=1e-12)
 
 
 @pytest.mark.parametrize("formulation", ELEMENTS)
-def test_two_layers_in_tension(formulation: str) -> None:
+def test_a_two_layer_strip_in_tension(formulation: str) -> None:
     """Equal Poisson ratios keep the strip homogeneous: F = (E h + E_layer t) w (lambda^3 - lambda) / 2, exact."""
     mesh, nu, stretch = strip((4, 1, 2)), 0.3, 1.2
     supports = [
@@ -111,7 +111,7 @@ def test_two_layers_in_tension(formulation: str) -> None:
 
 
 @pytest.mark.parametrize("formulation", QUADRATIC)
-def test_two_layers_in_bending(formulation: str) -> None:
+def test_a_two_layer_strip_in_bending(formulation: str) -> None:
     """A cantilever bent a little by its end: F = 3 B d / l^3 with the bending stiffness B about the common axis."""
     mesh, deflection = strip((20, 2, 1)), 0.01
     supports = [fem.Fixed("clamp"), fem.Prescribed("tip", "y", deflection)]
@@ -130,7 +130,7 @@ def test_two_layers_in_bending(formulation: str) -> None:
 
 
 @pytest.mark.parametrize("formulation", ["p2", "p1"])
-def test_layers_that_cannot_be(formulation: str) -> None:
+def test_impossible_layers_are_refused(formulation: str) -> None:
     mesh = strip((2, 1, 1))
     with pytest.raises(LayerError, match="no face in the plane"):
         StrainLimitingLayer(mesh.plane(1, 0.3), THICKNESS, STIFF, 0.2)
