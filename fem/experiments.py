@@ -1,5 +1,7 @@
-"""The three tests of the paper as data (called experiments in code: pytest collects anything named test), and a fourth:
-the arm under a dead force on its end."""
+"""The experiments: how an arm is supported and loaded besides its pressure, and what is measured on it.
+
+I to III are those from which a rod is identified, the fourth puts a force of constant direction on the end.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,13 +18,14 @@ from fem.supports import Fixed, Line, Prescribed, Support, nodes_at
 from geometry import Body, Centreline
 from geometry.arrays import Array
 
+#: names of the experiments
 NAMES = ("I", "II", "III", "dead")
 
 
 @final
 @dataclass(frozen=True)
 class Experiment:
-    """How the body is held and loaded besides its pressure, and where its end is read.
+    """One experiment on a body. Forces, couples and moments are those of the whole body, also where half is meshed.
 
     I: free, rigid motion removed by three nodal constraints that carry no force; II: clamped at x = 0; III: clamped,
     and u_y of the edge x = l on the material curve prescribed; dead: clamped, and a force of constant direction spread
@@ -32,15 +35,15 @@ class Experiment:
     name: str
     body: Body
     supports: tuple[Support, ...]
-    edge: Line  #: x = l, y = curve_y, by increasing z
+    edge: Line  #: of the end on the material curve: x = l, y = curve_y, by increasing z
     curve: Line  #: the material curve, by increasing x
-    force: tuple[float, float]  #: N, the dead force on the end of the whole body; zero in the three tests
+    force: tuple[float, float]  #: N, the dead force on the end; zero in I, II and III
 
     @classmethod
     def of(cls, name: str, body: Body, end_y: float, force: tuple[float, float] = (0.0, 0.0)) -> "Experiment":
-        """Experiment "I", "II", "III" or "dead" on `body`; end_y is u_y of the end in III, mm, force (N) is that of
-        dead, whole from the first asked factor on.
+        """Experiment "I", "II", "III" or "dead" on `body`.
 
+        end_y: u_y of the end in III, mm; force: that of dead, N. Both are applied in full from the first target on.
         Raises ValueError for other names.
         """
         if name not in NAMES:
@@ -48,13 +51,13 @@ class Experiment:
         curve = Line(body.mesh.points[body.curve_vertices])
         edge = Line(_end_edge(body))
         plane = (Fixed("sym", "z"),) if body.half else ()
-        held: dict[str, tuple[Support, ...]] = {
-            "I": _free_body(curve.vertices, body),
+        supports: dict[str, tuple[Support, ...]] = {
+            "I": _against_rigid_motion(curve.vertices, body),
             "II": (Fixed("clamp"),),
             "III": (Fixed("clamp"), Prescribed(edge, "y", end_y, ramp=False)),
             "dead": (Fixed("clamp"),),
         }
-        return cls(name, body, (*plane, *held[name]), edge, curve, force if name == "dead" else (0.0, 0.0))
+        return cls(name, body, (*plane, *supports[name]), edge, curve, force if name == "dead" else (0.0, 0.0))
 
     def model(self, material: Material, effects: Sequence[Effect], formulation: str) -> Model:
         """The model of this experiment."""
@@ -63,12 +66,12 @@ class Experiment:
     def _dead_force(self) -> list[LineForce]:
         if not any(self.force):
             return []
-        fx, fy = self.force
-        return [LineForce(self.edge, (fx / self.whole, fy / self.whole, 0.0), ramp=False)]
+        fx, fy = (component / self.symmetry_factor for component in self.force)
+        return [LineForce(self.edge, (fx, fy, 0.0), ramp=False)]
 
     @property
-    def whole(self) -> float:
-        """Forces and volumes of the whole body over those of the meshed part."""
+    def symmetry_factor(self) -> float:
+        """Forces and volumes of the whole body over those of the meshed part: 2 for half a body."""
         return 2.0 if self.body.half else 1.0
 
     def centreline(self, step: Step) -> Centreline:
@@ -81,34 +84,36 @@ class Experiment:
         return np.asarray(step.positions[nodes_at(self.curve.vertices[-1], step.space)[0]])
 
     def end_force(self, step: Step) -> Array:
-        """(2,) force on the end of the whole body, N; zero where nothing holds it and nothing acts on it."""
+        """(2,) force on the end of the whole body, N: of the support in III, the dead force otherwise."""
         if self.name == "III":
-            return self.whole * step.reaction(self.edge)[:2]
+            return self.symmetry_factor * step.reaction(self.edge)[:2]
         return np.array(self.force)
 
     def end_couple(self, step: Step) -> float:
-        """Moment of the end force about the curve's end, N mm: the edge bends across the width, so the force does not
-        pass through the curve exactly (0.2 % of M(0) on arm (a))."""
+        """Moment of the end force about the curve's end, about z, N mm.
+
+        The edge bends across the width, so the force does not pass through the curve exactly.
+        """
         nodes = nodes_at(self.edge, step.space)
-        arm = step.positions[nodes] - self.end(step)
+        lever = step.positions[nodes] - self.end(step)
         force = np.zeros((len(nodes), 3))
         if self.name == "III":
             force = step.gradient[nodes]
         for dead in self._dead_force():
             force = dead.where.nodal_weights(step.space)[:, None] * np.asarray(dead.force)
-        return self.whole * float(np.sum(arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]))
+        return self.symmetry_factor * float(np.sum(lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]))
 
     def clamp_force(self, step: Step) -> Array:
         """(2,) force of the clamp on the whole body, N; in I that of the nodal constraints, which must vanish."""
-        force = step.gradient[:, :2].sum(axis=0) * self.whole
+        force = step.gradient[:, :2].sum(axis=0) * self.symmetry_factor
         return np.asarray(force - self.end_force(step) if self.name == "III" else force)
 
     def clamp_moment(self, step: Step) -> float:
         """Moment of the clamp's forces on the whole body about the curve's start, about z, N mm."""
-        held = step.gradient.copy()
-        held[nodes_at(self.edge, step.space)] = 0.0
-        arm = step.positions - step.positions[nodes_at(self.curve.vertices[0], step.space)[0]]
-        return self.whole * float(np.sum(arm[:, 0] * held[:, 1] - arm[:, 1] * held[:, 0]))
+        force = step.gradient.copy()
+        force[nodes_at(self.edge, step.space)] = 0.0
+        lever = step.positions - step.positions[nodes_at(self.curve.vertices[0], step.space)[0]]
+        return self.symmetry_factor * float(np.sum(lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]))
 
 
 def _end_edge(body: Body) -> Array:
@@ -119,16 +124,16 @@ def _end_edge(body: Body) -> Array:
     return np.asarray(on[np.argsort(on[:, 2])])
 
 
-def _free_body(curve: Array, body: Body) -> tuple[Support, ...]:
-    """Three constraints in the middle of the curve, where they turn the least of the body.
+def _against_rigid_motion(curve: Array, body: Body) -> tuple[Support, ...]:
+    """Three constraints that take the rigid motion of half a body, six that take it of a whole one.
 
-    The whole body needs three more.
+    They are in the middle of the curve (k, 3), where the body turns least.
     """
     middle = int(np.argmin(np.abs(curve[:, 0] - body.length / 2)))
-    aside = int(np.argmin(np.abs(curve[:, 0] - body.length / 2 - body.pitch)))
-    held: tuple[Support, ...] = (Fixed(curve[middle], "xy"), Fixed(curve[aside], "y"))
+    neighbour = int(np.argmin(np.abs(curve[:, 0] - body.length / 2 - body.pitch)))
+    in_plane: tuple[Support, ...] = (Fixed(curve[middle], "xy"), Fixed(curve[neighbour], "y"))
     if body.half:
-        return held
-    above = body.mesh.points[np.abs(body.mesh.points[:, 2]) < 1e-9 * body.length]
-    top = above[int(np.argmax(above[:, 1]))]
-    return (*held, Fixed(curve[middle], "z"), Fixed(curve[aside], "z"), Fixed(top, "z"))
+        return in_plane
+    in_symmetry_plane = body.mesh.points[np.abs(body.mesh.points[:, 2]) < 1e-9 * body.length]
+    top = in_symmetry_plane[int(np.argmax(in_symmetry_plane[:, 1]))]
+    return (*in_plane, Fixed(curve[middle], "z"), Fixed(curve[neighbour], "z"), Fixed(top, "z"))

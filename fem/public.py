@@ -1,6 +1,5 @@
 """The names that users and the other rooms write as `fem.NAME`."""
 
-from fem.archive import step_from_arrays, step_to_arrays
 from fem.discretisation import Discretisation
 from fem.effects.barrier import OVERLAP
 from fem.effects.contact import ACTIVATION, ContactError, SelfContact
@@ -20,7 +19,7 @@ from fem.post.extremes import outside_stable_range, position_text
 from fem.post.fields import element_fields
 from fem.post.recovery import StressError, stress_error
 from fem.post.self_intersection import self_intersection_clause
-from fem.solution import End, NotConverged, Seconds, Solution, Step
+from fem.solution import End, NotConverged, Seconds, Solution, Step, step_from_arrays, step_to_arrays
 from fem.supports import Fixed, Prescribed, SharedPlane, Support, SupportError, Symmetry, Tied
 from fem.warm_up import compile_kernels
 

@@ -1,9 +1,11 @@
-"""What a load path leaves behind: frozen steps and the outcome."""
+"""The result of a load path: steps as values, their form as plain arrays to be stored, and why a path ended."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.effects.loads import enclosed_volume
@@ -14,7 +16,7 @@ from geometry.arrays import Array
 
 @dataclass(frozen=True)
 class Extremes:
-    """The worst points of a state and where they sit."""
+    """Extreme values of a state over its stress points, and their positions."""
 
     min_J: float  #: smallest det F at a stress point
     max_stretch: float  #: largest principal stretch at a stress point
@@ -24,12 +26,13 @@ class Extremes:
     min_stretch_at: tuple[float, float, float]
 
 
+#: stages of a load path besides its effects
 STAGES = ("set_up", "assembly", "analysis", "factorization", "solve")
 
 
 @dataclass(frozen=True)
 class Seconds:
-    """Where the time of a load path went."""
+    """Wall seconds of a load path by what they were spent on."""
 
     set_up: float = 0.0
     assembly: float = 0.0  #: of the body itself
@@ -44,7 +47,7 @@ class Seconds:
         return sum(getattr(self, name) for name in STAGES) + sum(self.effects.values())
 
     def __sub__(self, other: "Seconds") -> "Seconds":
-        """What was spent after `other`."""
+        """Seconds spent since `other`."""
         return self._combined(other, -1.0)
 
     def __add__(self, other: "Seconds") -> "Seconds":
@@ -65,13 +68,15 @@ class Step:
     space: Discretisation = field(repr=False)
     factor: float  #: load factor
     displacement: Array = field(repr=False)  #: (n, 3), mm
-    stress: Array = field(repr=False)  #: (e, q, 6), second Piola-Kirchhoff of each stress point's share of the law, MPa
+    stress: Array = field(
+        repr=False
+    )  #: (e, q, 6), second Piola-Kirchhoff of the part of the law at each stress point, MPa
     rate: Change | None = field(repr=False)  #: of displacement and pressures per load factor (or mm3); None if unknown
     gradient: Array = field(repr=False)  #: (n, 3) forces of the supports on the body, zero on free components, N
     extremes: Extremes
     min_gap: float  #: smallest signed gap between facing walls, mm; infinity without such walls
     negative_pivots: int  #: of the tangent; 0 in an equilibrium that is stable while the load is held
-    instability: str  #: in how many directions the equilibrium is unstable and where; empty in a stable one
+    instability: str  #: in how many directions the equilibrium is unstable and where; empty for a stable one
     newton_iterations: int  #: of the increments since the previous step that converged; starts that failed left out
     #: all since the previous step: one for each Newton iteration, those of failed starts and increments included, one
     #: for the tangent at rest, and one where the stability of an unstable equilibrium is analysed
@@ -79,7 +84,7 @@ class Step:
     cutbacks: int  #: increments that failed since the previous step
     effects: tuple[str, ...]  #: names of the effects in the potential
     active: tuple[bool, ...]  #: which of the model's effects, in their order, are in the potential
-    seconds: float  #: since the previous step
+    seconds: float  #: wall seconds since the previous step
     spent: Seconds  #: the same by what they were spent on; no set-up
 
     @property
@@ -112,17 +117,17 @@ class Solution:
 
     steps: tuple[Step, ...]
     seconds: Seconds
-    factorizations: int  #: in all
-    analyses: int  #: symbolic analyses, one more for each time contact asked for room in the pattern
+    factorizations: int  #: numeric ones, in all
+    analyses: int  #: symbolic factorizations: one, plus one whenever contact enlarged the sparsity pattern
     solver: str  #: name of the linear solver
     degrees_of_freedom: int  #: free ones
 
 
 @dataclass(frozen=True)
 class End:
-    """Where and why a path ended."""
+    """Where and why a path ended before its last target."""
 
-    quantity: str  #: what is driven along the path, for sentences
+    quantity: str  #: name of the driven quantity, for sentences
     target: float  #: its value that was not reached
     reached: float  #: its value at the last equilibrium
     constant_fraction: float  #: applied of constant loads and displacements, 1 once the first target was reached
@@ -132,7 +137,7 @@ class End:
 
 
 class NotConverged(RuntimeError):
-    """The path ended before the last target. Carries the end, the reason and what was reached."""
+    """The path ended before the last target. Carries the end, the reason as a sentence, and the steps reached."""
 
     def __init__(self, end: End, partial: Solution) -> None:
         self.reason = (
@@ -141,3 +146,64 @@ class NotConverged(RuntimeError):
         super().__init__(self.reason)
         self.end = end
         self.partial = partial
+
+
+#: the counts of a step, in the order in which they are stored
+COUNTS = ("negative_pivots", "newton_iterations", "factorizations", "cutbacks")
+
+
+def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
+    """Everything of a step but its discretisation, by name, so that it can be stored and a path resumed from it."""
+    spent = step.spent
+    return {
+        "displacement": step.displacement,
+        "stress": step.stress,
+        **_rate_to_arrays(step.rate),
+        "gradient": step.gradient,
+        "numbers": np.array([step.factor, step.min_gap, step.seconds]),
+        "counts": np.array([getattr(step, name) for name in COUNTS]),
+        "extremes": np.concatenate([np.atleast_1d(value) for value in astuple(step.extremes)]),
+        "effects": np.array(step.effects, dtype=str),
+        "active": np.array(step.active, dtype=bool),
+        "instability": np.array(step.instability),
+        "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
+        "timed_effects": np.array(list(spent.effects), dtype=str),
+        "effect_seconds": np.array(list(spent.effects.values())),
+    }
+
+
+def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) -> Step:
+    """The step of which `step_to_arrays` gave these arrays, on an equal discretisation."""
+    min_J, longest, shortest = arrays["extremes"][:3].tolist()
+    J_at, longest_at, shortest_at = ((float(x), float(y), float(z)) for x, y, z in arrays["extremes"][3:].reshape(3, 3))
+    assembly, analysis, factorization, solve = arrays["stages"].tolist()
+    factor, min_gap, seconds = arrays["numbers"].tolist()
+    timed = dict(zip(arrays["timed_effects"].tolist(), arrays["effect_seconds"].tolist(), strict=True))
+    return Step(
+        space=space,
+        factor=factor,
+        displacement=arrays["displacement"],
+        stress=arrays["stress"],
+        rate=_rate_from_arrays(arrays),
+        gradient=arrays["gradient"],
+        extremes=Extremes(min_J, longest, shortest, J_at, longest_at, shortest_at),
+        min_gap=min_gap,
+        **dict(zip(COUNTS, arrays["counts"].tolist(), strict=True)),
+        instability=str(arrays["instability"]),
+        effects=tuple(arrays["effects"].tolist()),
+        active=tuple(arrays["active"].tolist()),
+        seconds=seconds,
+        spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
+    )
+
+
+def _rate_to_arrays(rate: Change | None) -> dict[str, NDArray[Any]]:
+    if rate is None:
+        return {}
+    return {"rate": rate.displacement, "rate_of_pressures": rate.pressure, "rate_of_factor": np.array(rate.factor)}
+
+
+def _rate_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> Change | None:
+    if "rate" not in arrays:
+        return None
+    return Change(float(arrays["rate_of_factor"]), arrays["rate"], arrays["rate_of_pressures"])

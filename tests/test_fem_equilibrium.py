@@ -100,7 +100,7 @@ def test_whole_free_body_needs_no_support(short: Body) -> None:
     _, half = solve("I", short, [5.0])
     swelling = solution.steps[-1].cavity_volume("cavity") / half.steps[-1].cavity_volume("cavity")
     assert swelling == pytest.approx(2.0, rel=1e-8)
-    assert experiment.whole == 1.0
+    assert experiment.symmetry_factor == 1.0
 
 
 @pytest.mark.parametrize("formulation", ["p2p0", "p1"])
@@ -108,7 +108,7 @@ def test_end_and_clamp_balance(short: Body, formulation: str) -> None:
     """The clamp's force is that of its own nodes: Step.reaction, not what is left over."""
     experiment, solution = solve("III", short, [17.0, 37.0], end_y=0.5, formulation=formulation)
     for step, pressure in zip(solution.steps, (17.0, 37.0), strict=True):
-        clamp = experiment.whole * step.reaction("clamp")[:2]
+        clamp = experiment.symmetry_factor * step.reaction("clamp")[:2]
         end = experiment.end_force(step)
         np.testing.assert_allclose(clamp + end, 0.0, atol=1e-6 * pressed(short, pressure))
         np.testing.assert_allclose(clamp, experiment.clamp_force(step), atol=1e-6 * pressed(short, pressure))

@@ -170,6 +170,7 @@ def _record(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, mat
 def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, material: fem.Material) -> StateSummary:
     end, force, clamp = experiment.end(step), experiment.end_force(step), experiment.clamp_force(step)
     error = fem.stress_error(step, material)
+    air = sum(step.cavity_volume(name) for name in experiment.body.cavities[:1])
     remarks = (fem.outside_stable_range(step.extremes, material), step.instability)
     return StateSummary(
         experiment=experiment.name,
@@ -178,7 +179,7 @@ def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, ma
         reaction_N=(float(force[0]), float(force[1])),
         clamp_reaction_N=(float(clamp[0]), float(clamp[1])),
         clamp_moment_N_mm=experiment.clamp_moment(step),
-        cavity_volume_mm3=sum(step.cavity_volume(name) for name in experiment.body.cavities[:1]) * experiment.whole,
+        cavity_volume_mm3=experiment.symmetry_factor * air,
         stretch_of_curve=experiment.centreline(step).stretch,
         extremes=step.extremes,
         min_gap_mm=step.min_gap,
