@@ -117,8 +117,8 @@ def test_effects_that_are_off_add_nothing(tmp_path: Path) -> None:
     plain, every = system(), system("effects.gravity=on", "effects.strain_limiting_layer=on")
     assert [term.effect for term in plain.terms] == ["pressure"]
     assert [term.effect for term in every.terms] == ["pressure", "gravity", "strain_limiting_layer"]
-    assert plain.pattern.size == every.pattern.size
-    assert plain.pattern.indices.shape == every.pattern.indices.shape
+    assert plain.size == every.size
+    assert plain.storage.pattern.indices.shape == every.storage.pattern.indices.shape
 
 
 def test_weight_is_whole_at_every_pressure(tmp_path: Path) -> None:
