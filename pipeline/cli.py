@@ -6,16 +6,23 @@ Everything heavy is imported inside the commands, so that `pneurod --help` answe
 import errno
 import os
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import TYPE_CHECKING, Annotated, NoReturn, TypeAlias, TypeVar
 
 import typer
-from rich.console import Console
-from rich.table import Table
+from rich.console import Console, RenderableType
 
 from pipeline.errors import InputError, RunFailed
+
+if TYPE_CHECKING:
+    from pipeline.config.config import Config
+    from pipeline.progress import Progress
+
+    Result = TypeVar("Result")
+    #: a command that solves: configuration, result folder, jobs, fresh, progress
+    Task: TypeAlias = Callable[[Config, Path, int, bool, Progress], Result]
 
 app = typer.Typer(
     help="From the drawing of a pneumatic soft actuator to a rod model that can be trusted.",
@@ -33,14 +40,10 @@ Settings = Annotated[
 Jobs = Annotated[
     int | None, typer.Option("--jobs", min=1, help="Experiments at the same time. [default: cores, 3 at most]")
 ]
-Fresh = Annotated[bool, typer.Option("--fresh", help="Forget what DIR holds and begin again.")]
-
-
+Fresh = Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")]
 Accuracy = Annotated[
     str | None,
-    typer.Option(
-        "--accuracy", metavar="P%", help="Look for the mesh with this error: --set mesh.size=auto --accuracy 2%"
-    ),
+    typer.Option("--accuracy", metavar="P%", help="Choose the mesh for this error: --set mesh.size=auto --accuracy 2%"),
 ]
 
 
@@ -53,51 +56,37 @@ def run(
     jobs: Jobs = None,
     fresh: Fresh = False,
 ) -> None:
-    """The whole story: mesh, experiments I, II and III, the five parameters, the rod, the report."""
-    with _plain_endings():
-        from pipeline.config.config import load_config
-        from pipeline.progress import progress_for
+    """Mesh, experiments I, II and III, the five parameters, the rod, the report."""
+    with _errors_as_sentences():
+        design, folder = _design(config, [*(settings or ()), *([f"accuracy={accuracy}"] if accuracy else [])], out)
 
-        design = load_config(config, [*(settings or ()), *([f"accuracy={accuracy}"] if accuracy else [])])
-        folder = out or Path("results") / design.name
-
-        from pipeline.run import run as run_story
+        from pipeline.run import run as run_design
         from pipeline.terminal import effects_summary
 
-        console = Console()
-        progress = progress_for(console)
-        try:
-            report = run_story(design, folder, jobs or min(3, len(os.sched_getaffinity(0))), fresh, progress)
-        finally:
-            progress.done()
+        report = _solve(run_design, design, folder, jobs or min(3, _cores()), fresh)
         report.raise_if_failed()
-        console.print(effects_summary([state.row() for state in report.effects]), highlight=False)
+        _print(effects_summary(report.effects))
         if report.accuracy:
-            console.print(report.accuracy.sentence, highlight=False, soft_wrap=True)
-        console.print(f"report: {folder / 'report.html'}", highlight=False, soft_wrap=True)
+            _print(report.accuracy.sentence)
+        _print(f"report: {folder / 'report.html'}")
 
 
 @app.command()
 def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -> None:
     """Only the body: DIR/mesh.vtu, volumes and the quality of the elements. [default DIR: results/NAME_mesh]"""
-    with _plain_endings():
-        from pipeline.config.config import load_config
-
-        design = load_config(config, settings or ())
-        folder = out or Path("results") / f"{design.name}_mesh"
+    with _errors_as_sentences():
+        design, folder = _design(config, settings, out, "_mesh")
 
         from pipeline.simulation.scene import Scene
         from pipeline.store.atomic_file import beside
+        from pipeline.store.store import open_folder
         from pipeline.terminal import body_table
 
         body = Scene.meshed(design).body
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            with beside(folder / "mesh.vtu") as place:
-                body.mesh.write(place)
-        except OSError as failure:
-            raise InputError(f"--out {folder}: cannot be written ({failure.strerror}); give another folder") from None
-        Console().print(body_table(folder / "mesh.vtu", design.design, body), highlight=False, soft_wrap=True)
+        file = open_folder(folder).path("mesh.vtu")
+        with beside(file) as part:
+            body.mesh.write(part)
+        _print(body_table(file, design.design, body))
 
 
 @app.command()
@@ -105,26 +94,15 @@ def effects(
     config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
 ) -> None:
     """Each effect on and off: what it changes, what it costs. [default DIR: results/NAME_effects]"""
-    with _plain_endings():
-        from pipeline.config.config import load_config
-        from pipeline.progress import progress_for
-
-        design = load_config(config, settings or ())
-        folder = out or Path("results") / f"{design.name}_effects"
+    with _errors_as_sentences():
+        design, folder = _design(config, settings, out, "_effects")
 
         from pipeline.effects_study import compare_effects, contact_sentences
         from pipeline.terminal import effects_comparison
 
-        console = Console()
-        progress = progress_for(console)
-        try:
-            table = compare_effects(design, folder, jobs or min(2, len(os.sched_getaffinity(0))), fresh, progress)
-        finally:
-            progress.done()
-        console.print(effects_comparison(table.rows), highlight=False)
-        for sentence in contact_sentences(table.rows):
-            console.print(sentence, highlight=False, soft_wrap=True)
-        console.print(f"table: {folder / 'effects_table.json'}", highlight=False, soft_wrap=True)
+        table = _solve(compare_effects, design, folder, jobs or min(2, _cores()), fresh)
+        _print(effects_comparison(table.rows), *contact_sentences(table.rows))
+        _print(f"table: {folder / 'effects_table.json'}")
         if table.failures:
             raise RunFailed("; ".join(table.failures))
 
@@ -133,29 +111,18 @@ def effects(
 def accuracy(
     config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
 ) -> None:
-    """What accuracy costs: error against seconds over meshes, elements and tolerances. [default DIR:
+    """Convergence study: error against seconds over meshes, elements and tolerances. [default DIR:
     results/NAME_accuracy]"""
-    with _plain_endings():
-        from pipeline.config.config import load_config
-        from pipeline.progress import progress_for
-
-        design = load_config(config, settings or ())
-        folder = out or Path("results") / f"{design.name}_accuracy"
+    with _errors_as_sentences():
+        design, folder = _design(config, settings, out, "_accuracy")
 
         from pipeline.accuracy.study import run_study
         from pipeline.accuracy.table import reference_sentences
         from pipeline.terminal import study_table
 
-        console = Console()
-        progress = progress_for(console)
-        try:
-            study = run_study(design, folder, jobs or min(2, len(os.sched_getaffinity(0))), fresh, progress)
-        finally:
-            progress.done()
-        console.print(study_table(study), highlight=False)
-        for sentence in reference_sentences(study):
-            console.print(sentence, highlight=False, soft_wrap=True)
-        console.print(f"picture: {folder / 'accuracy.html'}", highlight=False, soft_wrap=True)
+        study = _solve(run_study, design, folder, jobs or min(2, _cores()), fresh)
+        _print(study_table(study), *reference_sentences(study))
+        _print(f"picture: {folder / 'accuracy.html'}")
 
 
 @app.command()
@@ -167,28 +134,20 @@ def rod(
     ] = None,
     moment: Annotated[str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm'.")] = "0 N*mm",
     end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
-    end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Place of the end from the clamp.")] = None,
+    end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp.")] = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
     extensible: Annotated[bool, typer.Option("--stretch", help="The extensible rod, whose curve stretches.")] = False,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
 ) -> None:
     """The rod alone, in milliseconds: its shape under loads."""
-    with _plain_endings():
-        from pipeline.saved_rod import equilibrium, rod_at, shape_table
-        from pipeline.store.atomic_file import write_whole
+    with _errors_as_sentences():
+        from pipeline.saved_rod import EndLoads, SavedRod, end_lines, write_shape
 
-        chosen = rod_at(parameters, pressure, extrapolate, extensible)
-        shape = equilibrium(chosen.rod, force=force, moment=moment, end_y=end_y, end=end)
-        table = Table.grid(padding=(0, 2))
-        table.add_row("end", f"x = {shape.x[-1]:.3f} mm, y = {shape.y[-1]:.3f} mm from the clamp")
-        table.add_row("end angle", f"{shape.theta[-1]:.4f} rad")
-        table.add_row("end force", f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N")
-        table.add_row("moment at the clamp", f"{shape.moment[0]:.5g} N mm")
-        Console().print(table, highlight=False, soft_wrap=True)
-        if chosen.moment_range is not None and (warning := chosen.moment_range.warning(shape)):
-            Console().print(warning, highlight=False, soft_wrap=True)
+        selected = SavedRod.read(parameters, extensible).at(pressure, extrapolate)
+        shape = EndLoads.read(force, moment, end_y, end).shape(selected.rod)
+        _print(*end_lines(shape), *filter(None, [selected.warning(shape)]))
         if out is not None:
-            write_whole(out, shape_table(shape).encode())
+            write_shape(shape, out)
 
 
 @app.command()
@@ -197,60 +156,58 @@ def material(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Result folder.")] = Path("results/material"),
     nu: Annotated[float, typer.Option(metavar="NU", help="Poisson ratio; it gives rubber its kappa.")] = 0.495,
     up_to: Annotated[str | None, typer.Option(metavar="STRAIN", help="Leave out larger strains: '50 %'.")] = None,
-    within: Annotated[str, typer.Option(metavar="SHARE", help="Error up to which a law may be used.")] = "10 %",
-    break_strain: Annotated[str, typer.Option("--break", metavar="STRAIN", help="Between E_L and E_H.")] = "150 %",
+    within: Annotated[str, typer.Option(metavar="ERROR", help="Relative error within which a law holds.")] = "10 %",
+    break_strain: Annotated[str, typer.Option("--break", metavar="STRAIN", help="E_L below, E_H above.")] = "150 %",
     density: Annotated[str, typer.Option(metavar="RHO", help="For the configuration; not measured.")] = "1130 kg/m^3",
 ) -> None:
     """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
-    with _plain_endings():
+    with _errors_as_sentences():
         from pipeline.material.fits import ALL, WIDEST, FitOptions
         from pipeline.material.sentences import caveats, moduli_sentences, yaml_block
         from pipeline.material.study import fit_material
         from pipeline.terminal import law_table
 
         fits = fit_material(tests, FitOptions.read(nu, density, break_strain, up_to, within), out)
-        console = Console()
-        for line in moduli_sentences(fits):
-            console.print(line, highlight=False)
+        _print(*moduli_sentences(fits))
         for name in (ALL, WIDEST):
-            console.print("", law_table(fits, name), highlight=False)
-        console.print(f"\nfor a configuration, fitted to {WIDEST}:", highlight=False)
-        for line in (yaml_block(fit, density) for fit in fits.usable.values()):
-            console.print(line, highlight=False, soft_wrap=True)
-        for sentence in ("", *caveats(fits)):
-            console.print(sentence, highlight=False)
-        console.print(f"written: {out / 'material.html'}, material.json, material_curves.csv", soft_wrap=True)
+            _print("", law_table(fits, name))
+        _print(f"\nfor a configuration, fitted to {WIDEST}:")
+        _print(*(yaml_block(fit, density) for fit in fits.usable.values()), "", *caveats(fits))
+        _print(f"written: {out / 'material.html'}, material.json, material_curves.csv")
 
 
 @app.command()
 def export(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results of a finished run.")],
-    to: Annotated[str, typer.Option("--to", metavar="NAME", help="csv, json, pyelastica, mujoco, somo or sorosim.")],
+    to: Annotated[
+        str | None, typer.Option("--to", metavar="NAME", help="The format; without it all are named.")
+    ] = None,
     pressure: Annotated[str | None, typer.Option(metavar="P", help="With its unit. [default: the highest]")] = None,
 ) -> None:
     """The identified rod as a file for another rod code."""
-    with _plain_endings():
+    with _errors_as_sentences():
         from pipeline.saved_rod import exported
 
-        Console().print(f"written: {exported(folder, to, pressure)}", highlight=False, soft_wrap=True)
+        _print(f"written: {exported(folder, to, pressure)}")
 
 
 @app.command()
 def doctor() -> None:
     """What is installed, what is missing, and the one command that mends it."""
-    with _plain_endings():
+    with _errors_as_sentences():
+        from rich.table import Table
+
         from pipeline.doctor import examine, remedy
 
-        console = Console()
-        table = Table("", "what", "found", box=None, pad_edge=False)
         findings = examine()
+        table = Table("", "checked", "result", box=None, pad_edge=False)
         for finding in findings:
-            table.add_row("[green]ok[/]" if finding.sound else "[red]no[/]", finding.subject, finding.found)
-        console.print(table, highlight=False)
+            table.add_row("[green]ok[/]" if finding.sound else "[red]no[/]", finding.subject, finding.result)
+        _print(table)
         command = remedy(findings)
         if command:
             raise RunFailed(f"something is missing; to mend it: {command}")
-        console.print("everything pneurod needs is here", highlight=False)
+        _print("everything pneurod needs is here")
 
 
 def main() -> None:
@@ -260,8 +217,41 @@ def main() -> None:
     app()
 
 
+def _design(config: Path, settings: list[str] | None, out: Path | None, suffix: str = "") -> tuple["Config", Path]:
+    """The configuration, checked, and the result folder."""
+    from pipeline.config.config import load_config
+
+    design = load_config(config, settings or ())
+    return design, out or Path("results") / f"{design.name}{suffix}"
+
+
+def _solve(task: "Task[Result]", design: "Config", folder: Path, jobs: int, fresh: bool) -> "Result":
+    """The result of a task, with its progress on the terminal."""
+    from pipeline.progress import progress_for
+
+    progress = progress_for(Console())
+    try:
+        return task(design, folder, jobs, fresh, progress)
+    finally:
+        progress.done()
+
+
+def _print(*lines: RenderableType) -> None:
+    """Tables and sentences; a sentence is not broken into lines."""
+    console = Console()
+    for line in lines:
+        if isinstance(line, str):
+            console.print(line, highlight=False, markup=False, soft_wrap=True)
+        else:
+            console.print(line, highlight=False)
+
+
+def _cores() -> int:
+    return len(os.sched_getaffinity(0))
+
+
 @contextmanager
-def _plain_endings() -> Iterator[None]:
+def _errors_as_sentences() -> Iterator[None]:
     """End with one sentence on stderr and the exit status of what went wrong."""
     try:
         yield
@@ -270,20 +260,20 @@ def _plain_endings() -> Iterator[None]:
     except RunFailed as failure:
         _end(str(failure), 1)
     except KeyboardInterrupt:
-        _end("interrupted; what is finished is kept, and the same command goes on from there", 130)
+        _end("interrupted; finished results are kept, and the same command continues from there", 130)
     except MemoryError:
         _end("the memory of this machine does not suffice; choose a larger mesh.size or fewer --jobs", 1)
     except BrokenPipeError:
-        _end("nobody reads the output any more; what is finished is kept, and the same command goes on from there", 1)
+        _end("the output was closed; finished results are kept, and the same command continues from there", 1)
     except OSError as failure:
         if failure.errno is None:  # a library that could not be loaded
             _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
-        place = f"{failure.filename}: " if failure.filename else ""
-        _end(f"{place}{failure.strerror}; {_remedy(failure)}; what is finished is kept", 1)
+        file = f"{failure.filename}: " if failure.filename else ""
+        _end(f"{file}{failure.strerror}; {_remedy(failure)}; finished results are kept", 1)
     except RuntimeError as failure:
-        if "no locator available" not in str(failure):  # numba's words, while it loads the kernels
+        if "no locator available" not in str(failure):  # numba's message when it finds no folder for its cache
             raise
-        _end("compiled kernels can be kept nowhere; name a folder you may write to: NUMBA_CACHE_DIR=FOLDER", 1)
+        _end("no folder for compiled kernels can be written; name one that can: NUMBA_CACHE_DIR=FOLDER", 1)
     except ImportError as failure:
         _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
 
@@ -293,7 +283,7 @@ def _remedy(failure: OSError) -> str:
     full = {errno.ENOSPC: "make room there", errno.EDQUOT: "make room there", errno.EFBIG: "allow larger files"}
     if failure.errno in full:
         return f"{full[failure.errno]} or give another --out, then the same command again"
-    return "give a folder you may write to and files you may read"
+    return "give a folder that can be written and files that can be read"
 
 
 def _end(sentence: str, status: int) -> NoReturn:

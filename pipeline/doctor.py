@@ -1,6 +1,6 @@
-"""Whether this machine can do the work, and the one command that mends what is missing.
+"""Checks of the installation, and the one command that mends what is missing.
 
-Each check of a heavy library runs in a process of its own, for a library that misses a system library may end it.
+Each heavy library is checked in a process of its own, because one that misses a system library may end its process.
 """
 
 import platform
@@ -17,17 +17,17 @@ from pipeline.store.provenance import installed, pinned
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing that was looked at."""
+    """The result of one check."""
 
     subject: str
     sound: bool
-    found: str
+    result: str
     mends: str = ""  #: the command that mends it; empty where it is sound
 
 
 def examine() -> list[Finding]:
-    """Look at everything pneurod needs: Python, packages, gmsh, pictures, linear solver, threads, disk."""
-    return [_python(), *_packages(), *(_tried(subject) for subject in CHECKS), _disk()]
+    """Check everything pneurod needs: Python, packages, gmsh, pictures, linear solver, threads, disk."""
+    return [_python(), *_packages(), *(check(subject) for subject in CHECKS), _disk()]
 
 
 def remedy(findings: Sequence[Finding]) -> str:
@@ -47,17 +47,17 @@ def _python() -> Finding:
 
 def _packages() -> list[Finding]:
     findings = []
-    for name, wanted in pinned().items():
-        version = installed(name)
-        sound = version == wanted
-        found = version or "not installed"
-        findings.append(
-            Finding(name, sound, found if sound else f"{found}, pinned {wanted}", "" if sound else "make setup")
-        )
+    for name, required in pinned().items():
+        version = installed(name) or "not installed"
+        if version == required:
+            findings.append(Finding(name, True, version))
+        else:
+            findings.append(Finding(name, False, f"{version}, required {required}", "make setup"))
     return findings
 
 
-def _tried(subject: str) -> Finding:
+def check(subject: str) -> Finding:
+    """Run one of `CHECKS` in a process of its own."""
     command = [sys.executable, "-m", "pipeline.doctor", subject]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
@@ -65,10 +65,10 @@ def _tried(subject: str) -> Finding:
         return Finding(subject, False, "no answer within two minutes", "make setup")
     if done.returncode == 0:
         return Finding(subject, True, done.stdout.strip())
-    said = (done.stderr.strip().splitlines() or [f"ended by signal {-done.returncode}"])[-1]
-    missing_library = "lib" in said and ".so" in said
+    error = (done.stderr.strip().splitlines() or [f"ended by signal {-done.returncode}"])[-1]
+    missing_library = "lib" in error and ".so" in error
     by_apt = missing_library or done.returncode < 0 or subject == "pictures"
-    return Finding(subject, False, said, _apt() if by_apt else "make setup")
+    return Finding(subject, False, error, _apt() if by_apt else "make setup")
 
 
 def _apt() -> str:
@@ -88,13 +88,13 @@ def _disk() -> Finding:
     return Finding("disk", True, f"{here} can be written, {free:.0f} GB free")
 
 
-def _try_gmsh() -> str:
+def _check_gmsh() -> str:
     from geometry import PneuNet
 
     return f"meshes one chamber with {PneuNet(chambers=1).body(4.0).mesh.quality.count} tetrahedra"
 
 
-def _try_pictures() -> str:
+def _check_pictures() -> str:
     import numpy as np
 
     from pipeline.pictures import draw_body
@@ -106,7 +106,7 @@ def _try_pictures() -> str:
         return f"drawn without a display, {picture.stat().st_size} bytes"
 
 
-def _try_linear_solver() -> str:
+def _check_linear_solver() -> str:
     import numpy as np
 
     from fem.equations.linear import available_solver
@@ -122,7 +122,7 @@ def _try_linear_solver() -> str:
     return f"{type(solver).__name__}{slower}"
 
 
-def _try_threads() -> str:
+def _check_threads() -> str:
     import numba
 
     from fem import compile_kernels
@@ -132,10 +132,10 @@ def _try_threads() -> str:
 
 
 CHECKS: dict[str, Callable[[], str]] = {
-    "gmsh": _try_gmsh,
-    "pictures": _try_pictures,
-    "linear solver": _try_linear_solver,
-    "threads": _try_threads,
+    "gmsh": _check_gmsh,
+    "pictures": _check_pictures,
+    "linear solver": _check_linear_solver,
+    "threads": _check_threads,
 }
 
 if __name__ == "__main__":

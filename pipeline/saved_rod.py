@@ -1,4 +1,4 @@
-"""The identified rod alone: from parameters.json to shapes in milliseconds, and to files of other rod codes."""
+"""The identified rod alone: from parameters.json to shapes under loads, and to files of other rod codes."""
 
 import json
 from collections.abc import Mapping
@@ -10,6 +10,7 @@ import numpy as np
 
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
+from pipeline.store.atomic_file import write_whole
 from pipeline.store.formats import with_present_keys
 from rod import (
     EXPORTS,
@@ -27,20 +28,87 @@ from rod import (
 _LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
 
 
-def read_rod(path: Path, extensible: bool = False) -> tuple[PressurisedRod, Mapping[str, Any]]:
-    """The rod of a parameters.json over its pressures, extensible or not, and the file's content with present keys.
+@dataclass(frozen=True)
+class SavedRod:
+    """The identified rod of a parameters.json over its pressures, and the arm it belongs to."""
 
-    Raises InputError.
-    """
-    try:
-        content = with_present_keys(json.loads(path.read_text(encoding="utf-8")))
-        rod = pressurised_rod(content, extensible)
-    except OSError as failure:
-        raise InputError(f"{path}: cannot be read ({failure.strerror}); give the parameters.json of a run") from None
-    except (KeyError, TypeError, ValueError) as failure:
-        said = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
-        raise InputError(f"{path}: is not the parameters.json of a finished run: {said}") from None
-    return rod, content
+    rods: PressurisedRod
+    mass_g: float
+    modulus_MPa: float  #: Young's modulus of the material, 1 where its law has none
+    density_tonne_mm3: float
+
+    @property
+    def radius_mm(self) -> float:
+        """Radius of a circular rod with the length and the mass of the arm."""
+        area = self.mass_g / (self.rods.length * 1e6 * self.density_tonne_mm3)
+        return float(np.sqrt(area / np.pi))
+
+    @staticmethod
+    def read(path: Path, extensible: bool = False) -> "SavedRod":
+        """The inextensible or the extensible rod of a file, also of an earlier format. Raises InputError."""
+        try:
+            content = with_present_keys(json.loads(path.read_text(encoding="utf-8")))
+            material = content["material"]
+            return SavedRod(
+                pressurised_rod(content, extensible),
+                float(content["mass_g"]),
+                float(material.get("E", 1.0)),
+                float(material["density_tonne_mm3"]),
+            )
+        except OSError as failure:
+            reason = f"cannot be read ({failure.strerror}); give the parameters.json of a run"
+            raise InputError(f"{path}: {reason}") from None
+        except (AttributeError, KeyError, TypeError, ValueError) as failure:
+            problem = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
+            raise InputError(f"{path}: is not the parameters.json of a finished run: {problem}") from None
+
+    def at(self, pressure: str, extrapolate: bool = False) -> "RodAtPressure":
+        """The rod at a pressure written with its unit, clamped as the material curve begins. Raises InputError."""
+        value = _value("--pressure", pressure, PRESSURE)
+        try:
+            rod = self.rods.at(value, extrapolate=extrapolate)
+        except RodError as failure:
+            raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
+        return RodAtPressure(rod, self.rods.moment_range_at(value, extrapolate=extrapolate))
+
+
+@dataclass(frozen=True)
+class RodAtPressure:
+    """The rod of a file at one pressure."""
+
+    rod: Rod
+    moment_range: MomentRange | None  #: of the identification, None where the file has none
+
+    def warning(self, shape: RodSolution) -> str:
+        """A sentence where the moments of a shape leave the range of the identification; empty elsewhere."""
+        return self.moment_range.warning(shape) if self.moment_range is not None else ""
+
+
+@dataclass(frozen=True)
+class EndLoads:
+    """Loads on the end of a rod, positions relative to the clamp; None for what is not prescribed."""
+
+    force: tuple[float, float] | None  #: N
+    moment: float  #: N mm
+    end_y: float | None  #: mm
+    end: tuple[float, float] | None  #: mm
+
+    @staticmethod
+    def read(force: str | None, moment: str, end_y: str | None, end: str | None) -> "EndLoads":
+        """From the options of the command line, written with units. Raises InputError."""
+        return EndLoads(
+            None if force is None else _pair("--force", force, FORCE),
+            _value("--moment", moment, MOMENT),
+            None if end_y is None else _value("--end-y", end_y, LENGTH),
+            None if end is None else _pair("--end", end, LENGTH),
+        )
+
+    def shape(self, rod: Rod) -> RodSolution:
+        """The equilibrium of a rod under these loads. Raises RunFailed where there is none."""
+        try:
+            return rod.solve(force=self.force, moment=self.moment, end_y=self.end_y, end=self.end)
+        except RodError as failure:
+            raise RunFailed(str(failure)) from None
 
 
 def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> PressurisedRod:
@@ -60,61 +128,39 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
     )
 
 
-@dataclass(frozen=True)
-class Chosen:
-    """The rod of a file at one pressure."""
+def exported(folder: Path, target: str | None, pressure: str | None) -> Path:
+    """Write the rod of a result folder for another code; the highest pressure where none is given.
 
-    rod: Rod
-    moment_range: MomentRange | None  #: of the loaded curve behind its parameters, None where the file has none
-    content: Mapping[str, Any]  #: of the file
-
-
-def rod_at(path: Path, pressure: str, extrapolate: bool, extensible: bool = False) -> Chosen:
-    """The rod at a pressure written with its unit, clamped as the material curve begins. Raises InputError."""
-    rod, content = read_rod(path, extensible)
-    value = _value("--pressure", pressure, PRESSURE)
-    try:
-        chosen = rod.at(value, extrapolate=extrapolate)
-    except RodError as failure:
-        raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
-    return Chosen(chosen, rod.moment_range_at(value, extrapolate=extrapolate), content)
-
-
-def equilibrium(rod: Rod, *, force: str | None, moment: str, end_y: str | None, end: str | None) -> RodSolution:
-    """The shape under loads written with their units, positions relative to the clamp.
-
-    Raises InputError for loads that cannot be read and RunFailed where there is no equilibrium.
+    Raises InputError for an unknown target, which it answers with the known ones, and RunFailed where the target cannot
+    take the rod.
     """
-    given = {
-        "force": None if force is None else _pair("--force", force, FORCE),
-        "end": None if end is None else _pair("--end", end, LENGTH),
-        "end_y": None if end_y is None else _value("--end-y", end_y, LENGTH),
-    }
-    try:
-        return rod.solve(**given, moment=_value("--moment", moment, MOMENT))  # type: ignore[arg-type]
-    except RodError as failure:
-        raise RunFailed(str(failure)) from None
-
-
-def exported(folder: Path, target: str, pressure: str | None) -> Path:
-    """Write the rod of a result folder for another code; the highest pressure where none is given."""
     if target not in EXPORTS:
-        raise InputError(f"--to {target}: allowed are {', '.join(EXPORTS)}")
-    rod, content = read_rod(folder / "parameters.json")
-    chosen = rod_at(folder / "parameters.json", pressure or f"{rod.pressures[-1]} kPa", False)
-    modulus = float(content["material"].get("E", 1.0))
-    area = float(content["mass_g"]) / (rod.length * 1e6 * float(content["material"]["density_tonne_mm3"]))
+        raise InputError(f"--to{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}")
+    saved = SavedRod.read(folder / "parameters.json")
+    rod = saved.at(pressure or f"{saved.rods.pressures[-1]} kPa").rod
     try:
-        return export(Arm(chosen.rod, float(content["mass_g"]), float(np.sqrt(area / np.pi)), modulus), target, folder)
+        return export(Arm(rod, saved.mass_g, saved.radius_mm, saved.modulus_MPa), target, folder)
     except RodError as failure:
         raise RunFailed(str(failure)) from None
 
 
-def shape_table(shape: RodSolution) -> str:
-    """The shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm."""
+def end_lines(shape: RodSolution) -> list[str]:
+    """Position, angle and force of the end, and the moment at the clamp, one line each."""
+    lines = {
+        "end": f"x = {shape.x[-1]:.3f} mm, y = {shape.y[-1]:.3f} mm from the clamp",
+        "end angle": f"{shape.theta[-1]:.4f} rad",
+        "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
+        "moment at the clamp": f"{shape.moment[0]:.5g} N mm",
+    }
+    width = max(map(len, lines))
+    return [f"{name:<{width}}  {value}" for name, value in lines.items()]
+
+
+def write_shape(shape: RodSolution, file: Path) -> None:
+    """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm."""
     columns = (shape.s, shape.x, shape.y, shape.theta, shape.kappa, shape.moment)
     rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
-    return "\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n"
+    write_whole(file, ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode())
 
 
 def _value(option: str, text: str, dimension: Dimension) -> float:

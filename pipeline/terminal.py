@@ -1,8 +1,7 @@
 """Tables on the terminal: body, effects of a run, study of effects, material laws, convergence study."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from rich.table import Table
 from rich.text import Text
@@ -15,6 +14,7 @@ from pipeline.effects_study import BASE, COLUMNS, EffectRow
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit, Refused
 from pipeline.material.sentences import with_error
+from pipeline.simulation.effects_record import EffectState
 
 
 def body_table(file: Path, design: Design, body: Body) -> Table:
@@ -35,12 +35,12 @@ def body_table(file: Path, design: Design, body: Body) -> Table:
     return table
 
 
-def effects_summary(rows: Sequence[Mapping[str, Any]]) -> Table:
-    """Rows of effects.json: which effects were simulated, and why."""
+def effects_summary(effects: Sequence[EffectState]) -> Table:
+    """Which effects were simulated, and why."""
     table = Table.grid(padding=(0, 2))
-    for row in rows:
-        state = Text(row["state"], style="green" if row["state"] == "on" else "dim")
-        table.add_row(row["effect"], state, Text(row["reason"]))
+    for effect in effects:
+        state = Text(effect.state, style="green" if effect.state == "on" else "dim")
+        table.add_row(effect.effect, state, Text(effect.reason))
     return table
 
 

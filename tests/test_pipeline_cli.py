@@ -16,7 +16,7 @@ from pipeline.doctor import Finding
 from pipeline.errors import RunFailed
 from pipeline.progress import Progress
 
-Story = Callable[[object, Path, int, bool, Progress], None]
+Task = Callable[[object, Path, int, bool, Progress], object]
 
 
 @pytest.fixture
@@ -25,10 +25,10 @@ def coarse(configs: Path) -> str:
 
 
 @pytest.fixture
-def story(monkeypatch: pytest.MonkeyPatch) -> Callable[[Story], None]:
-    """Put another function in the place of pipeline.run.run."""
+def replace_run(monkeypatch: pytest.MonkeyPatch) -> Callable[[Task], None]:
+    """Replace `pipeline.run.run` by another function."""
 
-    def put(function: Story) -> None:
+    def put(function: Task) -> None:
         stand_in = types.ModuleType("pipeline.run")
         stand_in.run = function  # type: ignore[attr-defined]
         monkeypatch.setitem(sys.modules, "pipeline.run", stand_in)
@@ -49,9 +49,15 @@ def sentence(result: Result, status: int) -> str:
     return lines[0].removeprefix("pneurod: ")
 
 
-def test_run_hands_everything_on(story: Callable[[Story], None], coarse: str, tmp_path: Path) -> None:
+def test_run_passes_its_options_on(replace_run: Callable[[Task], None], coarse: str, tmp_path: Path) -> None:
     calls = []
-    story(lambda *arguments: calls.append(arguments))
+    report = types.SimpleNamespace(effects=(), accuracy=None, raise_if_failed=lambda: None)
+
+    def task(*arguments: object) -> object:
+        calls.append(arguments)
+        return report
+
+    replace_run(task)
     out = tmp_path / "out"
     result = call("run", coarse, "--out", str(out), "--set", "mesh.size=3 mm", "--jobs", "2", "--fresh")
     assert result.exit_code == 0
@@ -93,44 +99,44 @@ def test_wrong_input_in_a_process_of_its_own(coarse: str) -> None:
     assert len(done.stderr.splitlines()) == 1
 
 
-def test_kernels_that_can_be_kept_nowhere(coarse: str, tmp_path: Path) -> None:
+def test_without_a_folder_for_compiled_kernels(coarse: str, tmp_path: Path) -> None:
     nowhere = {**os.environ, "NUMBA_CACHE_LOCATOR_CLASSES": "IPythonCacheLocator"}  # as where no folder can be written
     command = [sys.executable, "-m", "pipeline", "run", coarse, "--out", str(tmp_path)]
     done = subprocess.run(
         command, capture_output=True, text=True, check=False, cwd=Path(coarse).parent.parent, env=nowhere
     )
     assert done.returncode == 1
-    assert "name a folder you may write to: NUMBA_CACHE_DIR=" in done.stderr
+    assert "no folder for compiled kernels can be written; name one that can: NUMBA_CACHE_DIR=" in done.stderr
     assert len(done.stderr.splitlines()) == 1
 
 
-def raising(error: BaseException) -> Story:
-    def tell_and_raise(config: object, out: Path, jobs: int, fresh: bool, progress: Progress) -> None:
+def raising(error: BaseException) -> Task:
+    def start_and_raise(config: object, out: Path, jobs: int, fresh: bool, progress: Progress) -> None:
         progress.stage("experiments")
         raise error
 
-    return tell_and_raise
+    return start_and_raise
 
 
 @pytest.mark.parametrize(
-    ("error", "status", "said"),
+    ("error", "status", "message"),
     [
         (RunFailed("the body cannot bear 1000 kPa"), 1, "the body cannot bear 1000 kPa"),
-        (KeyboardInterrupt(), 130, "interrupted; what is finished is kept, and the same command goes on from there"),
+        (KeyboardInterrupt(), 130, "interrupted; finished results are kept, and the same command continues from there"),
         (OSError(28, "No space left on device", "out/a.json"), 1, "out/a.json: No space left on device"),
         (OSError("libGLU.so.1: cannot open"), 1, "libGLU.so.1: cannot open; `pneurod doctor` names the command"),
         (ImportError("No module named 'gmsh'"), 1, "No module named 'gmsh'; `pneurod doctor` names the command"),
         (MemoryError(), 1, "the memory of this machine does not suffice"),
     ],
 )
-def test_a_run_that_fails_says_why(
-    story: Callable[[Story], None], coarse: str, tmp_path: Path, error: BaseException, status: int, said: str
+def test_a_failed_run_ends_with_a_sentence(
+    replace_run: Callable[[Task], None], coarse: str, tmp_path: Path, error: BaseException, status: int, message: str
 ) -> None:
-    story(raising(error))
-    assert sentence(call("run", coarse, "--out", str(tmp_path)), status).startswith(said)
+    replace_run(raising(error))
+    assert sentence(call("run", coarse, "--out", str(tmp_path)), status).startswith(message)
 
 
-def test_mesh_writes_the_body_and_measures_it(coarse: str, tmp_path: Path) -> None:
+def test_mesh_writes_the_body_and_its_quality(coarse: str, tmp_path: Path) -> None:
     result = call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2", "--set", "mesh.size=5 mm")
     assert result.exit_code == 0, result.stderr
     assert (tmp_path / "mesh.vtu").stat().st_size > 1000
@@ -140,11 +146,11 @@ def test_mesh_writes_the_body_and_measures_it(coarse: str, tmp_path: Path) -> No
 
 def test_mesh_into_a_folder_that_cannot_be_written(coarse: str, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
-    said = sentence(call("mesh", coarse, "--out", str(tmp_path / "file" / "out")), 2)
-    assert "cannot be written" in said
+    message = sentence(call("mesh", coarse, "--out", str(tmp_path / "file" / "out")), 2)
+    assert "cannot be written" in message
 
 
-def test_doctor_finds_this_machine_sound() -> None:
+def test_doctor_on_this_machine() -> None:
     result = call("doctor")
     assert result.exit_code == 0, result.output
     for subject in ("Python", "gmsh", "pictures", "linear solver", "threads", "disk"):
@@ -160,15 +166,15 @@ def test_doctor_names_the_one_command(monkeypatch: pytest.MonkeyPatch) -> None:
         Finding("numpy", False, "not installed", "make setup"),
     ]
     monkeypatch.setattr(doctor, "examine", lambda: findings)
-    said = sentence(call("doctor"), 1)
-    assert said == "something is missing; to mend it: apt-get install -y libglu1-mesa && make setup"
+    message = sentence(call("doctor"), 1)
+    assert message == "something is missing; to mend it: apt-get install -y libglu1-mesa && make setup"
 
 
-def test_doctor_knows_a_missing_system_library_from_a_missing_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    def failing(said: str) -> Finding:
-        done = subprocess.CompletedProcess([], 1, "", f"Traceback\n{said}\n")
+def test_doctor_tells_a_missing_system_library_from_a_missing_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(error: str) -> Finding:
+        done = subprocess.CompletedProcess([], 1, "", f"Traceback\n{error}\n")
         monkeypatch.setattr(doctor.subprocess, "run", lambda *arguments, **options: done)
-        return doctor._tried("gmsh")
+        return doctor.check("gmsh")
 
     library = failing("OSError: libGLU.so.1: cannot open shared object file: No such file or directory")
     assert not library.sound
@@ -176,6 +182,6 @@ def test_doctor_knows_a_missing_system_library_from_a_missing_package(monkeypatc
     assert failing("ModuleNotFoundError: No module named 'gmsh'").mends == "make setup"
 
 
-def test_effects_refuses_what_run_refuses(coarse: str, tmp_path: Path) -> None:
-    said = sentence(call("effects", coarse, "--out", str(tmp_path), "--set", "effects.gravity=down"), 2)
-    assert said == "--set effects.gravity: 'down' is not allowed; allowed: auto, on or off"
+def test_effects_checks_its_input_as_run_does(coarse: str, tmp_path: Path) -> None:
+    message = sentence(call("effects", coarse, "--out", str(tmp_path), "--set", "effects.gravity=down"), 2)
+    assert message == "--set effects.gravity: 'down' is not allowed; allowed: auto, on or off"

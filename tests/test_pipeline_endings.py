@@ -115,7 +115,7 @@ def test_a_request_to_end_is_an_interrupt(place: Path) -> None:
     run.send_signal(signal.SIGTERM)
     assert ended(run) == (
         130,
-        "pneurod: interrupted; what is finished is kept, and the same command goes on from there\n",
+        "pneurod: interrupted; finished results are kept, and the same command continues from there\n",
     )
 
 

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from pipeline.cli import app
-from pipeline.saved_rod import rod_at
+from pipeline.saved_rod import SavedRod
 from rod import FiveParameters, Rod
 
 LENGTH = 112.0
@@ -37,13 +37,13 @@ def results(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def said(*arguments: str) -> tuple[int, str, str]:
+def call(*arguments: str) -> tuple[int, str, str]:
     ended = CliRunner().invoke(app, list(arguments))
     return ended.exit_code, ended.stdout, ended.stderr
 
 
 def test_rod_between_two_pressures_is_the_rod_of_the_means(results: Path) -> None:
-    rod = rod_at(results / "parameters.json", "27 kPa", False).rod
+    rod = SavedRod.read(results / "parameters.json").at("27 kPa").rod
     law = FiveParameters(alpha1=57.5, alpha2=370.0, m01=0.15, m02=-0.3, d=10.0)
     ours = rod.solve(force=(0.0, 0.05))
     reference = Rod(LENGTH, -0.0175, law, theta0=0.01).solve(force=(0.0, 0.05))
@@ -51,15 +51,15 @@ def test_rod_between_two_pressures_is_the_rod_of_the_means(results: Path) -> Non
     assert ours.y[-1] == pytest.approx(reference.y[-1], abs=1e-6)
 
 
-def test_a_load_beyond_the_identified_moments_is_said_with_place_and_size(results: Path) -> None:
+def test_a_load_beyond_the_identified_moments_gets_a_warning(results: Path) -> None:
     file = results / "parameters.json"
     content = json.loads(file.read_text())
     file.write_text(json.dumps({**content, "moment_range_N_mm": [[0.2, 3.0], [0.4, 4.0]]}))
-    code, out, _ = said("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.1 N]")
+    code, out, _ = call("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.1 N]")
     assert code == 0
     assert "The moment leaves the 0.2 to 3 N mm" in out
     assert "farthest off at s = 0 mm" in out
-    code, out, _ = said("rod", str(file), "--pressure", "27 kPa")
+    code, out, _ = call("rod", str(file), "--pressure", "27 kPa")
     assert "The moment leaves" not in out
 
 
@@ -70,13 +70,13 @@ def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
     eccentricity = {key: content[key] for key in keys}
     eccentricity |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
     file.write_text(json.dumps({**content, "eccentricity": eccentricity}))
-    assert rod_at(file, "27 kPa", False).rod.extension is None
-    rod = rod_at(file, "27 kPa", False, extensible=True).rod
+    assert SavedRod.read(file).at("27 kPa").rod.extension is None
+    rod = SavedRod.read(file, extensible=True).at("27 kPa").rod
     shape = rod.solve()
     assert np.all(np.abs(shape.stretch - 1.03) < 1e-12)
     assert rod.extension is not None
     assert rod.extension.eccentricity == pytest.approx(1.3)
-    code, out, _ = said("rod", str(file), "--pressure", "27 kPa", "--stretch")
+    code, out, _ = call("rod", str(file), "--pressure", "27 kPa", "--stretch")
     assert code == 0
     assert f"x = {shape.x[-1]:.3f} mm" in out
 
@@ -84,7 +84,7 @@ def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
 def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
     file = results / "shape.csv"
     loads = ("--pressure", "17 kPa", "--force", "[0 N, 0.02 N]", "--out", str(file))
-    code, out, _ = said("rod", str(results / "parameters.json"), *loads)
+    code, out, _ = call("rod", str(results / "parameters.json"), *loads)
     assert code == 0
     table = np.loadtxt(file, delimiter=",", skiprows=1)
     assert f"x = {table[-1, 1]:.3f} mm, y = {table[-1, 2]:.3f} mm" in out
@@ -103,29 +103,29 @@ def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
     ],
 )
 def test_bad_loads_give_one_sentence(results: Path, arguments: tuple[str, ...], code: int, sentence: str) -> None:
-    status, _, said_on_stderr = said("rod", str(results / "parameters.json"), *arguments)
+    status, _, error = call("rod", str(results / "parameters.json"), *arguments)
     assert status == code
-    assert sentence in said_on_stderr
-    assert said_on_stderr.count("\n") == 1
+    assert sentence in error
+    assert error.count("\n") == 1
 
 
 def test_parameters_of_something_else_are_refused(tmp_path: Path) -> None:
     file = tmp_path / "parameters.json"
     file.write_text("{}")
-    status, _, sentence = said("rod", str(file), "--pressure", "17 kPa")
+    status, _, sentence = call("rod", str(file), "--pressure", "17 kPa")
     assert status == 2
     assert "is not the parameters.json of a finished run" in sentence
 
 
 @pytest.mark.parametrize("target", ["csv", "json", "pyelastica", "mujoco", "somo", "sorosim"])
 def test_every_export_is_written(results: Path, target: str) -> None:
-    status, out, _ = said("export", str(results), "--to", target)
+    status, out, _ = call("export", str(results), "--to", target)
     assert status == 0
     assert Path(out.replace("\n", "").removeprefix("written: ")).stat().st_size > 100
 
 
 def test_an_unknown_export_is_refused(results: Path) -> None:
-    status, _, sentence = said("export", str(results), "--to", "abaqus")
+    status, _, sentence = call("export", str(results), "--to", "abaqus")
     assert status == 2
     assert "allowed are csv, json, pyelastica" in sentence
 
@@ -139,7 +139,7 @@ def test_a_file_of_format_1_is_read_with_its_old_keys(results: Path) -> None:
     file.write_text(
         json.dumps({**content, "sixth_number": extensible, "sampled_moment_N_mm": [[0.2, 3.0], [0.4, 4.0]]})
     )
-    chosen = rod_at(file, "17 kPa", False, extensible=True)
+    chosen = SavedRod.read(file, extensible=True).at("17 kPa")
     assert chosen.rod.extension is not None
     assert chosen.moment_range is not None
     assert chosen.moment_range.high == pytest.approx(3.0)

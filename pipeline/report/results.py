@@ -11,6 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.store.formats import CONVERGED, with_present_keys
+from pipeline.validation.validate import LawRow
 
 Row = TypeVar("Row")
 
@@ -89,18 +90,6 @@ class ValidationRow:
     def location(self) -> str:
         """Load and pressure, for a sentence."""
         return f"{self.title}, {self.pressure_kPa:g} kPa"
-
-
-@dataclass(frozen=True)
-class LawRow:
-    """A row of laws.json: one moment-curvature law at one pressure, errors relative."""
-
-    pressure_kPa: float
-    law: str
-    numbers: int
-    in_sample: float
-    out_of_sample: float
-    simplest: bool
 
 
 @dataclass(frozen=True)

@@ -40,8 +40,8 @@ def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | Load
         raise RunFailed(str(failure)) from None
     except BrokenProcessPool:
         raise RunFailed(
-            "the process of an experiment was ended from outside, as happens when memory runs out; what is finished is "
-            "kept, and the same command goes on from there, with --jobs 1 in less memory"
+            "the process of an experiment was ended from outside, as happens when memory runs out; finished results "
+            "are kept, and the same command continues from there, with --jobs 1 in less memory"
         ) from None
     return Outcomes({outcome.name: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.name)})
 
