@@ -1,0 +1,273 @@
+"""A piece of a periodic body under pressure and pure bending, up to a plane of mirror symmetry.
+
+A body made of cells that are symmetric about their own middle stays so under pressure and a constant moment: the planes
+between half cells stay planes. The half cell between two of them, or an end of the body and some half cells, then
+stands for the whole body. The plane at the end of the piece contains the direction z; its positions are
+
+    x = c n + eta e2 + zeta e3,   n = (cos phi, sin phi, 0),   e2 = (-sin phi, cos phi, 0),
+
+with the angle phi prescribed and the distance c an unknown, so that no axial force acts. Newton's equations are those
+of `fem.equations`, with the constraints of one angle after the other.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Literal, final
+
+import numpy as np
+
+from fem.cell.air import AirPressure
+from fem.cell.mirror_contact import MirrorContact
+from fem.discretisation import Discretisation
+from fem.effects.barrier import FacingTerm
+from fem.effects.contact import SelfContact
+from fem.effects.effect import Effect, Term, Terms
+from fem.equations.constraints import Constraints
+from fem.equations.linear import available_solver
+from fem.equations.linearised import Linearised
+from fem.equations.state import Assembly, State
+from fem.equations.system import System
+from fem.materials.material import Material
+from fem.path.control import LoadControl
+from fem.path.newton import NewtonOptions, Start, StepFailed, solve
+from fem.post.extremes import extremes_of, strain_at_stress_points
+from fem.solution import Extremes
+from fem.supports import Fixed, SharedPlane, Support, Tied
+from geometry import Body
+from geometry.arrays import Array, Index
+
+#: what holds the start of a piece: it is a plane of mirror symmetry too, it is clamped, it is free, or it is free but
+#: for the edge on the material curve, which is kept straight
+Boundary = Literal["mirror", "clamp", "free", "held"]
+
+#: how often the way between two states is halved where Newton's method does not converge
+MAX_HALVINGS = 6
+#: Newton's tolerance, finer than that of a load path: slopes of the moment are taken of the states
+OPTIONS = NewtonOptions(tolerance=1e-8)
+
+
+class PieceFailed(ArithmeticError):
+    """No equilibrium was reached; the sentence tells at which pressure and curvature, and why."""
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class PieceState:
+    """Equilibrium of a piece at one pressure and one angle of its plane. Moments are those of the whole body."""
+
+    pressure: float  #: MPa
+    angle: float  #: rad, of the plane at the end
+    moment: float  #: N mm, that turns the plane, about z; positive towards larger angles
+    distance: float  #: c, mm
+    gap: float  #: smallest gap between walls, or between a wall and its mirror image, mm; infinity without contact
+    touches: bool  #: whether walls are within the activation distance
+    extremes: Extremes
+    factorizations: int  #: spent on the way to this state
+    negative_pivots: int  #: number of unstable directions at a prescribed angle
+    state: State = field(repr=False)
+    terms: Terms = field(repr=False)
+
+
+@final
+class BendingPiece:
+    """Equations of a piece, kept from one state to the next.
+
+    body: its face `tip` is the plane of mirror symmetry, at rest x = length. pressures: by the name of a cavity, its
+    pressure over that of the state. dhat: activation distance of contact on the face `gap` in mm, None for no contact.
+    supports: further ones.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        material: Material,
+        start: Boundary,
+        formulation: str = "p2p0",
+        pressures: Mapping[str, float] | None = None,
+        dhat: float | None = None,
+        supports: Sequence[Support] = (),
+    ) -> None:
+        self.body = body
+        self.material = material
+        self.start = start
+        self.supports = tuple(supports)
+        self.space = Discretisation.of(body.mesh, formulation)
+        given = {body.cavities[0]: 1.0} if pressures is None else pressures
+        effects: list[Effect] = [AirPressure(name, value) for name, value in given.items() if value]
+        if dhat is not None and "gap" in body.mesh.faces:
+            effects.append(MirrorContact("gap", "tip", dhat))
+            effects.append(SelfContact("gap", dhat, starts_inactive=True))
+        self.terms = tuple(effect.bind(self.space, material) for effect in effects)
+        self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
+
+    @property
+    def system(self) -> System:
+        """The equations, with the constraints of the angle last solved for."""
+        return self._system
+
+    @property
+    def whole(self) -> float:
+        """Forces of the whole body over those of the meshed part."""
+        return 2.0 if self.body.half else 1.0
+
+    @cached_property
+    def plane(self) -> Index:
+        """Nodes (k,) of the plane at the end."""
+        return self.space.surface("tip").unique_nodes
+
+    @cached_property
+    def curve(self) -> Index:
+        """Nodes (m,) of the material curve by increasing x, those in the middle of edges included."""
+        points = self.space.points
+        on_curve = np.flatnonzero((np.abs(points[:, 1] - self.body.curve_y) < 1e-7) & (np.abs(points[:, 2]) < 1e-7))
+        return np.asarray(on_curve[np.argsort(points[on_curve, 0])])
+
+    def rest(self) -> PieceState:
+        """The piece without pressure and bending."""
+        x = self.space.points
+        state = self._system.rest_state()
+        return PieceState(
+            0.0,
+            0.0,
+            0.0,
+            self.body.length,
+            *self._contact(self.terms, x),
+            self._extremes(state),
+            0,
+            0,
+            state,
+            self.terms,
+        )
+
+    def solve(self, pressure: float, angle: float, start: PieceState) -> PieceState:
+        """Equilibrium at a pressure in MPa and an angle in rad, from another state of this piece.
+
+        Raises `PieceFailed`.
+        """
+        reached, fraction, increment, halvings, spent = start, 0.0, 1.0, 0, 0
+        while fraction < 1.0:
+            target = min(1.0, fraction + increment)
+            p = start.pressure + target * (pressure - start.pressure)
+            phi = start.angle + target * (angle - start.angle)
+            try:
+                reached = self._solve_directly(p, phi, reached)
+            except StepFailed as failure:
+                halvings += 1
+                if halvings > MAX_HALVINGS:
+                    raise PieceFailed(self._sentence(p, phi, str(failure))) from None
+                increment /= 2.0
+                continue
+            fraction = target
+            spent += reached.factorizations
+        return replace(reached, factorizations=spent)
+
+    def constraints(self, angle: float) -> Constraints:
+        """The supports with the plane at an angle in rad, resolved to u = T q + g."""
+        return Constraints.of(self._supports(angle), self.space)
+
+    def linearise(self, piece: PieceState, increment: Array) -> tuple[Assembly, Linearised]:
+        """Tangent at a state with the constraints of its angle, and its product with an increment (n, 3), mm.
+
+        Raises `fem.equations.linear.SingularMatrix`.
+        """
+        self._system.replace_constraints(self.constraints(piece.angle))
+        assembly = self._system.assemble(piece.state, piece.terms)
+        return assembly, self._system.linearise(piece.state, assembly, piece.terms, increment)
+
+    def rotation(self, x: Array) -> Array:
+        """Displacement (n, 3) per angle where the nodes of the plane turn about the z axis through the origin and all
+        others stay; x (n, 3) are positions in mm."""
+        turned = np.zeros_like(x)
+        turned[self.plane] = turn(x[self.plane])
+        return turned
+
+    def _supports(self, angle: float) -> list[Support]:
+        curve = self.space.points[self.curve]
+        along_z = [Fixed("sym", "z")] if self.body.half else self._against_motion_aside()
+        plane_z: list[Support] = [*self.supports, *along_z]
+        normal = (float(np.cos(angle)), float(np.sin(angle)), 0.0)
+        if self.start == "clamp":
+            return [*plane_z, Fixed("clamp"), SharedPlane("tip", normal)]
+        if self.start == "mirror":
+            return [*plane_z, Fixed("clamp", "x"), Fixed(curve[0], "y"), SharedPlane("tip", normal)]
+        edge = self._edge()
+        held: list[Support] = [Tied(edge[1:], edge[0], "y")] if self.start == "held" else []
+        return [*plane_z, Fixed("tip", "x"), Fixed(curve[-1], "y"), *held]
+
+    def _against_motion_aside(self) -> list[Fixed]:
+        """Constraints without force against motion along z and rotation about x, of a body meshed on both sides."""
+        points = self.space.points
+        above = points[np.abs(points[:, 2]) < 1e-9 * self.body.length]
+        top = above[int(np.argmax(above[:, 1]))]
+        return [Fixed(points[self.curve[0]], "z"), Fixed(top, "z")]
+
+    def _edge(self) -> Array:
+        """Nodes (k, 3) at rest of the edge x = 0 on the material curve by increasing z, mm."""
+        points = self.space.points[self.space.surface("clamp").unique_nodes]
+        edge = points[np.abs(points[:, 1] - self.body.curve_y) < 1e-7]
+        return np.asarray(edge[np.argsort(edge[:, 2])])
+
+    def _solve_directly(self, pressure: float, angle: float, start: PieceState) -> PieceState:
+        self._system.replace_constraints(self.constraints(angle))
+        control = LoadControl(self._system, pressure, 1.0)
+        terms, state, spent = self.terms, start.state, 0
+        while True:
+            found = solve(Start(state, terms), control, OPTIONS, lambda iteration, residual: None)
+            spent += found.iterations
+            x = self.space.points + found.state.displacement
+            tightened = tuple(_tightened(term, x) for term in terms)
+            if tightened == terms:
+                break
+            terms, state = tightened, found.state
+        gradient = found.assembly.gradient
+        return PieceState(
+            pressure,
+            angle,
+            self.whole * float(np.vdot(gradient, self.rotation(x))),
+            float(x[self.plane[0]] @ (np.cos(angle), np.sin(angle), 0.0)),
+            *self._contact(terms, x),
+            self._extremes(found.state),
+            spent,
+            found.negative_pivots,
+            found.state,
+            terms,
+        )
+
+    def _contact(self, terms: Terms, x: Array) -> tuple[float, bool]:
+        """Smallest gap between walls in mm, and whether they touch; a wall is half as far from the plane as from its
+        image."""
+        gap, touches = np.inf, False
+        for term in terms:
+            if isinstance(term, FacingTerm) and term.pairs.nodes.size:
+                image = 2.0 if np.isin(term.pairs.triangles, self.plane).all() else 1.0
+                gap = min(gap, image * term.gap(x))
+                touches = touches or term.touching(x)
+        return gap, touches
+
+    def _extremes(self, state: State) -> Extremes:
+        return extremes_of(self.space, *strain_at_stress_points(self.space, state.displacement))
+
+    def _sentence(self, pressure: float, angle: float, cause: str) -> str:
+        curvature = 1000.0 * angle / self.body.length
+        return (
+            f"no equilibrium of the {_NAMES[self.start]} at {1000.0 * pressure:.4g} kPa and a mean curvature of "
+            f"{curvature:.4g} 1/m: {cause}"
+        )
+
+
+_NAMES = {"mirror": "half cell", "clamp": "clamped end", "free": "free end", "held": "held end"}
+
+
+def turn(x: Array) -> Array:
+    """e_z x x (k, 3)."""
+    return np.stack([-x[:, 1], x[:, 0], np.zeros(x.shape[0])], axis=1)
+
+
+def _tightened(term: Term, x: Array) -> Term:
+    """A stiffer barrier where walls overlap, the term itself where they do not. Raises `StepFailed`."""
+    if not isinstance(term, FacingTerm) or term.gap(x) > 0.0:
+        return term
+    if not term.stiffenings:
+        raise StepFailed(term.violation(x))
+    return term.tightened(x)

@@ -1,0 +1,161 @@
+"""What a piece does next: slopes of moment and stretch by curvature and pressure, axial and shear rigidity.
+
+Equilibrium at the angle phi says that dw . f = 0 for all displacements dw that the plane admits, f the nodal gradient
+of the potential. Along a path of angles the plane's nodes turn with it, by e_z x x per angle, and what they admit turns
+as well, so that the remaining change T dq solves
+
+    dw . (K (T dq + e_z x x) - e_z x f) = 0      (the vector products at the nodes of the plane alone),
+
+one more right-hand side for the tangent at hand. The moment M = f . (e_z x x) changes accordingly.
+
+Shear. A constant shear force Q makes a moment -Q s, which no plane of symmetry bears; but what is antisymmetric about
+the middle of the cell (s = 0) and its moment -Q h at the plane s = h split there into pure bending, known already, and
+a part v that is antisymmetric about the plane: v moves only within the plane, as a rigid body, and no normal force
+acts; walls in contact with their mirror image move with it, so this contact has no stiffness. In the middle of the cell
+only the normal displacement is free. The energy of one pitch P = 2 h then gives the shear rigidity,
+
+    U = P^3 / (24 EI) + P / (2 GA)        for Q = 1.
+"""
+
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from fem.cell.piece import BendingPiece, PieceState, turn
+from fem.effects.effect import Terms
+from fem.equations.constraints import Constraints
+from fem.equations.linear import SingularMatrix, available_solver
+from fem.equations.linearised import Linearised
+from fem.equations.state import Change, State
+from fem.equations.system import System
+from fem.supports import Fixed, Prescribed, SharedPlane, Support
+from geometry.arrays import Array, Index
+
+#: largest displacement of a difference of forces, over the size of the piece: the best for central differences
+STEP = 1e-6
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Slopes:
+    """Changes of a piece in equilibrium by the angle of its plane (rad) and by the pressure (MPa)."""
+
+    moment: float  #: N mm, of the whole body
+    moment_by_angle: float  #: N mm
+    moment_by_pressure: float  #: mm3
+    by_angle: Array  #: (n, 3) displacement, mm
+    by_pressure: Array  #: (n, 3) mm/MPa
+    distance_by_force: float  #: mm/N, of the plane along its normal, by an axial force at a fixed angle
+
+
+def slopes(piece: BendingPiece, at: PieceState) -> Slopes:
+    """The slopes of a piece with an unknown distance of its plane; one factorization.
+
+    Raises `fem.equations.linear.SingularMatrix` at a limit point.
+    """
+    x = piece.space.points + at.state.displacement
+    turned = piece.rotation(x)
+    assembly, tangent = piece.linearise(at, turned)
+    reaction = np.zeros_like(x)
+    reaction[piece.plane] = turn(assembly.gradient[piece.plane])
+    coupling = tangent.coupling
+    by_angle = tangent.solve(coupling.displacement - reaction, coupling.pressure)
+    load = _load_by_pressure(piece, at)
+    by_pressure = tangent.solve(load)
+    pull = np.zeros_like(x)
+    normal = np.array([np.cos(at.angle), np.sin(at.angle), 0.0])
+    node = piece.plane[0]
+    pull[node] = -normal / piece.whole
+    by_force = tangent.solve(pull)
+    angle_change = by_angle.displacement + turned
+
+    def moment_change(change: Change, displacement: Array, force: float) -> float:
+        """Of a change of the unknowns and of the whole displacement; force: d f . (e_z x x) at fixed unknowns."""
+        work = float(np.vdot(coupling.displacement, change.displacement)) + force
+        work += float(np.vdot(coupling.pressure, change.pressure))
+        lever = float(np.vdot(assembly.gradient[piece.plane], turn(displacement[piece.plane])))
+        return piece.whole * (work + lever)
+
+    return Slopes(
+        moment=at.moment,
+        moment_by_angle=moment_change(by_angle, angle_change, float(np.vdot(coupling.displacement, turned))),
+        moment_by_pressure=moment_change(by_pressure, by_pressure.displacement, float(np.vdot(load, turned))),
+        by_angle=angle_change,
+        by_pressure=by_pressure.displacement,
+        distance_by_force=float(by_force.displacement[node] @ normal),
+    )
+
+
+def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
+    """GA in N of the whole body for a half cell between two mirror planes; one factorization.
+
+    Raises `fem.equations.linear.SingularMatrix` where the cell is unstable in shear or bending.
+    """
+    if known.moment_by_angle <= 0.0:
+        raise SingularMatrix("the moment falls with the curvature")
+    h = piece.body.length
+    bending = known.by_angle / known.moment_by_angle  # displacement per moment of the whole body
+    forces = _force_change(piece, at, at.terms, bending)
+    moment = -h  # at the plane, for Q = 1
+    terms = tuple(term for term in at.terms if term.effect != "self_contact")
+    middle = piece.space.surface("clamp").unique_nodes
+    prescribed = np.zeros_like(bending)
+    prescribed[middle, 1:] = -moment * bending[middle, 1:]
+    applied = np.zeros_like(bending)
+    applied[middle, 0] = -moment * forces[middle, 0]
+    along = np.array([-np.sin(at.angle), np.cos(at.angle), 0.0])
+    applied[piece.plane[0]] += along / piece.whole
+    tangent = _shear_tangent(piece, at, terms, middle, prescribed)
+    solved = tangent.solve(tangent.coupling.displacement - applied, tangent.coupling.pressure)
+    shear = solved.displacement + prescribed
+    elastic = _force_change(piece, at, terms, bending)
+    force = _force_change(piece, at, terms, shear) + moment * elastic
+    displacement = shear + moment * bending
+    # of the body, and of the contact, which only the bending closes; the half cell has a mirror image along x
+    energy = float(np.vdot(force, displacement)) + moment**2 * float(np.vdot(forces - elastic, bending))
+    energy *= piece.whole
+    pitch = 2.0 * h
+    bent = pitch**3 / (24.0 * known.moment_by_angle * h)
+    if energy <= bent:
+        raise SingularMatrix("the cell has no stiffness against shear")
+    return pitch / 2.0 / (energy - bent)
+
+
+def _shear_tangent(piece: BendingPiece, at: PieceState, terms: Terms, middle: Index, increment: Array) -> Linearised:
+    """The tangent without contact where the middle of the cell moves along x alone and the plane within itself."""
+    space, angle = piece.space, at.angle
+    points = space.points[middle]
+    column = points[np.abs(points[:, 2]) < 1e-9 * piece.body.length]
+    ends = column[[int(np.argmin(column[:, 1])), int(np.argmax(column[:, 1]))]]
+    supports: list[Support] = [
+        *([Fixed("sym", "z")] if piece.body.half else []),
+        Fixed("clamp", "yz"),
+        Fixed("tip", "z"),
+        *(Prescribed(end, "x", 0.0) for end in ends),
+        SharedPlane("tip", (-float(np.sin(angle)), float(np.cos(angle)), 0.0)),
+    ]
+    constraints = Constraints.of(supports, space)
+    system = System(space, piece.material, terms, constraints, available_solver()())
+    return system.linearise(at.state, system.assemble(at.state, terms), terms, increment)
+
+
+def _load_by_pressure(piece: BendingPiece, at: PieceState) -> Array:
+    """Change (n, 3) of the gradient per MPa; the loads are linear in the pressure."""
+    system, displacement = piece.system, at.state.displacement
+    more = system.loads(displacement, at.pressure + 0.5, at.terms)
+    return more - system.loads(displacement, at.pressure - 0.5, at.terms)
+
+
+def _force_change(piece: BendingPiece, at: PieceState, terms: Terms, displacement: Array) -> Array:
+    """Change (n, 3) of the gradient with a displacement (n, 3), to first order, by central differences.
+
+    With mixed elements the pressures follow.
+    """
+    step = STEP * piece.body.length / float(np.abs(displacement).max())
+
+    def gradient(sign: float) -> Array:
+        moved: State = piece.system.state_at(at.state.displacement + sign * step * displacement, at.pressure)
+        return piece.system.assemble(moved, terms).gradient
+
+    return np.asarray((gradient(1.0) - gradient(-1.0)) / (2.0 * step))

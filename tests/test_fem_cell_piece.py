@@ -1,0 +1,115 @@
+"""Pieces between planes of mirror symmetry: slopes against differences, and copies of a piece against the piece."""
+
+import numpy as np
+import pytest
+
+from fem import Hencky, Material, StVenantKirchhoff
+from fem.cell.axis import axis_of, circle
+from fem.cell.piece import BendingPiece, PieceFailed
+from fem.cell.response import shear_rigidity, slopes
+from geometry import BisectedCircle, Body, Mesh, PneuNet
+
+SVK = StVenantKirchhoff(E=1.2, nu=0.495)
+DESIGN = PneuNet()
+
+
+def doubled(body: Body) -> Body:
+    """The piece and its mirror image beyond its plane."""
+    points, tets = body.mesh.points, body.mesh.tets
+    on_plane = np.isclose(points[:, 0], body.length)
+    numbers = np.where(on_plane, np.arange(len(points)), len(points) + np.cumsum(~on_plane) - 1)
+    image = points[~on_plane] * [-1.0, 1.0, 1.0] + [2 * body.length, 0.0, 0.0]
+    faces = {
+        name: np.vstack([triangles, numbers[triangles]])
+        for name, triangles in body.mesh.faces.items()
+        if name not in ("clamp", "tip")
+    }
+    faces |= {"clamp": body.mesh.faces["clamp"], "tip": numbers[body.mesh.faces["clamp"]]}
+    mesh = Mesh(np.vstack([points, image]), np.vstack([tets, numbers[tets]]), faces)
+    return Body(mesh, body.name, 2 * body.length, body.pitch, body.curve_y, True, body.cavities)
+
+
+@pytest.mark.parametrize(
+    ("formulation", "law"),
+    [("p2p0", SVK), ("mixed", SVK), ("p2p0", Hencky(E=1.2, nu=0.45)), ("p2", StVenantKirchhoff(E=1.2, nu=0.3))],
+)
+def test_slopes_are_those_of_neighbouring_states(formulation: str, law: Material) -> None:
+    piece = BendingPiece(DESIGN.half_cell(4.0), law, "mirror", formulation, dhat=0.04)
+    p, phi, h = 0.02, -0.03, piece.body.length
+    at = piece.solve(p, phi, piece.rest())
+    assert at.touches
+    assert at.gap > 0.0
+    known = slopes(piece, at)
+    axis = axis_of(piece, at, known)
+    step = 1e-5
+    more, less = (piece.solve(p, phi + sign * step, at) for sign in (1, -1))
+    assert (more.moment - less.moment) / (2 * step) == pytest.approx(known.moment_by_angle, rel=1e-4)
+    longer, shorter = (axis_of(piece, state, slopes(piece, state)) for state in (more, less))
+    assert (longer.stretch - shorter.stretch) / (2 * step) == pytest.approx(axis.stretch_by_angle, rel=1e-4)
+    more, less = (piece.solve(p + sign * 1e-6, phi, at) for sign in (1, -1))
+    assert (more.moment - less.moment) / 2e-6 == pytest.approx(known.moment_by_pressure, rel=1e-4)
+    longer, shorter = (axis_of(piece, state, slopes(piece, state)) for state in (more, less))
+    assert (longer.stretch - shorter.stretch) / 2e-6 == pytest.approx(axis.stretch_by_pressure, rel=1e-4)
+    assert h / known.distance_by_force > 0.0
+
+
+@pytest.mark.parametrize("design", [PneuNet(), BisectedCircle()], ids=lambda design: design.family)
+def test_two_and_four_half_cells_bend_as_one(design) -> None:
+    """Without contact, whose pairs differ between a wall and its image."""
+    body = design.half_cell(4.0)
+    moments = []
+    for piece_body in (body, doubled(body), doubled(doubled(body))):
+        piece = BendingPiece(piece_body, SVK, "mirror")
+        count = piece_body.length / body.length
+        at = piece.solve(0.01, -0.02 * count, piece.rest())
+        moments.append(at.moment)
+    np.testing.assert_allclose(moments, moments[0], rtol=1e-8)
+
+
+def test_a_whole_cell_gives_the_law_of_half_of_it() -> None:
+    half = DESIGN.half_cell(4.0)
+    values = []
+    for body in (half, half.full()):
+        piece = BendingPiece(body, SVK, "mirror", dhat=0.04)
+        at = piece.solve(0.02, -0.03, piece.rest())
+        known = slopes(piece, at)
+        values.append([at.moment, known.moment_by_angle, known.distance_by_force, shear_rigidity(piece, at, known)])
+    np.testing.assert_allclose(values[1][:3], values[0][:3], rtol=1e-5)
+    assert values[1][3] == pytest.approx(values[0][3], rel=2e-3)
+
+
+def test_the_axis_runs_halfway_between_the_two_crossings_of_the_material_curve() -> None:
+    piece = BendingPiece(DESIGN.half_cell(4.0), SVK, "mirror", dhat=0.04)
+    at = piece.solve(0.02, -0.03, piece.rest())
+    axis = axis_of(piece, at, slopes(piece, at))
+    np.testing.assert_allclose(axis.ripple[[0, -1], 0], 0.0, atol=1e-12)
+    assert axis.ripple[0, 1] == pytest.approx(-axis.ripple[-1, 1], abs=1e-12)
+    x = (piece.space.points + at.state.displacement)[piece.curve, :2]
+    centre = np.array([0.0, at.distance / np.sin(at.angle)])
+    radius = np.linalg.norm(x[[0, -1]] - centre, axis=1)
+    assert axis.stretch * piece.body.length == pytest.approx(abs(at.angle) * radius.mean(), rel=1e-12)
+    on_axis = circle(axis.s, axis.stretch, at.angle / piece.body.length)
+    np.testing.assert_allclose(on_axis[0], 0.0)
+    assert np.linalg.norm(np.diff(on_axis, axis=0), axis=1).sum() == pytest.approx(axis.stretch * 5.0, rel=1e-4)
+
+
+def test_free_and_clamped_ends() -> None:
+    """A free end bears no moment; the clamp turns the plane less than a free end by the same pressure."""
+    body = DESIGN.end_piece(1, 4.0)
+    free = BendingPiece(body, SVK, "free", dhat=0.04)
+    at = free.solve(0.01, 0.0, free.rest())
+    assert abs(at.moment) < 1e-6
+    held = BendingPiece(body, SVK, "held", dhat=0.04)
+    held_at = held.solve(0.01, 0.0, held.rest())
+    x = (held.space.points + held_at.state.displacement)[np.isclose(held.space.points[:, 0], 0.0)]
+    edge = np.isclose(held.space.points[np.isclose(held.space.points[:, 0], 0.0)][:, 1], body.curve_y)
+    assert np.ptp(x[edge, 1]) < 1e-12
+    clamped = BendingPiece(body, SVK, "clamp", dhat=0.04)
+    bent = clamped.solve(0.01, -0.05, clamped.rest())
+    np.testing.assert_array_equal(bent.state.displacement[clamped.space.surface("clamp").unique_nodes], 0.0)
+
+
+def test_a_pressure_no_cell_can_bear_ends_with_a_sentence() -> None:
+    piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
+    with pytest.raises(PieceFailed, match=r"^no equilibrium of the half cell at \d.* kPa and a mean curvature of"):
+        piece.solve(5.0, 0.0, piece.rest())
