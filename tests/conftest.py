@@ -1,4 +1,4 @@
-"""What several test modules need."""
+"""Fixtures that several test modules use."""
 
 from pathlib import Path
 

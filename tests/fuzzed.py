@@ -1,4 +1,4 @@
-"""Configurations as users write them, right and wrong, for hypothesis: any family, key and value, and any text."""
+"""Valid and invalid configurations for hypothesis: any family, key and value, and any text."""
 
 import datetime
 from copy import deepcopy

@@ -1,4 +1,4 @@
-"""One material of every law, for tests that ask the same of all."""
+"""One material of every law, for tests that treat all laws alike."""
 
 from fem import Hencky, Material, MooneyRivlin, NeoHooke, StVenantKirchhoff, Yeoh
 

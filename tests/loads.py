@@ -1,4 +1,4 @@
-"""Loads that only tests need: dead forces in the body and on its faces, given as functions of the position at rest."""
+"""Loads for tests only: dead forces in the body and on its faces, given as functions of the position at rest."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

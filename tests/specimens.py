@@ -1,4 +1,4 @@
-"""Tensile tests that nobody pulled: the incompressible Yeoh law with scatter, drawn from a seed."""
+"""Synthetic tensile tests: the incompressible Yeoh law with scatter, drawn from a seed."""
 
 import numpy as np
 

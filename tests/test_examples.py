@@ -1,4 +1,4 @@
-"""The programs in examples/ run as they stand, print what they promise, and leave the files that they name."""
+"""The programs in examples/ run, print the expected output, and write the files that they name."""
 
 import os
 import re

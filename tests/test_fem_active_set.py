@@ -1,4 +1,4 @@
-"""The active set of contact: what joins it and what is tightened, without solving anything."""
+"""The active set of contact: activation and tightening of terms, without solving."""
 
 from dataclasses import dataclass, replace
 from typing import final

@@ -1,4 +1,4 @@
-"""What acts on a piece between planes of mirror symmetry: the air's volume and contact with the mirror image."""
+"""Pressure of the air and contact with the mirror image on a part of a body between planes of mirror symmetry."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Self-contact of a short arm: walls touch and do not cross, and the answer is not that of its parameters."""
+"""Self-contact of a short arm: walls touch without intersection, and the result hardly depends on its parameters."""
 
 import subprocess
 import sys
@@ -48,7 +48,7 @@ def bend(body: Body, contact: list[Effect], pressures: list[float]) -> tuple[Exp
 
 @pytest.fixture(scope="module")
 def touching(short: Body) -> tuple[Experiment, tuple[Step, ...]]:
-    """Test II at 5 kPa, where nothing touches, and at 37 kPa."""
+    """Experiment II at 5 kPa, where nothing touches, and at 37 kPa."""
     return bend(short, [SelfContact("gap", starts_inactive=True)], [5.0, 37.0])
 
 

@@ -1,4 +1,4 @@
-"""The table of elements against scikit-fem, and which element is taken for which Poisson ratio."""
+"""The table of elements against scikit-fem, and the default element for each Poisson ratio."""
 
 import numpy as np
 import pytest

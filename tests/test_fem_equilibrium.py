@@ -1,6 +1,6 @@
-"""Solved bodies against other codes and against what equilibrium demands of any body.
+"""Solved bodies against other codes, and equilibrium of forces and moments.
 
-The reference: mesh and numbers of the design note "mechanics", section 6, from NGSolve 6.2.2608 and an independent
+The reference: the mesh tests/data/t2_coarse.msh with the results of NGSolve 6.2.2608 and an independent
 prototype, which agree to eight digits.
 """
 
@@ -165,7 +165,7 @@ def test_no_load_is_no_motion() -> None:
 
 
 def test_deflection_of_the_arm_at_5_kPa() -> None:
-    """Test II, design (a), about 25 000 dofs: prototypes give -22.75 there, -24.2 converged."""
+    """Experiment II of the gapped pneu-net, about 25 000 dofs: independent prototypes give -22.75, -24.2 converged."""
     body = PneuNet().body(4.0)
     experiment, solution = solve("II", body, [5.0], contact=False, tolerance=1e-6)
     assert 25_000 < solution.degrees_of_freedom < 34_000

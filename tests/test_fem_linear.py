@@ -1,4 +1,4 @@
-"""The two linear solvers against dense algebra, and what they say of matrices that have no inverse."""
+"""The two linear solvers against dense algebra, and their messages for singular matrices."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""A body that passes through itself where no contact is simulated is detected; one that only curls is not."""
+"""A body that intersects itself where contact is not simulated is detected; one that only curls is not."""
 
 import numpy as np
 import pytest

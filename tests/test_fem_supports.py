@@ -1,4 +1,4 @@
-"""Where a body is held, and the sentences for what cannot be."""
+"""Supports of a body, and the messages for supports that are not possible."""
 
 import numpy as np
 import pytest

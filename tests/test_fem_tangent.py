@@ -1,4 +1,4 @@
-"""The whole tangent of every law, formulation and effect: against differences of the force, and by how Newton ends."""
+"""The assembled tangent of every law, formulation and effect against finite differences, and Newton's convergence."""
 
 from itertools import pairwise
 

@@ -1,3 +1,5 @@
+"""The material curve: stretch, angle, and the curves that are refused."""
+
 import numpy as np
 import pytest
 

@@ -21,6 +21,7 @@ from geometry import (
     Semicircular,
     SemicircularSingle,
 )
+from geometry.design import SymmetricDesign
 
 DESIGNS = [
     PneuNet(),
@@ -166,6 +167,11 @@ def test_meshing_is_silent_and_works_in_threads(capfd: pytest.CaptureFixture[str
     assert len({body.mesh.volume for body in bodies}) == 1
     assert len(bodies) == 3
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_family_defines_seven_members() -> None:
+    members = {"length", "extent", "curve_y", "pitch", "solid_volume", "cavity_volumes", "repetition"}
+    assert SymmetricDesign.__abstractmethods__ == members
 
 
 def test_families_are_listed_by_name() -> None:

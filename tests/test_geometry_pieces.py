@@ -1,4 +1,4 @@
-"""The half cell and the end pieces of a body: the same elements as in the body itself, between mirror planes."""
+"""The half cell and the end pieces of a body: the same elements as in the body, between mirror planes."""
 
 import numpy as np
 import pytest

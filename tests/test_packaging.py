@@ -1,4 +1,4 @@
-"""The wheel holds every source file and every file that the sources read, however deep the folders are."""
+"""The wheel contains every source file and every file that the sources read."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""The bench of peers: problem, load stepping, CalculiX's files, medians and tables. No timings."""
+"""The comparison with other solvers: problem, step control, CalculiX's files, medians and tables. No timings."""
 
 import sys
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""The command line: exit status, one sentence on stderr, never a traceback for a user's mistake."""
+"""The command line: exit status, one sentence on stderr, no traceback for a mistake of the user."""
 
 import os
 import subprocess

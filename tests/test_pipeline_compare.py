@@ -1,4 +1,4 @@
-"""The rod held against shapes that are known: distances, forces, curvatures, and what cannot be compared."""
+"""The rod compared with known shapes: distances, forces, curvatures, and shapes that cannot be compared."""
 
 from dataclasses import replace
 from typing import Any

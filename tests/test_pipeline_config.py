@@ -1,4 +1,4 @@
-"""A configuration is read with its units, and what is wrong is refused in one sentence with file and key."""
+"""A configuration is read with its units, and errors are refused in one sentence with file and key."""
 
 import dataclasses
 import json

@@ -1,4 +1,4 @@
-"""What effects do in a run: half against whole, contact that waits, and effects that are off cost nothing."""
+"""Effects in a run: half against full body, contact that becomes active, and no cost of effects that are off."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""How a run ends that is not let finish: killed, asked to end, without room on the disk. One folder sees it all."""
+"""Interrupted runs: killed, terminated by a signal, or stopped by a full disk, all in one folder."""
 
 import os
 import resource

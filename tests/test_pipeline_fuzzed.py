@@ -1,4 +1,4 @@
-"""Whatever a configuration says, its body is meshed or it is refused in one sentence: no traceback, no hang.
+"""Every configuration is meshed or refused in one sentence: no traceback, no endless run.
 
 `make fuzz` runs the large number of examples and says how many of them ended how.
 """

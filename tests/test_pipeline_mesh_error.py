@@ -1,4 +1,4 @@
-"""What a second, coarser mesh adds to the errors of the five numbers."""
+"""The mesh error of the five parameters, from a second, coarser mesh."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""The user's own body in a configuration: the STEP file that is shipped, a ready mesh, and what is refused.
+"""Bodies from files in a configuration: the STEP file in configs/, a mesh file, and files that are refused.
 
 `python -m tests.test_pipeline_own` draws configs/finger.step again.
 """

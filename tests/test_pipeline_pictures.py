@@ -1,4 +1,4 @@
-"""Pictures show something, and the fields are quadratic tetrahedra that ParaView and meshio can read."""
+"""Pictures are not empty, and the fields are quadratic tetrahedra that ParaView and meshio can read."""
 
 from pathlib import Path
 from xml.etree import ElementTree

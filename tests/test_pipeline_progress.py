@@ -1,4 +1,4 @@
-"""Progress is heard from other processes, and is told on a terminal and in plain lines."""
+"""Progress of other processes is received and shown, on a terminal and in plain lines."""
 
 import io
 import multiprocessing

@@ -1,4 +1,4 @@
-"""What README says is true: its configuration is read, its commands and targets are there, its table is complete."""
+"""README.md is correct: its configuration is read, its commands and targets exist, its table is complete."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""What the figures of the report draw: the rod beside the finite elements, and shapes in a scale that shows them."""
+"""The figures of the report: the rod beside the finite elements, and shapes in a suitable scale."""
 
 import csv
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Richardson's extrapolation on values whose limit is known."""
+"""Richardson's extrapolation of values with a known limit."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The rod of a parameters.json from the command line: shapes under loads, exports, one sentence for what is wrong."""
+"""The rod of a parameters.json from the command line: shapes under loads, exports, and messages for wrong input."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The story end to end on a short arm: the files of the contract, resuming, a pressure that the body cannot bear."""
+"""A whole run on a short arm: the result files, resumption, and a pressure that cannot be reached."""
 
 import csv
 import json

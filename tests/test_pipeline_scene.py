@@ -1,4 +1,4 @@
-"""Which effects a configuration asks for, and the part of the body that is meshed for them."""
+"""The effects that a configuration switches on, and the part of the body that is meshed for them."""
 
 from pathlib import Path
 

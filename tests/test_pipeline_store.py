@@ -1,4 +1,4 @@
-"""Results are written whole, states are remembered for their own configuration alone, and a folder has one owner."""
+"""Result files are written atomically, states are reused for their own configuration only, a folder has one owner."""
 
 import json
 import os

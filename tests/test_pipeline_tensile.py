@@ -1,4 +1,4 @@
-"""Tensile tests are read with their units, and every bad file is refused in one sentence that names the place."""
+"""Tensile tests are read with their units, and invalid files are refused in one sentence with the position."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Loads that the numbers were not fitted to, end to end on a short arm of seven cells: files, figures, report."""
+"""Loads out of sample in a whole run on a short arm of seven cells: files, figures, report."""
 
 import csv
 import json

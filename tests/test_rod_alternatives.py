@@ -1,4 +1,4 @@
-"""Simpler and richer laws, by what they say of loads they have not seen."""
+"""Simpler and richer laws, by their predictions out of sample."""
 
 import numpy as np
 import pytest

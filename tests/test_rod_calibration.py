@@ -1,4 +1,4 @@
-"""Are the intervals true? Arms with known numbers, noise and cell wiggle drawn anew (table: docs/identification.md)."""
+"""Calibration of the 95 % intervals on synthetic arms with noise and ripple (table in docs/identification.md)."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def by_rod(free, loaded, load, seed):
 
 
 def drawn_law(random):
-    """Numbers like those of design (a) with contact; the first offset as the prior knowledge has it, 0.15 of M(0)."""
+    """Parameters like those of the gapped pneu-net with contact; the first offset from its prior, 0.15 of M(0)."""
     return FiveParameters(
         alpha1=random.uniform(150.0, 250.0),
         alpha2=random.uniform(300.0, 480.0),

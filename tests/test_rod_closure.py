@@ -1,4 +1,4 @@
-"""How far the end moves is what the changes of curvature add up to."""
+"""The closure condition: the movement of the end is the weighted mean of the curvature change."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
 
 
 def test_the_weights_add_the_law_up_to_the_movement_of_the_end():
-    """No wiggle, no noise: exact for turns of more than a right angle, but for the grid."""
+    """Without ripple and noise: exact for turns of more than a right angle, but for the grid."""
     free, loaded, load = SyntheticArm(STEP, kappa_0=0.025, node_spacing=0.5).curves()
     found = end_displacement_closure(free, loaded, load)
     assert found.value == pytest.approx(free.y[-1] - loaded.y[-1], rel=1e-4)  # the force points down
@@ -52,7 +52,7 @@ def rods_force(free, loaded, law):
 
 @pytest.mark.parametrize("phase", [0.0, 0.5 * np.pi, np.pi])
 def test_the_closed_numbers_predict_the_force(phase):
-    """A cell that answers with a wiggle hides at the clamp, where no average sees all of it."""
+    """A ripple changes the closure at the clamp, where no cell average contains all of it."""
     arm = SyntheticArm(STEP, ripple=0.2, compliance_ripple=0.5, phase=phase, node_spacing=0.5)
     free, loaded, load = arm.curves()
     data = cell_averaged(free, 10.0), cell_averaged(loaded, 10.0), moment_from_load(without_stretch(loaded), load)

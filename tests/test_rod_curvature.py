@@ -60,7 +60,7 @@ def test_linear_curvature_is_found_and_reversed_with_the_curve(estimate):
     assert mirrored.kappa == pytest.approx(-curvature.kappa, abs=1e-6)
 
 
-def test_a_wiggle_with_the_pitch_leaves_cell_averages_alone():
+def test_a_ripple_with_the_pitch_does_not_change_cell_averages():
     arm = SyntheticArm(LAW, ripple=0.3, phase=1.0)
     rest, _, _ = arm.curves()
     assert cell_averaged(rest, PITCH).kappa == pytest.approx(0.03, rel=1e-4)

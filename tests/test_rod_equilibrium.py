@@ -1,6 +1,6 @@
 """The rod as a boundary-value problem.
 
-Known answers: design notes, "The rod"; those of the elastica are K. E. Bisshopp and D. C. Drucker (1945).
+Known solutions: those of the elastica are K. E. Bisshopp and D. C. Drucker (1945).
 """
 
 import dataclasses
@@ -17,7 +17,7 @@ from rod.mechanics.shooting import RodArrays, sweep
 
 PLAIN = FiveParameters(1.0, 1.0, 0.0, 0.0, 0.13)
 TWO_LINES = FiveParameters(2.0, 1.0, 0.1, -0.05, 0.13)
-#: design (a) at about 31 kPa
+#: the gapped pneu-net at about 31 kPa
 ARM = Rod(112.0, 0.03, FiveParameters(180.0, 400.0, 0.5, -0.2, 12.0))
 
 
@@ -125,7 +125,7 @@ def test_prescribed_end_gives_back_the_force():
 
 
 def test_an_end_held_while_the_pressure_rises_arches():
-    """Test III: the curvature changes sign (paper, Fig. 8); the same end held afterwards leaves the arm curled."""
+    """III: the curvature changes sign (paper, Fig. 8); with the end moved afterwards the arm stays curled."""
     arch, curl = ARM.solve(end_y=0.0), ARM.solve(end_y=0.0, order="pressure first")
     assert abs(arch.y[-1]) < 1e-9
     assert abs(curl.y[-1]) < 1e-9
@@ -136,7 +136,7 @@ def test_an_end_held_while_the_pressure_rises_arches():
 
 
 def test_elastica_with_prescribed_end_height():
-    """The transverse load of the known answer P = 5 from its deflection (Test III of the paper)."""
+    """The transverse load of the known answer P = 5 from its deflection (experiment III)."""
     shape = Rod(1.0, 0.0, PLAIN).solve(end_y=0.7137915236)
     assert shape.force == pytest.approx([0.0, 5.0], abs=1e-7)
 

@@ -1,4 +1,4 @@
-"""The five numbers in the files of other codes: loaded, settled under a dead force, compared with our rod."""
+"""The five parameters in the files of other codes: loaded, settled under a dead force, compared with the rod."""
 
 import importlib.util
 import json

@@ -1,4 +1,4 @@
-"""The rod whose curve stretches: against a boundary-value solver, and its number read back."""
+"""The extensible rod against a boundary-value solver, and the identification of its eccentricity."""
 
 import dataclasses
 

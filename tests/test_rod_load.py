@@ -1,4 +1,4 @@
-"""What acts on an arm besides its pressure: end force, end couple, dead weight."""
+"""Loads of an arm besides its pressure: end force, end couple, dead weight."""
 
 import math
 

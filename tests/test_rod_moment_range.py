@@ -1,4 +1,4 @@
-"""The rod says when a load leaves the moments that its numbers were identified from."""
+"""The warning for a load whose moments are outside the range of the identification."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Numbers over pressure and over length: paper, section 4.1, equations (9) and (10)."""
+"""Parameters over pressure and over length: paper, section 4.1, equations (9) and (10)."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""The rod that comes closest to a loaded shape and its force."""
+"""The rod that is closest to a loaded shape and its force."""
 
 import dataclasses
 
@@ -35,7 +35,7 @@ def test_round_trip():
     assert found.force_error < 1e-6
 
 
-def test_a_wiggle_in_the_cells_does_not_mislead():
+def test_a_ripple_in_the_cells_has_little_influence():
     found = fit_rod(
         shape_of(GAP, ripple=0.25, compliance_ripple=0.6, phase=1.0), [off(GAP, 1.1)], bootstrap=Bootstrap(40)
     )

@@ -1,4 +1,4 @@
-"""One line for the whole rod: what bends at held ends, and how finely a curve is sampled, must not matter to it."""
+"""A single line for the whole rod does not depend on the bending at constrained ends and on the sampling."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -106,7 +106,7 @@ def test_what_is_rough_in_both_curves_is_no_error_of_their_difference() -> None:
 @pytest.mark.parametrize("closed", [True, False])
 @pytest.mark.parametrize("offset", [0.03, 0.15])
 def test_intervals_contain_the_truth(offset: float, closed: bool) -> None:
-    """20 arms with noise, a wiggle in their cells and an offset of so much of the moment at the clamp; a true 95 %
+    """20 arms with noise, a ripple in their cells and an offset of so much of the moment at the clamp; a true 95 %
     loses at most four. Offsets beyond what is thought likely are seen, for the cells do lie on a line."""
     random, inside = np.random.default_rng(3), np.zeros(2)
     for seed in range(20):

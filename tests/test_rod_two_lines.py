@@ -1,4 +1,4 @@
-"""Five numbers from two curves and a force: what a rod with known numbers must give back."""
+"""Identification of the five parameters from two curves and a force of a rod with known parameters."""
 
 import dataclasses
 
@@ -43,7 +43,7 @@ def by_process(arm, seed=0):
 
 @pytest.mark.parametrize("law", [MEETING, STEP])
 def test_round_trip_from_the_rod_itself(law):
-    """Data made by the rod give the five numbers back to 1e-4 (design notes, "The rod")."""
+    """Data made by the rod give the five numbers back to 1e-4."""
     shape = Rod(112.0, 0.03, law).solve(end_y=0.0)
     s = np.linspace(0.0, 112.0, 449)[:-1] + 0.125
     moment = CubicSpline(shape.s, shape.moment)(s)
@@ -57,7 +57,7 @@ def test_round_trip_from_the_rod_itself(law):
 
 
 @pytest.mark.parametrize("law", [MEETING, STEP])
-def test_cells_find_the_numbers_behind_a_wiggle(law):
+def test_cells_find_the_parameters_despite_a_ripple(law):
     found = identify(*by_cells(SyntheticArm(law, ripple=0.25, node_spacing=0.5)), bootstrap=Bootstrap(50))
     assert found.two_lines
     assert found.law.d == pytest.approx(law.d, abs=0.05)

@@ -1,4 +1,4 @@
-"""Imports look down only, lazy ones included, and every heavy library has one door. The guard is shown to bite."""
+"""Imports point one way, lazy ones included, and every heavy library is imported by the listed modules only."""
 
 import ast
 import subprocess
