@@ -24,7 +24,8 @@ sys.path.insert(0, str(HERE))
 from pipeline.accuracy.ladder import Rung, mesh_series  # noqa: E402
 from pipeline.accuracy.measure import measure  # noqa: E402
 from pipeline.accuracy.result import HEADLINE, Headline, RungResult  # noqa: E402
-from pipeline.config.config import Config, load_config  # noqa: E402
+from pipeline.config.config import Config, Newton  # noqa: E402
+from pipeline.config.load import load_config  # noqa: E402
 from pipeline.identification.richardson import extrapolated  # noqa: E402
 from pipeline.progress import Silent  # noqa: E402
 from pipeline.run import run  # noqa: E402
@@ -143,12 +144,8 @@ def finer(request: Request, accuracy: dict[str, Any], factor: float, folder: Pat
     if not file.is_file():
         config = request.config
         mesh = replace(config.mesh, size_mm=size, formulation=accuracy["formulation"], grading=accuracy["grading"])
-        config = replace(
-            config,
-            mesh=mesh,
-            newton_tolerance=accuracy["newton_tolerance"],
-            contact_dhat_mm=accuracy["contact_dhat_mm"],
-        )
+        config = replace(config, mesh=mesh, newton=Newton(accuracy["newton_tolerance"]))
+        config = config.with_contact_distance(accuracy["contact_dhat_mm"])
         result = measure(Rung(mesh_series(config), size, config))
         if result.failure:
             raise RuntimeError(f"{request.name}, mesh of {size:.3g} mm: {result.failure}")

@@ -219,7 +219,7 @@ def main() -> None:
 
 def _design(config: Path, settings: list[str] | None, out: Path | None, suffix: str = "") -> tuple["Config", Path]:
     """The configuration, checked, and the result folder."""
-    from pipeline.config.config import load_config
+    from pipeline.config.load import load_config
 
     design = load_config(config, settings or ())
     return design, out or Path("results") / f"{design.name}{suffix}"

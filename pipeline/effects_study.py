@@ -5,12 +5,13 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from fem.elements import ELEMENTS
-from pipeline.config.config import Config
+from pipeline.config.config import Config, State
+from pipeline.config.schema import EFFECTS
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.progress import Progress
 from pipeline.simulation.outcome import Outcomes
-from pipeline.simulation.scene import GAP, Scene, is_on
+from pipeline.simulation.scene import GAP, Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.json_values import JsonObject
 from pipeline.store.store import Store, open_store
@@ -191,22 +192,22 @@ def variants(scene: Scene) -> list[Variant]:
     where the body is whole, the layer where the mesh has no faces for it. Linear elements cannot treat
     incompressibility and are replaced by quadratic ones.
     """
-    config, body = scene.config, scene.body
-    flipped = {
+    config, body, effects = scene.config, scene.body, scene.config.effects
+    flipped: dict[str, State] = {
         "incompressibility": "on" if ELEMENTS[config.mesh.formulation].fully_integrated else "off",
-        "gravity": "off" if is_on(config, "gravity") else "on",
+        "gravity": "off" if effects.gravity.on else "on",
     }
-    if config.contact_faces or GAP in body.mesh.faces:
-        flipped["self_contact"] = "auto" if config.effects["self_contact"] == "off" else "off"
-    if body.half or config.effects["symmetry"] == "off":
+    if effects.self_contact.faces or GAP in body.mesh.faces:
+        flipped["self_contact"] = "auto" if effects.self_contact.off else "off"
+    if body.half or effects.symmetry.off:
         flipped["symmetry"] = "off" if body.half else "auto"
     if len(body.mesh.plane(1, body.curve_y)):
-        flipped["strain_limiting_layer"] = "off" if is_on(config, "strain_limiting_layer") else "on"
+        flipped["strain_limiting_layer"] = "off" if effects.strain_limiting_layer.on else "on"
     changed = [
         Variant(effect, {"auto": "on"}.get(state, state), config.with_effect(effect, state))
         for effect, state in flipped.items()
     ]
-    return [Variant(BASE, "", config), *sorted(changed, key=lambda variant: list(config.effects).index(variant.effect))]
+    return [Variant(BASE, "", config), *sorted(changed, key=lambda variant: EFFECTS.index(variant.effect))]
 
 
 def _measure(variant: Variant, context: RunContext) -> VariantResult:

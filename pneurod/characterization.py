@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from pipeline.config.config import load_config
+from pipeline.config.load import load_config
 from pipeline.errors import RunFailed
 from pipeline.progress import Silent, progress_for
 from pipeline.run import run

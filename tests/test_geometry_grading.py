@@ -8,7 +8,7 @@ import pytest
 from bodies import cell_boundaries, inside
 
 from geometry import GRADINGS, BisectedCircle, Body, Design, Grading, PneuNet, Semicircular, SemicircularSingle
-from pipeline.config.config import load_config
+from pipeline.config.load import load_config
 
 DESIGNS = [PneuNet(chambers=4), Semicircular(chambers=4), SemicircularSingle(length=60), BisectedCircle(length=60)]
 GRADED = [name for name in GRADINGS if name != "off"]

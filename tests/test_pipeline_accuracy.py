@@ -26,7 +26,8 @@ from pipeline.accuracy.reference import (
 from pipeline.accuracy.result import Cost, RodNumbers, RungResult
 from pipeline.accuracy.study import run_study
 from pipeline.accuracy.table import COLUMNS, reference_sentences
-from pipeline.config.config import Config, load_config
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
 from pipeline.errors import RunFailed
 from pipeline.progress import Silent
 
@@ -50,7 +51,7 @@ def test_the_series_of_the_study(config: Config) -> None:
     assert [r.value for r in by_series["mixed, graded to walls"]] == [6.0, 5.0, 4.0, 3.0, 2.0, 1.6, 1.3]
     assert len({rung.folder for rung in every}) == len(every)
     assert [rung.value for rung in by_series[CONTACT]] == [0.16, 0.08, 0.02]
-    assert [rung.config.contact_dhat_mm for rung in by_series[CONTACT]] == [0.16, 0.08, 0.02]
+    assert [rung.config.effects.self_contact.dhat_mm for rung in by_series[CONTACT]] == [0.16, 0.08, 0.02]
     assert all(rung.config.mesh == config.mesh for rung in by_series[TOLERANCE] + by_series[CONTACT])
     assert sum(rung.config == config for rung in every) == 1
     assert [rung.series for rung in every if len(rung.strides) > 1] == [mesh_series(config)]
@@ -121,7 +122,7 @@ def made_up(rung: Rung) -> RungResult:
     n = 500_000 / size**2 * (1.3 if rung.config.mesh.grading == "walls" else 1.0)
     n = round(n / 6 if formulation == "p1" else n)
     error = 1000.0 / n * (2.0 if ELEMENTS[formulation].fully_integrated else 1.0)
-    error += 0.5 * (rung.config.contact_dhat_mm or CONTACT_MM)
+    error += 0.5 * (rung.config.effects.self_contact.dhat_mm or CONTACT_MM)
     numbers = [
         rod_numbers(pressure, stride, error) for pressure in rung.config.pressures_kPa for stride in rung.strides
     ]

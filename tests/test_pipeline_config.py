@@ -11,7 +11,8 @@ import fem
 from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
-from pipeline.config.config import Config, Validation, load_config
+from pipeline.config.config import Config, Validation
+from pipeline.config.load import load_config
 from pipeline.config.schema import EFFECTS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
@@ -49,9 +50,9 @@ def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
     assert config.material.constants == {"E": 1.2, "nu": 0.495}
     assert config.material.density_tonne_mm3 == 1.13e-9
     assert config.pressures_kPa == (5.0, 17.0, 31.0, 45.0)
-    assert config.end_y_mm == 0.0
+    assert config.end.y_mm == 0.0
     assert config.mesh.formulation == "p2p0"
-    assert config.effects == dict.fromkeys(EFFECTS, "auto")
+    assert {name: getattr(config.effects, name).state for name in EFFECTS} == dict.fromkeys(EFFECTS, "auto")
 
 
 def test_a_configuration_travels_to_other_processes(configs: Path) -> None:
@@ -85,7 +86,7 @@ def test_what_is_left_out_has_a_default(written: Path) -> None:
     written.write_text(text + "material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}\n", encoding="utf-8")
     config = load_config(written)
     assert config.pressures_kPa == (5.0, 17.0, 31.0, 45.0)
-    assert config.effects == dict.fromkeys(EFFECTS, "auto")
+    assert {name: getattr(config.effects, name).state for name in EFFECTS} == dict.fromkeys(EFFECTS, "auto")
 
 
 #: what stands in the file, what is written instead, the key in the sentence, and what the sentence must say
@@ -196,7 +197,9 @@ def test_several_mistakes_are_counted(written: Path) -> None:
     ("value", "state"), [("on", "on"), ("off", "off"), ("yes", "on"), ("no", "off"), ("auto", "auto"), ("'on'", "on")]
 )
 def test_switches_survive_the_booleans_of_yaml(written: Path, value: str, state: str) -> None:
-    assert load_config(spoil(written, "self_contact: auto", f"self_contact: {value}")).effects["self_contact"] == state
+    assert (
+        load_config(spoil(written, "self_contact: auto", f"self_contact: {value}")).effects.self_contact.state == state
+    )
 
 
 def test_overrides_replace_values_before_the_check(written: Path) -> None:
@@ -204,7 +207,7 @@ def test_overrides_replace_values_before_the_check(written: Path) -> None:
     config = load_config(spoil(written, "size: 4 mm", "size: 4"), overrides)
     assert (config.mesh.size_mm, config.design.wall) == (3.0, 1.5)
     assert config.pressures_kPa == (17.0, 37.0, 45.0)
-    assert config.effects["symmetry"] == "off"
+    assert config.effects.symmetry.off
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import pytest
 from rich.console import Console
 
 import fem
-from pipeline.config.config import load_config
+from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.effects_study import (
     BASE,

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from pipeline.config.config import load_config
+from pipeline.config.load import load_config
 from pipeline.simulation.loadcase import PressureSchedule, identification_case, schedule
 
 

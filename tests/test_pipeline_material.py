@@ -14,7 +14,7 @@ import fem
 from fem.materials import LAWS
 from geometry.arrays import Array
 from pipeline.cli import app
-from pipeline.config.config import load_config
+from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.material.fits import ALL, WIDEST, FitOptions, Fits, fit_laws
 from pipeline.material.law_fit import LawFit, Refused, fit_all, fit_widest

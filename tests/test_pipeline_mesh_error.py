@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config.config import load_config
+from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.identification.mesh_error import mesh_deviations
 from pipeline.identification.richardson import extrapolated

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from geometry import CadFile, MeshFile
 from geometry.meshing.solid import session
 from pipeline.cli import app
-from pipeline.config.config import load_config
+from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.progress import Silent

@@ -18,7 +18,8 @@ from pipeline.accuracy.plan import (
     review,
 )
 from pipeline.accuracy.result import Cost, RodNumbers, RungResult
-from pipeline.config.config import Config, load_config
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
 from pipeline.simulation.outcome import Indicator, Outcomes
@@ -81,8 +82,10 @@ def test_mesh_and_contact_distance_are_planned(configs: Path, tmp_path: Path, pi
     assert plan.error_model.order == pytest.approx(ORDER)
     of_mesh = MESH_FRACTION * (0.08 - plan.estimated_of_contact)
     assert 0.9 * of_mesh < max(plan.estimate.estimated.values()) <= of_mesh
-    assert applied.contact_dhat_mm == plan.contact_dhat_mm
-    assert applied.contact_dhat_mm == pytest.approx(0.04)  # the default has a smaller error than contact may have
+    assert applied.effects.self_contact.dhat_mm == plan.contact_dhat_mm
+    assert applied.effects.self_contact.dhat_mm == pytest.approx(
+        0.04
+    )  # the default has a smaller error than contact may have
     assert plan.sentence(None).endswith("the requested accuracy is reached")
     assert plan.record(None)["estimated_error"] == pytest.approx(max(plan.estimate.estimated.values()) + 0.014)
     again, kept = planned(config, tmp_path)

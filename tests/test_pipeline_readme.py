@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from geometry import PneuNet
 from pipeline.cli import app
-from pipeline.config.config import load_config
+from pipeline.config.load import load_config
 from pipeline.store.provenance import pinned
 
 HERE = Path(__file__).resolve().parent.parent

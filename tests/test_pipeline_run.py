@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.config.config import load_config
+from pipeline.config.load import load_config
 from pipeline.errors import RunFailed
 from pipeline.progress import Silent
 from pipeline.run import run

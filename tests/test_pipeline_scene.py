@@ -6,7 +6,8 @@ import pytest
 
 import fem
 from geometry import Body
-from pipeline.config.config import CavityPressure, Config, Layer, load_config
+from pipeline.config.config import CavityPressure, Config, StrainLimitingLayer
+from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.simulation.scene import Scene, material_of
 
@@ -37,13 +38,16 @@ def loads(config: Config, body: Body, largest_MPa: float) -> list[fem.Effect]:
 
 def test_by_default_only_the_first_cavity_is_pressurised(arm: Path, half: Body) -> None:
     config = load_config(arm, BISECTED)
-    assert config.cavities == {"cavity": CavityPressure(1.0, 0.0), "cavity_lower": CavityPressure(0.0, 0.0)}
+    assert config.effects.pressure.cavities == {
+        "cavity": CavityPressure(1.0, 0.0),
+        "cavity_lower": CavityPressure(0.0, 0.0),
+    }
     assert loads(config, half, 0.037) == [fem.Pressure("cavity", 0.037)]
 
 
 def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
     config = load_config(arm, [*BISECTED, "effects.pressure={cavities: {cavity: 0.5, cavity_lower: 10 kPa}}"])
-    assert config.effects["pressure"] == "on"
+    assert config.effects.pressure.on
     assert loads(config, half, 0.04) == [
         fem.Pressure("cavity", 0.02),
         fem.Pressure("cavity_lower", 0.01, ramp=False),
@@ -59,7 +63,7 @@ def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
             "effects.pressure.cavities.upper",
             "this body has cavity, cavity_lower",
         ),
-        ("effects.pressure={cavities: {cavity: 1 mm}}", "effects.pressure.cavities.cavity", "neither a share of"),
+        ("effects.pressure={cavities: {cavity: 1 mm}}", "effects.pressure.cavities.cavity", "neither a fraction of"),
         (
             "effects.gravity={acceleration: [0 m/s^2, 1 m/s^2]}",
             "effects.gravity.acceleration",
@@ -94,7 +98,7 @@ def test_gravity_across_the_plane_needs_the_whole_body(arm: Path) -> None:
 
 def test_parameters_switch_an_effect_on(arm: Path, half: Body) -> None:
     config = load_config(arm, [*BISECTED, "effects.strain_limiting_layer={thickness: 0.2 mm}", "effects.gravity=yes"])
-    assert config.layer == Layer(0.2, 6500.0, 0.2)
+    assert config.effects.strain_limiting_layer == StrainLimitingLayer("on", 0.2, 6500.0, 0.2)
     _, gravity, layer = loads(config, half, 0.04)
     assert gravity == fem.Gravity(1.13e-9, (0.0, -9810.0, 0.0), ramp=False)
     assert isinstance(layer, fem.StrainLimitingLayer)
@@ -147,7 +151,7 @@ def test_laws_of_rubber(arm: Path) -> None:
 def test_one_effect_can_be_changed(arm: Path) -> None:
     config = load_config(arm, BISECTED)
     changed = config.with_effect("incompressibility", "off")
-    assert (changed.mesh.formulation, changed.effects["incompressibility"]) == ("p2", "off")
+    assert (changed.mesh.formulation, changed.effects.incompressibility.state) == ("p2", "off")
     assert changed.hash != config.hash != config.with_effect("gravity", "on").hash
 
 

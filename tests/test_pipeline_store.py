@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.config.config import Config, load_config
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.store import store as store_module
 from pipeline.store.provenance import pinned, provenance
@@ -66,7 +67,7 @@ def test_a_write_that_fails_leaves_the_old_file(
 def test_a_process_killed_while_writing_leaves_whole_files(tmp_path: Path, configs: Path, config: Config) -> None:
     script = (
         "import sys, numpy as np\n"
-        "from pipeline.config.config import load_config\n"
+        "from pipeline.config.load import load_config\n"
         "from pipeline.store.store import open_store\n"
         f"with open_store({str(tmp_path)!r}, load_config({str(configs / 'pneunet_coarse.yaml')!r})) as store:\n"
         "    for number in range(10**6):\n"

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.config.config import Config, load_config
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
 from pipeline.progress import Silent
 from pipeline.run import run
 from pipeline.simulation.loadcase import LoadCase, PressureSchedule, up_to, validation_cases

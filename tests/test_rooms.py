@@ -176,6 +176,6 @@ def test_help_waits_for_nothing_heavy() -> None:
 
 
 def test_a_configuration_is_read_without_the_machines() -> None:
-    loaded = loaded_after("from pipeline.config.config import load_config\nload_config('configs/pneunet.yaml')")
+    loaded = loaded_after("from pipeline.config.load import load_config\nload_config('configs/pneunet.yaml')")
     assert {"pydantic", "pint", "geometry"} <= loaded
     assert loaded & {"gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn", "pyvista", "plotly"} == set()

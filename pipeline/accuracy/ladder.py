@@ -4,7 +4,7 @@ Newton tolerance and of the contact distance."""
 from dataclasses import dataclass, replace
 
 from fem.elements import ELEMENTS, MOST_ACCURATE
-from pipeline.config.config import Config
+from pipeline.config.config import Config, Newton
 
 #: mesh sizes over that of the configuration by grading
 SIZES = {"off": (1.5, 1.25, 1.0, 0.75, 0.6), "walls": (1.5, 1.25, 1.0, 0.75, 0.5)}
@@ -60,13 +60,13 @@ def ladder(config: Config, contact_mm: float | None) -> list[Rung]:
         sizes = {"off": LOCKING[element.shape.degree]} if element.fully_integrated else SIZES
         for grading, factors in sizes.items():
             for factor in (*factors, *FINEST.get((element.name, grading), ())):
-                size = round(factor * config.mesh.size_mm, 6)
+                size = round(factor * config.mesh.element_size_mm, 6)
                 mesh = replace(config.mesh, size_mm=size, formulation=element.name, grading=grading)
                 dense = factor == DENSE and replace(mesh, size_mm=config.mesh.size_mm) == config.mesh
                 changed = replace(config, mesh=mesh)
                 rungs.append(Rung(mesh_series(changed), size, changed, (1, *STRIDES) if dense else (1,)))
-    rungs += [Rung(TOLERANCE, value, replace(config, newton_tolerance=value)) for value in TOLERANCES]
+    rungs += [Rung(TOLERANCE, value, replace(config, newton=Newton(value))) for value in TOLERANCES]
     if contact_mm is not None:
         distances = [round(factor * contact_mm, 6) for factor in DISTANCES]
-        rungs += [Rung(CONTACT, value, replace(config, contact_dhat_mm=value)) for value in distances]
+        rungs += [Rung(CONTACT, value, config.with_contact_distance(value)) for value in distances]
     return rungs

@@ -19,7 +19,7 @@ from pipeline.accuracy.ladder import Rung, mesh_series
 from pipeline.accuracy.measure import measure, numbers_of
 from pipeline.accuracy.reference import NUMBERS
 from pipeline.accuracy.result import HEADLINE, Headline
-from pipeline.config.config import Config
+from pipeline.config.config import AUTO, Config, Newton
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
 from pipeline.progress import Progress
@@ -101,7 +101,8 @@ class Plan:
     def applied(self, config: Config) -> Config:
         """The configuration with this discretisation."""
         mesh = replace(config.mesh, size_mm=self.size_mm, formulation=self.formulation, grading=self.grading)
-        return replace(config, mesh=mesh, newton_tolerance=self.newton_tolerance, contact_dhat_mm=self.contact_dhat_mm)
+        config = replace(config, mesh=mesh, newton=Newton(self.newton_tolerance))
+        return config.with_contact_distance(self.contact_dhat_mm)
 
     def inputs(self) -> JsonObject:
         """Everything that is decided before the run, as JSON."""
@@ -214,14 +215,16 @@ def _plan(config: Config, requested: float) -> Plan:
     config = replace(config, mesh=elements, pressures_kPa=config.pressures_kPa[:1])
     smallest_side = min(config.design.extent)
     coarse, fine = (_pilot(config, fraction * smallest_side) for fraction in PILOTS)
-    distance, of_contact = _contact(config, CONTACT_FRACTION * requested)
+    given = config.mesh.size_mm
+    sized = config.with_mesh_size(coarse.size_mm) if given is AUTO else config
+    distance, of_contact = _contact(sized, CONTACT_FRACTION * requested)
     of_mesh = max(requested - of_contact, (1.0 - CONTACT_FRACTION) * requested)  # a given distance may exceed its part
     size = MeshErrorModel.fit(coarse, fine).size_for(MESH_FRACTION * of_mesh)
     size = floor(100.0 * min(max(size, FINEST * fine.size_mm), coarse.size_mm)) / 100.0
     return Plan(
         requested=requested,
-        size_mm=config.mesh.size_mm if config.size_is_given else size,
-        size_was_given=config.size_is_given,
+        size_mm=size if given is AUTO else config.mesh.element_size_mm,
+        size_was_given=given is not AUTO,
         formulation=FORMULATION,
         grading=GRADING,
         newton_tolerance=min(1e-4, NEWTON_FRACTION * requested),
@@ -234,7 +237,7 @@ def _plan(config: Config, requested: float) -> Plan:
 
 def _pilot(config: Config, size: float) -> Pilot:
     """II and III at the lowest pressure of the run on a coarse mesh."""
-    config = replace(config, mesh=replace(config.mesh, size_mm=size))
+    config = config.with_mesh_size(size)
     result = measure(Rung(mesh_series(config), size, config))
     if result.cost is None or not result.numbers:
         raise RunFailed(f"the pilot with a mesh of {size:.3g} mm gave no numbers: {result.failure}; give mesh.size")
@@ -244,9 +247,11 @@ def _pilot(config: Config, size: float) -> Pilot:
 
 def _contact(config: Config, allowed: float) -> tuple[float | None, float]:
     """The activation distance (mm) with an error of `allowed` at most, unless one is given, and its relative error."""
-    default = Scene.meshed(replace(config, contact_dhat_mm=None)).activation_distance
+    default = Scene.meshed(config.with_contact_distance(None)).activation_distance
     if default is None:
         return None, 0.0
     gap = default / fem.ACTIVATION
-    distance = config.contact_dhat_mm or min(default, gap * max(allowed / ERROR_PER_DISTANCE, MIN_DISTANCE))
+    distance = config.effects.self_contact.dhat_mm or min(
+        default, gap * max(allowed / ERROR_PER_DISTANCE, MIN_DISTANCE)
+    )
     return distance, ERROR_PER_DISTANCE * distance / gap

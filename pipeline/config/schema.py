@@ -12,6 +12,7 @@ from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, GRADINGS, CadFile, MeshFile
+from pipeline.config.config import CavityPressure
 from pipeline.config.document import Document
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import quoted
@@ -110,15 +111,16 @@ def _effect(value: Any) -> Any:
     return {"state": "on", **value} if isinstance(value, Mapping) else {"state": _state(value)}
 
 
-def _share_or_pressure(value: Any) -> tuple[str, float]:
-    """A plain number is a share of the pressure of the run, one with a unit is a pressure held at all of them."""
+def _fraction_or_pressure(value: Any) -> CavityPressure:
+    """A plain number is a fraction of the pressure of the run, one with a unit is a constant pressure."""
     if isinstance(value, int | float) and not isinstance(value, bool):
-        return ("share", float(value))
+        return CavityPressure(float(value), 0.0)
     try:
-        return ("held", convert(value, PRESSURE))
+        return CavityPressure(0.0, convert(value, PRESSURE))
     except ValueError:
         raise ValueError(
-            f"{quoted(value)} is neither a share of the pressure, for example 0.5, nor a pressure, for example '10 kPa'"
+            f"{quoted(value)} is neither a fraction of the pressure, for example 0.5, nor a pressure, for example "
+            "'10 kPa'"
         ) from None
 
 
@@ -147,7 +149,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", examples=["
 Text = Annotated[str, Field(min_length=1)]
 FaceNames = Annotated[tuple[Text, ...], BeforeValidator(_names), Field(strict=False, examples=["[gap, cavity]"])]
 State = Annotated[Literal[STATES], BeforeValidator(_state)]  # type: ignore[valid-type]
-CavityPressure = Annotated[tuple[str, float], BeforeValidator(_share_or_pressure)]
+OneCavity = Annotated[Any, BeforeValidator(_fraction_or_pressure)]
 
 #: how the constants of a law are written
 CONSTANTS: dict[Constant, Any] = {
@@ -174,7 +176,7 @@ def _small(value: float) -> float:
     return value
 
 
-def _share(value: Any) -> Any:
+def _percentage(value: Any) -> Any:
     """2 % as 0.02."""
     matched = re.fullmatch(r"\s*(\d+\.?\d*)\s*%\s*", value) if isinstance(value, str) else None
     if matched is None or not 0.0 < float(matched[1]) <= 20.0:
@@ -231,7 +233,7 @@ class _Layer(_Switch):
 
 
 class _Pressure(_Switch):
-    cavities: dict[str, CavityPressure] = {}
+    cavities: dict[str, OneCavity] = {}
 
 
 class _Effects(_Section):
@@ -257,7 +259,7 @@ class _Document(_Section):
     added_pressures: Annotated[Count, AfterValidator(_not_below_zero)] = 0
     validation: _Validation = _Validation()
     newton: _Newton = _Newton()
-    accuracy: Annotated[float | None, BeforeValidator(_share), Field(examples=["2 %"])] = None
+    accuracy: Annotated[float | None, BeforeValidator(_percentage), Field(examples=["2 %"])] = None
     effects: _Effects = _Effects()
 
 

@@ -28,13 +28,13 @@ def with_mesh_error(
     factor = config.mesh.coarser
     if factor is None or not parameters:
         return parameters, ""
-    second = replace(config, mesh=replace(config.mesh, size_mm=factor * config.mesh.size_mm))
+    second = config.with_mesh_size(factor * config.mesh.element_size_mm)
     try:
         scene = Scene.meshed(second)
     except InputError as failure:
         return parameters, f"the mesh {factor:g} times as coarse cannot be made: {failure}"
     pressures = schedule(config, tuple(p.pressure_kPa for p in parameters))
-    cases = [LoadCase(f"coarser_{name}", name, pressures, config.end_y_mm) for name in ("III", "II")]
+    cases = [LoadCase(f"coarser_{name}", name, pressures, config.end.y_mm) for name in ("III", "II")]
     outcomes = simulate(scene, context, cases)
     free, loaded = outcomes["coarser_II"], outcomes["coarser_III"]
     coarse: list[dict[str, float] | None] = []
@@ -46,7 +46,7 @@ def with_mesh_error(
             coarse.append(None)
             refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
     fine = [{name: number.value for name, number in p.numbers_without_mesh.items()} for p in parameters]
-    deviations = mesh_deviations(fine, coarse, config.mesh.size_mm, factor)
+    deviations = mesh_deviations(fine, coarse, config.mesh.element_size_mm, factor)
     reason = f"on the mesh {factor:g} times as coarse: {'; '.join(refused)}" if refused else ""
     return tuple(replace(p, mesh_std=stds) for p, stds in zip(parameters, deviations, strict=True)), reason
 

@@ -68,7 +68,7 @@ def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> JsonObject 
     if config.mesh.coarser is None or not any(p.mesh_std for p in parameters):
         return None
     columns = {f"{name}_{unit}_std": [p.mesh_std.get(name) for p in parameters] for name, unit in _NUMBERS.items()}
-    return {"sizes_mm": [config.mesh.size_mm, config.mesh.coarser * config.mesh.size_mm], **columns}
+    return {"sizes_mm": [config.mesh.element_size_mm, config.mesh.coarser * config.mesh.element_size_mm], **columns}
 
 
 def _eccentricity(parameters: Sequence[Parameters]) -> JsonObject:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from fem.elements import ELEMENTS
 from pipeline.config.config import CavityPressure, Config
 from pipeline.simulation.outcome import Outcomes
-from pipeline.simulation.scene import Scene, gravity_breaks_symmetry, is_on
+from pipeline.simulation.scene import Scene
 from pipeline.store.json_values import JsonObject
 
 
@@ -52,22 +52,22 @@ def _fraction_of_time(effect: str, outcomes: Outcomes) -> float:
 
 
 def _pressure(config: Config) -> tuple[str, str]:
-    if config.effects["pressure"] == "off":
+    if config.effects.pressure.off:
         return "off", "switched off in the config"
-    parts = [f"{name} {_inside(pressure)}" for name, pressure in config.cavities.items()]
+    parts = [f"{name} {_inside(pressure)}" for name, pressure in config.effects.pressure.cavities.items()]
     return "on", f"the pressure follows the walls; {', '.join(parts)}"
 
 
 def _inside(pressure: CavityPressure) -> str:
-    if pressure.held_kPa:
-        return f"holds {pressure.held_kPa:g} kPa at every pressure of the run"
-    if pressure.share == 1.0:
+    if pressure.constant_kPa:
+        return f"holds {pressure.constant_kPa:g} kPa at every pressure of the run"
+    if pressure.fraction == 1.0:
         return "holds the pressure of the run"
-    return f"holds {pressure.share:g} of the pressure of the run" if pressure.share else "holds none"
+    return f"holds {pressure.fraction:g} of the pressure of the run" if pressure.fraction else "holds none"
 
 
 def _contact(config: Config, outcomes: Outcomes) -> tuple[str, str]:
-    state = config.effects["self_contact"]
+    state = config.effects.self_contact.state
     if state == "off":
         return "off", "switched off in the config"
     if state == "on":
@@ -86,9 +86,9 @@ def _contact(config: Config, outcomes: Outcomes) -> tuple[str, str]:
 def _symmetry(scene: Scene) -> tuple[str, str]:
     if scene.body.half:
         return "on", "body, pressure and loads are mirror images about z = 0: one half is solved"
-    if scene.config.effects["symmetry"] == "off":
+    if scene.config.effects.symmetry.off:
         return "off", "switched off in the config: the whole body is solved"
-    if gravity_breaks_symmetry(scene.config):
+    if scene.config.effects.gravity.breaks_symmetry:
         return "off", "gravity acts across the plane z = 0: the whole body is solved"
     return "off", "the body is not known to be symmetric about z = 0: the whole body is solved"
 
@@ -99,9 +99,9 @@ def _incompressibility(config: Config) -> tuple[str, str]:
 
 
 def _gravity(config: Config) -> tuple[str, str]:
-    if not is_on(config, "gravity"):
+    if not config.effects.gravity.on:
         return "off", "not asked for: the arm lies on its side in the paper's experiments"
-    x, y, z = (component / 1000 for component in config.gravity_mm_s2)
+    x, y, z = (component / 1000 for component in config.effects.gravity.acceleration_mm_s2)
     return "on", (
         f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod has no weight, so the five numbers carry the moment of "
         "the weight as an error"
@@ -109,9 +109,9 @@ def _gravity(config: Config) -> tuple[str, str]:
 
 
 def _layer(scene: Scene) -> tuple[str, str]:
-    if not is_on(scene.config, "strain_limiting_layer"):
+    layer = scene.config.effects.strain_limiting_layer
+    if not layer.on:
         return "off", "not asked for"
-    layer = scene.config.layer
     return "on", (
         f"{layer.thickness_mm:g} mm thick, E = {layer.E_MPa:g} MPa, nu = {layer.nu:g}, "
         f"in the plane y = {scene.body.curve_y:g} mm of the material curve"

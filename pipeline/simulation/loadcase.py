@@ -60,13 +60,13 @@ def schedule(config: Config, pressures_kPa: tuple[float, ...] | None = None) -> 
 
 def identification_case(config: Config, experiment: str) -> LoadCase:
     """One of the three experiments I, II, III at the pressures of the run."""
-    return LoadCase(experiment, experiment, schedule(config), config.end_y_mm)
+    return LoadCase(experiment, experiment, schedule(config), config.end.y_mm)
 
 
 def up_to(config: Config, experiment: str, pressure_kPa: float) -> LoadCase:
     """I, II or III at one more pressure and those of the run below it, from which the path goes on."""
     below = tuple(pressure for pressure in config.pressures_kPa if pressure < pressure_kPa)
-    return LoadCase(experiment, experiment, schedule(config, (*below, pressure_kPa)), config.end_y_mm)
+    return LoadCase(experiment, experiment, schedule(config, (*below, pressure_kPa)), config.end.y_mm)
 
 
 def validation_cases(config: Config) -> tuple[LoadCase, ...]:
@@ -83,5 +83,5 @@ def validation_cases(config: Config) -> tuple[LoadCase, ...]:
     between = tuple(pressure for pressure in validation.pressures_kPa if pressure not in of_run)
     if between:
         path = tuple(pressure for pressure in sorted({*of_run, *between}) if pressure <= between[-1])
-        cases += [LoadCase(name, name, schedule(config, path), config.end_y_mm) for name in ("III", "II")]
+        cases += [LoadCase(name, name, schedule(config, path), config.end.y_mm) for name in ("III", "II")]
     return tuple(cases)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import fem
 from fem.elements import ELEMENTS, Volumetric
 from geometry import GRADINGS, Body, DesignError, MeshError
-from pipeline.config.config import Config
+from pipeline.config.config import AUTO, Config
 from pipeline.errors import InputError
 
 #: The name of outer faces that can meet, where the user names no others.
@@ -27,12 +27,16 @@ class Scene:
         law cannot have together.
         """
         material_of(config)
+        if config.mesh.size_mm is AUTO:
+            raise InputError(
+                f"{config.source}: mesh.size: auto is only for `pneurod run`, which plans it; give a size such as 4 mm"
+            )
         try:
-            body = config.design.body(config.mesh.size_mm, GRADINGS[config.mesh.grading])
+            body = config.design.body(config.mesh.element_size_mm, GRADINGS[config.mesh.grading])
         except (DesignError, MeshError) as failure:
             raise InputError(f"{config.source}: {failure}") from None
-        _check(config, body)
-        whole = config.effects["symmetry"] == "off" or gravity_breaks_symmetry(config)
+        _check_faces(config, body)
+        whole = config.effects.symmetry.off or config.effects.gravity.breaks_symmetry
         return Scene(config, body.full() if whole else body)
 
     @property
@@ -46,9 +50,9 @@ class Scene:
 
         Empty where contact is switched off.
         """
-        if self.config.effects["self_contact"] == "off":
+        if self.config.effects.self_contact.off:
             return ()
-        names = (*(self.config.contact_faces or ()), GAP, *self.body.cavities)
+        names = (*(self.config.effects.self_contact.faces or ()), GAP, *self.body.cavities)
         return tuple(dict.fromkeys(name for name in names if name in self.body.mesh.faces))
 
     @property
@@ -58,60 +62,63 @@ class Scene:
         if not intended:
             return None
         space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
-        contacts = [fem.SelfContact(faces, self.config.contact_dhat_mm) for faces in intended]
+        dhat = self.config.effects.self_contact.dhat_mm
+        contacts = [fem.SelfContact(faces, dhat) for faces in intended]
         return min(contact.activation_distance(space) for contact in contacts)
 
     @property
     def _intended_faces(self) -> tuple[str, ...]:
         """The faces that are expected to meet: those the user names, else the gap."""
-        return self.config.contact_faces or (GAP,)
+        return self.config.effects.self_contact.faces or (GAP,)
 
     def effects(self, largest_MPa: float) -> list[fem.Effect]:
         """The effects on the body, with `largest_MPa` as the pressure of the run at load factor 1."""
-        config = self.config
+        gravity, layer = self.config.effects.gravity, self.config.effects.strain_limiting_layer
         effects = [*self._pressures(largest_MPa), *self._contacts()]
-        if is_on(config, "gravity"):
-            effects.append(fem.Gravity(config.material.density_tonne_mm3, config.gravity_mm_s2, ramp=False))
-        if is_on(config, "strain_limiting_layer"):
-            layer = config.layer
+        if gravity.on:
+            density = self.config.material.density_tonne_mm3
+            effects.append(fem.Gravity(density, gravity.acceleration_mm_s2, ramp=False))
+        if layer.on:
             triangles = self.body.mesh.plane(1, self.body.curve_y)
             effects.append(fem.StrainLimitingLayer(triangles, layer.thickness_mm, layer.E_MPa, layer.nu))
         return effects
 
     def _pressures(self, largest_MPa: float) -> list[fem.Effect]:
         effects: list[fem.Effect] = []
-        if self.config.effects["pressure"] == "off":
+        pressure = self.config.effects.pressure
+        if pressure.off:
             return effects
-        for name, pressure in self.config.cavities.items():
-            if pressure.share:
-                effects.append(fem.Pressure(name, pressure.share * largest_MPa))
-            if pressure.held_kPa:
-                effects.append(fem.Pressure(name, pressure.held_kPa / 1000.0, ramp=False))
+        for name, cavity in pressure.cavities.items():
+            if cavity.fraction:
+                effects.append(fem.Pressure(name, cavity.fraction * largest_MPa))
+            if cavity.constant_kPa:
+                effects.append(fem.Pressure(name, cavity.constant_kPa / 1000.0, ramp=False))
         return effects
 
     def _contacts(self) -> list[fem.Effect]:
         effects: list[fem.Effect] = []
+        contact = self.config.effects.self_contact
         for faces in self.contact_faces:
             intended = faces in self._intended_faces
             # faces that nobody named start inactive even where contact is switched on: no cost until they meet
-            inactive = self.config.effects["self_contact"] == "auto" or not intended
+            inactive = contact.state == "auto" or not intended
             # the walls of a cavity collapse under a vacuum, and press on spots
             overlap = 0.0 if faces in self.body.cavities else fem.OVERLAP
-            distance = self.config.contact_dhat_mm if intended else None
+            distance = contact.dhat_mm if intended else None
             effects.append(fem.SelfContact(faces, distance, inactive, overlap))
         return effects
 
 
-def _check(config: Config, body: Body) -> None:
+def _check_faces(config: Config, body: Body) -> None:
     """Refuse a body that lacks what an effect needs."""
-    if config.effects["symmetry"] == "on" and not body.half:
+    if config.effects.symmetry.on and not body.half:
         raise InputError(f"{config.source}: effects.symmetry: on, but this body is no half; write auto or off")
-    if is_on(config, "strain_limiting_layer") and len(body.mesh.plane(1, body.curve_y)) == 0:
+    if config.effects.strain_limiting_layer.on and len(body.mesh.plane(1, body.curve_y)) == 0:
         raise InputError(
             f"{config.source}: effects.strain_limiting_layer: the mesh has no faces in the plane "
             f"y = {body.curve_y:g} mm of the material curve; cut the body there before meshing it"
         )
-    for faces in config.contact_faces or ():
+    for faces in config.effects.self_contact.faces or ():
         if faces not in body.mesh.faces:
             raise InputError(
                 f"{config.source}: effects.self_contact.faces: '{faces}' does not exist; "
@@ -132,13 +139,3 @@ def material_of(config: Config) -> fem.Material:
             f"than shear does; its volumetric modulus here is {law.volumetric_modulus:g} MPa; write p2 or p2p0"
         )
     return law
-
-
-def is_on(config: Config, effect: str) -> bool:
-    """Whether an effect acts that must be requested: gravity or the layer, which auto leaves out as the paper does."""
-    return config.effects[effect] == "on"
-
-
-def gravity_breaks_symmetry(config: Config) -> bool:
-    """Whether gravity acts across the plane of symmetry."""
-    return is_on(config, "gravity") and config.gravity_mm_s2[2] != 0.0

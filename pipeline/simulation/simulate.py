@@ -71,7 +71,7 @@ def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress) -> Ou
     stored = listener.stored_steps(model.space)
     failure = None
     try:
-        options = fem.PathOptions(fem.NewtonOptions(tolerance=scene.config.newton_tolerance))
+        options = fem.PathOptions(fem.NewtonOptions(tolerance=scene.config.newton.tolerance))
         observer = fem.PathObserver(listener.iteration, listener.step_done)
         solution = fem.follow(model, case.schedule.factors, options, observer, resume=stored)
     except fem.NotConverged as ended:
@@ -145,7 +145,7 @@ def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Seque
 
     Where contact is switched off it may.
     """
-    if scene.config.effects["self_contact"] == "off":
+    if scene.config.effects.self_contact.off:
         return steps, ""
     for count, step in enumerate(steps):
         if where := fem.self_intersection_clause(step.space, step.positions, scene.body.half):

@@ -9,7 +9,8 @@ from cases import CONFIGS, Check, HardCase, Scene
 
 from geometry import Body, Mesh
 from geometry.topology import EDGES, OUTWARD, normals
-from pipeline.config.config import Config, load_config
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
@@ -96,7 +97,7 @@ def solve(scene: Scene) -> Solved:
     with tempfile.TemporaryDirectory() as place:
         try:
             config, body = _configured(scene, Path(place))
-            case = LoadCase("hard", scene.experiment, schedule(config, scene.pressures), config.end_y_mm, scene.force)
+            case = LoadCase("hard", scene.experiment, schedule(config, scene.pressures), config.end.y_mm, scene.force)
             with open_store(Path(place) / "out", config) as store:
                 outcome = simulate(MeshedScene(config, body), RunContext(store, 1, Silent()), [case])["hard"]
         except (InputError, RunFailed) as refused:
