@@ -29,7 +29,7 @@ from pipeline.config.load import load_config  # noqa: E402
 from pipeline.identification.richardson import extrapolated  # noqa: E402
 from pipeline.progress import Silent  # noqa: E402
 from pipeline.run import run  # noqa: E402
-from pipeline.store.atomic_file import write_whole  # noqa: E402
+from pipeline.store.atomic_file import write_atomic  # noqa: E402
 from pipeline.store.formats import with_present_keys  # noqa: E402
 
 DOCS = HERE / "docs" / "accuracy.md"
@@ -132,7 +132,7 @@ def solved(request: Request, folder: Path) -> Solved:
             )
         )
         result = Solved(record["accuracy"], max(record["degrees_of_freedom"].values()), numbers, process_time() - begin)
-        write_whole(file, json.dumps(asdict(result), indent=2).encode())
+        write_atomic(file, json.dumps(asdict(result), indent=2).encode())
     kept = with_present_keys(json.loads(file.read_text(encoding="utf-8")))
     return Solved(**{**kept, "numbers": tuple(Headline(**numbers) for numbers in kept["numbers"])})
 
@@ -149,7 +149,7 @@ def finer(request: Request, accuracy: dict[str, Any], factor: float, folder: Pat
         result = measure(Rung(mesh_series(config), size, config))
         if result.failure:
             raise RuntimeError(f"{request.name}, mesh of {size:.3g} mm: {result.failure}")
-        write_whole(file, json.dumps(result.record(), indent=2).encode())
+        write_atomic(file, json.dumps(result.record(), indent=2).encode())
     return RungResult.read(json.loads(file.read_text(encoding="utf-8")))
 
 

@@ -78,13 +78,13 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         design, folder = _design(config, settings, out, "_mesh")
 
         from pipeline.simulation.scene import Scene
-        from pipeline.store.atomic_file import beside
-        from pipeline.store.store import open_folder
+        from pipeline.store.atomic_file import replacing
+        from pipeline.store.result_folder import open_folder
         from pipeline.terminal import body_table
 
         body = Scene.meshed(design).body
         file = open_folder(folder).path("mesh.vtu")
-        with beside(file) as part:
+        with replacing(file) as part:
             body.mesh.write(part)
         _print(body_table(file, design.design, body))
 

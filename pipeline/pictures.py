@@ -15,7 +15,7 @@ import numpy as np
 import pyvista
 from numpy.typing import NDArray
 
-from pipeline.store.atomic_file import write_whole
+from pipeline.store.atomic_file import write_atomic
 
 Array = NDArray[Any]
 
@@ -50,7 +50,7 @@ def write_fields(path: Path, points: Array, tets: Array, fields: Mapping[str, Ar
     writer = pyvista.XMLUnstructuredGridWriter(str(path), grid).writer
     writer.SetWriteToOutputString(True)
     writer.Write()
-    write_whole(path, writer.GetOutputString().encode())
+    write_atomic(path, writer.GetOutputString().encode())
 
 
 def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
@@ -60,7 +60,7 @@ def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
     for pressure, file in files:
         ElementTree.SubElement(collection, "DataSet", timestep=f"{pressure:.12g}", group="", part="0", file=file)
     ElementTree.indent(root)
-    write_whole(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
+    write_atomic(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
 
 
 def draw_body(path: Path, points: Array, tets: Array, *, whole: bool = True, cut_open: bool = False) -> None:
@@ -194,4 +194,4 @@ def _save(plotter: Any, path: Path) -> None:
     picture = io.BytesIO()
     plotter.screenshot(picture)
     plotter.close()
-    write_whole(path, picture.getvalue())
+    write_atomic(path, picture.getvalue())

@@ -10,7 +10,7 @@ import numpy as np
 
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
-from pipeline.store.atomic_file import write_whole
+from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import with_present_keys
 from rod import (
     EXPORTS,
@@ -160,7 +160,7 @@ def write_shape(shape: RodSolution, file: Path) -> None:
     """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm."""
     columns = (shape.s, shape.x, shape.y, shape.theta, shape.kappa, shape.moment)
     rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
-    write_whole(file, ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode())
+    write_atomic(file, ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode())
 
 
 def _value(option: str, text: str, dimension: Dimension) -> float:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pipeline.store.store import Store
+from pipeline.store.result_folder import ResultFolder
 
 HERE = Path(__file__).resolve().parent.parent
 SHORT = """
@@ -128,7 +128,7 @@ def test_without_room_for_the_report_all_else_is_there(place: Path) -> None:
     for path in states(place):
         with np.load(path, allow_pickle=False) as arrays:
             assert np.isfinite(arrays["displacement"]).all()
-    store = Store(place / "out", "")
+    store = ResultFolder(place / "out")
     assert len(store.read_json("experiments.json")) == 12
     assert store.read_json("parameters.json")["pressures_kPa"] == [4.0, 6.0, 8.0, 10.0]
     left = {path.name for path in (place / "out").rglob("*") if path.is_file()}

@@ -5,6 +5,7 @@ import multiprocessing
 import pickle
 from typing import Any
 
+import pytest
 from rich.console import Console
 
 from pipeline.progress import Lines, Message, Progress, Silent, Terminal, ToQueue, progress_for, relayed
@@ -79,5 +80,10 @@ def test_a_table_on_a_terminal() -> None:
     assert shown.count("report: ") >= 1
 
 
-def test_nothing_is_said_when_silent() -> None:
-    tell(Silent())
+def test_silent_progress_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
+    tell(Lines(Console()))
+    assert "stage: experiments" in capfd.readouterr().out
+    silent = Silent()
+    tell(silent)
+    silent.done()
+    assert capfd.readouterr() == ("", "")

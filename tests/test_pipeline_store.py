@@ -14,8 +14,9 @@ import pytest
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
-from pipeline.store import store as store_module
+from pipeline.store import atomic_file, state_key
 from pipeline.store.provenance import pinned, provenance
+from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key, source_files
 from pipeline.store.store import Store, open_store
 
 ROOMS = ("geometry", "fem", "rod", "pipeline")
@@ -55,7 +56,7 @@ def test_a_write_that_fails_leaves_the_old_file(
     with open_store(tmp_path, config) as store:
         store.save_json("a.json", 1)
         before = files(tmp_path)
-        monkeypatch.setattr(store_module.os, "fsync", full)
+        monkeypatch.setattr(atomic_file.os, "fsync", full)
         with pytest.raises(OSError, match="No space left"):
             store.save_json("a.json", 2)
         with pytest.raises(OSError, match="No space left"):
@@ -107,7 +108,7 @@ def test_states_are_remembered(tmp_path: Path, config: Config) -> None:
 def test_states_of_another_key_or_broken_ones_are_not_used(tmp_path: Path, config: Config) -> None:
     with open_store(tmp_path, config) as store:
         store.save_state("II", 17.0, u=np.zeros(3))
-        assert Store(tmp_path, "0" * 64).load_state("II", 17.0) is None
+        assert Store(tmp_path, "0" * 64, "0" * 64).load_state("II", 17.0) is None
         state = tmp_path / "states" / "II_17kPa.npz"
         state.write_bytes(state.read_bytes()[:100])
         assert store.load_state("II", 17.0) is None
@@ -115,11 +116,11 @@ def test_states_of_another_key_or_broken_ones_are_not_used(tmp_path: Path, confi
 
 def test_the_keys_take_every_source_file() -> None:
     """A file that the key forgets would let states of other sources be used again."""
-    root = Path(store_module.__file__).resolve().parents[1]
+    root = Path(state_key.__file__).resolve().parents[1]
     while not (root / "pyproject.toml").is_file():
         root = root.parent
-    deciding = {str(path.relative_to(root)) for path in store_module.source_files(store_module._SOURCES)}
-    every = {str(path.relative_to(root)) for path in store_module.source_files(store_module._ALL_SOURCES)}
+    deciding = {str(path.relative_to(root)) for path in source_files(STATE_SOURCES)}
+    every = {str(path.relative_to(root)) for path in source_files(NUMBER_SOURCES)}
     rooms = {room: {str(path.relative_to(root)) for path in (root / room).rglob("*.py")} for room in ROOMS}
     assert all(len(sources) > 10 for sources in rooms.values())
     assert deciding >= rooms["geometry"] | rooms["fem"]
@@ -127,16 +128,20 @@ def test_the_keys_take_every_source_file() -> None:
     assert any(name.startswith("pipeline/") and name.endswith("scene.py") for name in deciding)
     assert every == set().union(*rooms.values())
     with pytest.raises(FileNotFoundError, match="no Python source"):
-        store_module.source_files(["fem", "fem/nowhere"])
+        source_files(["fem", "fem/nowhere"])
 
 
-def test_the_key_knows_the_sources(config: Config, other: Config, monkeypatch: pytest.MonkeyPatch) -> None:
-    key = store_module._key(config, store_module._SOURCES)
-    assert key == store_module._key(config, store_module._SOURCES)
-    assert key != store_module._key(other, store_module._SOURCES)
+@pytest.mark.parametrize("name", STATE_SOURCES)
+def test_a_key_changes_with_the_sources_of_every_room(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files of one room alone are changed, so a room that the key forgets is seen."""
+    changed = set(source_files([name]))
+    assert changed
+    key = result_key("hash", STATE_SOURCES)
+    assert key == result_key("hash", STATE_SOURCES)
+    assert key != result_key("another", STATE_SOURCES)
     read = Path.read_bytes
-    monkeypatch.setattr(Path, "read_bytes", lambda path: read(path) + b"# changed")
-    assert key != store_module._key(config, store_module._SOURCES)
+    monkeypatch.setattr(Path, "read_bytes", lambda path: read(path) + (b"# changed" if path in changed else b""))
+    assert key != result_key("hash", STATE_SOURCES)
 
 
 def test_results_of_another_configuration_are_refused(tmp_path: Path, config: Config, other: Config) -> None:

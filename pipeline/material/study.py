@@ -12,8 +12,9 @@ from pipeline.material.law_fit import LawFit, Refused
 from pipeline.material.moduli import PAPER, HighModulusCheck, check_high_modulus
 from pipeline.material.sentences import caveats, moduli_sentences, yaml_block
 from pipeline.material.tensile import read_tensile
+from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
-from pipeline.store.store import open_folder
+from pipeline.store.result_folder import open_folder
 
 CURVE_COLUMNS = (
     *("law", "fitted_to", "stretch", "strain", "nominal_stress_MPa", "lateral_stretch", "J"),
@@ -31,7 +32,7 @@ def fit_material(paths: Sequence[Path], options: FitOptions, out: Path) -> Fits:
     return fits
 
 
-def _record(paths: Sequence[Path], fits: Fits) -> dict[str, object]:
+def _record(paths: Sequence[Path], fits: Fits) -> JsonObject:
     """The content of material.json."""
     measured = check_high_modulus(fits.moduli.low, fits.moduli.high, fits.options.nu)
     return {
@@ -66,7 +67,7 @@ def _check_record(check: HighModulusCheck | None) -> dict[str, float] | None:
     }
 
 
-def _fit_record(fit: LawFit | Refused, density: str) -> dict[str, object]:
+def _fit_record(fit: LawFit | Refused, density: str) -> JsonObject:
     if isinstance(fit, Refused):
         return {"reason": fit.reason}
     return {

@@ -1,4 +1,4 @@
-"""Files are written whole or not at all: beside their place, flushed to the disk, then renamed."""
+"""Files are written completely or not at all: to a temporary file in the same folder, flushed to the disk, renamed."""
 
 import os
 import tempfile
@@ -9,48 +9,48 @@ from pathlib import Path
 _PREFIX = ".pneurod-part-"
 
 
-def write_whole(path: Path, content: bytes) -> None:
+def write_atomic(path: Path, content: bytes) -> None:
     """Make `path` a file with this content. Raises OSError, which names `path`; the old file stays then."""
-    with beside(path) as place:
-        place.write_bytes(content)
+    with replacing(path) as part:
+        part.write_bytes(content)
 
 
 @contextmanager
-def beside(path: Path) -> Iterator[Path]:
-    """Where to write what becomes `path` at the end of the block; it has the same suffix.
+def replacing(path: Path) -> Iterator[Path]:
+    """Temporary path in the folder of `path`, with its suffix; on success flushed and atomically renamed to `path`.
 
     Raises OSError, which names `path`; the old file stays then.
     """
-    place = None
+    part = None
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=_PREFIX, suffix=path.suffix)
-        place = Path(name)
+        part = Path(name)
         os.close(handle)
-        yield place
-        _flush(place)
-        os.chmod(place, 0o644)
-        os.replace(place, path)
+        yield part
+        _flush(part)
+        os.chmod(part, 0o644)
+        os.replace(part, path)
     except OSError as failure:
-        _forget(place)
+        _remove(part)
         raise OSError(failure.errno, failure.strerror or str(failure), str(path)) from failure
     except BaseException:
-        _forget(place)
+        _remove(part)
         raise
 
 
-def left_over(folder: Path) -> Iterator[Path]:
-    """The files below `folder` that a killed process had begun to write."""
+def stale_parts(folder: Path) -> Iterator[Path]:
+    """The temporary files below `folder` that a killed process has left."""
     yield from folder.rglob(f"{_PREFIX}*")
 
 
-def _flush(place: Path) -> None:
-    handle = os.open(place, os.O_RDWR)
+def _flush(part: Path) -> None:
+    handle = os.open(part, os.O_RDWR)
     try:
         os.fsync(handle)
     finally:
         os.close(handle)
 
 
-def _forget(place: Path | None) -> None:
-    if place is not None:
-        place.unlink(missing_ok=True)
+def _remove(part: Path | None) -> None:
+    if part is not None:
+        part.unlink(missing_ok=True)

@@ -1,0 +1,81 @@
+"""A folder of result files: JSON, CSV and text, each written completely or not at all."""
+
+import csv
+import io
+import json
+import math
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pipeline.errors import InputError
+from pipeline.store.atomic_file import write_atomic
+from pipeline.store.json_values import Json
+
+
+@dataclass(frozen=True)
+class ResultFolder:
+    """A folder that results are written to. A killed process leaves old files or new ones, never halves."""
+
+    directory: Path
+
+    def path(self, name: str) -> Path:
+        """Where the file `name` (relative, "/" between folders) stands; its folder is made."""
+        path = self.directory / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path
+
+    def save_json(self, name: str, value: Json) -> None:
+        """Write `value` as JSON. Arrays become lists; NaN and infinity become null, which JSON can hold."""
+        text = json.dumps(_plain(value), indent=2, allow_nan=False) + "\n"
+        write_atomic(self.path(name), text.encode())
+
+    def save_rows(self, name: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
+        """Write a CSV table with a header line; floats keep all their digits, NaN is an empty cell."""
+        text = io.StringIO()
+        writer = csv.writer(text, lineterminator="\n")
+        writer.writerow(columns)
+        writer.writerows([["" if cell is None else cell for cell in map(_plain, row)] for row in rows])
+        write_atomic(self.path(name), text.getvalue().encode())
+
+    def save_text(self, name: str, text: str) -> None:
+        """Write a text file in UTF-8."""
+        write_atomic(self.path(name), text.encode())
+
+    def read_json(self, name: str) -> Any:
+        """What `save_json` wrote, or None where there is no such file."""
+        path = self.directory / name
+        return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
+
+
+def open_folder(directory: Path | str) -> ResultFolder:
+    """A folder, made if it is missing, for results that replace earlier ones.
+
+    Raises InputError when it cannot be written.
+    """
+    folder = Path(directory)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as failure:
+        reason = failure.strerror or str(failure)
+        raise InputError(f"--out {folder}: cannot be written ({reason}); give a folder you may write to") from None
+    return ResultFolder(folder)
+
+
+def _plain(value: Any) -> Any:
+    """`value` in the types JSON has."""
+    if isinstance(value, Mapping):
+        return {str(name): _plain(entry) for name, entry in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
