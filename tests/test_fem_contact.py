@@ -61,7 +61,7 @@ def crossings(step: Step) -> bool:
     return bool(ipctk.has_intersections(mesh, np.asfortranarray(step.positions[nodes])))
 
 
-def apart(one: Step, other: Step) -> float:
+def distance(one: Step, other: Step) -> float:
     return float(np.abs(one.displacement - other.displacement).max())
 
 
@@ -74,7 +74,7 @@ def test_walls_touch_and_do_not_cross(short: Body, touching: tuple[Experiment, t
     assert crossings(without[0])  # the same test sees what contact prevents
 
 
-def test_contact_pushes_the_chambers_apart(short: Body, touching: tuple[Experiment, tuple[Step, ...]]) -> None:
+def test_contact_pushes_the_chambers_distance(short: Body, touching: tuple[Experiment, tuple[Step, ...]]) -> None:
     experiment, steps = touching
     _, without = bend(short, [], [37.0])
     assert experiment.end(steps[-1])[1] < experiment.end(without[0])[1] - 0.5
@@ -83,7 +83,7 @@ def test_contact_pushes_the_chambers_apart(short: Body, touching: tuple[Experime
 def test_contact_that_starts_inactive_ends_where_contact_from_the_start_does(short: Body, touching) -> None:
     _, always = bend(short, [SelfContact("gap")], [5.0, 37.0])
     for later, present in zip(touching[1], always, strict=True):
-        assert apart(later, present) < 1e-6 * short.length
+        assert distance(later, present) < 1e-6 * short.length
     assert touching[1][0].effects == ("pressure",)
     assert always[0].effects == ("pressure", "self_contact")
 
@@ -157,7 +157,7 @@ def test_barrier_gives_the_same_state(short: Body, touching) -> None:
     _, exact = bend(short, [BarrierContact("gap", 0.02)], [5.0, 17.0, 37.0])
     assert not crossings(exact[-1])
     assert exact[-1].min_gap == pytest.approx(touching[1][-1].min_gap, rel=0.02)
-    assert apart(exact[-1], touching[1][-1]) < 2e-4 * short.length
+    assert distance(exact[-1], touching[1][-1]) < 2e-4 * short.length
 
 
 def squeezed(contact: list[Effect], factors: list[float]) -> tuple[Step, ...]:
@@ -172,7 +172,7 @@ def test_prongs_meet_in_their_middle_and_part_again() -> None:
     closed, opened = squeezed([SelfContact("prongs", starts_inactive=True)], [1.0, 0.1])
     assert 0 < closed.min_gap < 0.04
     free = squeezed([], [0.1])[0]
-    assert apart(opened, free) < 1e-8
+    assert distance(opened, free) < 1e-8
     assert opened.min_gap > 0.04
 
 
@@ -184,7 +184,7 @@ def test_a_crossing_that_facing_walls_cannot_prevent_is_solved_with_the_exact_ba
     _, steps = bend(short, [SelfContact("gap", starts_inactive=True)], [17.0])
     assert not crossings(steps[0])
     # which of the barrier's collisions are near enough depends a little on the way
-    assert 100.0 * apart(steps[0], barrier[0]) < apart(steps[0], facing[0])
+    assert 100.0 * distance(steps[0], barrier[0]) < distance(steps[0], facing[0])
 
 
 def test_walls_that_pass_through_a_soft_contact_are_separated_by_a_stiffer_one(monkeypatch, short: Body) -> None:
@@ -241,11 +241,11 @@ def test_contact_of_one_pair_of_walls_activates_that_of_the_next() -> None:
         upper=sides[3] | sides[4] | (root & (middle > 1.5 + gap)),
     )
     corners = np.array([[6.0, 0.0, 0.0], [6.0, 0.0, 1.0]])
-    found = []
+    steps = []
     for inactive in (True, False):
         contact = [SelfContact(name, starts_inactive=inactive) for name in ("lower", "upper")]
         model = Model(mesh, StVenantKirchhoff(1.2, 0.3), [Fixed("clamp"), Prescribed(corners, "y", 1.0)], contact)
-        found.append(follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9))).steps[0])
-    assert found[0].active == (True, True)
-    assert 0 < found[0].min_gap < 0.02
-    assert apart(*found) < 1e-7
+        steps.append(follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9))).steps[0])
+    assert steps[0].active == (True, True)
+    assert 0 < steps[0].min_gap < 0.02
+    assert distance(*steps) < 1e-7

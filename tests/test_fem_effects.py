@@ -1,16 +1,17 @@
 """The terms of the potential: gradient and second derivative of each against differences of its energy and gradient."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from bodies import box, bricks, difference, fork, hollow_box, named
 
-from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StVenantKirchhoff
+from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StrainLimitingLayer, StVenantKirchhoff
 from fem.discretisation import Discretisation
 from fem.effects.barrier import CONTINUATION, FacingTerm, continued_barrier
 from fem.effects.contact import BarrierTerm
-from fem.effects.effect import Blocks, LoadTerm, Term, at_constant_fraction
+from fem.effects.effect import Blocks, LoadTerm, Term, advanced, at_constant_fraction
 from fem.effects.facing_pairs import FacingPairs
 from geometry import Mesh
 from geometry.arrays import Array
@@ -94,10 +95,10 @@ def test_derivatives(name: str, formulation: str) -> None:
     change = difference(lambda y: gradient(term, y, factor), x, dx, step)
     if "sym" in space.surfaces:  # what the plane of symmetry bears is no part of the potential
         change[space.surface("sym").unique_nodes, 2] = 0.0
-    found = times(term.blocks(x, factor, convex=False), dx)
+    product = times(term.blocks(x, factor, convex=False), dx)
     if "sym" in space.surfaces:
-        found[space.surface("sym").unique_nodes, 2] = 0.0
-    np.testing.assert_allclose(found, change, atol=1e-6 * max(np.abs(change).max(), 1e-9))
+        product[space.surface("sym").unique_nodes, 2] = 0.0
+    np.testing.assert_allclose(product, change, atol=1e-6 * max(np.abs(change).max(), 1e-9))
 
 
 @pytest.mark.parametrize("name", ["facing walls", "barrier"])
@@ -232,8 +233,34 @@ def test_a_face_that_faces_nothing_has_no_pairs() -> None:
     assert FacingPairs.of(space.surface("above"), space.points).nodes.size == 0
 
 
-def test_two_pressures_stand_side_by_side() -> None:
-    """Terms hold arrays and are told apart by identity."""
+@pytest.mark.parametrize("name", ["pressure", "facing walls", "layer"])
+def test_terms_give_the_same_node_pairs_on_each_call(name: str) -> None:
+    """The same arrays, so that their position in the matrix is looked up once."""
+    if name == "layer":
+        mesh = box((2, 2, 2), (1.0, 1.0, 1.0))
+        term, space = bound(mesh, StrainLimitingLayer(mesh.plane(1, 0.5), 0.1, 100.0, 0.3))
+    else:
+        term, space = CASES[name]("p2p0")
+    x = space.points + shaken(space, 0.01, seed=1)
+    first = term.blocks(space.points, 1.0, convex=False)
+    later = advanced((term,), space.points, x - space.points)[0].blocks(x, 0.5, convex=True)
+    assert first.rows is later.rows
+    assert first.columns is later.columns
+
+
+def test_without_an_exact_barrier_the_gaps_alone_judge_and_nothing_is_stiffer_in_the_end() -> None:
+    term, space = facing()
+    term = replace(term, exact=None)
+    assert term.violation(pinched(space)) == ""
+    crossed = space.points.copy()
+    crossed[space.points[:, 1] > 1.0 + GAP / 2, 1] -= 1.5 * GAP
+    assert "two walls pass through each other" in term.violation(crossed)
+    stiffest = replace(term, stiffenings=0)
+    assert stiffest.tightened(crossed) is stiffest
+
+
+def test_two_pressures_are_two_terms() -> None:
+    """Terms hold arrays and are distinguished by identity."""
     mesh = hollow_box(half=False)
     space = Discretisation.of(mesh, "p2p0")
     terms = tuple(Pressure("cavity", value).bind(space, LAW) for value in (0.1, 0.2))

@@ -8,7 +8,7 @@ import numpy as np
 from fem.discretisation import Discretisation, Faces
 from fem.effects.barrier import OVERLAP, FacingTerm
 from fem.effects.contact import STIFFNESS, ContactError
-from fem.effects.effect import Effect, UnilateralTerm
+from fem.effects.effect import Effect
 from fem.effects.facing_pairs import FacingPairs
 from fem.materials.material import Material
 from geometry.arrays import Array, Index
@@ -37,11 +37,8 @@ class MirrorContact(Effect):
         if pairs.nodes.size == 0:
             raise ContactError(f"no wall of {self.faces!r} faces the plane {self.plane!r}")
 
-        def none_better() -> UnilateralTerm:
-            raise ContactError("a wall passes through its mirror image, and a stiffer barrier does not prevent it")
-
         stiffness = 2.0 * STIFFNESS * 3.0 * material.shear_modulus
-        return FacingTerm(pairs, self.dhat / 2.0, stiffness, OVERLAP, False, none_better)
+        return FacingTerm(pairs, self.dhat / 2.0, stiffness, OVERLAP, starts_inactive=False)
 
 
 def plane_pairs(walls: Faces, plane: Faces, points: Array) -> FacingPairs:

@@ -43,7 +43,8 @@ class FacingTerm(PenaltyTerm):
     stiffness: float  #: MPa
     overlap: float  #: fraction of the barrier's width that lies behind the wall
     starts_inactive: bool
-    exact: Callable[[], UnilateralTerm] = field(repr=False)  #: gives the barrier with exact distances
+    #: gives the barrier with exact distances; None where a crossing is judged by the signed gaps alone
+    exact: Callable[[], UnilateralTerm] | None = field(default=None, repr=False)
     stiffenings: int = field(default=MAX_STIFFENINGS, repr=False)  #: how often the stiffness may still be raised
 
     def energy(self, x: Array, factor: float) -> float:
@@ -78,13 +79,14 @@ class FacingTerm(PenaltyTerm):
         if gaps.min() <= 0:
             position = x[self.pairs.nodes[int(np.argmin(gaps))]]
             return f"two walls pass through each other at ({', '.join(f'{value:.1f}' for value in position)}) mm"
-        return self.exact().violation(x)
+        return self.exact().violation(x) if self.exact else ""
 
     def tightened(self, x: Array) -> UnilateralTerm:
-        """A stiffer barrier where walls overlap, as often as that is tried; else the one with exact distances."""
+        """A stiffer barrier where walls overlap, as often as that is tried; else the one with exact distances, and the
+        term itself where there is none."""
         if self.stiffenings and self.gap(x) <= 0:
             return replace(self, stiffness=STIFFENING_FACTOR * self.stiffness, stiffenings=self.stiffenings - 1)
-        return self.exact()
+        return self.exact() if self.exact else self
 
     def _derivatives(self, x: Array) -> tuple[LocalPairs, Array, Array]:
         """All pairs, with first and second derivative of their energy by the gap (k,), zero beyond dhat.

@@ -112,7 +112,7 @@ class BarrierTerm(InteriorTerm):
     def _collisions(self, x: Array, dhat: float) -> Any:
         collisions = self._ipctk.NormalCollisions()
         collisions.use_area_weighting = True
-        # the plain set counts walls that mirror each other 6.4 times, shifted ones 2.5 times; this one 1.6 and 1.5
+        # the plain set counts the area of a wall several times; this one as `barrier.WEIGHT` says
         collisions.collision_set_type = self._ipctk.NormalCollisions.IMPROVED_MAX_APPROX
         collisions.build(self._mesh, self._surface(x), dhat)
         return collisions

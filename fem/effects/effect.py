@@ -116,7 +116,7 @@ class PenaltyTerm(UnilateralTerm):
 
     @abstractmethod
     def tightened(self, x: Array) -> UnilateralTerm:
-        """The term to try where the state x (n, 3), converged with this one, is a violation."""
+        """The term to try where the state x (n, 3), converged with this one, violates it; itself if there is none."""
 
 
 class InteriorTerm(UnilateralTerm):

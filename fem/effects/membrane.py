@@ -22,7 +22,7 @@ from fem.kernels.membrane import (
     membrane_tangent,
 )
 from fem.materials.material import Material, check_moduli
-from geometry.arrays import Array, Index
+from geometry.arrays import Array, Index, Mask
 
 #: Barycentric coordinates (q, 3) of the stress points of a triangle, all of equal weight. One point, as for the
 #: volumetric part of the solid: three strains at three points would be more conditions than a triangle has
@@ -62,7 +62,11 @@ class StrainLimitingLayer(Effect):
         gradients, area = _gradients(space.points[self.triangles], space.element.quadratic)
         weight = np.repeat(self.thickness * area[:, None] / POINTS.shape[0], POINTS.shape[0], axis=1)
         plane = np.array([[1.0, self.nu, 0.0], [self.nu, 1.0, 0.0], [0.0, 0.0, (1 - self.nu) / 2]])
-        return LayerTerm(MembraneArrays(nodes, gradients, weight), self.E / (1 - self.nu**2) * plane, None)
+        arrays, law = MembraneArrays(nodes, gradients, weight), self.E / (1 - self.nu**2) * plane
+        a, b = np.triu_indices(nodes.shape[1])
+        first, second = nodes[:, a].ravel(), nodes[:, b].ravel()
+        pairs = np.minimum(first, second), np.maximum(first, second), first > second
+        return LayerTerm(arrays, law, pairs, None)
 
 
 @final
@@ -74,6 +78,7 @@ class LayerTerm(StressCarryingTerm):
 
     arrays: MembraneArrays
     law: Array  #: (3, 3) tangent in plane stress, MPa
+    pairs: tuple[Index, Index, Mask]  #: (m,) smaller and larger node of each pair of a face, and whether swapped
     carried: Array | None  #: (f, q, 3) stress of the geometric stiffness, MPa; None where it is that of the strain
 
     def energy(self, x: Array, factor: float) -> float:
@@ -85,15 +90,12 @@ class LayerTerm(StressCarryingTerm):
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
         stress = self.stress(x) if self.carried is None else self.carried
-        nodes = self.arrays.nodes
-        a, b = np.triu_indices(nodes.shape[1])
-        values = np.empty((nodes.shape[0], a.shape[0], 3, 3))
+        rows, columns, swapped = self.pairs
+        values = np.empty((self.arrays.nodes.shape[0], rows.shape[0] // self.arrays.nodes.shape[0], 3, 3))
         membrane_tangent(self.arrays, x, stress, self.law, values)
-        first, second = nodes[:, a].ravel(), nodes[:, b].ravel()
-        pairs = values.reshape(-1, 3, 3)
-        swapped = first > second
-        pairs[swapped] = pairs[swapped].transpose(0, 2, 1)
-        return Blocks(np.minimum(first, second), np.maximum(first, second), pairs)
+        values = values.reshape(-1, 3, 3)
+        values[swapped] = values[swapped].transpose(0, 2, 1)
+        return Blocks(rows, columns, values)
 
     def advanced(self, x: Array, dx: Array) -> "LayerTerm":
         change = np.empty((*self.arrays.weight.shape, 3))
