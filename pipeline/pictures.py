@@ -25,8 +25,6 @@ _SILICONE = "#d9dde3"
 _INK = "#1f2933"
 _OUTLINE = "#9aa5b1"
 
-pyvista.vtk_verbosity("off")  # VTK says on stderr that there is no X server, which is as it should be
-
 
 @dataclass(frozen=True)
 class Colour:
@@ -46,7 +44,7 @@ def write_fields(path: Path, points: Array, tets: Array, fields: Mapping[str, Ar
     grid = _grid(points, tets)
     for name, values in (fields or {}).items():
         _attach(grid, name, np.asarray(values))
-    # VTK says nothing of a full disk, so it writes into memory
+    # VTK does not report a full disk, so it writes into memory
     writer = pyvista.XMLUnstructuredGridWriter(str(path), grid).writer
     writer.SetWriteToOutputString(True)
     writer.Write()
@@ -63,31 +61,30 @@ def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
     write_atomic(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
 
 
-def draw_body(path: Path, points: Array, tets: Array, *, whole: bool = True, cut_open: bool = False) -> None:
-    """Draw the body at rest into a PNG: a half model cut open at z = 0 to show its inside, or, with `whole`, mirrored
-    there."""
+def draw_body(path: Path, points: Array, tets: Array, *, mirrored: bool = True, cut_open: bool = False) -> None:
+    """Draw the body at rest into a PNG: a half model mirrored at z = 0, or cut open there to show its inside."""
     body = _skin(_grid(points, tets))
-    if whole and not cut_open:
-        body = _whole(body)
+    if mirrored and not cut_open:
+        body = _mirrored(body)
     plotter = _plotter()
     plotter.add_mesh(body, color=_SILICONE, smooth_shading=True, split_sharp_edges=True, ambient=0.35, diffuse=0.75)
     _add_edges(plotter, body)
-    _look(plotter, body.points, -1.0 if cut_open else 1.0)
+    _aim_camera(plotter, body.points, -1.0 if cut_open else 1.0)
     _save(plotter, path)
 
 
 def draw_deformed(
-    path: Path, points: Array, tets: Array, displacement: Array, colour: Colour, *, whole: bool = True
+    path: Path, points: Array, tets: Array, displacement: Array, colour: Colour, *, mirrored: bool = True
 ) -> None:
     """Draw the deformed body into a PNG, with the outline of the body at rest.
 
-    points and displacement (n, 3) in mm, tets (m, 4) or (m, 10). `whole` mirrors a half model at z = 0.
+    points and displacement (n, 3) in mm, tets (m, 4) or (m, 10). `mirrored` mirrors a half model at z = 0.
     """
     grid = _grid(points + displacement, tets)
     _attach(grid, colour.title, np.asarray(colour.values, dtype=float))
     body, rest = _skin(grid), _skin(_grid(points, tets))
-    if whole:
-        body, rest = _whole(body), _whole(rest)
+    if mirrored:
+        body, rest = _mirrored(body), _mirrored(rest)
     plotter = _plotter()
     actor = plotter.add_mesh(
         body,
@@ -102,7 +99,7 @@ def draw_deformed(
     rest = rest.connectivity("closest", closest_point=rest.points[rest.points[:, 0].argmax()])  # not the cavities
     outline = rest.extract_feature_edges(35, boundary_edges=False, non_manifold_edges=False)
     plotter.add_mesh(outline, color=_OUTLINE, line_width=1)
-    _look(plotter, np.vstack([body.points, rest.points]), 1.0, below=_BAR)
+    _aim_camera(plotter, np.vstack([body.points, rest.points]), 1.0, below=_BAR)
     _add_bar(plotter, colour.title, actor.mapper)
     _save(plotter, path)
 
@@ -131,7 +128,7 @@ def _skin(grid: Any) -> Any:
     return grid.extract_surface(nonlinear_subdivision=1, algorithm="dataset_surface")
 
 
-def _whole(half: Any) -> Any:
+def _mirrored(half: Any) -> Any:
     """The skin of both halves, without the faces in the plane z = 0 where they meet."""
     z = half.points[half.regular_faces, 2]
     inside = np.abs(z).max(axis=1) < 1e-6 * np.ptp(half.points[:, 0])
@@ -161,14 +158,15 @@ def _add_bar(plotter: Any, title: str, mapper: Any) -> None:
 
 
 def _plotter() -> Any:
+    pyvista.vtk_verbosity("off")  # otherwise VTK reports on stderr that there is no X server
     plotter = pyvista.Plotter(off_screen=True, lighting="light kit")
     plotter.set_background("white")
     plotter.enable_anti_aliasing("ssaa")
     return plotter
 
 
-def _look(plotter: Any, points: Array, side: float, below: int = 0) -> None:
-    """Look from z = `side`, a little from above and from the free end, and fit the window to what is seen.
+def _aim_camera(plotter: Any, points: Array, side: float, below: int = 0) -> None:
+    """Look from the side z = `side`, a little from above and from the free end, and fit the window to the points.
 
     `below` pixels stay free under the body.
     """
@@ -177,8 +175,8 @@ def _look(plotter: Any, points: Array, side: float, below: int = 0) -> None:
     right = np.cross([0.0, 1.0, 0.0], towards)
     right /= np.linalg.norm(right)
     up = np.cross(towards, right)
-    seen = points @ np.column_stack([right, up])
-    low, high = seen.min(axis=0), seen.max(axis=0)
+    projected = points @ np.column_stack([right, up])
+    low, high = projected.min(axis=0), projected.max(axis=0)
     width, height = 1.06 * (high - low)
     pixel = max(width / _WIDTH, height / _TALLEST)
     plotter.window_size = [_WIDTH, int(height / pixel) + below]

@@ -1,7 +1,7 @@
-"""What a run says while it works: a few messages, and who listens to them.
+"""Progress of a run: what is reported, and how it is shown.
 
-The work calls the five methods of `Progress`. In a worker process it calls them on a `ToQueue`, and `relayed` in the
-main process hands the messages on, so that one listener hears every experiment.
+A run calls the five methods of `Progress`. In a worker process it calls them on a `ToQueue`, and `relayed` in the main
+process passes the messages on to the listener, so that a single listener receives those of every experiment.
 """
 
 import threading
@@ -18,22 +18,22 @@ from rich.text import Text
 
 
 class Progress(Protocol):
-    """Listens to a run. Pressures in kPa, residuals relative, seconds of wall time."""
+    """Receives the progress of a run. Pressures in kPa, residuals relative, seconds of wall time."""
 
     def stage(self, name: str) -> None:
         """The run enters a stage: mesh, experiments, identification, rod, pictures, report."""
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
-        """An experiment begins; `pressures` are all it will be solved at."""
+        """An experiment begins, which will be solved at `pressures`."""
 
     def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
-        """A Newton iteration on the way to `pressure_kPa` is over."""
+        """A Newton iteration on the way to `pressure_kPa` is finished."""
 
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
-        """An asked pressure is reached; `seconds` is 0 where it was remembered from an earlier run."""
+        """A pressure is reached; `seconds` is 0 where its state was stored by an earlier run."""
 
     def done(self) -> None:
-        """Nothing more will come."""
+        """The run is finished."""
 
 
 class Message(NamedTuple):
@@ -45,7 +45,7 @@ class Message(NamedTuple):
 
 @final
 class Silent:
-    """Hears and says nothing."""
+    """Ignores everything."""
 
     def stage(self, name: str) -> None: ...
 
@@ -78,12 +78,12 @@ class ToQueue:
         self._queue.put(Message("step_done", (experiment, pressure_kPa, seconds)))
 
     def done(self) -> None:
-        """Says nothing: the end of one worker is not the end of the run."""
+        """Sends nothing: the end of a worker is not the end of the run."""
 
 
 @contextmanager
 def relayed(queue: Any, listener: Progress) -> Iterator[None]:
-    """While the block runs, hand every `Message` in `queue` to `listener`; what is still in it at the end too."""
+    """While the block runs, and until the queue is empty, pass every `Message` in `queue` on to `listener`."""
 
     def relay() -> None:
         while (message := queue.get()) is not None:
@@ -99,29 +99,29 @@ def relayed(queue: Any, listener: Progress) -> Iterator[None]:
 
 
 class _Clock:
-    """Guesses the time left from the pressures that were solved so far."""
+    """Estimates the remaining time from the pressures solved so far."""
 
     def __init__(self) -> None:
         self._began = time.monotonic()
-        self._asked = 0
+        self._requested = 0
         self._reached = 0
         self._solved = 0
 
-    def ask(self, number: int) -> None:
-        if self._asked == 0:
+    def add(self, number: int) -> None:
+        if self._requested == 0:
             self._began = time.monotonic()
-        self._asked += number
+        self._requested += number
 
     def reach(self, seconds: float) -> None:
         self._reached += 1
         self._solved += seconds > 0.0
 
-    def left(self) -> str:
-        """The time until all asked pressures are reached, in words."""
+    def remaining(self) -> str:
+        """The time until all pressures are reached, in words."""
         if self._solved == 0:
-            return "time left not known yet"
+            return "remaining time not known yet"
         pace = (time.monotonic() - self._began) / self._solved
-        return f"about {_duration(pace * (self._asked - self._reached))} left"
+        return f"about {_duration(pace * (self._requested - self._reached))} left"
 
 
 @final
@@ -134,11 +134,11 @@ class Lines:
         self._iterations: dict[str, int] = {}
 
     def stage(self, name: str) -> None:
-        self._say(f"stage: {name}")
+        self._print(f"stage: {name}")
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
-        self._clock.ask(len(pressures))
-        self._say(f"experiment {name}: {', '.join(f'{pressure:g}' for pressure in pressures)} kPa")
+        self._clock.add(len(pressures))
+        self._print(f"experiment {name}: {', '.join(f'{pressure:g}' for pressure in pressures)} kPa")
 
     def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
         self._iterations[experiment] = self._iterations.get(experiment, 0) + 1
@@ -146,12 +146,12 @@ class Lines:
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
         self._clock.reach(seconds)
         iterations = self._iterations.pop(experiment, 0)
-        work = f"{iterations} Newton iterations, {_duration(seconds)}" if seconds > 0.0 else "remembered"
-        self._say(f"experiment {experiment}: {pressure_kPa:g} kPa reached ({work}); {self._clock.left()}")
+        work = f"{iterations} Newton iterations, {_duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
+        self._print(f"experiment {experiment}: {pressure_kPa:g} kPa reached ({work}); {self._clock.remaining()}")
 
     def done(self) -> None: ...
 
-    def _say(self, text: str) -> None:
+    def _print(self, text: str) -> None:
         self._console.print(text, highlight=False, markup=False, soft_wrap=True)
 
 
@@ -176,11 +176,11 @@ class Terminal:
 
     def stage(self, name: str) -> None:
         self._live.start()  # a second start changes nothing
-        self._say_stage()
+        self._print_stage()
         self._stage, self._began = name, time.monotonic()
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
-        self._clock.ask(len(pressures))
+        self._clock.add(len(pressures))
         self._rows[name] = _Row(tuple(pressures), 0, 0, "starts")
 
     def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
@@ -191,15 +191,15 @@ class Terminal:
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
         self._clock.reach(seconds)
         row = self._rows.get(experiment, _Row((pressure_kPa,), 0, 0, ""))
-        now = f"{pressure_kPa:g} kPa reached, {row.iterations} Newton iterations in all"
+        now = f"{pressure_kPa:g} kPa reached, {row.iterations} Newton iterations in total"
         self._rows[experiment] = row._replace(reached=row.reached + 1, now=now)
 
     def done(self) -> None:
-        self._say_stage()
+        self._print_stage()
         self._stage = ""
         self._live.stop()
 
-    def _say_stage(self) -> None:
+    def _print_stage(self) -> None:
         if self._stage:
             self._console.print(f"{self._stage}: {_duration(time.monotonic() - self._began)}", highlight=False)
 
@@ -211,7 +211,7 @@ class Terminal:
         if not self._stage:
             return Group(table)
         head = f"{self._stage}: {_duration(time.monotonic() - self._began)}"
-        return Group(Text(f"{head}, {self._clock.left()}" if self._rows else head), table)
+        return Group(Text(f"{head}, {self._clock.remaining()}" if self._rows else head), table)
 
 
 def progress_for(console: Console | None = None) -> Progress:

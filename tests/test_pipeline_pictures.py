@@ -10,8 +10,8 @@ import pyvista
 from pipeline.pictures import (
     Colour,
     _grid,
+    _mirrored,
     _skin,
-    _whole,
     draw_body,
     draw_deformed,
     write_fields,
@@ -75,10 +75,10 @@ def test_the_body_at_rest(tmp_path: Path, cut_open: bool) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["body.png"]
 
 
-def test_a_body_that_is_no_half(tmp_path: Path) -> None:
-    """Mirrored, every face of it would be there twice and no edge would be left to draw."""
+def test_a_full_body_is_not_mirrored(tmp_path: Path) -> None:
+    """Mirroring it would double every face, and no edge would be left to draw."""
     points, tets = bar()
-    draw_body(tmp_path / "body.png", points - [0.0, 0.0, 0.5], tets, whole=False)
+    draw_body(tmp_path / "body.png", points - [0.0, 0.0, 0.5], tets, mirrored=False)
     assert_shows_something(tmp_path / "body.png")
 
 
@@ -92,13 +92,13 @@ def test_the_deformed_body_coloured_at_nodes_or_elements(tmp_path: Path) -> None
         colours = np.unique(seen(path).reshape(-1, 3) // 32, axis=0)
         assert len(colours) > 20
     linear = tmp_path / "linear.png"
-    draw_deformed(linear, points, tets[:, :4], displacement, Colour(values, "stretch", (1.0, 1.5)), whole=False)
+    draw_deformed(linear, points, tets[:, :4], displacement, Colour(values, "stretch", (1.0, 1.5)), mirrored=False)
     assert_shows_something(linear)
 
 
-def test_the_mirrored_body_is_closed_and_whole() -> None:
+def test_the_mirrored_body_is_closed() -> None:
     half = _skin(_grid(*bar()))
-    whole = _whole(half)
+    whole = _mirrored(half)
     assert half.volume == pytest.approx(8.0)
     assert whole.volume == pytest.approx(16.0)
     assert whole.n_open_edges == 0
@@ -122,7 +122,7 @@ def test_fields_and_series_can_be_read(tmp_path: Path) -> None:
     assert pyvista.get_reader(tmp_path / "II.pvd").time_values == [17.0]
 
 
-def test_a_field_of_the_wrong_length_is_refused(tmp_path: Path) -> None:
+def test_a_field_of_the_wrong_length_is_rejected(tmp_path: Path) -> None:
     points, tets = bar()
     with pytest.raises(
         ValueError, match=f"the field 'J' has 3 rows; the body has {len(points)} nodes and {len(tets)} elements"

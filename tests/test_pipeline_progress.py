@@ -1,4 +1,4 @@
-"""Progress of other processes is received and shown, on a terminal and in plain lines."""
+"""Progress reaches the listener from other processes, and is shown on a terminal and in plain lines."""
 
 import io
 import multiprocessing
@@ -21,13 +21,13 @@ CALLS: list[tuple[str, tuple[Any, ...]]] = [
 ]
 
 
-def tell(progress: Progress) -> None:
+def report(progress: Progress) -> None:
     for method, arguments in CALLS:
         getattr(progress, method)(*arguments)
 
 
-class Heard:
-    """Writes down what it hears."""
+class Recorder:
+    """Records every call."""
 
     def __init__(self) -> None:
         self.calls: list[tuple[str, tuple[Any, ...]]] = []
@@ -38,19 +38,19 @@ class Heard:
 
 def work(queue: Any) -> None:
     listener = ToQueue(queue)
-    tell(listener)
+    report(listener)
     listener.done()
 
 
 def test_messages_cross_processes() -> None:
     context = multiprocessing.get_context("spawn")
-    heard = Heard()
+    recorder = Recorder()
     queue = context.Queue()
-    with relayed(queue, heard):
+    with relayed(queue, recorder):
         worker = context.Process(target=work, args=(queue,))
         worker.start()
         worker.join()
-    assert heard.calls == CALLS
+    assert recorder.calls == CALLS
     assert worker.exitcode == 0
     assert pickle.loads(pickle.dumps(Message("stage", ("mesh",)))) == ("stage", ("mesh",))
 
@@ -59,12 +59,12 @@ def test_plain_lines_where_there_is_no_terminal() -> None:
     text = io.StringIO()
     progress = progress_for(Console(file=text, width=40))
     assert isinstance(progress, Lines)
-    tell(progress)
+    report(progress)
     progress.done()
     lines = text.getvalue().splitlines()
     assert lines[:2] == ["stage: experiments", "experiment II: 17, 37 kPa"]
     assert lines[2].startswith("experiment II: 17 kPa reached (2 Newton iterations, 3.2 s); about ")
-    assert lines[3].startswith("experiment II: 37 kPa reached (remembered); about 0.0 s left")
+    assert lines[3].startswith("experiment II: 37 kPa reached (stored by an earlier run); about 0.0 s left")
     assert lines[4] == "stage: report"
 
 
@@ -72,18 +72,16 @@ def test_a_table_on_a_terminal() -> None:
     text = io.StringIO()
     progress = progress_for(Console(file=text, force_terminal=True, width=120))
     assert isinstance(progress, Terminal)
-    tell(progress)
+    report(progress)
     progress.done()
     shown = text.getvalue()
     assert "experiment II" in shown
-    assert "37 kPa reached, 2 Newton iterations in all" in shown
+    assert "37 kPa reached, 2 Newton iterations in total" in shown
     assert shown.count("report: ") >= 1
 
 
 def test_silent_progress_prints_nothing(capfd: pytest.CaptureFixture[str]) -> None:
-    tell(Lines(Console()))
-    assert "stage: experiments" in capfd.readouterr().out
-    silent = Silent()
-    tell(silent)
-    silent.done()
+    progress: Progress = Silent()
+    report(progress)
+    progress.done()
     assert capfd.readouterr() == ("", "")

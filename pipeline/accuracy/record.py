@@ -119,7 +119,9 @@ def convergence_study(
     Raises RunFailed where too few rungs reached a pressure to extrapolate from.
     """
     references = {pressure: _references(config, rungs, pressure, contact_mm) for pressure in config.pressures_kPa}
-    lacking = [f"{pressure:g} kPa" for pressure, known in references.items() if known.numbers["force_N"] is None]
+    lacking = [
+        f"{pressure:g} kPa" for pressure, at_pressure in references.items() if at_pressure.numbers["force_N"] is None
+    ]
     if lacking:
         raise RunFailed(f"too few rungs reached {', '.join(lacking)} to extrapolate from; choose lower pressures")
     rows = [row for rung, result in rungs for row in _rows(config, rung, result, references)]

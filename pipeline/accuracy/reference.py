@@ -56,8 +56,8 @@ class References:
     @property
     def relative_std(self) -> float:
         """The largest relative standard deviation of the headline numbers."""
-        known = [reference for name in HEADLINE if (reference := self.numbers[name])]
-        return max((reference.relative for reference in known), default=0.0)
+        present = [reference for name in HEADLINE if (reference := self.numbers[name])]
+        return max((reference.relative for reference in present), default=0.0)
 
     def record(self) -> JsonObject:
         """As in accuracy.json."""
@@ -95,8 +95,8 @@ class Errors:
 def largest_error(errors: Sequence[Errors]) -> float | None:
     """The largest error of kappa_0(l/2), alpha2 and F over all pressures; None where one of them is missing."""
     sizes = [at_pressure.by_name[name] for at_pressure in errors for name in HEADLINE]
-    known = [abs(size) for size in sizes if size is not None]
-    return max(known) if known and len(known) == len(sizes) else None
+    present = [abs(size) for size in sizes if size is not None]
+    return max(present) if present and len(present) == len(sizes) else None
 
 
 def limit(series: Sequence[Sequence[tuple[float, float]]]) -> Reference | None:

@@ -33,8 +33,8 @@ def cells(row: StudyRow) -> list[str]:
 
 
 def _largest(row: StudyRow, name: str) -> str:
-    known = [error for errors in row.errors if (error := errors.by_name[name]) is not None]
-    return f"{100 * max(known, key=abs):+.1f}" if known else ""
+    present = [error for errors in row.errors if (error := errors.by_name[name]) is not None]
+    return f"{100 * max(present, key=abs):+.1f}" if present else ""
 
 
 def reference_sentences(study: ConvergenceStudy) -> list[str]:

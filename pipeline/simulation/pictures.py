@@ -10,7 +10,7 @@ def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
     """The body whole and cut open, each state as a picture and as a file for ParaView, a series per experiment."""
     mesh = body.mesh
     write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets)
-    draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, whole=body.half)
+    draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half)
     if body.half:
         draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True)
     stretches = [record.fields["stretch"].max() for record in outcomes.records]
@@ -26,7 +26,7 @@ def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
                 outcome.nodes,
                 record.displacement,
                 colour,
-                whole=body.half,
+                mirrored=body.half,
             )
             fields = {"displacement": record.displacement, **record.fields}
             write_fields(store.path(f"fields/{title}.vtu"), outcome.points, outcome.nodes, fields)
