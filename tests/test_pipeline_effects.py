@@ -73,7 +73,7 @@ def test_contact_joins_when_walls_come_near(tmp_path: Path) -> None:
     always, _ = simulated(tmp_path / "on", "pneunet_coarse", *SHORT, pressures, "effects.self_contact=on")
     never, off = simulated(tmp_path / "off", "pneunet_coarse", *SHORT, pressures, "effects.self_contact=off")
     assert [record.effects for record in waits["II"].records] == [("pressure",), ("pressure", "self_contact")]
-    assert row["self_contact"]["reason"] == "walls came within reach of each other: II from 37 kPa"
+    assert row["self_contact"]["reason"] == "walls came within the activation distance of contact: II from 37 kPa"
     assert row["self_contact"]["share_of_time"] > 0.0
     assert np.abs(ends(waits) - ends(always)).max() < 1e-6 * 32
     assert (ends(waits)[0] == ends(never)[0]).all()

@@ -77,19 +77,8 @@ def render_report(directory: Path) -> str:
         name=results.run.get("config", {}).get("name", directory.name),
         opening=opening(results),
         failures=results.failures,
-        five=_five_numbers(results),
-        betas=_betas(results),
-        lines=lines_needed(results),
-        linear_range=linear_range(results),
-        estimators=estimators(results),
-        observations=observations(results),
-        mesh_error=mesh_error(results),
-        agreement=[*agreement_of_rod(results), *out_of_sample(results)],
-        validation=validation_rows(results),
-        beyond=beyond_identified(results),
-        eccentricity=eccentricity(results),
-        laws=law_rows(results),
-        simplest_laws=simplest_laws(results),
+        **_identification(results),
+        **_validation(results),
         body=[_picture(results, name, title) for name, title in _BODY if name in results.pictures],
         deformed=_deformed(results),
         figures=_figures(results),
@@ -104,6 +93,31 @@ def render_report(directory: Path) -> str:
         number=number,
         plotly=plotly_script(),
     )
+
+
+def _identification(results: Results) -> dict[str, object]:
+    """What the template needs about the five parameters."""
+    return {
+        "five": _five_numbers(results),
+        "betas": _betas(results),
+        "lines": lines_needed(results),
+        "linear_range": linear_range(results),
+        "estimators": estimators(results),
+        "observations": observations(results),
+        "mesh_error": mesh_error(results),
+        "eccentricity": eccentricity(results),
+    }
+
+
+def _validation(results: Results) -> dict[str, object]:
+    """What the template needs about the rod against the finite elements."""
+    return {
+        "agreement": [*agreement_of_rod(results), *out_of_sample(results)],
+        "validation": validation_rows(results),
+        "beyond": beyond_identified(results),
+        "laws": law_rows(results),
+        "simplest_laws": simplest_laws(results),
+    }
 
 
 _BODY = (("body", "at rest"), ("body_open", "cut open at z = 0"))

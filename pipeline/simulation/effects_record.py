@@ -60,10 +60,10 @@ def _pressure(config: Config) -> tuple[str, str]:
 
 def _inside(pressure: CavityPressure) -> str:
     if pressure.constant_kPa:
-        return f"holds {pressure.constant_kPa:g} kPa at every pressure of the run"
+        return f"at {pressure.constant_kPa:g} kPa throughout the run"
     if pressure.fraction == 1.0:
-        return "holds the pressure of the run"
-    return f"holds {pressure.fraction:g} of the pressure of the run" if pressure.fraction else "holds none"
+        return "at the pressure of the run"
+    return f"at {pressure.fraction:g} times the pressure of the run" if pressure.fraction else "without pressure"
 
 
 def _contact(config: Config, outcomes: Outcomes) -> tuple[str, str]:
@@ -78,19 +78,19 @@ def _contact(config: Config, outcomes: Outcomes) -> tuple[str, str]:
         if (first := [record.pressure_kPa for record in outcome.records if "self_contact" in record.effects])
     ]
     if touched:
-        return "on", f"walls came within reach of each other: {', '.join(touched)}"
+        return "on", f"walls came within the activation distance of contact: {', '.join(touched)}"
     nearest = min((record.summary.min_gap_mm for record in outcomes.records), default=0.0)
-    return "off", f"no walls came within reach of each other; the smallest gap was {nearest:.2g} mm"
+    return "off", f"no walls came within the activation distance of contact; the smallest gap was {nearest:.2g} mm"
 
 
 def _symmetry(scene: Scene) -> tuple[str, str]:
     if scene.body.half:
-        return "on", "body, pressure and loads are mirror images about z = 0: one half is solved"
+        return "on", "body, pressure and loads are mirror images about z = 0: half of it is solved"
     if scene.config.effects.symmetry.off:
-        return "off", "switched off in the config: the whole body is solved"
+        return "off", "switched off in the config: the full body is solved"
     if scene.config.effects.gravity.breaks_symmetry:
-        return "off", "gravity acts across the plane z = 0: the whole body is solved"
-    return "off", "the body is not known to be symmetric about z = 0: the whole body is solved"
+        return "off", "gravity acts across the plane z = 0: the full body is solved"
+    return "off", "the body is not known to be symmetric about z = 0: the full body is solved"
 
 
 def _incompressibility(config: Config) -> tuple[str, str]:
@@ -100,18 +100,18 @@ def _incompressibility(config: Config) -> tuple[str, str]:
 
 def _gravity(config: Config) -> tuple[str, str]:
     if not config.effects.gravity.on:
-        return "off", "not asked for: the arm lies on its side in the paper's experiments"
+        return "off", "not requested; in the experiments of the paper the arm lies on its side"
     x, y, z = (component / 1000 for component in config.effects.gravity.acceleration_mm_s2)
     return "on", (
-        f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod has no weight, so the five numbers carry the moment of "
-        "the weight as an error"
+        f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod has no weight, so the moment of the weight is an "
+        "error of the five parameters"
     )
 
 
 def _layer(scene: Scene) -> tuple[str, str]:
     layer = scene.config.effects.strain_limiting_layer
     if not layer.on:
-        return "off", "not asked for"
+        return "off", "not requested"
     return "on", (
         f"{layer.thickness_mm:g} mm thick, E = {layer.E_MPa:g} MPa, nu = {layer.nu:g}, "
         f"in the plane y = {scene.body.curve_y:g} mm of the material curve"

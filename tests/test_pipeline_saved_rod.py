@@ -1,4 +1,4 @@
-"""The rod of a parameters.json from the command line: shapes under loads, exports, and messages for wrong input."""
+"""The rod of a parameters.json from the command line: shapes under loads, exports, one sentence for wrong input."""
 
 import json
 from pathlib import Path
@@ -38,8 +38,8 @@ def results(tmp_path: Path) -> Path:
 
 
 def call(*arguments: str) -> tuple[int, str, str]:
-    ended = CliRunner().invoke(app, list(arguments))
-    return ended.exit_code, ended.stdout, ended.stderr
+    result = CliRunner().invoke(app, list(arguments))
+    return result.exit_code, result.stdout, result.stderr
 
 
 def test_rod_between_two_pressures_is_the_rod_of_the_means(results: Path) -> None:
@@ -109,7 +109,7 @@ def test_bad_loads_give_one_sentence(results: Path, arguments: tuple[str, ...], 
     assert error.count("\n") == 1
 
 
-def test_parameters_of_something_else_are_refused(tmp_path: Path) -> None:
+def test_other_files_are_rejected(tmp_path: Path) -> None:
     file = tmp_path / "parameters.json"
     file.write_text("{}")
     status, _, sentence = call("rod", str(file), "--pressure", "17 kPa")
@@ -124,7 +124,7 @@ def test_every_export_is_written(results: Path, target: str) -> None:
     assert Path(out.replace("\n", "").removeprefix("written: ")).stat().st_size > 100
 
 
-def test_an_unknown_export_is_refused(results: Path) -> None:
+def test_an_unknown_export_is_rejected(results: Path) -> None:
     status, _, sentence = call("export", str(results), "--to", "abaqus")
     assert status == 2
     assert "allowed are csv, json, pyelastica" in sentence
@@ -139,7 +139,7 @@ def test_a_file_of_format_1_is_read_with_its_old_keys(results: Path) -> None:
     file.write_text(
         json.dumps({**content, "sixth_number": extensible, "sampled_moment_N_mm": [[0.2, 3.0], [0.4, 4.0]]})
     )
-    chosen = SavedRod.read(file, extensible=True).at("17 kPa")
-    assert chosen.rod.extension is not None
-    assert chosen.moment_range is not None
-    assert chosen.moment_range.high == pytest.approx(3.0)
+    extensible_rod = SavedRod.read(file, extensible=True).at("17 kPa")
+    assert extensible_rod.rod.extension is not None
+    assert extensible_rod.moment_range is not None
+    assert extensible_rod.moment_range.high == pytest.approx(3.0)
