@@ -76,8 +76,8 @@ def iterated(matrix: LinearOperator, right: np.ndarray, solver: Pardiso, patienc
 def timed(call):
     """What a call gives, and its processor seconds."""
     start = process_time()
-    found = call()
-    return found, process_time() - start
+    result = call()
+    return result, process_time() - start
 
 
 def fresh_factor(indptr, indices, kept, large: int, memory: float | None) -> tuple[float, float, str]:

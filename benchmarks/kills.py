@@ -53,7 +53,7 @@ PATIENCE = 10.0
 
 @dataclass(frozen=True)
 class Reference:
-    """A run that nobody disturbed."""
+    """A run that nobody interrupted."""
 
     scene: str
     config: Path
@@ -109,10 +109,10 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, help="new folder for the runs, a temporary one by default")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as temporary:
-        place = options.keep or Path(temporary)
-        place.mkdir(parents=True, exist_ok=True)
-        references = [undisturbed(place, scene) for scene in SCENES]
-        endings = list(disturbed(place, references, options.kills, random.Random(options.seed)))
+        folder = options.keep or Path(temporary)
+        folder.mkdir(parents=True, exist_ok=True)
+        references = [uninterrupted(folder, scene) for scene in SCENES]
+        endings = list(interrupted(folder, references, options.kills, random.Random(options.seed)))
     for verdict, count in Counter(endings).items():
         say(f"{count} x {verdict}")
     equal = endings.count("equal")
@@ -120,77 +120,77 @@ def main() -> int:
     return 0 if equal == options.kills else 1
 
 
-def undisturbed(place: Path, scene: str) -> Reference:
-    """A whole run, twice, because the first one may compile the kernels; both must agree."""
-    config = place / f"{scene.replace(' ', '_')}.yaml"
+def uninterrupted(folder: Path, scene: str) -> Reference:
+    """A complete run, twice, because the first one may compile the kernels; both must agree."""
+    config = folder / f"{scene.replace(' ', '_')}.yaml"
     config.write_text(SCENES[scene], encoding="utf-8")
-    found = []
+    runs = []
     for name in ("first", "second"):
         begin, out = time.monotonic(), config.with_name(f"{config.stem}_{name}")
         run = Running.start(config, out)
         if run.process.wait() != 0:
-            raise SystemExit(f"the undisturbed run failed: {run.log.read_text().splitlines()[-1]}")
-        found.append(Reference(scene, config, time.monotonic() - begin, results_of(out)))
-    first, second = found
-    say(f"{scene}: {second.seconds:.1f} s undisturbed, two such runs are {compared(first.results, second.results)}")
+            raise SystemExit(f"the uninterrupted run failed: {run.log.read_text().splitlines()[-1]}")
+        runs.append(Reference(scene, config, time.monotonic() - begin, results_of(out)))
+    first, second = runs
+    say(f"{scene}: {second.seconds:.1f} s uninterrupted, two such runs are {compared(first.results, second.results)}")
     return second
 
 
-def disturbed(place: Path, references: list[Reference], count: int, chance: random.Random) -> Iterator[str]:
+def interrupted(folder: Path, references: list[Reference], count: int, chance: random.Random) -> Iterator[str]:
     """The verdict on each killed run."""
     parts = chance.sample(range(count), count)
     for number, part in enumerate(parts):
         reference, group, twice = references[number % len(references)], number % 4 < 2, number % 3 == 2
-        out = place / f"run_{number:03d}"
-        killed, told = [], []
+        out = folder / f"run_{number:03d}"
+        killed, events = [], []
         moments = [(part + chance.random()) / count, *([0.7 * chance.random()] if twice else [])]
         while moments:
             moment = moments.pop(0)
             run = Running.start(reference.config, out)
             if not run.ended_within(moment * reference.seconds):
-                told.append(f"killed at {moment:.0%} ({run.kill(group)})")
+                events.append(f"killed at {moment:.0%} ({run.kill(group)})")
                 killed.append(run)
-            elif not killed:  # this run was faster than the undisturbed one; another one, killed earlier
+            elif not killed:  # this run was faster than the uninterrupted one; another one, killed earlier
                 shutil.rmtree(out)
                 moments.insert(0, 0.8 * moment)
-        last = Running.start(reference.config, out)  # at once, while workers of the killed run may still breathe
+        last = Running.start(reference.config, out)  # at once, while workers of the killed run may still be alive
         status = last.process.wait()
         verdict = compared(reference.results, results_of(out)) if status == 0 else f"exit status {status}"
         if any(run.left_alive() for run in (*killed, last)):
             verdict = "workers outlived their run"
-        say(f"{number + 1:3d} {reference.scene}, {'group' if group else 'main'}, {', '.join(told)}: {verdict}")
+        say(f"{number + 1:3d} {reference.scene}, {'group' if group else 'main'}, {', '.join(events)}: {verdict}")
         yield verdict
 
 
 def in_session(leader: int) -> list[int]:
     """The living processes of the session that `leader` opened (Linux)."""
-    found = []
+    processes = []
     for stat in Path("/proc").glob("[0-9]*/stat"):
         try:
             state, _, _, session = stat.read_text().rpartition(")")[2].split()[:4]
         except (OSError, ValueError):
             continue
         if int(session) == leader and state != "Z":
-            found.append(int(stat.parent.name))
-    return found
+            processes.append(int(stat.parent.name))
+    return processes
 
 
 def results_of(out: Path) -> dict[str, Any]:
-    """Everything a run found, by file, without the seconds it took."""
-    found: dict[str, Any] = {}
+    """All results of a run, by file, without the seconds."""
+    results: dict[str, Any] = {}
     for name in TABLES:
-        if not (out / name).is_file():  # no validation was asked for
+        if not (out / name).is_file():  # validation was not configured
             continue
         text = (out / name).read_text(encoding="utf-8")
-        found[name] = without_seconds(json.loads(text)) if name.endswith(".json") else text.splitlines()
+        results[name] = without_seconds(json.loads(text)) if name.endswith(".json") else text.splitlines()
     for path in sorted((out / "states").glob("*.npz")):
         with np.load(path, allow_pickle=False) as arrays:
-            found[path.name] = {
+            results[path.name] = {
                 name: (arrays[name][:-1] if name == "numbers" else arrays[name]).tolist()
                 for name in arrays.files
                 if name not in CLOCKS
             }
-    return found
+    return results
 
 
 def without_seconds(value: Any) -> Any:

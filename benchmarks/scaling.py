@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-# beside this file stands another with the name of a room; the room must be found, not the file
+# beside this file stands another with the name of a room; the room must be imported, not the file
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import fem
@@ -41,12 +41,12 @@ REFERENCE, OTHERS = 11, (7, 20)
 
 @dataclass(frozen=True)
 class Arm:
-    """Finite elements of one arm at one pressure, and what its own numbers are."""
+    """Finite elements of one arm at one pressure, and the parameters identified from them."""
 
     chambers: int
     pressure: float  #: kPa
     free: Centreline  #: II
-    held: Centreline  #: III
+    loaded: Centreline  #: III
     load: Load  #: of III
     kappa_0: Curvature
     numbers: Identification
@@ -64,8 +64,8 @@ class Row:
     chambers: int
     pressure: float  #: kPa
     origin: float  #: kPa, the pressure of the reference
-    kappa_0: float  #: scaled over found, in the middle
-    alpha2: float  #: scaled over found
+    kappa_0: float  #: scaled over identified, in the middle
+    alpha2: float  #: scaled over identified
     distance_II: float  #: over the length
     distance_III: float
     force: float  #: relative error
@@ -90,8 +90,8 @@ def solved(chambers: int, pressures: Sequence[float], size: float) -> list[Arm]:
         load = Load((float(fx), float(fy)), experiment.end_couple(step))
         kappa_0, kappa = (cell_averaged(curves[name], body.pitch) for name in ("II", "III"))
         moment = moment_from_load(without_stretch(curves["III"]), load)
-        found = identify(kappa_0, kappa, moment, end_displacement_closure(curves["II"], curves["III"], load))
-        arms.append(Arm(chambers, pressure, curves["II"], curves["III"], load, kappa_0, found))
+        numbers = identify(kappa_0, kappa, moment, end_displacement_closure(curves["II"], curves["III"], load))
+        arms.append(Arm(chambers, pressure, curves["II"], curves["III"], load, kappa_0, numbers))
     return arms
 
 
@@ -107,37 +107,37 @@ def reference(arms: Sequence[Arm], origin: float) -> ReferenceArm:
     return ReferenceArm(arm.kappa_0.length, weight, origin, arm.numbers.law, beta[0], beta[1], arm.middle)
 
 
-def held_against(arm: Arm, known: ReferenceArm) -> Row:
+def compared(arm: Arm, parent: ReferenceArm) -> Row:
     """The rod scaled to an arm, against its finite elements."""
-    guess = scaled(known, length=arm.free.length, pressure=arm.pressure)
+    guess = scaled(parent, length=arm.free.length, pressure=arm.pressure)
     start = (float(arm.free.x[0]), float(arm.free.y[0]))
     rod = Rod(arm.free.length, guess.kappa_0, guess.law, 0.0, start)
-    held = rod.under(arm.load, end_y=float(arm.held.y[-1]))
+    shape_III = rod.under(arm.load, end_y=float(arm.loaded.y[-1]))
     distances = []
-    for shape, curve in ((rod.solve(), arm.free), (held, arm.held)):
+    for shape, curve in ((rod.solve(), arm.free), (shape_III, arm.loaded)):
         off = shape.positions(curve.s - curve.s[0]) - np.column_stack([curve.x, curve.y])
         distances.append(float(np.hypot(off[:, 0], off[:, 1]).max()) / curve.length)
     return Row(
         arm.chambers,
         arm.pressure,
-        known.pressure,
+        parent.pressure,
         guess.kappa_0 / arm.middle,
         guess.law.alpha2 / arm.numbers.law.alpha2,
         *distances,
-        float(held.force[1]) / arm.load.force[1] - 1.0,
+        float(shape_III.force[1]) / arm.load.force[1] - 1.0,
     )
 
 
 def table(size: float, pressures: Sequence[float], origin: float, others: Sequence[int] = OTHERS) -> list[Row]:
     """Rows for every length, at the pressure of the reference itself and from the pressure `origin` alone."""
     arms = {chambers: solved(chambers, pressures, size) for chambers in (REFERENCE, *others)}
-    known = arms[REFERENCE]
+    parent = arms[REFERENCE]
     rows = []
     for chambers in sorted(arms):
         for arm in arms[chambers]:
-            rows.append(held_against(arm, reference(known, arm.pressure)))
+            rows.append(compared(arm, reference(parent, arm.pressure)))
             if arm.pressure != origin:
-                rows.append(held_against(arm, reference(known, origin)))
+                rows.append(compared(arm, reference(parent, origin)))
     return rows
 
 

@@ -83,8 +83,8 @@ def main() -> None:
         linear = row["factorization"] + row["solve"]
         numbers = (row["end_y_mm"], row["assembly"], row["factorization"], row["solve"])
         line = f"{row['degrees_of_freedom']:11d}{row['iterations']:11d}" + "".join(f"{x:11.4g}" for x in numbers)
-        share = 1 - linear / (linear + row["assembly"])
-        sys.stdout.write(f"{line}{share:11.0%}{row['whole']:11.1f}{row['memory_GB']:11.2f}\n")
+        fraction = 1 - linear / (linear + row["assembly"])
+        sys.stdout.write(f"{line}{fraction:11.0%}{row['whole']:11.1f}{row['memory_GB']:11.2f}\n")
         sys.stdout.flush()
     if len(rows) > 1:
         from math import log

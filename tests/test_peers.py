@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.peers import by_calculix, page
 from benchmarks.peers.__main__ import PEERS
-from benchmarks.peers.problem import Body, Found, Outcome
+from benchmarks.peers.problem import Body, Outcome, PathResult
 from benchmarks.peers.runs import Peer, Run, RunFailed, Session, measured, middle, plan
 from benchmarks.peers.stepping import NoEquilibrium, Stepping, newton
 
@@ -73,10 +73,11 @@ def test_the_stepping_grows_halves_and_stops_at_the_asked_pressures() -> None:
 
     good: list[float] = []
     stepping = Stepping(first=1.0, growth=2.0, quick=4, iterations=8, predict=True)
-    found = stepping.walk([5.0, 12.0], np.zeros(1), equilibrium, lambda u: (float(u[0]), 0.0, 0.0), lambda: len(tried))
+    result = stepping.walk([5.0, 12.0], np.zeros(1), equilibrium, lambda u: (float(u[0]), 0.0, 0.0), lambda: len(tried))
     assert [pressure for pressure, _ in tried] == [1.0, 3.0, 5.0, 12.0, 8.5, 12.0]
     assert [guess for _, guess in tried] == [0.0, 30.0, 50.0, 120.0, 85.0, 120.0]  # the response is a line
-    assert found == Found({5.0: (50.0, 0.0, 0.0), 12.0: (120.0, 0.0, 0.0)}, increments=5, failed=1, factorizations=6)
+    answers = {5.0: (50.0, 0.0, 0.0), 12.0: (120.0, 0.0, 0.0)}
+    assert result == PathResult(answers, increments=5, failed=1, factorizations=6)
 
 
 def test_a_path_that_cannot_go_on_ends_with_its_reason() -> None:
@@ -84,8 +85,8 @@ def test_a_path_that_cannot_go_on_ends_with_its_reason() -> None:
         raise NoEquilibrium("no way")
 
     stepping = Stepping(first=1.0, growth=2.0, quick=4, iterations=8, predict=False)
-    found = stepping.walk([5.0], np.zeros(1), equilibrium, lambda u: (0.0, 0.0, 0.0), lambda: 7)
-    assert found == Found({}, increments=0, failed=7, factorizations=7, note="no way")
+    result = stepping.walk([5.0], np.zeros(1), equilibrium, lambda u: (0.0, 0.0, 0.0), lambda: 7)
+    assert result == PathResult({}, increments=0, failed=7, factorizations=7, note="no way")
 
 
 def test_the_deck_loads_every_face_of_the_cavity_once(body: Body) -> None:
@@ -113,10 +114,10 @@ def test_what_calculix_prints_is_read(body: Body, tmp_path: Path) -> None:
     line = "     1     1     1 {:5d}        0  0.3730E+04  0.1000E+03  0.0000E+00  0.0000E+00\n"
     head = "  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.\n"
     (tmp_path / "arm.cvg").write_text(head + "".join(line.format(k) for k in range(1, 11)))
-    found = by_calculix.found_in(tmp_path, "arm", body, [5.0, 17.0])
-    assert found.answers[5.0] == pytest.approx((1.0, -2.0, body.volume(np.zeros_like(body.points))))
-    assert (found.increments, found.failed, found.factorizations) == (1, 1, 10)
-    assert found.note == "CalculiX gave up"
+    result = by_calculix.results_in(tmp_path, "arm", body, [5.0, 17.0])
+    assert result.answers[5.0] == pytest.approx((1.0, -2.0, body.volume(np.zeros_like(body.points))))
+    assert (result.increments, result.failed, result.factorizations) == (1, 1, 10)
+    assert result.note == "CalculiX gave up"
 
 
 def test_runs_are_interleaved_and_go_on_where_they_stopped() -> None:
@@ -143,8 +144,8 @@ def test_a_peer_that_fails_says_so() -> None:
 def test_the_table_of_costs_names_ratios_and_what_is_missing() -> None:
     peers = [Peer("ours", "by_a"), Peer("slow", "by_b"), Peer("stuck", "by_c"), Peer("absent", "by_d")]
     runs = [run("ours", solve=2.0), run("slow", solve=30.0), run("stuck", note="no equilibrium")]
-    found = page.medians(runs)
-    lines = page.costs(peers, "four", found, {"absent": "not installed: `apt-get install it`"}).splitlines()
+    result = page.medians(runs)
+    lines = page.costs(peers, "four", result, {"absent": "not installed: `apt-get install it`"}).splitlines()
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     assert {len(row) for row in cells} == {10}
     assert cells[3] == ["slow", "4 (1)", "10", "30.0", "30.0", "15.0", "0.5", "30.5", "12.2", "100"]

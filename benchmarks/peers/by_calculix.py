@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.peers.problem import KPA, NU, TOLERANCE, Body, E, Found, report
+from benchmarks.peers.problem import KPA, NU, TOLERANCE, Body, E, PathResult, report
 
 #: first and largest increment as shares of a step, and how often a step is cut before CalculiX gives up
 FIRST, LARGEST, MOST = 0.2, 1.0, 2000
@@ -53,34 +53,34 @@ def displacements(printed: str) -> list[np.ndarray]:
     ]
 
 
-def found_in(folder: Path, name: str, body: Body, pressures: Sequence[float]) -> Found:
+def results_in(folder: Path, name: str, body: Body, pressures: Sequence[float]) -> PathResult:
     """Answers from the .dat file, increments from .sta (a U marks attempts that failed), iterations from .cvg."""
     fields = displacements((folder / f"{name}.dat").read_text())
     attempts = re.findall(r"^ +\d+ +\d+ +\d+(U?) ", (folder / f"{name}.sta").read_text(), re.MULTILINE)
     iterations = re.findall(r"^ +\d+ +\d+ +\d+ +\d+ ", (folder / f"{name}.cvg").read_text(), re.MULTILINE)
     note = "" if len(fields) == len(pressures) else "CalculiX gave up"
     answers = {pressure: body.answer(field) for pressure, field in zip(pressures, fields, strict=False)}
-    return Found(answers, attempts.count(""), attempts.count("U"), len(iterations), note)
+    return PathResult(answers, attempts.count(""), attempts.count("U"), len(iterations), note)
 
 
-def set_up() -> Callable[[Sequence[float]], Found]:
+def set_up() -> Callable[[Sequence[float]], PathResult]:
     body = Body.read()
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
 
-    def walk(pressures: Sequence[float]) -> Found:
+    def walk(pressures: Sequence[float]) -> PathResult:
         with tempfile.TemporaryDirectory() as folder:
             Path(folder, "arm.inp").write_text("\n".join(deck(body, pressures)) + "\n")
             with Path(folder, "arm.log").open("w") as log:
                 subprocess.run(["ccx", "arm"], cwd=folder, env=environment, stdout=log, stderr=log, check=False)
-            return found_in(Path(folder), "arm", body, pressures)
+            return results_in(Path(folder), "arm", body, pressures)
 
     return walk
 
 
 def release() -> str:
     """What `ccx -v` says."""
-    said = subprocess.run(["ccx", "-v"], capture_output=True, text=True, check=False).stdout
-    return f"CalculiX {re.findall(r'[0-9.]+', said)[0]}"
+    output = subprocess.run(["ccx", "-v"], capture_output=True, text=True, check=False).stdout
+    return f"CalculiX {re.findall(r'[0-9.]+', output)[0]}"
 
 
 if __name__ == "__main__":

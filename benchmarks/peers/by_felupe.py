@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 from pypardiso import PyPardisoSolver
 
-from benchmarks.peers.problem import KPA, LAMBDA, MU, TOLERANCE, Body, Found, load_pardiso, report, triangle_rule
+from benchmarks.peers.problem import KPA, LAMBDA, MU, TOLERANCE, Body, PathResult, load_pardiso, report, triangle_rule
 from benchmarks.peers.stepping import STEPPING, NoEquilibrium
 
 
@@ -93,9 +93,9 @@ class Model:
         faces = felupe.FieldContainer([felupe.Field(face_region(body, "cavity"), dim=3)])
         self.pressure = felupe.SolidBodyPressure(faces)
         self.items = [felupe.SolidBody(StVenantKirchhoff(), self.field), self.pressure]
-        held = {"held": felupe.Boundary(self.field[0], mask=body.held)}
-        dof0, dof1 = felupe.dof.partition(self.field, held)
-        self.held = {"dof0": dof0, "dof1": dof1, "ext0": felupe.dof.apply(self.field, held, dof0)}
+        fixed = {"fixed": felupe.Boundary(self.field[0], mask=body.fixed)}
+        dof0, dof1 = felupe.dof.partition(self.field, fixed)
+        self.fixed = {"dof0": dof0, "dof1": dof1, "ext0": felupe.dof.apply(self.field, fixed, dof0)}
         self.solver = Pardiso()
 
     def equilibrium(self, pressure: float, guess: np.ndarray) -> tuple[np.ndarray, int]:
@@ -104,18 +104,18 @@ class Model:
         self.field[0].values[:] = guess
         how = {"solver": self.solver, "tol": TOLERANCE, "maxiter": STEPPING.iterations, "verbose": False}
         try:
-            found = felupe.newtonraphson(x0=self.field, items=self.items, **self.held, **how)
+            result = felupe.newtonraphson(x0=self.field, items=self.items, **self.fixed, **how)
         except felupe.NewtonConvergenceError as failure:
             raise NoEquilibrium(str(failure)) from None
-        return found.x[0].values.copy(), found.iterations
+        return result.x[0].values.copy(), result.iterations
 
-    def walk(self, pressures: Sequence[float]) -> Found:
+    def walk(self, pressures: Sequence[float]) -> PathResult:
         """Equilibria at the pressures, kPa."""
         rest = np.zeros_like(self.body.points)
         return STEPPING.walk(pressures, rest, self.equilibrium, self.body.answer, lambda: self.solver.factorizations)
 
 
-def set_up() -> Callable[[Sequence[float]], Found]:
+def set_up() -> Callable[[Sequence[float]], PathResult]:
     load_pardiso()
     return Model(Body.read()).walk
 

@@ -15,7 +15,7 @@ import ngsolve
 import numpy as np
 from ngsolve import BND, TET, TRIG, BilinearForm, Cof, Grad, GridFunction, Id, InnerProduct, IntegrationRule, Trace, dx
 
-from benchmarks.peers.problem import KPA, LAMBDA, MU, TOLERANCE, Body, Found, report
+from benchmarks.peers.problem import KPA, LAMBDA, MU, TOLERANCE, Body, PathResult, report
 from benchmarks.peers.stepping import STEPPING, newton
 
 COMPILED = "--cpp" in sys.argv
@@ -88,15 +88,15 @@ class Model:
     def answer(self, unknowns: np.ndarray) -> tuple[float, float, float]:
         """Tip and volume; the unknowns are hierarchical, so values at nodes are evaluated at their positions."""
         self.u.vec.FV().NumPy()[:] = unknowns
-        places = self.body.points[self.body.nodes("tip")]
-        tip = np.mean([self.u(self.mesh(*place)) for place in places], axis=0)
+        positions = self.body.points[self.body.nodes("tip")]
+        tip = np.mean([self.u(self.mesh(*position)) for position in positions], axis=0)
         x = ngsolve.CF((ngsolve.x, ngsolve.y, ngsolve.z)) + self.u
         outward = Cof(Id(3) + Grad(self.u)) * ngsolve.specialcf.normal(3)
         cavity = self.mesh.Boundaries("cavity")
         volume = -ngsolve.Integrate(InnerProduct(x, outward) / 3, self.mesh, BND, definedon=cavity, order=4)
         return float(tip[0]), float(tip[1]), float(volume)
 
-    def walk(self, pressures: Sequence[float]) -> Found:
+    def walk(self, pressures: Sequence[float]) -> PathResult:
         """Equilibria at the pressures, kPa."""
 
         def equilibrium(pressure: float, guess: np.ndarray) -> tuple[np.ndarray, int]:
@@ -107,7 +107,7 @@ class Model:
         return STEPPING.walk(pressures, rest, equilibrium, self.answer, lambda: self.factorizations)
 
 
-def set_up() -> Callable[[Sequence[float]], Found]:
+def set_up() -> Callable[[Sequence[float]], PathResult]:
     ngsolve.SetNumThreads(1)
     return Model(Body.read()).walk
 

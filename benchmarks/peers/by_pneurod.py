@@ -7,11 +7,11 @@ from collections.abc import Callable, Sequence
 from importlib.metadata import version
 
 import fem
-from benchmarks.peers.problem import KPA, MESH, NU, TOLERANCE, E, Found, load_pardiso, report
+from benchmarks.peers.problem import KPA, MESH, NU, TOLERANCE, E, PathResult, load_pardiso, report
 from geometry import Mesh
 
 
-def set_up() -> Callable[[Sequence[float]], Found]:
+def set_up() -> Callable[[Sequence[float]], PathResult]:
     """Mesh read, elements made, kernels and MKL loaded; the pattern and PARDISO's analysis belong to the path.
 
     The load factor is the pressure in kPa.
@@ -22,7 +22,7 @@ def set_up() -> Callable[[Sequence[float]], Found]:
     model = fem.Model(Mesh.read(MESH), law, supports, [fem.Pressure("cavity", KPA)], "p2")
     _ = model.space  # computed once, at its first use
 
-    def walk(pressures: Sequence[float]) -> Found:
+    def walk(pressures: Sequence[float]) -> PathResult:
         options = fem.PathOptions(newton=fem.NewtonOptions(tolerance=TOLERANCE))
         solution = fem.follow(model, pressures, options)
         answers = {}
@@ -30,7 +30,7 @@ def set_up() -> Callable[[Sequence[float]], Found]:
             tip = step.displacement[step.space.surface("tip").unique_nodes].mean(axis=0)
             answers[pressure] = (float(tip[0]), float(tip[1]), step.cavity_volume("cavity"))
         failed = sum(step.cutbacks for step in solution.steps)
-        return Found(answers, len(solution.steps) + failed, failed, solution.factorizations)
+        return PathResult(answers, len(solution.steps) + failed, failed, solution.factorizations)
 
     return walk
 

@@ -15,7 +15,7 @@ import skfem
 from scipy.sparse.linalg import splu
 from skfem.helpers import ddot, det, dot, eye, grad, identity, inv, mul, trace, transpose
 
-from benchmarks.peers.problem import KPA, LAMBDA, MESH, MU, TOLERANCE, Found, report
+from benchmarks.peers.problem import KPA, LAMBDA, MESH, MU, TOLERANCE, PathResult, report
 from benchmarks.peers.stepping import STEPPING, NoEquilibrium, newton
 
 
@@ -71,8 +71,8 @@ class Model:
         self.mesh = skfem.MeshTet.load(MESH)
         self.body = skfem.Basis(self.mesh, skfem.ElementVector(skfem.ElementTetP2()), intorder=2)
         self.cavity = self.body.boundary("cavity", intorder=4)
-        held = np.concatenate([self.body.get_dofs("clamp").all(), self.body.get_dofs("sym").all("u^3")])
-        self.free = np.setdiff1d(np.arange(self.body.N), held)
+        fixed = np.concatenate([self.body.get_dofs("clamp").all(), self.body.get_dofs("sym").all("u^3")])
+        self.free = np.setdiff1d(np.arange(self.body.N), fixed)
         self.pressure, self.factorizations = 0.0, 0
 
     def residual(self, u: np.ndarray) -> tuple[np.ndarray, float]:
@@ -91,16 +91,16 @@ class Model:
             factor = splu(within, "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         except RuntimeError as error:
             raise NoEquilibrium(str(error)) from None
-        found = np.zeros_like(u)
-        found[self.free] = -factor.solve(forces[self.free])
-        return found
+        change = np.zeros_like(u)
+        change[self.free] = -factor.solve(forces[self.free])
+        return change
 
     def answer(self, u: np.ndarray) -> tuple[float, float, float]:
         tip = self.body.get_dofs("tip")
         volume = enclosed.assemble(self.cavity, now=self.cavity.interpolate(u))
         return float(u[tip.all("u^1")].mean()), float(u[tip.all("u^2")].mean()), float(volume)
 
-    def walk(self, pressures: Sequence[float]) -> Found:
+    def walk(self, pressures: Sequence[float]) -> PathResult:
         """Equilibria at the pressures, kPa."""
 
         def equilibrium(pressure: float, guess: np.ndarray) -> tuple[np.ndarray, int]:
@@ -110,7 +110,7 @@ class Model:
         return STEPPING.walk(pressures, self.body.zeros(), equilibrium, self.answer, lambda: self.factorizations)
 
 
-def set_up() -> Callable[[Sequence[float]], Found]:
+def set_up() -> Callable[[Sequence[float]], PathResult]:
     return Model().walk
 
 

@@ -39,7 +39,7 @@ REFERENCE = {
 def triangle_rule() -> tuple[np.ndarray, np.ndarray]:
     """Barycentric points (6, 3) and weights (6,) of the reference triangle's rule of degree four (Dunavant 1985)."""
     inner = [[1 - 2 * a, a, a] for a in (0.091576213509771, 0.445948490915965)]
-    points = np.array([np.roll(place, k) for place in inner for k in range(3)])
+    points = np.array([np.roll(point, k) for point in inner for k in range(3)])
     return points, np.repeat([0.109951743655322, 0.223381589678011], 3) / 2
 
 
@@ -76,12 +76,12 @@ class Body:
         return np.unique(self.quadratic(self.mesh.faces[name]))
 
     @property
-    def held(self) -> np.ndarray:
+    def fixed(self) -> np.ndarray:
         """(n, 3) components that are fixed."""
-        held = np.zeros(self.points.shape, dtype=bool)
-        held[self.nodes("clamp")] = True
-        held[self.nodes("sym"), 2] = True
-        return held
+        fixed = np.zeros(self.points.shape, dtype=bool)
+        fixed[self.nodes("clamp")] = True
+        fixed[self.nodes("sym"), 2] = True
+        return fixed
 
     def answer(self, displacement: np.ndarray) -> tuple[float, float, float]:
         """What is compared: mean (u_x, u_y) of the tip face (mm) and volume of the half cavity (mm3) for (n, 3) mm."""
@@ -119,7 +119,7 @@ class Clock:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a peer found, and what it spent on the way."""
+    """The results of a peer and their cost."""
 
     package: str  #: name and version
     solver: str  #: what factorizes
@@ -134,7 +134,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Found:
+class PathResult:
     """The way to the last pressure."""
 
     answers: dict[float, tuple[float, float, float]]
@@ -152,7 +152,7 @@ def load_pardiso() -> None:
 
 
 def report(
-    package: str, solver: str, set_up: Callable[[], Callable[[Sequence[float]], Found]], flags: Sequence[str] = ()
+    package: str, solver: str, set_up: Callable[[], Callable[[Sequence[float]], PathResult]], flags: Sequence[str] = ()
 ) -> None:
     """Set up, solve and write the outcome where the command line says.
 
@@ -167,18 +167,18 @@ def report(
     options = parser.parse_args()
     walk = set_up()
     begin = Clock.now()
-    found = walk(PATHS[options.path])
+    path = walk(PATHS[options.path])
     end = Clock.now()
     outcome = Outcome(
         package=package,
         solver=solver,
-        answers={f"{pressure:g}": answer for pressure, answer in found.answers.items()},
-        increments=found.increments,
-        failed=found.failed,
-        factorizations=found.factorizations,
+        answers={f"{pressure:g}": answer for pressure, answer in path.answers.items()},
+        increments=path.increments,
+        failed=path.failed,
+        factorizations=path.factorizations,
         set_up_cpu=begin.cpu,
         solve_cpu=end.cpu - begin.cpu,
         solve_wall=end.wall - begin.wall,
-        note=found.note,
+        note=path.note,
     )
     options.out.write_text(json.dumps(asdict(outcome), indent=1), encoding="utf-8")

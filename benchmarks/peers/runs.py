@@ -43,7 +43,7 @@ class Run:
 
 
 class RunFailed(RuntimeError):
-    """A peer ended without an outcome; the sentence is the last thing it said."""
+    """A peer ended without an outcome; the sentence is the last line of its output."""
 
 
 def measured(peer: Peer, path: str, python: str) -> Run:
@@ -54,14 +54,14 @@ def measured(peer: Peer, path: str, python: str) -> Run:
     with tempfile.TemporaryDirectory() as folder:
         out, log = Path(folder, "outcome.json"), Path(folder, "log")
         command = [python, "-m", f"benchmarks.peers.{peer.module}", path, str(out), *peer.options]
-        with log.open("w") as said:
+        with log.open("w") as output:
             begin = perf_counter()
-            process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=said, stderr=said)
+            process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=output, stderr=output)
             _, status, used = os.wait4(process.pid, 0)
             wall = perf_counter() - begin
         process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode or not out.exists():
-            lines = log.read_text(errors="replace").strip().splitlines() or ["it said nothing"]
+            lines = log.read_text(errors="replace").strip().splitlines() or ["without output"]
             raise RunFailed(f"{peer.name}, {path}: exit status {process.returncode}: {lines[-1]}")
         outcome = outcome_of(json.loads(out.read_text(encoding="utf-8")))
     return Run(peer.name, path, outcome, used.ru_utime + used.ru_stime, wall, used.ru_maxrss / 1024)

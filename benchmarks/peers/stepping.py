@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.peers.problem import Found
+from benchmarks.peers.problem import PathResult
 
 Answer = tuple[float, float, float]
 #: equilibrium at a pressure (kPa) from a first guess of the unknowns; returns them and the iterations taken
@@ -34,38 +34,38 @@ class Stepping:
         equilibrium: Equilibrium,
         answer: Callable[[np.ndarray], Answer],
         factorizations: Callable[[], int],
-    ) -> Found:
+    ) -> PathResult:
         """Equilibria at the target pressures (kPa, ascending) from the state of rest `start`."""
-        places = [(0.0, start)]
+        states = [(0.0, start)]
         increment, increments, failed = self.first, 0, 0
         answers: dict[float, Answer] = {}
         for target in pressures:
-            while places[-1][0] < target:
-                aim = target if target - places[-1][0] < 1.3 * increment else places[-1][0] + increment
+            while states[-1][0] < target:
+                aim = target if target - states[-1][0] < 1.3 * increment else states[-1][0] + increment
                 try:
-                    found, taken = equilibrium(aim, self._guess(places, aim))
+                    unknowns, taken = equilibrium(aim, self._guess(states, aim))
                 except NoEquilibrium as reason:
                     failed += 1
-                    increment = (aim - places[-1][0]) / 2
+                    increment = (aim - states[-1][0]) / 2
                     if increment < self.smallest:
-                        return Found(answers, increments, failed, factorizations(), str(reason))
+                        return PathResult(answers, increments, failed, factorizations(), str(reason))
                     continue
                 increments += 1
-                places = [places[-1], (aim, found)]
+                states = [states[-1], (aim, unknowns)]
                 if taken <= self.quick:
                     increment *= self.growth
-            answers[target] = answer(places[-1][1])
-        return Found(answers, increments, failed, factorizations())
+            answers[target] = answer(states[-1][1])
+        return PathResult(answers, increments, failed, factorizations())
 
-    def _guess(self, places: list[tuple[float, np.ndarray]], aim: float) -> np.ndarray:
-        last, state = places[-1]
-        if not self.predict or len(places) < 2:
+    def _guess(self, states: list[tuple[float, np.ndarray]], aim: float) -> np.ndarray:
+        last, state = states[-1]
+        if not self.predict or len(states) < 2:
             return state
-        before, old = places[-2]
+        before, old = states[-2]
         return state + (aim - last) / (last - before) * (state - old)
 
 
-#: chosen so that the four pressures cost the fewest factorizations; docs/peers.md says what else was tried
+#: chosen so that the four pressures cost the fewest factorizations; other choices in docs/peers.md
 STEPPING = Stepping(first=8.0, growth=1.5, quick=12, iterations=40, predict=True)
 
 
@@ -78,8 +78,8 @@ def newton(
 ) -> tuple[np.ndarray, int]:
     """Newton's method from `guess`; returns the unknowns and the increments taken.
 
-    residual: forces at the unknowns, and their norm over that of the forces that balance. increment: what the tangent
-    at the unknowns answers to these forces. Raises `NoEquilibrium`.
+    residual: forces at the unknowns, and their norm over that of the forces that balance. increment: the solution of
+    the tangent at the unknowns for these forces. Raises `NoEquilibrium`.
     """
     state = guess
     for taken in range(iterations + 1):
