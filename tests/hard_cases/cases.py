@@ -10,7 +10,7 @@ import yaml
 HERE = Path(__file__).resolve().parent
 CONFIGS = HERE.parent.parent / "configs"
 
-#: what two states are compared by: the place of the end over the length, the force on the end, the volume of the air,
+#: what two states are compared by: position of the end over the length, force on the end, volume of the air,
 #: the length of the material curve, or the force of the clamp
 QUANTITIES = ("end", "force", "volume", "stretch", "clamp")
 
@@ -40,13 +40,13 @@ class Scene:
 
 @dataclass(frozen=True)
 class Check:
-    """A number that a solved case must come near to: of a second scene, or known."""
+    """A number that a solved case must come near to: of a second scene, or a value given here."""
 
     against: str  #: in words
     of: str  #: one of QUANTITIES
     twin: Scene | None
     times: float  #: what the twin's number is multiplied by
-    known: float | None
+    value: float | Sequence[float] | None
     within: float  #: largest difference, relative but for `end`
 
 
@@ -86,7 +86,7 @@ def _case(values: Mapping[str, Any], bases: Mapping[str, Scene]) -> HardCase:
 
 
 def _check(values: Mapping[str, Any], scene: Scene, bases: Mapping[str, Scene]) -> Check:
-    _only(values, ("against", "of", "twin", "times", "known", "within"))
+    _only(values, ("against", "of", "twin", "times", "value", "within"))
     assert values["of"] in QUANTITIES, values["of"]
     twin = values.get("twin")
     if twin is not None:
@@ -94,9 +94,9 @@ def _check(values: Mapping[str, Any], scene: Scene, bases: Mapping[str, Scene]) 
         begin = bases[twin["base"]] if "base" in twin else scene
         pressures = twin.get("pressures", scene.pressures)
         twin = replace(begin.changed(twin), pressures=tuple(map(float, pressures)))
-    assert (twin is None) == ("known" in values), "a check is against a twin or against a known number"
+    assert (twin is None) == ("value" in values), "a check is against a twin or against a value"
     return Check(
-        values["against"], values["of"], twin, values.get("times", 1.0), values.get("known"), float(values["within"])
+        values["against"], values["of"], twin, values.get("times", 1.0), values.get("value"), float(values["within"])
     )
 
 

@@ -62,14 +62,14 @@ class Refused(Exception):
 def line_of(case: HardCase) -> Line:
     """Solve a case and its twin."""
     try:
-        found = solve(case.scene)
+        solved = solve(case.scene)
     except Refused as refused:
         return Line(case, str(refused), np.nan, 0, 0, 0, np.nan, np.nan, np.nan, np.inf)
-    outcome, states = found.outcome, [record.summary for record in found.outcome.records]
+    outcome, states = solved.outcome, [record.summary for record in solved.outcome.records]
     failure = outcome.failure
     error, reason = np.nan, failure.reason if failure else ""
     if case.check is not None and not reason:
-        error, reason = _error(case.check, found)
+        error, reason = _error(case.check, solved)
     return Line(
         case,
         reason,
@@ -80,7 +80,7 @@ def line_of(case: HardCase) -> Line:
         min((state.extremes.min_J for state in states), default=np.nan),
         min((state.extremes.min_stretch for state in states), default=np.nan),
         max((state.extremes.max_stretch for state in states), default=np.nan),
-        _largest_aspect_ratio(found.body.mesh),
+        _largest_aspect_ratio(solved.body.mesh),
     )
 
 
@@ -94,53 +94,55 @@ def _largest_aspect_ratio(mesh: Mesh) -> float:
 
 def solve(scene: Scene) -> Solved:
     """Solve the scene. Raises `Refused` with the sentence that a user would get."""
-    with tempfile.TemporaryDirectory() as place:
+    with tempfile.TemporaryDirectory() as folder:
         try:
-            config, body = _configured(scene, Path(place))
+            config, body = _configured(scene, Path(folder))
             case = LoadCase("hard", scene.experiment, schedule(config, scene.pressures), config.end.y_mm, scene.force)
-            with open_store(Path(place) / "out", config) as store:
+            with open_store(Path(folder) / "out", config) as store:
                 outcome = simulate(MeshedScene(config, body), RunContext(store, 1, Silent()), [case])["hard"]
         except (InputError, RunFailed) as refused:
             raise Refused(str(refused)) from None
     return Solved(config, body, outcome)
 
 
-def _configured(scene: Scene, place: Path) -> tuple[Config, Body]:
+def _configured(scene: Scene, folder: Path) -> tuple[Config, Body]:
     """The configuration and the body; an own mesh stands beside a configuration that names it."""
-    known = sorted({f"{pressure:g} kPa" for pressure in scene.pressures}, key=lambda text: float(text.split()[0]))
-    settings = [*scene.settings, f"pressures=[{', '.join(known)}]"]
+    pressures = sorted({f"{pressure:g} kPa" for pressure in scene.pressures}, key=lambda text: float(text.split()[0]))
+    settings = [*scene.settings, f"pressures=[{', '.join(pressures)}]"]
     config = load_config(CONFIGS / f"{scene.config}.yaml", settings)
     body = MeshedScene.meshed(config).body
     if not scene.as_own_mesh:
         return config, body
-    body.mesh.write(place / "body.msh")
+    body.mesh.write(folder / "body.msh")
     design = config.design
     geometry = f"{{family: own, file: body.msh, curve: {design.curve_y} mm, cell: {design.pitch} mm}}"
-    (place / "own.yaml").write_text(
+    (folder / "own.yaml").write_text(
         "name: own_mesh\n"
         f"geometry: {geometry}\n"
         "material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}\n"
         "mesh: {formulation: p2p0}\n",
         encoding="utf-8",
     )
-    config = load_config(place / "own.yaml", [one for one in settings if not one.startswith(("geometry.", "mesh."))])
+    config = load_config(
+        folder / "own.yaml", [setting for setting in settings if not setting.startswith(("geometry.", "mesh."))]
+    )
     return config, MeshedScene.meshed(config).body
 
 
-def _error(check: Check, found: Solved) -> tuple[float, str]:
+def _error(check: Check, solved: Solved) -> tuple[float, str]:
     """The difference from what the check is against, and why there is none."""
-    mine = _quantity(check.of, found)
-    if check.known is not None:
-        return _difference(check.of, mine, np.array([check.known]), found), ""
+    value = _quantity(check.of, solved)
+    if check.value is not None:
+        return _difference(check.of, value, np.array([check.value]), solved), ""
     assert check.twin is not None
     twin = solve(check.twin)
     if twin.outcome.failure:
         return np.nan, f"the twin was not solved: {twin.outcome.failure.reason}"
-    return _difference(check.of, mine, check.times * _quantity(check.of, twin), found), ""
+    return _difference(check.of, value, check.times * _quantity(check.of, twin), solved), ""
 
 
-def _quantity(of: str, found: Solved) -> np.ndarray:
-    state = found.outcome.records[-1].summary
+def _quantity(of: str, solved: Solved) -> np.ndarray:
+    state = solved.outcome.records[-1].summary
     quantities: dict[str, float | tuple[float, float]] = {
         "end": state.end_mm,
         "force": state.reaction_N,
@@ -151,6 +153,6 @@ def _quantity(of: str, found: Solved) -> np.ndarray:
     return np.atleast_1d(quantities[of])
 
 
-def _difference(of: str, mine: np.ndarray, other: np.ndarray, found: Solved) -> float:
-    scale = found.body.length if of == "end" else float(np.abs(other).max())
-    return float(np.abs(mine - other).max() / scale)
+def _difference(of: str, value: np.ndarray, other: np.ndarray, solved: Solved) -> float:
+    scale = solved.body.length if of == "end" else float(np.abs(other).max())
+    return float(np.abs(value - other).max() / scale)

@@ -41,7 +41,7 @@ def write_table(lines: Sequence[Line]) -> None:
 def _row(line: Line) -> list[str]:
     case, check = line.case, line.case.check
     expected = "solved" if check else f"“{case.limit}”"
-    found = (
+    compared = (
         ["", "", ""] if check is None else [f"{check.against} ({check.of})", f"{line.error:.1e}", f"{check.within:g}"]
     )
     outcome = _sentence(line.reason) if line.reason else "solved"
@@ -49,7 +49,7 @@ def _row(line: Line) -> list[str]:
         outcome = f"**not as expected**: {outcome}"
     stretches = f"{line.min_stretch:.3f} to {line.max_stretch:.3f}" if line.steps else ""
     counts = [str(line.steps), str(line.cutbacks), str(line.factorizations)]
-    return [case.name, expected, outcome, *found, *counts, f"{line.min_J:.3f}" if line.steps else "", stretches]
+    return [case.name, expected, outcome, *compared, *counts, f"{line.min_J:.3f}" if line.steps else "", stretches]
 
 
 def _sentence(reason: str) -> str:
