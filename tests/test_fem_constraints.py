@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import box, difference, fork, hollow_box
+from scipy.linalg import eigh
 
 from fem import (
     Effect,
@@ -34,6 +35,7 @@ from fem.equations.reduction import Reduction
 from fem.equations.system import System
 from fem.path import newton
 from fem.path.control import LoadControl
+from fem.path.modes import critical_mode, stiffness_ratio_mode
 from fem.supports import nodes_at
 from geometry import Mesh
 from geometry.arrays import Array
@@ -144,8 +146,8 @@ def test_the_reduced_matrix_is_the_product_and_keeps_its_pattern() -> None:
         values = symmetric(reduction.indptr, reduction.indices, reduction.values(data))
         np.testing.assert_allclose(values, product, atol=1e-12)
         patterns.append((reduction.indptr, reduction.indices))
-    for one, two in zip(*patterns, strict=True):
-        np.testing.assert_array_equal(one, two)
+    for tilted_plane, straight_plane in zip(*patterns, strict=True):
+        np.testing.assert_array_equal(tilted_plane, straight_plane)
 
 
 def symmetric(indptr: Array, indices: Array, data: Array) -> Array:
@@ -167,10 +169,10 @@ def test_a_selection_as_general_constraints_changes_nothing(monkeypatch: pytest.
     model = Model(hollow_box(half=True), LAW, supports, [Pressure("cavity", 0.1)], formulation)
     selected = follow(model, [0.4, 1.0], EXACT)
     general(monkeypatch)
-    for one, two in zip(follow(model, [0.4, 1.0], EXACT).steps, selected.steps, strict=True):
-        np.testing.assert_allclose(one.displacement, two.displacement, atol=1e-12)
-        np.testing.assert_allclose(one.gradient, two.gradient, atol=1e-9)
-        assert (one.factorizations, one.negative_pivots) == (two.factorizations, two.negative_pivots)
+    for step, selection in zip(follow(model, [0.4, 1.0], EXACT).steps, selected.steps, strict=True):
+        np.testing.assert_allclose(step.displacement, selection.displacement, atol=1e-12)
+        np.testing.assert_allclose(step.gradient, selection.gradient, atol=1e-9)
+        assert (step.factorizations, step.negative_pivots) == (selection.factorizations, selection.negative_pivots)
 
 
 @pytest.mark.parametrize("formulation", ["p2p0", "mixed"])
@@ -220,7 +222,7 @@ def test_a_rotated_bar_between_rotated_planes_is_the_bar_rotated(formulation: st
 
 @pytest.mark.parametrize("formulation", ["p2p0", "p2", "p1"])
 def test_two_blocks_tied_at_coincident_nodes_are_one(formulation: str) -> None:
-    whole, half = box((4, 1, 1), (4.0, 1.0, 1.0)), box((2, 1, 1), (2.0, 1.0, 1.0))
+    block, half = box((4, 1, 1), (4.0, 1.0, 1.0)), box((2, 1, 1), (2.0, 1.0, 1.0))
     count = half.points.shape[0]
     second = {name: half.faces[name] + count for name in ("left", "right")}
     mesh = Mesh(
@@ -235,12 +237,12 @@ def test_two_blocks_tied_at_coincident_nodes_are_one(formulation: str) -> None:
         },
     )
     load = [Pressure("top", 0.002)]
-    one = solved(whole, [Fixed("left")], load, formulation)
+    single = solved(block, [Fixed("left")], load, formulation)
     tied = solved(mesh, [Fixed("clamp"), Tied("begin", "end")], load, formulation)
-    order = [int(np.argmin(np.linalg.norm(tied.points - x, axis=1))) for x in one.points]
-    assert np.abs(one.displacement).max() > 0.1
-    np.testing.assert_allclose(tied.displacement[order], one.displacement, atol=1e-8)
-    np.testing.assert_allclose(tied.reaction("clamp"), one.reaction("left"), atol=1e-8)
+    order = [int(np.argmin(np.linalg.norm(tied.points - x, axis=1))) for x in single.points]
+    assert np.abs(single.displacement).max() > 0.1
+    np.testing.assert_allclose(tied.displacement[order], single.displacement, atol=1e-8)
+    np.testing.assert_allclose(tied.reaction("clamp"), single.reaction("left"), atol=1e-8)
     np.testing.assert_allclose(tied.reaction("begin"), -tied.reaction("end"), atol=1e-8)
     assert np.linalg.norm(tied.reaction("begin")) > 1e-3
 
@@ -252,7 +254,7 @@ def test_a_face_tied_to_one_node_moves_without_deforming() -> None:
     right = step.displacement[nodes_at("right", step.space)]
     np.testing.assert_allclose(right, np.broadcast_to(right[0], right.shape), atol=1e-14)
     assert right[0, 1] == pytest.approx(0.3, rel=1e-14)
-    assert abs(step.reaction("right")[0]) < 1e-9  # x is free: the face as a whole carries no force along it
+    assert abs(step.reaction("right")[0]) < 1e-9  # x is free: the face carries no force along it
 
 
 # a plane whose offset is unknown
@@ -366,6 +368,21 @@ def test_negative_pivots_count_the_negative_eigenvalues_of_the_reduced_tangent(
     linearised = system.linearise(state, assembly, ())
     assert linearised.negative_pivots == negative
     assert (negative > 0) == (compression > 0.0)
+
+
+@pytest.mark.parametrize("formulation", ["p2p0", "mixed"])
+def test_modes_are_those_of_the_admissible_displacements(formulation: str) -> None:
+    system = constrained_system(formulation)
+    rest = system.rest_state()
+    softest = critical_mode(system, rest, ())
+    np.testing.assert_allclose(system.constraints.project(softest.motion), softest.motion, atol=1e-12)
+    data, _ = system.tangent(rest, system.assemble(rest, ()), (), np.zeros_like(rest.displacement), convex=False)
+    tangent, count = dense(system, data), system.constraints.size
+    coupling, compressibility = tangent[:count, count:], tangent[count:, count:]
+    condensed = tangent[:count, :count] - coupling @ np.linalg.solve(compressibility, coupling.T)
+    mass = (system.constraints.transformation.T @ system.constraints.transformation).toarray()
+    assert softest.stiffness == pytest.approx(eigh(condensed, mass, eigvals_only=True)[0], rel=1e-2)
+    assert stiffness_ratio_mode(system, rest, ()).stiffness == pytest.approx(1.0, abs=1e-9)
 
 
 def test_a_solution_keeps_to_the_constraints_and_balances_the_reduced_load() -> None:

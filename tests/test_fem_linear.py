@@ -14,12 +14,12 @@ from geometry.arrays import Array
 WITH_PARDISO = pytest.mark.skipif(available_solver() is not Pardiso, reason="no PARDISO here")
 
 
-def pressed() -> LinearSolver:
-    """PARDISO where the factor does not fit."""
+def in_single_precision() -> LinearSolver:
+    """PARDISO without memory for a factor in double precision."""
     return Pardiso(memory=0.0)
 
 
-SOLVERS = [pytest.param(Pardiso, marks=WITH_PARDISO), pytest.param(pressed, marks=WITH_PARDISO), SuperLU]
+SOLVERS = [pytest.param(Pardiso, marks=WITH_PARDISO), pytest.param(in_single_precision, marks=WITH_PARDISO), SuperLU]
 
 
 def upper(matrix: Array) -> sp.csr_matrix:
@@ -58,7 +58,7 @@ def test_solution_and_inertia(kind: Callable[[], LinearSolver], size: int, negat
 
 
 @WITH_PARDISO
-def test_a_diagonal_of_zeros_takes_pairs_of_pivots() -> None:
+def test_a_matrix_with_a_zero_diagonal_is_factorized_with_pairs_of_pivots() -> None:
     """Single pivots from the diagonal, the first choice, do not exist here."""
     swap = np.array([[0.0, 1.0], [1.0, 0.0]])
     matrix = np.kron(np.eye(3), swap)
@@ -105,12 +105,12 @@ def test_both_solvers_agree_on_an_indefinite_matrix() -> None:
     if available_solver() is not Pardiso:
         pytest.skip("no PARDISO here")
     matrix, right = indefinite(80, 11, seed=4), np.linspace(-1.0, 1.0, 80)
-    one, two = factorized(Pardiso, matrix), factorized(SuperLU, matrix)
-    np.testing.assert_allclose(one.solve(right), two.solve(right), rtol=1e-6, atol=1e-8)
-    assert one.negative_pivots == two.negative_pivots == 11
+    pardiso, superlu = factorized(Pardiso, matrix), factorized(SuperLU, matrix)
+    np.testing.assert_allclose(pardiso.solve(right), superlu.solve(right), rtol=1e-6, atol=1e-8)
+    assert pardiso.negative_pivots == superlu.negative_pivots == 11
 
 
-def test_pardiso_gives_its_memory_back() -> None:
+def test_a_closed_solver_has_released_its_memory() -> None:
     if available_solver() is not Pardiso:
         pytest.skip("no PARDISO here")
     solver = factorized(Pardiso, indefinite(30, 2, seed=1))
@@ -124,30 +124,30 @@ def test_a_factor_that_does_not_fit_is_kept_in_single_precision() -> None:
     chain = 2 * np.eye(15) - np.eye(15, k=1) - np.eye(15, k=-1)
     matrix = np.kron(chain, np.eye(15)) + np.kron(np.eye(15), chain) - 0.1 * np.eye(225)  # one negative eigenvalue
     assert np.count_nonzero(np.linalg.eigvalsh(matrix) < 0) == 1
-    whole, half = factorized(Pardiso, matrix), factorized(pressed, matrix)
-    assert not whole.single
-    assert half.single
-    assert half.factor_bytes < whole.factor_bytes
-    assert half.negative_pivots == whole.negative_pivots == 1
+    double, single = factorized(Pardiso, matrix), factorized(in_single_precision, matrix)
+    assert not double.single
+    assert single.single
+    assert single.factor_bytes < double.factor_bytes
+    assert single.negative_pivots == double.negative_pivots == 1
     right = np.random.default_rng(1).normal(size=225)
-    solution = half.solve(right)
+    solution = single.solve(right)
     assert np.linalg.norm(matrix @ solution - right) < 1e-9 * np.linalg.norm(right)
-    np.testing.assert_allclose(solution, whole.solve(right), rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(solution, double.solve(right), rtol=1e-6, atol=1e-7)
 
 
 @WITH_PARDISO
 @pytest.mark.parametrize("formulation", ["p2p0", "mixed"])
-def test_a_path_comes_to_the_same_end_with_either_precision(formulation: str) -> None:
+def test_a_path_has_the_same_steps_in_either_precision(formulation: str) -> None:
     supports, law = [Fixed("clamp"), Fixed("sym", "z")], StVenantKirchhoff(1.2, 0.4999)
     model = Model(hollow_box(half=True, parts=2), law, supports, [Pressure("cavity", 0.1)], formulation)
-    whole = follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9)))
-    half = follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9), solver=pressed))
-    np.testing.assert_allclose(half.steps[0].displacement, whole.steps[0].displacement, atol=1e-8)
-    assert half.factorizations == whole.factorizations
+    double = follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9)))
+    single = follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-9), solver=in_single_precision))
+    np.testing.assert_allclose(single.steps[0].displacement, double.steps[0].displacement, atol=1e-8)
+    assert single.factorizations == double.factorizations
 
 
 @WITH_PARDISO
-def test_a_singular_matrix_in_single_precision_is_told_from_its_solution() -> None:
+def test_a_singular_matrix_in_single_precision_is_refused_by_its_solution() -> None:
     root = indefinite(20, 0, 1)
     with pytest.raises(SingularMatrix, match="a part of the body is not held"):
-        factorized(pressed, root @ np.diag([0.0] + [1.0] * 19) @ root).solve(np.arange(20.0))
+        factorized(in_single_precision, root @ np.diag([0.0] + [1.0] * 19) @ root).solve(np.arange(20.0))

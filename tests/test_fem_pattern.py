@@ -15,8 +15,8 @@ def random_pairs(nodes: int, count: int, seed: int) -> tuple[Array, Array]:
     return pairs[:, 0], pairs[:, 1]
 
 
-def held_components(nodes: int, share: float, seed: int) -> Mask:
-    return np.random.default_rng(seed).random((nodes, 3)) < share
+def random_components(nodes: int, fraction: float, seed: int) -> Mask:
+    return np.random.default_rng(seed).random((nodes, 3)) < fraction
 
 
 def dense(pattern: Pattern, data: Array) -> Array:
@@ -29,11 +29,11 @@ def dense(pattern: Pattern, data: Array) -> Array:
     return matrix
 
 
-@pytest.mark.parametrize("share", [0.0, 0.3, 0.8, 1.0])
-def test_blocks_go_where_a_dense_matrix_has_them(share: float) -> None:
+@pytest.mark.parametrize("fraction", [0.0, 0.3, 0.8, 1.0])
+def test_blocks_are_added_where_a_dense_matrix_has_them(fraction: float) -> None:
     nodes = 25
     rows, columns = random_pairs(nodes, 120, seed=2)
-    fixed = held_components(nodes, share, seed=7)
+    fixed = random_components(nodes, fraction, seed=7)
     off = rows != columns
     pattern = Pattern.of(fixed, np.unique(rows[off] * nodes + columns[off]))
     assert pattern.size == np.count_nonzero(~fixed)
@@ -42,17 +42,17 @@ def test_blocks_go_where_a_dense_matrix_has_them(share: float) -> None:
     data = np.zeros(pattern.indices.size)
     pattern.scatter(data, rows, columns, values, offset)
     pattern.scatter(data, rows, columns, values, offset)
-    whole = np.zeros((nodes, 3, nodes, 3))
+    full = np.zeros((nodes, 3, nodes, 3))
     for row, column, value in zip(rows, columns, values, strict=True):
-        whole[row, :, column] += 2 * value
+        full[row, :, column] += 2 * value
     free = ~fixed.ravel()
-    expected = np.triu(whole.reshape(3 * nodes, 3 * nodes)[np.ix_(free, free)])
+    expected = np.triu(full.reshape(3 * nodes, 3 * nodes)[np.ix_(free, free)])
     np.testing.assert_array_equal(dense(pattern, data), expected)
 
 
-def test_room_for_more_pairs() -> None:
+def test_a_pattern_is_enlarged_by_new_pairs() -> None:
     nodes = 12
-    fixed = held_components(nodes, 0.3, seed=3)
+    fixed = random_components(nodes, 0.3, seed=3)
     small = Pattern.of(fixed, np.array([0 * nodes + 5, 2 * nodes + 3]))
     assert small.offset_of(np.array([0, 4]), np.array([5, 4])).shape == (2,)
     with pytest.raises(MissingPairs, match="does not hold"):

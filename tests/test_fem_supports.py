@@ -67,7 +67,7 @@ def test_a_component_may_be_prescribed_twice_with_one_value_but_not_with_two() -
         (Fixed(np.array([0.1, 0.2, 0.3])), r"no node at \(.*0.1.*0.2.*0.3.*\) mm; the nearest is 0.*mm away"),
     ],
 )
-def test_what_cannot_be_held_is_said(support: Fixed | Prescribed, sentence: str) -> None:
+def test_a_support_that_names_nothing_is_refused_with_a_sentence(support: Fixed | Prescribed, sentence: str) -> None:
     with pytest.raises(ValueError, match=sentence):
         Constraints.of([support], SPACE)
 
@@ -79,7 +79,7 @@ def stretched(ramp: bool, factors: list[float]) -> list[float]:
     return [float(step.displacement[nodes_at("right", step.space), 0].mean()) for step in steps]
 
 
-def test_a_prescribed_value_grows_with_the_load_or_is_whole_at_once() -> None:
+def test_a_prescribed_value_grows_with_the_load_or_is_constant() -> None:
     assert stretched(True, [0.25, 1.0]) == pytest.approx([0.025, 0.1], rel=1e-14)
     assert stretched(False, [0.25, 1.0]) == pytest.approx([0.1, 0.1], rel=1e-14)
 
