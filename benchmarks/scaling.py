@@ -29,7 +29,7 @@ from rod import (
     end_displacement_closure,
     identify,
     moment_from_load,
-    scaled,
+    scaled_arm,
     straightness,
     without_stretch,
 )
@@ -109,7 +109,7 @@ def reference(arms: Sequence[Arm], origin: float) -> ReferenceArm:
 
 def compared(arm: Arm, parent: ReferenceArm) -> Row:
     """The rod scaled to an arm, against its finite elements."""
-    guess = scaled(parent, length=arm.free.length, pressure=arm.pressure)
+    guess = scaled_arm(parent, length=arm.free.length, pressure=arm.pressure)
     start = (float(arm.free.x[0]), float(arm.free.y[0]))
     rod = Rod(arm.free.length, guess.kappa_0, guess.law, 0.0, start)
     shape_III = rod.under(arm.load, end_y=float(arm.loaded.y[-1]))

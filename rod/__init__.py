@@ -1,4 +1,4 @@
-"""The actuator as one line: curvature, the five-parameter law, the rod in equilibrium."""
+"""The actuator as a rod: curvature, the five-parameter law, identification, the rod in equilibrium."""
 
 from rod.curves.cell_average import cell_averaged
 from rod.curves.closure import Closure, end_displacement_closure
@@ -8,7 +8,7 @@ from rod.curves.gaussian_process import Smoothing, gaussian_process, shared_smoo
 from rod.curves.uncertainty import Bootstrap, Interval
 from rod.export.formats import EXPORTS, Arm, export
 from rod.identification.alternatives import Candidate, Observation, compare_laws, simplest
-from rod.identification.estimate import Estimate
+from rod.identification.estimate import ParameterEstimate
 from rod.identification.moment_range import MomentRange
 from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, rest_curvature
 from rod.identification.single_line import LineFit
@@ -17,7 +17,7 @@ from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod, RodSolution
 from rod.pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
-from rod.scaling import ReferenceArm, Scaled, scaled
+from rod.scaling import ReferenceArm, ScaledArm, scaled_arm
 
 __all__ = [
     "EXPORTS",
@@ -27,7 +27,6 @@ __all__ = [
     "Candidate",
     "Closure",
     "Curvature",
-    "Estimate",
     "Extension",
     "FiveParameters",
     "Identification",
@@ -39,13 +38,14 @@ __all__ = [
     "Moment",
     "MomentRange",
     "Observation",
+    "ParameterEstimate",
     "PressurisedRod",
     "ReferenceArm",
     "Rod",
     "RodError",
     "RodFit",
     "RodSolution",
-    "Scaled",
+    "ScaledArm",
     "Smoothing",
     "Straightness",
     "cell_averaged",
@@ -60,7 +60,7 @@ __all__ = [
     "moment_from_load",
     "next_pressure",
     "rest_curvature",
-    "scaled",
+    "scaled_arm",
     "shared_smoothing",
     "shortest_break",
     "simplest",

@@ -5,13 +5,13 @@
 Continuation to M = 0
 ---------------------
 The intercepts are secants of a nonlinear curve: the two lines describe a *loaded* rod. Applied where there is no moment
-they would bend a rod that nobody touches. The law is therefore read as
+they would bend an unloaded rod. The law is therefore read as
 
     Delta = (M - w m0_i) / alpha_i,    w = min(1, |M| / fade),    fade -> 0+
 
-which gives Delta = 0 where M vanishes and the plain lines wherever M does not. A rod without any load has M = 0
-everywhere and takes the shape of kappa_0; a loaded rod has M = 0 only at single points (its tip), which weigh nothing,
-so it follows the plain lines. A finite `fade` (N mm) makes the law continuous for loads that tend to zero;
+which gives Delta = 0 where M vanishes and the lines wherever M does not. A rod without any load has M = 0 everywhere
+and takes the shape of kappa_0; a loaded rod has M = 0 only at single points (its tip), which have no weight, so it
+follows the lines. A finite `fade` (N mm) makes the law continuous for loads that tend to zero;
 `tests/test_rod_equilibrium.py` shows that the loaded shapes do not depend on it.
 """
 
@@ -34,7 +34,7 @@ PARAMETER_NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 
 @dataclass(frozen=True)
 class FiveParameters:
-    """The five numbers of one pressure (paper, equations (4) and (8)).
+    """The five parameters of one pressure (paper, equations (4) and (8)).
 
     Raises `RodError` when a number is not finite, a rigidity is not positive or d is not positive.
     """
@@ -74,7 +74,7 @@ class FiveParameters:
         return (np.asarray(moment, float) - self.intercept(s)) / self.rigidity(s)
 
     def kappa_rest(self, s: ArrayLike, kappa_0: ArrayLike) -> Array:
-        """kappa_0 - m0/alpha (1/mm): the rest curvature with which a rod code that knows no intercepts carries the law.
+        """kappa_0 - m0/alpha (1/mm): the rest curvature with which a rod code without intercepts represents the law.
 
         M = alpha (kappa - kappa_0) + m0 is alpha (kappa - kappa_rest); loaded rods only (see the module's docstring).
         """

@@ -1,4 +1,4 @@
-"""The five numbers over pressure: slopes, where they are straight, and the rod at a pressure between (paper, 4.1)."""
+"""The five parameters over pressure: slopes, range of linearity, and the rod between two pressures (paper, 4.1)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,22 +13,22 @@ from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
 
-#: by name: values and standard deviations, one of each per pressure
+#: values and standard deviations by name of the quantity, one of each per pressure
 Quantities = Mapping[str, tuple[Sequence[float], Sequence[float]]]
 
-#: a departure from a straight line that does not matter, over the largest value
-TOLERANCE = 0.02
+#: negligible distance of a value from a straight line, over the largest value
+STRAIGHTNESS_TOLERANCE = 0.02
 
 
 @dataclass(frozen=True)
 class Straightness:
-    """A straight line through values over pressure, and whether it may be called one."""
+    """A straight line through values over pressure, and whether the values lie on it."""
 
     slope: float  #: per kPa
     slope_std: float
     intercept: float  #: at 0 kPa
-    straight: bool  #: every value lies within two standard deviations or TOLERANCE of the line
-    tested: bool  #: there are more than the two pressures through which a line always goes
+    straight: bool  #: every value lies within two standard deviations or STRAIGHTNESS_TOLERANCE of the line
+    tested: bool  #: from more than two pressures; two always lie on a line
 
 
 def straightness(pressures: Sequence[float], values: Sequence[float], stds: Sequence[float]) -> Straightness:
@@ -50,14 +50,14 @@ def straightness(pressures: Sequence[float], values: Sequence[float], stds: Sequ
         float(slope),
         float(np.sqrt(covariance[0, 0])),
         float(intercept),
-        bool(np.all(off <= np.maximum(2.0 * e, TOLERANCE * scale))),
+        bool(np.all(off <= np.maximum(2.0 * e, STRAIGHTNESS_TOLERANCE * scale))),
         len(p) > 2,
     )
 
 
 @dataclass(frozen=True)
 class LinearRange:
-    """The pressures between which several quantities are straight, with their lines over that range."""
+    """A range of pressures in which several quantities are linear, with their lines over that range."""
 
     low: float  #: kPa
     high: float  #: kPa
@@ -65,34 +65,34 @@ class LinearRange:
 
     @property
     def tested(self) -> bool:
-        """There are more than two pressures in it."""
+        """Whether there are more than two pressures in it."""
         return all(line.tested for line in self.lines.values())
 
     @staticmethod
     def over(pressures: Sequence[float], quantities: Quantities) -> "LinearRange":
-        """The lines over all pressures (kPa), straight or not. Raises `RodError` below two pressures."""
+        """The lines over all given pressures (kPa), straight or not. Raises `RodError` below two pressures."""
         lines = {name: straightness(pressures, values, stds) for name, (values, stds) in quantities.items()}
         return LinearRange(pressures[0], pressures[-1], lines)
 
 
 def linear_range(pressures: Sequence[float], quantities: Quantities) -> LinearRange | None:
-    """The widest range of neighbouring pressures (kPa, ascending) in which every quantity (values, stds) is straight.
+    """The widest range of neighbouring pressures (kPa, ascending) in which every quantity (values, stds) is linear.
 
-    Two pressures are a range only where there are no more: through two points a line always goes. None where no three
+    Two pressures are a range only where there are no more, for two points always lie on a line. None where no three
     neighbours lie on lines, and below two pressures.
     """
     count = len(pressures)
     spans = [(i, j) for i in range(count) for j in range(i + min(3, count), count + 1) if j - i > 1]
     for i, j in sorted(spans, key=lambda span: pressures[span[0]] - pressures[span[1] - 1]):
         part = {name: (values[i:j], stds[i:j]) for name, (values, stds) in quantities.items()}
-        found = LinearRange.over(pressures[i:j], part)
-        if all(line.straight for line in found.lines.values()):
-            return found
+        candidate = LinearRange.over(pressures[i:j], part)
+        if all(line.straight for line in candidate.lines.values()):
+            return candidate
     return None
 
 
 def next_pressure(pressures: Sequence[float], covered: LinearRange | None, smallest: float = 1.0) -> float | None:
-    """The pressure (kPa) that tells most about where the lines end: the middle of the wider interval beside the range.
+    """The pressure (kPa) with the most information on where linearity ends: the middle of the wider interval beside it.
 
     Without a range the middle of the widest interval. None where everything is covered and tested, and where no
     interval is wider than twice `smallest`; two pressures are left alone, as in the paper's recipe.
@@ -108,9 +108,9 @@ def next_pressure(pressures: Sequence[float], covered: LinearRange | None, small
 
 @dataclass(frozen=True)
 class PressurisedRod:
-    """The identified rod over a range of pressures: numbers and kappa_0 are joined by straight lines between pressures.
+    """The identified rod over a range of pressures: parameters and kappa_0 are interpolated linearly between them.
 
-    Raises `RodError` unless pressures rise and every one has a law and a row of kappa_0.
+    Raises `RodError` unless pressures rise and each has a law, a theta0 and a row of kappa_0.
     """
 
     length: float  #: mm
@@ -121,7 +121,7 @@ class PressurisedRod:
     theta0: Array  #: (n,) rad, tangent angle at the clamp
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     extensions: tuple[Extension, ...] = ()  #: (n,) with the same s; empty: the rod is inextensible
-    moment_ranges: tuple[MomentRange, ...] = ()  #: (n,) of the identification; empty: not known
+    moment_ranges: tuple[MomentRange, ...] = ()  #: (n,) of the identification; empty: not given
 
     def __post_init__(self) -> None:
         if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0):
@@ -133,32 +133,34 @@ class PressurisedRod:
             raise RodError("Where extensions or ranges of moments are given, every pressure needs its own.")
 
     def at(self, pressure: float, *, extrapolate: bool = False) -> Rod:
-        """The rod at a pressure (kPa) inside the identified range; outside it only on request, along the last lines.
+        """The rod at a pressure (kPa) in the identified range; outside it only on request, along the outermost lines.
 
-        Raises `RodError` outside the range unless asked, and where the extrapolated numbers are no law.
+        theta0 keeps its last value there.
+
+        Raises `RodError` outside the range unless asked, and where the extrapolated parameters are no law.
         """
-        i, j, t = self._place(pressure, extrapolate)
+        i, j, t = self._interval(pressure, extrapolate)
 
         def between(a: Any, b: Any) -> Any:
             return (1.0 - t) * a + t * b
 
         law = FiveParameters(*(between(getattr(self.laws[i], n), getattr(self.laws[j], n)) for n in PARAMETER_NAMES))
-        longer = None
+        extension = None
         if self.extensions:
             a, b = self.extensions[i], self.extensions[j]
             stretch = between(a.rest_stretch, b.rest_stretch)
-            longer = Extension(a.s, stretch, between(a.eccentricity, b.eccentricity))
+            extension = Extension(a.s, stretch, between(a.eccentricity, b.eccentricity))
         kappa_0 = between(self.kappa_0[i], self.kappa_0[j])
         theta0 = float(np.interp(pressure, self.pressures, self.theta0))
-        return Rod(self.length, np.column_stack([self.s, kappa_0]), law, theta0, self.start, extension=longer)
+        return Rod(self.length, np.column_stack([self.s, kappa_0]), law, theta0, self.start, extension=extension)
 
     def moment_range_at(self, pressure: float, *, extrapolate: bool = False) -> MomentRange | None:
-        """The moments behind the numbers at a pressure (kPa), None where they are not known. Raises as `at`."""
-        i, j, t = self._place(pressure, extrapolate)
+        """The range of moments behind the rod at a pressure (kPa), None where it is not given. Raises as `at`."""
+        i, j, t = self._interval(pressure, extrapolate)
         return self.moment_ranges[i].between(self.moment_ranges[j], t) if self.moment_ranges else None
 
-    def _place(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
-        """The two pressures whose line holds at a pressure, and where it lies on that line."""
+    def _interval(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
+        """Indices of the two pressures between which to interpolate, and the fraction of the interval between them."""
         p = self.pressures
         if not (p[0] <= pressure <= p[-1]) and not extrapolate:
             raise RodError(f"{pressure:g} kPa lies outside the identified range of {p[0]:g} to {p[-1]:g} kPa.")

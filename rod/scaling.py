@@ -6,10 +6,10 @@ reference arm:
     kappa_0 l_i (p_i, l_i)      = kappa_0 l_0 (p_0, l_0) (p_i/p_0) (l_i/l_0)
     alpha/(m g l_i^2)(p_i, l_i) = [alpha/(m g l_0^2)(p_0, l_0) + (p_i - p_0) beta/(m g l_0^2)] (l_0/l_i)^2
 
-In millimetres and newtons they say something simpler: curvature and rigidity belong to the cells, and more cells of
-the same kind change neither. So they hold where the cells are equal and where kappa_0 is proportional to p, and not
+In millimetres and newtons they are simpler: curvature and rigidity belong to the cells, and more cells of
+the same kind change neither. They hold where the cells are equal and where kappa_0 is proportional to p, and not
 otherwise: not for arms stretched without more cells, not near the end cells of short arms, not where alpha(p) or
-kappa_0(p) bends. The soft zone at the clamp is a matter of the first cells, so d stays in millimetres; the intercepts
+kappa_0(p) bends. The soft zone at the clamp belongs to the first cells, so d stays in millimetres; the intercepts
 stay in N mm.
 """
 
@@ -37,8 +37,8 @@ class ReferenceArm:
 
 
 @dataclass(frozen=True)
-class Scaled:
-    """What equation (9) says of another arm."""
+class ScaledArm:
+    """Another arm by equation (9)."""
 
     length: float  #: mm, l_i
     pressure: float  #: kPa, p_i
@@ -46,7 +46,7 @@ class Scaled:
     kappa_0: float  #: 1/mm
 
 
-def scaled(reference: ReferenceArm, *, length: float, pressure: float) -> Scaled:
+def scaled_arm(reference: ReferenceArm, *, length: float, pressure: float) -> ScaledArm:
     """Equation (9) for another length (mm) and pressure (kPa).
 
     Raises `RodError` when the length or the pressure is not positive, when d lies off the shorter arm, and when a
@@ -64,4 +64,4 @@ def scaled(reference: ReferenceArm, *, length: float, pressure: float) -> Scaled
     kappa_0_l = reference.kappa_0 * reference.length * (pressure / reference.pressure) * ratio
     alpha1, alpha2 = (hat * reference.weight * length**2 for hat in hats)
     law = FiveParameters(alpha1, alpha2, old.m01, old.m02, old.d)
-    return Scaled(length, pressure, law, kappa_0_l / length)
+    return ScaledArm(length, pressure, law, kappa_0_l / length)

@@ -5,7 +5,7 @@ import pytest
 from synthetic_arm import SyntheticArm, exact_curvature
 
 from rod import FiveParameters, Load, Moment, Rod, RodError, cell_averaged, moment_from_load
-from rod.identification.alternatives import AS_GOOD, Candidate, Observation, compare_laws, simplest
+from rod.identification.alternatives import EQUAL_ERROR, Candidate, Observation, compare_laws, simplest
 from rod.identification.shape_fit import rest_curvature
 
 S = np.linspace(0.125, 111.875, 448)
@@ -50,7 +50,7 @@ def test_secants_do_not_predict_other_loads():
 
 
 def test_simplest_prefers_fewer_numbers_when_as_good():
-    one, five = Candidate("one", 2, 0.1, 0.1 * AS_GOOD * 0.99), Candidate("five", 5, 0.05, 0.1)
+    one, five = Candidate("one", 2, 0.1, 0.1 * EQUAL_ERROR * 0.99), Candidate("five", 5, 0.05, 0.1)
     assert simplest([five, one]) is one
     assert simplest([five, Candidate("one", 2, 0.1, 0.2)]) is five
 

@@ -19,7 +19,7 @@ from rod import (
     rest_curvature,
     without_stretch,
 )
-from rod.curves.closure import ERROR
+from rod.curves.closure import CLOSURE_ERROR
 from rod.curves.curve import fine_grid
 
 STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
@@ -34,7 +34,7 @@ def test_the_weights_add_the_law_up_to_the_movement_of_the_end():
     grid = fine_grid(112.0)
     delta = STEP.deviation(grid, CubicSpline(moment.s, moment.value)(grid))
     assert found.weights @ delta == pytest.approx(found.value, rel=1e-3)
-    assert found.error == pytest.approx(ERROR * found.value)
+    assert found.error == pytest.approx(CLOSURE_ERROR * found.value)
 
 
 def test_stretch_does_not_count():

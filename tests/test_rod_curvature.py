@@ -9,7 +9,7 @@ from synthetic_arm import SyntheticArm, exact_curvature
 from geometry import Centreline
 from rod import RodError, Smoothing, cell_averaged, gaussian_process, shared_smoothing
 from rod.curves.curve import fine_grid, mean_angle_weights, moment_from_load
-from rod.curves.gaussian_process import _posterior
+from rod.curves.gaussian_process import _derivative_posterior
 from rod.law import FiveParameters
 from rod.load import Load
 
@@ -99,12 +99,12 @@ def test_mean_angle_weights_integrate_a_linear_curvature():
     assert theta == pytest.approx(np.diff(integral) / np.diff(s), abs=1e-4)
 
 
-def test_derivatives_of_the_posterior_against_finite_differences():
+def test_derivatives_of_the_derivative_posterior_against_finite_differences():
     """The mean's derivatives, by differencing means that include an added point without data."""
     smoothing = Smoothing(5.0, 20.0, 0.01, 0.0, PITCH, at_bound=False)
     s = np.linspace(0.0, 100.0, 51)
     values = np.sin(s / 15.0) + 0.1 * np.cos(s / 9.0)
-    maps, _ = _posterior(s, smoothing)
+    maps, _ = _derivative_posterior(s, smoothing)
 
     def mean(at):
         kernel = smoothing.amplitude**2 * np.exp(-0.5 * ((at[:, None] - s[None, :]) / smoothing.length_scale) ** 2)
@@ -127,7 +127,7 @@ def test_covariance_of_the_derivatives_against_draws_of_the_process():
     random = np.random.default_rng(1)
     draws = vectors @ (np.sqrt(np.maximum(size, 0.0))[:, None] * random.standard_normal((len(at), 4000)))
     f, ahead, behind = draws[:25], draws[25:50], draws[50:]
-    maps, (c11, c12, c22) = _posterior(s, smoothing)
+    maps, (c11, c12, c22) = _derivative_posterior(s, smoothing)
     measured = f + 0.02 * random.standard_normal(f.shape)
     first = maps[1] @ measured - (ahead - behind) / (2 * h)
     second = maps[2] @ measured - (ahead - 2 * f + behind) / h**2

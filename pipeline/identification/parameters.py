@@ -14,7 +14,6 @@ from rod import (
     PARAMETER_NAMES,
     Closure,
     Curvature,
-    Estimate,
     Extension,
     FiveParameters,
     Identification,
@@ -23,6 +22,7 @@ from rod import (
     Moment,
     MomentRange,
     Observation,
+    ParameterEstimate,
     Rod,
     RodError,
     RodFit,
@@ -69,7 +69,7 @@ class Parameters:
     mesh_std: Mapping[str, float] = field(default_factory=dict)
 
     @property
-    def estimates(self) -> dict[str, Estimate | NoFit]:
+    def estimates(self) -> dict[str, ParameterEstimate | NoFit]:
         """The numbers by the name of their estimator, the default first."""
         return {DEFAULT: self.by_cells, "gaussian_process": self.by_process, "rod_fit": self.by_rod}
 

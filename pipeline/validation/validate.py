@@ -135,7 +135,7 @@ def _laws(parameters: Sequence[Parameters], comparisons: Sequence[Comparison]) -
         candidates = compare_laws(observed(p, p.loaded), [observed(p, record) for record in others])
         best = simplest(candidates)
         rows.extend(
-            LawRow(p.pressure_kPa, law.name, law.numbers, law.in_sample, law.out_of_sample, law is best)
+            LawRow(p.pressure_kPa, law.name, law.parameters, law.in_sample, law.out_of_sample, law is best)
             for law in candidates
         )
     return tuple(rows)

@@ -1,12 +1,12 @@
-"""Cell-averaged curvature: no smoothing parameter at all (design notes, "Curvature").
+"""Cell-averaged curvature: an estimate without any smoothing parameter.
 
-The chambers of an arm repeat with the pitch p. Within a cell the material curve wiggles; between equivalent points of
-neighbouring cells the wiggle cancels, so that
+The chambers of an arm repeat with the pitch p. Within a cell the angle of the material curve has a ripple; between
+equivalent points of neighbouring cells the ripple cancels, so that
 
     kappa(t) = (theta(t + p/2) - theta(t - p/2)) / p
 
-is the mean curvature over one pitch around t, whatever happens inside. theta is the chord angle between neighbouring
-nodes.
+is the mean curvature over one pitch around t, whatever its distribution within. theta is the chord angle between
+neighbouring nodes.
 """
 
 import numpy as np
@@ -21,9 +21,9 @@ from rod.law import RodError
 def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
     """Mean curvature over one pitch (mm) around points that are as dense as the nodes of the curve.
 
-    theta and kappa belong to rest arc length. The end points lie about half a pitch inside the curve: an end cell has
-    one neighbour. The error's covariance follows from a noise of the node positions that is white and is itself
-    estimated from the roughness of kappa. Raises `RodError` for a pitch that is not positive or leaves less than three
+    theta and kappa belong to rest arc length. The end points lie about half a pitch inside the curve, for an end cell
+    has one neighbour only. The covariance follows from white noise of the node positions, which is estimated from
+    the roughness of kappa. Raises `RodError` for a pitch that is not positive or leaves less than three
     cells, and for nodes farther apart than half a pitch.
     """
     s = centreline.s - centreline.s[0]
@@ -37,7 +37,7 @@ def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
     if np.diff(s).max() > 0.5 * pitch:
         raise RodError(f"Nodes {np.diff(s).max():g} mm apart cannot resolve cells of {pitch:g} mm; refine the mesh.")
     middle = 0.5 * (s[:-1] + s[1:])
-    # what holds the end bends its last half cell by itself
+    # the last half cell is bent by the support of the end
     starts = np.flatnonzero(middle + pitch <= length - 0.5 * pitch)
     ahead = _interpolation(middle, middle[starts] + pitch)
     behind = np.eye(len(middle))[starts]
@@ -54,15 +54,15 @@ def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
 def _interpolation(x: Array, at: Array) -> Array:
     """(m, n) weights of linear interpolation at the points `at` (m,) between x (n,)."""
     left = np.clip(np.searchsorted(x, at) - 1, 0, len(x) - 2)
-    share = np.clip((at - x[left]) / (x[left + 1] - x[left]), 0.0, 1.0)
+    fraction = np.clip((at - x[left]) / (x[left + 1] - x[left]), 0.0, 1.0)
     weights = np.zeros((len(at), len(x)))
-    weights[np.arange(len(at)), left] = 1.0 - share
-    weights[np.arange(len(at)), left + 1] += share
+    weights[np.arange(len(at)), left] = 1.0 - fraction
+    weights[np.arange(len(at)), left + 1] += fraction
     return weights
 
 
 def _sideways(s: Array) -> Array:
-    """(n - 1, n): chord angles from sideways displacements of the nodes."""
+    """(n - 1, n) 1/mm: derivative of the chord angles by sideways displacements of the nodes."""
     h = np.diff(s)
     weights = np.zeros((len(h), len(s)))
     weights[np.arange(len(h)), np.arange(len(h))] = -1.0 / h

@@ -1,13 +1,13 @@
 """Curvature and moment along a material curve, with what an estimate of curvature can resolve.
 
-No estimate sees curvature at a point: differences of angles see its mean over a cell, a smoother sees a weighted mean
-over its length scale. Both are linear in the true curvature, so each estimate carries the weights of its means, the
-*resolution* R:
+No estimate gives curvature at a point: differences of angles give its mean over a cell, a smoother gives a weighted
+mean over its length scale. Both are linear in the true curvature, so each estimate carries the weights of its means,
+the *resolution* R:
 
     kappa_estimated(s_i) = sum_j R_ij kappa(sigma_j) + error
 
-With R known, a law can be fitted to what the estimate would have seen of it, so that a step in the rigidity is found
-where it is, not where smoothing has spread it.
+With R a law is compared with data as the estimate resolves it, so that a step in the rigidity is located where it is,
+not where smoothing has spread it.
 """
 
 from dataclasses import dataclass
@@ -30,7 +30,10 @@ def fine_grid(length: float) -> Array:
 
 @dataclass(frozen=True)
 class Curvature:
-    """An estimate of curvature along a material curve of rest length `length`. Arrays are read-only."""
+    """An estimate of curvature along a material curve of rest length `length`. Arrays are read-only.
+
+    Raises `RodError` for fewer than 6 points.
+    """
 
     length: float  #: mm
     pitch: float  #: mm, the length over which neighbouring errors are related
@@ -39,7 +42,8 @@ class Curvature:
     theta: Array  #: (n,) rad, tangent angle
     covariance: Array  #: (n, n) 1/mm2, of the error of kappa
     resolution: Array  #: (n, GRID_CELLS), weights of the true curvature on `fine_grid(length)`
-    #: (n, nodes) 1/mm2, kappa by sideways displacements of the nodes, where its error is white noise of these
+    #: (n, nodes) 1/mm2, derivative of kappa by sideways displacements of the nodes, for estimates whose error is white
+    #: noise of the nodes; None for others
     response: Array | None = None
 
     def __post_init__(self) -> None:
@@ -93,7 +97,7 @@ def _lever_integral(s: Array, x: Array) -> Array:
 
 
 def without_stretch(curve: Centreline) -> Centreline:
-    """The curve with the same tangent angles and its rest length: what an inextensible rod can be at best."""
+    """The curve with the same tangent angles and its rest length: the best shape of an inextensible rod."""
     angle, h = curve.angle, np.diff(curve.s)
     # the chord of an arc that turns by t is shorter than the arc by sin(t/2)/(t/2)
     chord = h * np.sinc(np.gradient(angle) / (2.0 * np.pi))
@@ -105,12 +109,12 @@ def mean_angle_weights(s: Array, length: float) -> Array:
     """(n - 1, GRID_CELLS): mean tangent angle between neighbouring nodes s (n,), less the angle at s = 0, from
     curvature.
 
-    Row j holds the weights w with mean theta over [s_j, s_j+1] = theta(0) + sum w kappa: the integral of the share of
-    the interval that lies beyond sigma.
+    Row j holds the weights w with mean theta over [s_j, s_j+1] = theta(0) + sum w kappa: integrals over the grid of the
+    fraction of the interval that lies beyond sigma.
     """
     edges = np.linspace(0.0, length, GRID_CELLS + 1)
 
-    def beyond(sigma: Array) -> Array:  # integral from 0 to sigma of the share of [a, b] beyond, one row per interval
+    def beyond(sigma: Array) -> Array:  # integral from 0 to sigma of that fraction of [a, b], one row per interval
         a, b = s[:-1, None], s[1:, None]
         inside = np.clip(sigma, a, b) - a
         return np.minimum(sigma, a) + inside - inside**2 / (2.0 * (b - a))

@@ -1,13 +1,13 @@
-"""The extensible rod: how the material curve of a loaded arm stretches, with the eccentricity as its sixth number.
+"""The extensible rod: how the material curve of a loaded arm stretches.
 
 The neutral axis of an arm under pressure does not lie on its material curve. Where the arm is bent by Delta, a fibre at
-the distance e from the neutral axis gets longer by e Delta:
+the distance e from the neutral axis is lengthened by e Delta:
 
     lambda(s) = lambda_0(s) + e Delta(s),    Delta = kappa - kappa_0
 
-lambda_0 is the stretch of the curve without load (Test II), a profile like kappa_0; the eccentricity e is one number
-per pressure, read from Test III. With it the position of the rod at every s is right, not only its angle. Lengthening
-by the normal force (F/EA, a tenth of a per cent on design (a)) is left out.
+lambda_0 is the stretch of the curve without end load (experiment II), a profile like kappa_0; the eccentricity e is one
+number per pressure, the sixth parameter, read from experiment III. With it the position of the rod at every s is right,
+not only its angle. Stretch by the normal force (F/EA, a tenth of a per cent) is neglected.
 """
 
 import math
@@ -31,7 +31,7 @@ class Extension:
 
     s: Array  #: (n,) mm
     rest_stretch: Array  #: (n,) lambda_0 at s, joined by straight lines
-    eccentricity: float  #: mm, positive where the curve gets longer with Delta
+    eccentricity: float  #: mm, positive where the curve is lengthened by Delta
     eccentricity_std: float = 0.0  #: mm
 
     def __post_init__(self) -> None:
@@ -57,15 +57,16 @@ class Extension:
 
 
 def stretches(curve: Centreline) -> Array:
-    """(n - 1,) arc length over rest length between neighbouring nodes; the chord of an arc is shorter than the arc."""
+    """(n - 1,) arc length over rest length between neighbouring nodes, corrected for chord and arc."""
     return curve.chords / (np.diff(curve.s) * np.sinc(np.gradient(curve.angle) / (2.0 * np.pi)))
 
 
 def extension(free: Centreline, loaded: Centreline, pitch: float) -> Extension:
-    """lambda_0 from Test II and e from Test III, both curves with the same points s.
+    """lambda_0 from experiment II (free) and e from experiment III (loaded), both curves with the same points s.
 
-    e minimises the squares of (lambda_III - lambda_II) - e Delta, both averaged over a pitch (mm): within a cell the
-    one follows the other only on average. Its deviation is that of a regression with as many observations as cells.
+    e minimises the squares of (lambda_III - lambda_II) - e Delta, both averaged over a pitch (mm), because within a
+    cell they are proportional only on average. Its standard deviation is that of a regression with as many observations
+    as cells.
     Raises `RodError` as `cell_averaged` does, and where nothing bends.
     """
     s = free.s - free.s[0]
@@ -74,11 +75,12 @@ def extension(free: Centreline, loaded: Centreline, pitch: float) -> Extension:
     unloaded, bent = cell_averaged(free, pitch), cell_averaged(loaded, pitch)
     delta = bent.kappa - unloaded.kappa
     if not np.any(delta):
-        raise RodError("Where nothing bends the neutral axis cannot be found.")
+        raise RodError("Where nothing bends the neutral axis cannot be identified.")
     ahead, behind = bent.s + 0.5 * pitch, bent.s - 0.5 * pitch
-    longer = (np.interp(ahead, s, lengths[1] - lengths[0]) - np.interp(behind, s, lengths[1] - lengths[0])) / pitch
-    eccentricity = float(delta @ longer / (delta @ delta))
+    added = lengths[1] - lengths[0]
+    stretch = (np.interp(ahead, s, added) - np.interp(behind, s, added)) / pitch
+    eccentricity = float(delta @ stretch / (delta @ delta))
     cells = max(2.0, float(np.ptp(bent.s)) / pitch + 1.0)
-    misfit = float(np.mean((longer - eccentricity * delta) ** 2)) * cells / (cells - 1.0)
+    misfit = float(np.mean((stretch - eccentricity * delta) ** 2)) * cells / (cells - 1.0)
     std = math.sqrt(misfit / cells / float(np.mean(delta**2)))
     return Extension(s, rest, eccentricity, std)

@@ -1,9 +1,9 @@
-"""The five numbers in the files of other rod codes.
+"""The five parameters in the files of other rod codes.
 
 M = alpha (kappa - kappa_0) + m0 is alpha (kappa - kappa_rest) with kappa_rest = kappa_0 - m0/alpha, so every code with
-a bending stiffness and a rest curvature per node can carry them, at one pressure and for loaded rods (see `law`). CSV
-and JSON are in mm and N like everything here; the files of other codes are in m, kg, s, as those expect. The rod lies
-in the plane x, y, clamped at the origin, and bends about z.
+a bending stiffness and a rest curvature per node can represent them, at one pressure and for loaded rods (see `law`).
+CSV and JSON are in mm and N like everything here; the files of other codes are in m, kg, s, as those expect. The rod
+lies in the plane x, y, clamped at the origin, and bends about z.
 """
 
 import json
@@ -26,7 +26,7 @@ NEWTON_METRE, NEWTON_METRE2 = 1e-3, 1e-6
 
 @dataclass(frozen=True)
 class Arm:
-    """A rod at one pressure with what dynamics need beside it. Raises `RodError` for a number that is not positive."""
+    """A rod at one pressure with the data of its dynamics. Raises `RodError` for a number that is not positive."""
 
     rod: Rod
     mass: float  #: g
@@ -68,7 +68,7 @@ def write_csv(arm: Arm, path: Path) -> None:
 
 
 def write_json(arm: Arm, path: Path) -> None:
-    """The five numbers, the clamp and `table`, units in the keys."""
+    """The five parameters, the clamp and `table`, units in the keys."""
     rod, law = arm.rod, arm.rod.law
     content = {
         "length_mm": rod.length,
@@ -117,14 +117,14 @@ def write_mujoco(arm: Arm, path: Path) -> None:
     stiffness = NEWTON_METRE / cut.compliance
     inner = f'<site name="tip" pos="{0.5 * h:.9g} 0 0"/>'
     for k in range(arm.elements - 1, -1, -1):
-        long = h if k < arm.elements - 1 else 0.5 * h
-        mass = 1e-3 * arm.mass * long / (1e-3 * rod.length)
-        place = 0.5 * h if k == 0 else h
+        length = h if k < arm.elements - 1 else 0.5 * h
+        mass = 1e-3 * arm.mass * length / (1e-3 * rod.length)
+        position = 0.5 * h if k == 0 else h
         inner = (
-            f'<body name="piece{k}" pos="{place:.9g} 0 0">'
+            f'<body name="piece{k}" pos="{position:.9g} 0 0">'
             f'<joint name="joint{k}" type="hinge" axis="0 0 1" stiffness="{stiffness[k]:.9g}" '
             f'springref="{cut.rest_rotation[k]:.9g}" damping="{0.03 * stiffness[k]:.9g}"/>'
-            f'<geom type="capsule" fromto="0 0 0 {long:.9g} 0 0" size="{1e-3 * arm.radius:.9g}" mass="{mass:.9g}"/>'
+            f'<geom type="capsule" fromto="0 0 0 {length:.9g} 0 0" size="{1e-3 * arm.radius:.9g}" mass="{mass:.9g}"/>'
             f"{inner}</body>\n"
         )
     half = 0.5 * rod.theta0

@@ -1,11 +1,11 @@
-"""The rod as a chain: what a piece of it contributes to one joint.
+"""The rod as a chain: the contribution of a piece to one joint.
 
 Over an interval the tangent turns by the integral of kappa_0 + (M - m0)/alpha. With M nearly constant over it that is
 
     rest rotation + M * compliance,   rest rotation = integral of kappa_rest,   compliance = integral of 1/alpha
 
-so a joint with the spring 1/compliance and the neutral angle `rest rotation` carries the five numbers, wherever d lies
-in the interval; the error of a chain of n joints is of order 1/n^2.
+so a joint with the spring 1/compliance and the neutral angle `rest rotation` represents the five parameters, wherever
+d lies in the interval; the error of a chain of n joints is of order 1/n^2.
 """
 
 from dataclasses import dataclass

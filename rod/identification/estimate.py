@@ -10,7 +10,7 @@ from rod.law import PARAMETER_NAMES, FiveParameters
 
 
 @dataclass(frozen=True, kw_only=True)
-class Estimate:
+class ParameterEstimate:
     """Five parameters with intervals."""
 
     law: FiveParameters

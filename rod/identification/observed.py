@@ -64,7 +64,7 @@ class Observed:
         Of both resolutions the mean is right to second order in Delta. Raises `RodError` where they do not belong
         together, where there is no moment or it is not monotone, and for fewer than MIN_CELLS cells.
         """
-        _check(kappa_0, kappa, moment)
+        _check_consistent(kappa_0, kappa, moment)
         grid, delta = fine_grid(kappa.length), kappa.kappa - kappa_0.kappa
         resolution = 0.5 * (kappa.resolution + kappa_0.resolution)
         lines = np.column_stack([CubicSpline(moment.s, moment.value)(grid), -np.ones(len(grid))])
@@ -87,7 +87,7 @@ class Observed:
     def two_lines(self, d: float) -> DesignMatrix:
         """For two lines with the break at d, mm."""
         fraction = d / self.length
-        return DesignMatrix(_split(self.cumulative, 2, fraction), _split(self.cumulative_closure, 0, fraction))
+        return DesignMatrix(_split_at(self.cumulative, 2, fraction), _split_at(self.cumulative_closure, 0, fraction))
 
     @property
     def single_line(self) -> DesignMatrix:
@@ -112,7 +112,7 @@ class Observed:
         return 1.0 - float(np.sum((self.delta - fitted) ** 2) / np.sum((self.delta - self.delta.mean()) ** 2))
 
 
-def _check(kappa_0: Curvature, kappa: Curvature, moment: Moment) -> None:
+def _check_consistent(kappa_0: Curvature, kappa: Curvature, moment: Moment) -> None:
     """Refuse curvatures and moments that do not belong together or cannot give five parameters."""
     length = kappa.length
     if kappa_0.s.shape != kappa.s.shape or np.max(np.abs(kappa_0.s - kappa.s)) > 1e-6 * length:
@@ -138,7 +138,7 @@ def _cumulative(parts: Array, axis: int) -> Array:
     return np.concatenate([np.zeros_like(parts.take([0], axis)), np.cumsum(parts, axis)], axis)
 
 
-def _split(cumulative: Array, axis: int, fraction: float) -> Array:
+def _split_at(cumulative: Array, axis: int, fraction: float) -> Array:
     """Integrals before and beyond a point at this fraction of the length, side by side on the last axis."""
     position = fraction * (cumulative.shape[axis] - 1)
     left = min(int(position), cumulative.shape[axis] - 2)

@@ -1,15 +1,14 @@
-"""The numbers whose rod comes closest to the shape and the end force of a loaded arm (paper, Fig. 11).
+"""The five parameters whose rod comes closest to the shape and the end force of a loaded arm (paper, Fig. 11).
 
-The rod takes the measured shape of Test II as its rest shape, ripples included: kappa_0 from node to node. It is held
-as in Test III, and the five numbers (with the ripples of `lines` and the same weak prior knowledge) are those that
-minimise
+The rod takes the measured shape of experiment II as its rest shape, ripple included: kappa_0 from node to node. It is
+supported as in experiment III, and the five parameters (with the ripple and the weak prior of `regression`) minimise
 
     sum |r_rod(s_i) - r(s_i)|^2 n_eff/(n sigma^2)  +  |F_rod - F|^2/(FORCE_ERROR |F|)^2
 
-The shapes are taken without their stretch, which an inextensible rod cannot follow and would bend for; how far the rod
-is from the shape with its stretch is reported beside. No curvature is differentiated, so noise of the nodes matters
-little. The errors follow from the linearised fit: white noise of both shapes, and a misfit that neighbouring nodes
-within a cell share.
+The shapes are taken without their stretch, which an inextensible rod cannot follow and would compensate by bending; the
+distance from the shape with its stretch is reported beside. No curvature is differentiated, so noise of the nodes
+matters little. The errors come from a parametric bootstrap of the linearised fit: white noise of both shapes, and a
+misfit that is correlated within a cell.
 """
 
 import math
@@ -30,7 +29,7 @@ from rod.curves.uncertainty import (
     sample_errors,
     total_covariance,
 )
-from rod.identification.estimate import Estimate, intervals, parameters_of_lines
+from rod.identification.estimate import ParameterEstimate, intervals, parameters_of_lines
 from rod.identification.observed import HARMONICS, harmonics
 from rod.identification.regression import OFFSET, RIPPLE
 from rod.identification.two_lines import MIN_BREAK, default_breaks
@@ -38,21 +37,24 @@ from rod.law import FiveParameters, RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod, RodSolution
 
-#: relative error of the end force that is always assumed
+#: smallest relative standard deviation of the end force
 FORCE_ERROR = 1e-3
-#: over the length, error of a position that is always assumed
+#: smallest standard deviation of a position, over the length
 SHAPE_ERROR = 1e-9
-#: the range of compliances over the start's
+#: range of compliances over that of the first start
 COMPLIANCES = (0.02, 50.0)
 
 
 @dataclass(frozen=True)
 class LoadedShape:
-    """Tests II and III at one pressure. Raises `RodError` unless both are the same material curve and F bends it."""
+    """Experiments II and III at one pressure.
 
-    free: Centreline  #: Test II
-    loaded: Centreline  #: Test III
-    load: Load  #: of the full body in experiment III; its force is what holds the end
+    Raises `RodError` unless both are of one material curve and there is an end force.
+    """
+
+    free: Centreline  #: of experiment II
+    loaded: Centreline  #: of experiment III
+    load: Load  #: of the full body in experiment III; its force is the reaction of the held end
     pitch: float  #: mm
 
     def __post_init__(self) -> None:
@@ -78,7 +80,7 @@ class LoadedShape:
 
 
 @dataclass(frozen=True, kw_only=True)
-class RodFit(Estimate):
+class RodFit(ParameterEstimate):
     """The five parameters of the closest rod, and how close it comes."""
 
     distance: Array  #: (n,) mm, between rod and shape at the nodes
@@ -91,7 +93,7 @@ def rest_curvature(free: Centreline) -> tuple[float, Array]:
     """theta (rad) at the clamp, and (n, 2) columns s (mm) and kappa (1/mm) at the nodes of the unloaded shape.
 
     The integral of theta is a cubic spline through the chords, so that a rod with this curvature, straight between
-    nodes, has the chords' directions. It ripples as the shape does and is noisy if that is; only its integrals matter.
+    nodes, has the chords' directions. It has the ripple and the noise of the shape; only its integrals matter.
     """
     s = free.s - free.s[0]
     integral = CubicSpline(s, np.concatenate([[0.0], np.cumsum(np.diff(s) * free.angle)]))
@@ -105,16 +107,16 @@ def fit_rod(
     breaks: tuple[float, float] | None = None,
     bootstrap: Bootstrap = Bootstrap(),  # noqa: B008  a frozen value
 ) -> RodFit:
-    """The closest rod, from the best of several starts (the laws that `identify` found).
+    """The closest rod, from the best of several starts (such as the laws of `identify`).
 
-    breaks: range of d over the length, by default that of `identify`; equal numbers fix d.
+    breaks: range of d over the length, by default that of `identify`; equal ends fix d.
 
     Raises `RodError` when there is no start or no rod near it.
     """
     if not starts:
         raise RodError("Fitting a rod needs a law to start from.")
-    still = replace(shape, free=without_stretch(shape.free), loaded=without_stretch(shape.loaded))
-    task = _ShapeFit.of(still, breaks, starts)
+    unstretched = replace(shape, free=without_stretch(shape.free), loaded=without_stretch(shape.loaded))
+    task = _ShapeFit.of(unstretched, breaks, starts)
     rough = min((task.minimised(task.unknowns(start)) for start in starts), key=lambda fit: float(fit.cost))
     if rough.cost >= 0.5 * _NO_ROD**2:
         raise RodError("No rod near the laws to start from is in equilibrium under these loads.")
@@ -123,7 +125,7 @@ def fit_rod(
     law = task.law(fit.x)
     sampled = task.resampled(fit, bootstrap)
     rod = task.solved(fit.x)
-    inextensible = np.hypot(*(rod.positions(shape.s) - still.points).T)
+    inextensible = np.hypot(*(rod.positions(shape.s) - unstretched.points).T)
     # the same parameters with the end held where it is with stretch, against the shape with its stretch
     rod = replace(task, shape=shape).solved(fit.x)
     distance = np.hypot(*(rod.positions(shape.s) - shape.points).T)
@@ -145,7 +147,9 @@ _NO_ROD = 1e6
 
 @dataclass(frozen=True)
 class _ShapeFit:
-    """Unknowns z: compliances over `compliance`, offsets over `offset`, d over length, ripples."""
+    """A nonlinear least-squares problem with unknowns z (5 + 2 HARMONICS,): compliance over `compliance` and offset
+    over `offset` of the first line, the same of the second, d over length, ripple amplitudes.
+    """
 
     shape: LoadedShape
     moment: Moment
@@ -155,8 +159,8 @@ class _ShapeFit:
     offset: float  #: 1/mm
     breaks: tuple[float, float]
     weight: float  #: 1/mm, of a position
-    noise: float  #: mm, white noise of each coordinate of a node
-    misfit: Array  #: (n, n) mm2, covariance of what the law leaves, in each coordinate
+    noise: float  #: mm, standard deviation of the white noise of each coordinate of a node
+    misfit: Array  #: (n, n) mm2, covariance of the misfit of the law, in each coordinate
 
     @staticmethod
     def of(shape: LoadedShape, breaks: tuple[float, float] | None, starts: Sequence[FiveParameters]) -> "_ShapeFit":
@@ -194,9 +198,12 @@ class _ShapeFit:
         return np.array([*z, law.d / self.shape.length, *[0.0] * (2 * HARMONICS)])
 
     def solved(self, z: Array) -> RodSolution:
-        """The rod of these numbers, held as the loaded shape is. The ripple multiplies Delta of the measured moment."""
+        """The rod of the unknowns z, supported as the loaded shape.
+
+        The ripple multiplies Delta of the measured moment.
+        """
         law, loaded, near = self.law(z), self.shape.loaded, 1e-7 * self.shape.length
-        # both sides of the break are sampled, so that the ripple jumps there and not at a node, whatever d is
+        # both sides of the break are sampled, so that the ripple is discontinuous at d and not at a node
         nodes = self.shape.s
         s = np.sort(np.append(nodes[np.abs(nodes - law.d) > 2.0 * near], [law.d - near, law.d + near]))
         deviation = law.deviation(s, np.interp(s, self.moment.s, self.moment.value))
@@ -246,7 +253,7 @@ class _ShapeFit:
         """The same task with the weights that the residual of a fit suggests."""
         n = len(self.shape.s)
         parts = fit.fun[: 2 * n].reshape(2, n) / self.weight
-        # what a smooth misfit leaves next to nothing of; variance 20 of white noise
+        # third differences: next to nothing of a smooth misfit, 20 times the variance of white noise
         variance = float(np.mean(np.diff(parts, 3, axis=1) ** 2)) / 20.0
         correlation = np.kron(np.eye(2), misfit_correlation(self.shape.pitch, self.shape.s)).astype(float)
         least = SHAPE_ERROR * self.shape.length

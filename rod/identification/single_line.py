@@ -38,9 +38,9 @@ class LineFit:
 
 def single_line(observed: Observed, bootstrap: Bootstrap) -> LineFit:
     """The line with its intervals. Raises `RodError` where curvature falls as the moment grows."""
-    (a, b), drawn, r2 = _line(observed, OFFSET, 1.0, bootstrap)
+    (a, b), drawn, r2 = _fit_line(observed, OFFSET, 1.0, bootstrap)
     if abs(b) < OFFSET_SIGNIFICANCE * float(drawn[1].std()):
-        closed = _line(observed, ZERO_OFFSET_PRIOR, CLOSURE_WEIGHT, bootstrap)
+        closed = _fit_line(observed, ZERO_OFFSET_PRIOR, CLOSURE_WEIGHT, bootstrap)
         compliance = closed[0][0]
         if compliance > 0.0:  # the end of an arm that hardly bends may move against the moment
             (a, b), drawn, r2 = closed
@@ -50,7 +50,9 @@ def single_line(observed: Observed, bootstrap: Bootstrap) -> LineFit:
     return LineFit(interval(1.0 / a, 1.0 / compliances), interval(b / a, drawn[1] / compliances), r2)
 
 
-def _line(observed: Observed, offset: float, closure_weight: float, bootstrap: Bootstrap) -> tuple[Array, Array, float]:
+def _fit_line(
+    observed: Observed, offset: float, closure_weight: float, bootstrap: Bootstrap
+) -> tuple[Array, Array, float]:
     """Compliance and offset of Delta = a M - b (2,), bootstrap draws of them (2, draws), and R squared."""
     weighing = observed.weighing_closure(closure_weight)
     regression = Regression.weighted(weighing, observed.noise, offset, lambda trial: trial.solve())

@@ -23,7 +23,7 @@ from geometry.arrays import Array
 from rod.curves.closure import Closure
 from rod.curves.curve import Curvature, Moment
 from rod.curves.uncertainty import Bootstrap, effective_observations
-from rod.identification.estimate import Estimate, intervals, parameters_of_lines
+from rod.identification.estimate import ParameterEstimate, intervals, parameters_of_lines
 from rod.identification.observed import HARMONICS, Observed
 from rod.identification.regression import MAX_RIGIDITY_RATIO, OFFSET, Fit, Regression, Resample
 from rod.identification.single_line import LineFit, single_line
@@ -41,7 +41,7 @@ NEGLIGIBLE_MISFIT = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
-class Identification(Estimate):
+class Identification(ParameterEstimate):
     """The five parameters by regression, and whether a single line suffices."""
 
     r2: float  #: fraction of the variance of Delta that the two lines explain
@@ -81,7 +81,7 @@ def identify(
     regression = _weighted_regression(observed, grid, MAX_RIGIDITY_RATIO * single.alpha.value)
     profile = [regression.bounded(d) for d in grid]
     best = regression.bounded(regression.refine(grid, profile))
-    law = _law(best)
+    law = _law_of(best)
     resample = Resample.of(regression, best, bootstrap.draws, bootstrap.generator())
     sampled = _refit(regression.about(best), _candidates(grid, law.d), resample)
     cells = float(np.ptp(observed.s)) / observed.pitch + 1.0
@@ -135,7 +135,7 @@ def _weighted_regression(observed: Observed, grid: Array, max_rigidity: float) -
     return Regression(observed, regression.weights, max_rigidity)
 
 
-def _law(fit: Fit) -> FiveParameters:
+def _law_of(fit: Fit) -> FiveParameters:
     a1, b1, a2, b2 = fit.parameters[:4]
     return FiveParameters(1 / a1, 1 / a2, b1 / a1, b2 / a2, fit.d or 0.0)
 

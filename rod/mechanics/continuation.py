@@ -16,16 +16,17 @@ from rod.law import RodError
 from rod.mechanics.profile import Steps
 from rod.mechanics.shooting import RodArrays, converge, sweep
 
-#: rad, the largest change of a tangent angle in one step of the load; keeps Newton's method on its branch
-LARGEST_TURN = 1.0
-SMALLEST_STEP = 1e-5
-#: alpha/l^2, where errors grow too much along the rod, like exp(l sqrt(F/alpha)), for shooting from one end
-FORCE_LIMIT = 200.0
+#: rad, largest change of a tangent angle in one load step; keeps Newton's method on its branch
+MAX_ROTATION_STEP = 1.0
+#: smallest load step over the full load
+MIN_LOAD_STEP = 1e-5
+#: alpha/l^2, limit of shooting from one end: errors grow along the rod like exp(l sqrt(F/alpha))
+MAX_FORCE = 200.0
 
 
 @dataclass(frozen=True)
 class Problem:
-    """One rod, one set of loads. The clamp is the origin."""
+    """A dimensionless rod under one set of loads. The clamp is the origin."""
 
     steps: Steps
     alpha: Array  #: (n,)
@@ -42,14 +43,14 @@ class Problem:
     together: bool  #: kappa_0 and the rest stretch grow with the loads, from the straight rod
 
     @cached_property
-    def start(self) -> "Point":
+    def start(self) -> "LoadPoint":
         """The rod before any load: straight, or with the shape of kappa_0."""
         states, end = np.empty((len(self.steps.s), 4)), np.empty(16)
         nothing = np.zeros(3)
         sweep(self.arrays(0.0)._replace(fade=0.0), nothing, nothing[:2], states, end)
         # columns of derivatives by M(0), F_x, F_y; rows M, x, y; a given force component keeps a trivial row
         matrix = np.where(np.outer(self.free, self.free), end[4:].reshape(3, 4)[:, 1:].T, np.eye(3))
-        return Point(0.0, nothing, states, float(np.linalg.det(matrix)))
+        return LoadPoint(0.0, nothing, states, float(np.linalg.det(matrix)))
 
     def arrays(self, factor: float) -> RodArrays:
         """The rod at a load factor: its intercepts grow with the load, kappa_0 and rest stretch if `together`."""
@@ -61,7 +62,7 @@ class Problem:
 
     @property
     def idle(self) -> bool:
-        """Nothing acts on the rod, which already has its curvature; an end that is held is held where it is."""
+        """Whether no load acts on the pressurised rod; a prescribed end is then where the unloaded rod has it."""
         if self.together:
             return False
         away = (self.end - self.start.states[-1, 2:])[self.free[1:]]
@@ -70,39 +71,39 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class Point:
+class LoadPoint:
     """A converged point of the path."""
 
-    factor: float  #: 0 nothing acts, 1 the whole load
+    factor: float  #: load factor, 0 to 1
     unknowns: Array  #: (3,) M(0), F_x, F_y
     states: Array  #: (n + 1, 4) theta, M, x, y
     determinant: float
 
 
-def follow(problem: Problem) -> tuple[Point, int]:
-    """The equilibrium under the whole load and the number of load steps. Raises `RodError` where the path ends."""
-    before = here = problem.start
+def continue_to_full_load(problem: Problem) -> tuple[LoadPoint, int]:
+    """The equilibrium under the full load and the number of load steps. Raises `RodError` where the path ends."""
+    previous = current = problem.start
     if problem.idle:
-        return here, 0
-    step, count, sign = 1.0, 0, math.copysign(1.0, here.determinant)
-    while here.factor < 1.0:
-        factor = min(1.0, here.factor + step)
+        return current, 0
+    step, count, sign = 1.0, 0, math.copysign(1.0, current.determinant)
+    while current.factor < 1.0:
+        factor = min(1.0, current.factor + step)
         tangent = np.zeros(3)
-        if here.factor > 0.0:
-            tangent = (here.unknowns - before.unknowns) / (here.factor - before.factor)
-        there = _at(problem, factor, here.unknowns + (factor - here.factor) * tangent)
-        near = there is not None and np.max(np.abs(there.states[:, 0] - here.states[:, 0])) < LARGEST_TURN
-        if there is None or not near or there.determinant * sign < 0.0:
-            step = 0.4 * (factor - here.factor)
-            if step < SMALLEST_STEP:
-                raise RodError(_end_of_path(problem, here, there is not None and bool(near)))
+        if current.factor > 0.0:
+            tangent = (current.unknowns - previous.unknowns) / (current.factor - previous.factor)
+        trial = _at(problem, factor, current.unknowns + (factor - current.factor) * tangent)
+        near = trial is not None and np.max(np.abs(trial.states[:, 0] - current.states[:, 0])) < MAX_ROTATION_STEP
+        if trial is None or not near or trial.determinant * sign < 0.0:
+            step = 0.4 * (factor - current.factor)
+            if step < MIN_LOAD_STEP:
+                raise RodError(_end_of_path(problem, current, trial is not None and bool(near)))
             continue
-        before, here = here, there
-        step, count = 2.0 * (factor - before.factor), count + 1
-    return here, count
+        previous, current = current, trial
+        step, count = 2.0 * (factor - previous.factor), count + 1
+    return current, count
 
 
-def _at(problem: Problem, factor: float, guess: Array) -> Point | None:
+def _at(problem: Problem, factor: float, guess: Array) -> LoadPoint | None:
     """Newton's method at one load factor, or None where it does not converge."""
     unknowns = np.where(problem.free, guess, np.concatenate([[0.0], problem.force * factor]))
     start = problem.start.states[-1, 2:]
@@ -111,15 +112,13 @@ def _at(problem: Problem, factor: float, guess: Array) -> Point | None:
     converged, determinant = converge(
         problem.arrays(factor), unknowns, factor * problem.weight, target, problem.free, states
     )
-    return Point(factor, unknowns, states, determinant) if converged else None
+    return LoadPoint(factor, unknowns, states, determinant) if converged else None
 
 
-def _end_of_path(problem: Problem, point: Point, split: bool) -> str:
+def _end_of_path(problem: Problem, point: LoadPoint, split: bool) -> str:
     size = float(np.hypot(*point.unknowns[1:]) / problem.alpha.min())
-    if size > FORCE_LIMIT:
-        return (
-            f"The end force has grown to {size:.0f} alpha/l^2; this solver follows the rod to about {FORCE_LIMIT:.0f}."
-        )
+    if size > MAX_FORCE:
+        return f"The end force has grown to {size:.0f} alpha/l^2; this solver follows the rod to about {MAX_FORCE:.0f}."
     reached = f"{100 * point.factor:.3g} % of the load"
     if split:
         return f"The rod buckles at {reached}: beyond it what grows from the unloaded rod is unstable or ends."

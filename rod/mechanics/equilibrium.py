@@ -1,13 +1,13 @@
-"""The planar rod in equilibrium (paper, section 2.1; design notes, "The rod").
+"""The planar rod in equilibrium (paper, section 2.1).
 
     theta' = kappa,                          x' = cos theta,  y' = sin theta,
     kappa = kappa_0 + (M - m0_i)/alpha_i,    M' = n_x sin theta - n_y cos theta
 
 (times the stretch lambda where the rod has an `extension`; without one it is inextensible, lambda = 1)
 
-clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity). Known
-are F or components of the end position, in which case the force components that hold them are found. The unknowns, M(0)
-and those components, are found by shooting (`shooting`), large loads by continuation (`continuation`).
+clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity). Given
+are F or components of the end position, whose reactions are then unknown components of F. The unknowns, M(0) and those
+components, are found by shooting (`shooting`), for large loads with continuation (`continuation`).
 """
 
 import math
@@ -21,7 +21,7 @@ from geometry.arrays import Array
 from rod.curves.extension import Extension
 from rod.law import FiveParameters, RodError
 from rod.load import Load, pair
-from rod.mechanics.continuation import Point, Problem, follow
+from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.mechanics.shooting import ABSCISSAE
 
@@ -79,7 +79,7 @@ class Rod:
     theta0: float = 0.0  #: rad, tangent angle at the clamp
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     fade: float = 0.0  #: N mm, below this |M| the intercepts fade to zero (see `law`)
-    extension: Extension | None = None  #: how its curve stretches; None: it does not
+    extension: Extension | None = None  #: stretch of the curve; None: inextensible
     steps: Steps = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -101,18 +101,18 @@ class Rod:
         moment: float = 0.0,
         order: Order = "as tested",
     ) -> RodSolution:
-        """The equilibrium that is reached when the loads grow from nothing.
+        """The equilibrium that is reached when the loads grow from zero.
 
-        force: dead end force (F_x, F_y) in N; or end = (x, y), end_x or end_y in mm, the position of the end (the
-        other force component is zero: end_y alone is experiment III). Either may be combined with moment, M(l) in
-        N mm. `under` takes a `Load`, with a weight.
+        force: dead end force (F_x, F_y) in N; or end = (x, y), end_x or end_y in mm, the prescribed position of the
+        end (the other force component is zero: end_y alone is experiment III). Either may be combined with moment, M(l)
+        in N mm. `under` takes a `Load`, with a weight.
 
-        order says which of several equilibria is meant. "pressure first": the loads grow on the rod that already has
+        order selects among several equilibria. "pressure first": the loads grow on the rod that already has
         its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
-        end_y is prescribed, because in Test III the end is held while the pressure rises, else pressure first.
+        end_y is prescribed, because in experiment III the end is held while the pressure rises, else pressure first.
 
         Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is long,
-        and when the path ends before the whole load is applied.
+        and when the path ends before the full load is reached.
         """
         if end is not None and (end_x is not None or end_y is not None):
             raise RodError("Give either end = (x, y) or one of end_x and end_y, not both.")
@@ -145,7 +145,7 @@ class Rod:
 
     def _solved(self, steps: Steps, case: "_LoadCase") -> RodSolution:
         problem = _problem(self, steps, case)
-        return _solution(self, problem, *follow(problem))
+        return _solution(self, problem, *continue_to_full_load(problem))
 
 
 @dataclass(frozen=True)
@@ -204,16 +204,17 @@ def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
     )
 
 
-def _solution(rod: Rod, problem: Problem, point: Point, count: int) -> RodSolution:
+def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSolution:
     """The dimensionless point in mm and N."""
     law, steps, length = rod.law, problem.steps, rod.length
     moment = point.states[:, 1] * (law.alpha2 / length)
-    share = np.full(len(moment), 1.0 if count else 0.0)
+    intercept_factor = np.full(len(moment), 1.0 if count else 0.0)
     if rod.fade > 0.0:
-        share *= np.minimum(1.0, np.abs(moment) / rod.fade)
+        intercept_factor *= np.minimum(1.0, np.abs(moment) / rod.fade)
     first = np.append(steps.first, False)
     kappa_0 = np.append(steps.kappa_0[:, 0], steps.kappa_0[-1, 1]) / length
-    deviation = (moment - share * np.where(first, law.m01, law.m02)) / np.where(first, law.alpha1, law.alpha2)
+    intercept = intercept_factor * np.where(first, law.m01, law.m02)
+    deviation = (moment - intercept) / np.where(first, law.alpha1, law.alpha2)
     arrays = {
         "s": steps.s * length,
         "x": rod.start[0] + length * point.states[:, 2],

@@ -1,4 +1,4 @@
-"""The intrinsic curvature of a rod, in the forms a caller may give it, cut into smooth steps for the integrator."""
+"""The intrinsic curvature of a rod, in any of its accepted forms, cut into smooth steps for the integrator."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,15 +11,15 @@ from rod.mechanics.shooting import ABSCISSAE
 
 Profile = float | Array | Callable[[Array], Array]
 
-#: steps on the rod's length, at least: constant kappa_0 and sampled kappa_0 (smooth between its samples)
-COARSEST = 40
-#: steps on the rod's length where kappa_0 is a function of unknown roughness
+#: smallest number of steps along the rod, for constant kappa_0 and for samples joined by straight lines
+MIN_STEPS = 40
+#: steps along the rod where kappa_0 is a function of unknown roughness
 FUNCTION_STEPS = 160
 
 
 @dataclass(frozen=True)
 class Steps:
-    """Step boundaries with kappa_0 where the integrator asks for it; lengths in units of the rod's length."""
+    """Step boundaries with kappa_0 at the stages of the integrator; lengths in units of the rod's length."""
 
     s: Array  #: (n + 1,) step boundaries from 0 to 1
     kappa_0: Array  #: (n, 6) kappa_0 times length at the stages of every step
@@ -40,10 +40,10 @@ def cut_into_steps(length: float, kappa_0: Profile, law: FiveParameters, refinem
     if not np.all(np.isfinite(values)):
         raise RodError("kappa_0 holds a value that is not a finite number.")
     if values.ndim == 0:
-        boundaries = _boundaries(np.linspace(0.0, 1.0, round(COARSEST * refinement) + 1), law.d / length)
+        boundaries = _boundaries(np.linspace(0.0, 1.0, round(MIN_STEPS * refinement) + 1), law.d / length)
         return _steps(boundaries, law.d / length, lambda s: np.full(s.shape, float(values) * length))
     samples, values = _samples(values, length)
-    boundaries = _boundaries(_refined(samples, COARSEST * refinement), law.d / length)
+    boundaries = _boundaries(_refined(samples, MIN_STEPS * refinement), law.d / length)
     return _steps(boundaries, law.d / length, lambda s: np.interp(s, samples, values) * length)
 
 

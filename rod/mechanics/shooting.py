@@ -55,7 +55,10 @@ _WEIGHTS = np.array([9, 0, 64, 0, 49, 49, 9]) / 180
 
 
 class RodArrays(NamedTuple):
-    """A dimensionless rod as the integrator reads it; one row or entry per step."""
+    """A dimensionless rod as the integrator reads it; one row or entry per step.
+
+    numba's cache on disk refers to this class and to `_Section` by name: renaming one makes old caches unreadable.
+    """
 
     s: Array  #: (n + 1,) step boundaries from 0 to 1
     kappa_0: Array  #: (n, 6) at ABSCISSAE of every step
