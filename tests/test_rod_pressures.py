@@ -69,7 +69,7 @@ def test_equation_9_is_that_of_the_paper():
     assert hat == pytest.approx((340.0 + 6.0 * 7.0) / (0.2 * 112.0**2) / 1.8**2)
 
 
-def test_equation_9_in_millimetres_leaves_the_cells_alone():
+def test_equation_9_leaves_curvature_and_rigidity_of_the_cells_unchanged():
     """More cells of the same kind change neither curvature nor rigidity."""
     for ratio in (0.64, 1.0, 1.8):
         other = scaled_arm(REFERENCE, length=ratio * 112.0, pressure=24.0)
@@ -118,29 +118,29 @@ def bent(p: list[float]) -> dict[str, tuple[list[float], list[float]]]:
 
 def test_the_range_ends_where_one_quantity_bends() -> None:
     p = [5.0, 10.0, 17.0, 24.0, 31.0, 37.0]
-    found = linear_range(p, bent(p))
-    assert found is not None
-    assert (found.low, found.high) == (17.0, 37.0)
-    assert found.tested
-    assert found.lines["bent"].slope == pytest.approx(10.0)
-    whole = linear_range(p, {"straight": bent(p)["straight"]})
-    assert whole is not None
-    assert (whole.low, whole.high) == (5.0, 37.0)
+    linear = linear_range(p, bent(p))
+    assert linear is not None
+    assert (linear.low, linear.high) == (17.0, 37.0)
+    assert linear.tested
+    assert linear.lines["bent"].slope == pytest.approx(10.0)
+    full = linear_range(p, {"straight": bent(p)["straight"]})
+    assert full is not None
+    assert (full.low, full.high) == (5.0, 37.0)
 
 
 def test_two_pressures_are_a_range_that_was_not_tested() -> None:
-    found = linear_range([17.0, 37.0], bent([17.0, 37.0]))
-    assert found is not None
-    assert not found.tested
+    linear = linear_range([17.0, 37.0], bent([17.0, 37.0]))
+    assert linear is not None
+    assert not linear.tested
     assert linear_range([17.0], bent([17.0])) is None
     zigzag = [10.0, 20.0, 30.0, 40.0]
     assert linear_range(zigzag, {"zigzag": ([1.0, 2.0, 1.0, 2.0], [0.01] * 4)}) is None
 
 
-def test_bisection_looks_beside_the_range_and_ends() -> None:
+def test_bisection_adds_pressures_beside_the_range_and_ends() -> None:
     p = [5.0, 17.0, 31.0, 45.0]
-    found = linear_range(p, bent(p))
-    assert next_pressure(p, found) == 11.0
+    linear = linear_range(p, bent(p))
+    assert next_pressure(p, linear) == 11.0
     straight = linear_range(p, {"straight": bent(p)["straight"]})
     assert next_pressure(p, straight) is None
     assert next_pressure([17.0, 37.0], None) is None
