@@ -1,1 +1,1 @@
-"""The story: from a config file to a report."""
+"""From a configuration file to a report: everything that runs the other rooms and writes their results."""

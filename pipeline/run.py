@@ -1,4 +1,4 @@
-"""The whole story of a run on one screen: config, body, experiments, five parameters, rod, report."""
+"""A run from beginning to end: configuration, body, experiments, five parameters, rod, report."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -28,7 +28,7 @@ from pipeline.validation.validate import validate
 def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> RunReport:
     """From a configuration to `out`/report.html, `jobs` experiments at a time; `fresh` replaces earlier results.
 
-    A pressure that is not reached is told by the report's `failures`; everything finished is in `out` then, the report
+    A pressure that is not reached is named in the report's `failures`; everything finished is in `out` then, the report
     included. Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed where
     nothing more can be solved (faces that cannot touch, a process that was ended from outside).
     """

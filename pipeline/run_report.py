@@ -1,4 +1,4 @@
-"""What a run leaves behind as one value, and the content of run.json."""
+"""The results of a run as one value, and the content of run.json."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.effects_record import EffectState
 from pipeline.simulation.outcome import Outcomes
+from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
 from pipeline.validation.compare import Comparison
@@ -58,6 +59,7 @@ class RunReport:
         """The content of run.json."""
         indicator = self.outcomes.largest_indicator
         return {
+            "format": FORMAT,
             "config": self.config.record(),
             "config_hash": self.config.hash,
             **provenance(),

@@ -11,11 +11,12 @@ import fem
 from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
-from pipeline.config.config import Config, Validation
+from pipeline.config.config import AUTO, Config, Validation
 from pipeline.config.load import load_config
 from pipeline.config.schema import EFFECTS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
+from pipeline.simulation.scene import Scene
 
 
 def refusal(path: Path, *overrides: str) -> str:
@@ -53,6 +54,31 @@ def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
     assert config.end.y_mm == 0.0
     assert config.mesh.formulation == "p2p0"
     assert {name: getattr(config.effects, name).state for name in EFFECTS} == dict.fromkeys(EFFECTS, "auto")
+
+
+def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> None:
+    record = load_config(configs / "pneunet_coarse.yaml", ["effects.self_contact={dhat: 0.1 mm}"]).record()
+    keys = ["name", "geometry", "material", "pressures_kPa", "end", "added_pressures", "validation", "mesh", "newton"]
+    assert list(record) == [*keys, "accuracy", "effects"]
+    assert record["end"] == {"y_mm": 0.0}
+    assert record["mesh"] == {"size_mm": 4.0, "formulation": "p2p0", "coarser": None, "grading": "off"}
+    effects = record["effects"]
+    assert isinstance(effects, dict)
+    assert list(effects) == list(EFFECTS)
+    assert effects["self_contact"] == {"state": "on", "dhat_mm": 0.1, "faces": None}
+    assert effects["gravity"] == {"state": "auto", "acceleration_mm_s2": [0.0, -9810.0, 0.0]}
+    assert effects["pressure"] == {"state": "auto", "cavities": {"cavity": {"fraction": 1.0, "constant_kPa": 0.0}}}
+
+
+def test_a_mesh_size_to_be_planned_is_no_number(configs: Path) -> None:
+    config = load_config(configs / "pneunet_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
+    assert config.mesh.size_mm is AUTO
+    assert config.record()["mesh"] == {"size_mm": "auto", "formulation": "p2p0", "coarser": None, "grading": "off"}
+    with pytest.raises(ValueError, match="still to be planned"):
+        _ = config.mesh.element_size_mm
+    with pytest.raises(InputError, match=r"mesh\.size: auto is only for `pneurod run`"):
+        Scene.meshed(config)
+    assert config.with_mesh_size(3.0).mesh.element_size_mm == 3.0
 
 
 def test_a_configuration_travels_to_other_processes(configs: Path) -> None:

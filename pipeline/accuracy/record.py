@@ -133,7 +133,11 @@ def convergence_study(
         "config_hash": config.hash,
         **provenance(),
         "pressures_kPa": list(config.pressures_kPa),
-        "as_configured": {"series": mesh_series(config), "size_mm": config.mesh.size_mm, "contact_mm": contact_mm},
+        "as_configured": {
+            "series": mesh_series(config),
+            "size_mm": config.mesh.element_size_mm,
+            "contact_mm": contact_mm,
+        },
     }
     marked = tuple(replace(row, on_front=number in front) for number, row in enumerate(rows))
     return ConvergenceStudy(config.name, config.hash, tuple(references.values()), marked, about)

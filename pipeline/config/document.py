@@ -130,10 +130,10 @@ def _complaint(error: Mapping[str, Any], model: Any) -> str:
 
 def _keys(model: Any, key: Key) -> Mapping[str, Any]:
     """The fields allowed below `key`."""
-    found: Mapping[str, Any] = model.model_fields
+    keys: Mapping[str, Any] = model.model_fields
     for name in key:
-        found = found[str(name)].annotation.model_fields
-    return found
+        keys = keys[str(name)].annotation.model_fields
+    return keys
 
 
 def _example(model: Any, key: Key) -> str:
@@ -165,14 +165,14 @@ class _Loader(yaml.SafeLoader):
 
 
 def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Hashable, Any]:
-    seen: set[Any] = set()
+    keys: set[Any] = set()
     for key_node, _ in node.value:
         key = loader.construct_object(key_node)
         if not isinstance(key, Hashable):
             raise yaml.constructor.ConstructorError(None, None, "a list or mapping as key", key_node.start_mark)
-        if key in seen:
+        if key in keys:
             raise yaml.constructor.ConstructorError(None, None, f"key '{key}' given twice", key_node.start_mark)
-        seen.add(key)
+        keys.add(key)
     return yaml.SafeLoader.construct_mapping(loader, node, deep=True)
 
 

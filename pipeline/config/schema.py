@@ -278,7 +278,7 @@ def checked(document: Document) -> tuple[Any, str, str]:
 
 
 def _design(family: str, document: Document) -> Any:
-    """The class of designs with the keys of `family`; a file of one's own is a mesh or a drawing by its suffix."""
+    """The class of designs with the keys of `family`; a user's own file is a mesh or a drawing by its suffix."""
     if family != OWN:
         return FAMILIES[family]
     file = document.content["geometry"].get("file", "")

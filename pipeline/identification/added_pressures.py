@@ -1,4 +1,4 @@
-"""Where the numbers are linear in the pressure, and pressures added by bisection where they are not."""
+"""The range of pressures in which the parameters are linear in the pressure, and pressures added by bisection."""
 
 from collections.abc import Sequence
 
@@ -27,7 +27,7 @@ def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], Quanti
 
 
 def covered_range(parameters: Sequence[Parameters]) -> LinearRange | None:
-    """The pressures that straight lines cover, or None."""
+    """The range of pressures in which straight lines hold; None where there is none."""
     pressures, quantities = quantities_of(parameters)
     return linear_range(pressures, quantities)
 
@@ -38,8 +38,8 @@ def with_added_pressures(
     outcomes: Outcomes,
     parameters: tuple[Parameters, ...],
 ) -> tuple[Outcomes, tuple[Parameters, ...], tuple[str, ...]]:
-    """Outcomes and numbers with up to `added_pressures` more pressures, each where it says most about the range,
-    and a sentence where one could not be had.
+    """Outcomes and parameters with up to `added_pressures` more pressures, each where it says most about the range of
+    linearity, and sentences where a pressure could not be added.
 
     Nothing is added to a run that stopped early, and no pressure after one that fails. Raises RunFailed as `simulate`.
     """

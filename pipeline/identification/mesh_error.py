@@ -54,11 +54,11 @@ def with_mesh_error(
 def mesh_deviations(
     fine: Sequence[Mapping[str, float]], coarse: Sequence[Mapping[str, float] | None], size: float, factor: float
 ) -> tuple[dict[str, float], ...]:
-    """Standard deviations by name of the numbers at every pressure, from those on a mesh of `size` (mm) and one
+    """Standard deviations by name of the numbers at every pressure, from those on a mesh of `size` (mm) and on a mesh
     `factor` times as coarse; empty where there is nothing to compare with at any pressure.
 
-    Two meshes may agree on a number by chance, so none gets less than the root mean square over the pressures, of the
-    relative errors for rigidities, which grow with the pressure.
+    Two meshes may agree on a number by chance, so no number gets less than the root mean square over the pressures,
+    of the relative errors for rigidities, which grow with the pressure.
     """
     sizes = (size, factor * size)
     scaled: list[dict[str, float]] = []

@@ -1,7 +1,7 @@
 """From centrelines to the five numbers per pressure, by three estimators side by side.
 
 Cell averages, a Gaussian process, and the rod that comes closest to shape and force. The rod is given the numbers of
-the cell averages, or their one line where that suffices: docs/identification.md says why.
+the cell averages, or those of a single line where it suffices (docs/identification.md gives the reasons).
 """
 
 from collections.abc import Mapping
@@ -52,7 +52,7 @@ class NoFit:
 
 @dataclass(frozen=True)
 class Parameters:
-    """What one pressure gives: curvatures with and without load, moment, and the numbers of three estimators."""
+    """What is identified at a pressure: curvatures with and without load, moment, the numbers of three estimators."""
 
     pressure_kPa: float
     free: Record  #: experiment II
@@ -65,7 +65,7 @@ class Parameters:
     extensible: Identification  #: from cell averages with the levers of the stretched curve, for the extensible rod
     extension: Extension  #: how the curve stretches: rest stretch and eccentricity
     by_rod: RodFit | NoFit  #: the same from the closest rod
-    #: what the mesh adds to the deviations of the rod's numbers; empty where it is not known
+    #: standard deviations due to the mesh by name; empty where they were not estimated
     mesh_std: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -75,7 +75,7 @@ class Parameters:
 
     @property
     def kappa_0_middle(self) -> float:
-        """kappa_0(l/2), 1/mm, between the cells nearest to the middle by a straight line."""
+        """kappa_0(l/2), 1/mm, interpolated linearly between the cells nearest to the middle."""
         return float(np.interp(self.kappa_0.length / 2, self.kappa_0.s, self.kappa_0.kappa))
 
     @property
@@ -90,12 +90,12 @@ class Parameters:
 
     @property
     def numbers(self) -> dict[str, Interval]:
-        """alpha1, alpha2, m01, m02, d of the rod, with the error of the mesh where it is known."""
+        """alpha1, alpha2, m01, m02, d of the rod, with the error of the mesh where it was estimated."""
         return self._with_mesh(self.numbers_without_mesh)
 
     @property
     def numbers_without_mesh(self) -> dict[str, Interval]:
-        """The same without it: over the pressures, which share their mesh, that error is no scatter."""
+        """The same without the error of the mesh, which is common to all pressures and no scatter between them."""
         return self._of_rod(self.by_cells)
 
     @property
@@ -104,9 +104,9 @@ class Parameters:
         return self._with_mesh(self._of_rod(self.extensible))
 
     def _of_rod(self, identification: Identification) -> dict[str, Interval]:
-        """The numbers of two lines, or twice those of one line where that suffices.
+        """The numbers of two lines, or those of a single line for both pieces where it suffices.
 
-        The place of a change that is none is put where the range of d begins.
+        A single line has no change of slope: d is then the lower end of its range.
         """
         line = identification.single_line
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
@@ -147,7 +147,7 @@ def observed(parameters: Parameters, record: Record) -> Observation:
 
 
 def identify_all(outcomes: Outcomes, pitch: float) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
-    """The numbers at every pressure reached in both II and III, and a sentence for each where there are none."""
+    """The parameters at every pressure reached in both II and III, and a sentence for each where there are none."""
     free = {record.pressure_kPa: record for record in outcomes["II"].records}
     loaded = {record.pressure_kPa: record for record in outcomes["III"].records}
     parameters, refused = [], []
@@ -161,13 +161,13 @@ def identify_all(outcomes: Outcomes, pitch: float) -> tuple[tuple[Parameters, ..
 
 def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> Parameters:
     curves = (free.centreline, loaded.centreline)
-    moment, moved = _moment_and_closure(free, loaded)
+    moment, closure = _moment_and_closure(free, loaded)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
     smoothing = shared_smoothing(curves, pitch)
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
-    by_cells = identify(kappa_0, kappa, moment, moved)
-    by_process = identify(smooth_0, smooth, moment, moved)
-    as_it_is = moment_from_load(loaded.centreline, loaded.load)
+    by_cells = identify(kappa_0, kappa, moment, closure)
+    by_process = identify(smooth_0, smooth, moment, closure)
+    stretched_moment = moment_from_load(loaded.centreline, loaded.load)
     return Parameters(
         pressure_kPa=pressure,
         free=free,
@@ -177,7 +177,7 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
         moment=moment,
         by_cells=by_cells,
         by_process=by_process,
-        extensible=identify(kappa_0, kappa, as_it_is, moved),
+        extensible=identify(kappa_0, kappa, stretched_moment, closure),
         extension=extension(*curves, pitch),
         by_rod=_closest_rod(LoadedShape(*curves, loaded.load, pitch), by_cells, by_process),
     )
@@ -186,8 +186,8 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
 def numbers_of_cells(free: Record, loaded: Record, pitch: float) -> Identification:
     """The numbers of the default estimator alone. Raises RodError."""
     kappa_0, kappa = (cell_averaged(record.centreline, pitch) for record in (free, loaded))
-    moment, moved = _moment_and_closure(free, loaded)
-    return identify(kappa_0, kappa, moment, moved)
+    moment, closure = _moment_and_closure(free, loaded)
+    return identify(kappa_0, kappa, moment, closure)
 
 
 def _moment_and_closure(free: Record, loaded: Record) -> tuple[Moment, Closure]:

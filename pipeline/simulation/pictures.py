@@ -7,7 +7,7 @@ from pipeline.store.store import Store
 
 
 def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
-    """The body whole and cut open, each state as a picture and as a file for ParaView, a series per experiment."""
+    """The body, also cut open at z = 0; each state as a picture and as a file for ParaView, a series per experiment."""
     mesh = body.mesh
     write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets)
     draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half)

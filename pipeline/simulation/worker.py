@@ -13,7 +13,7 @@ from pipeline.progress import Progress, Silent, ToQueue, relayed
 
 
 class _Worker:
-    """The state of this process: who is told of its progress. Set once, when the process starts."""
+    """The state of this process: who receives its progress. Set once, when the process starts."""
 
     progress: Progress = Silent()
 

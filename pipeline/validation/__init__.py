@@ -1,1 +1,1 @@
-"""The rod held against the finite elements."""
+"""The rod compared with the finite elements."""

@@ -1,4 +1,4 @@
-"""The rod held against the finite elements, and the curves of all experiments as one table."""
+"""The rod compared with the finite elements, and the curves of all experiments as one table."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -138,7 +138,7 @@ class Rods:
 
 
 def compare(parameters: Sequence[Parameters]) -> tuple[Comparison, ...]:
-    """The rod of every pressure, unloaded as in II and with its end held as in III."""
+    """The rod of every pressure, unloaded as in II and with the height of its end prescribed as in III."""
     comparisons = []
     for p in parameters:
         rods = Rods(p.rod, p.extensible_rod, p.moment_range)
@@ -148,8 +148,8 @@ def compare(parameters: Sequence[Parameters]) -> tuple[Comparison, ...]:
 
 
 def compare_rods(rods: Rods, state: ComparedState, pitch: float) -> Comparison:
-    """The rods under the load of a state: their end at the height of III with the couple that the held edge exerts
-    there, the force of dead, nothing in II."""
+    """The rods under the load of a state: their end at the height of III with the couple that the supported
+    edge exerts there, the force of dead, nothing in II."""
     record, length = state.record, state.record.centreline.length
     identified = rods.inextensible.length
     if abs(length - identified) > 1e-6 * identified:

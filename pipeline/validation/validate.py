@@ -1,4 +1,4 @@
-"""The rod under loads that its numbers were not fitted to, and the laws that such loads tell apart."""
+"""The rod under loads that its parameters were not fitted to, and the laws that such loads distinguish."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -45,7 +45,7 @@ class LawRow:
 
 @dataclass(frozen=True)
 class Validated:
-    """What the loads out of sample say."""
+    """The results at the loads out of sample."""
 
     comparisons: tuple[Comparison, ...]
     failures: tuple[str, ...]  #: a sentence for each load that was not solved
