@@ -28,7 +28,7 @@ class CadFile(Design):
     the length, about `cell` long.
     """
 
-    family: ClassVar[str] = "own_solid"
+    family: ClassVar[str] = "cad_file"
 
     file: str  #: path of the .step, .stp, .brep or .brp file
     clamp: float  #: x of the clamped end face

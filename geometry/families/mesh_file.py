@@ -29,7 +29,7 @@ class MeshFile(Design):
     config key to change. The cells are nominal: equal parts of the length, about `cell` long.
     """
 
-    family: ClassVar[str] = "own_mesh"
+    family: ClassVar[str] = "mesh_file"
 
     file: str  #: path of the mesh
     curve: float  #: y of the material curve
