@@ -12,6 +12,7 @@ from fem import (
     Gravity,
     Model,
     NewtonOptions,
+    PathObserver,
     PathOptions,
     Prescribed,
     Pressure,
@@ -78,7 +79,7 @@ def orders(model: Model) -> list[float]:
             seen.clear()
         seen.append(residual)
 
-    follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-11)), watch)
+    follow(model, [1.0], PathOptions(NewtonOptions(tolerance=1e-11)), PathObserver(watch))
     near = [residual for residual in seen if 1e-12 < residual < 0.02]
     return [float(np.log(after) / np.log(before)) for before, after in pairwise(near)]
 
