@@ -42,6 +42,7 @@ def read_results(directory: Path | str) -> Results:
         length_mm=_number(parameters.get("length_mm")),
         mass_g=_number(parameters.get("mass_g")),
         slopes=slopes,
+        mesh_error_reason=str(parameters.get("mesh_error_reason", "")),
         **frames,
         **{name: _rows(folder, name, contents) for name in _ROWS},
         **{name: _curves(folder, name) for name in _CURVES},

@@ -74,6 +74,9 @@ class Results:
     length_mm: float  #: rest length of the material curve; NaN where the identification was not reached
     mass_g: float  #: of the solid; NaN as above
     slopes: PressureSlopes
+    mesh_error_reason: (
+        str  #: why the error of the mesh could not be estimated; empty where it was, or was not requested
+    )
     #: one row per pressure: alpha1, alpha2, m01, m02, d, each with _std and the ends of its 95 % interval, and how well
     #: two lines and a single line describe the data
     parameters: pd.DataFrame = field(repr=False)

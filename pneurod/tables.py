@@ -18,21 +18,23 @@ Row = Mapping[str, Any]
 #: per pressure in parameters.json, besides the five parameters; booleans last
 _FIT = ("single_line_alpha_N_mm2", "single_line_alpha_N_mm2_std", "single_line_m0_N_mm")
 _QUALITY = ("r2_two_lines", "r2_single_line", "observations")
-_ANSWERS = ("d_is_at_most", "single_line_suffices")
+_BOOLEANS = ("d_is_at_most", "single_line_suffices")
 
 _CURVES = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
     *("moment_N_mm", "rod_x_mm", "rod_y_mm", "rod_kappa_per_mm"),
 )
-#: columns that a frame has even without rows; what the files say more stands behind them
+#: columns that a frame has even without rows; further ones of the files come behind them
 _FIRST: dict[str, tuple[str, ...]] = {
     "experiments": (
         *("experiment", "pressure_kPa", "end_x_mm", "end_y_mm", "reaction_x_N", "reaction_y_N", "cavity_volume_mm3"),
         *("stretch_of_curve", "min_J", "max_stretch", "min_stretch", "min_gap_mm", "seconds", "status", "reason"),
     ),
     "validation": (
-        *("experiment", "pressure_kPa", "load", "sample", "distance_over_length", "end_angle_error_rad"),
-        *("force_error", "force_N", "rod_force_N", "reason", "warning"),
+        *("experiment", "pressure_kPa", "load", "sample", "distance_over_length", "distance_at_s_mm"),
+        *("distance_over_length_without_stretch", "end_angle_error_rad", "force_error", "force_N", "rod_force_N"),
+        *("curvature_error", "curvature_error_at_s_mm", "distance_over_length_with_eccentricity"),
+        *("force_error_with_eccentricity", "reason", "reason_with_eccentricity", "warning"),
     ),
     "laws": ("pressure_kPa", "law", "numbers", "in_sample", "out_of_sample", "simplest"),
     "effects": ("effect", "state", "reason", "share_of_time"),
@@ -44,9 +46,11 @@ _FIRST: dict[str, tuple[str, ...]] = {
     "break_profile": ("pressure_kPa", "d_mm", "rms_per_mm"),
     "dimensionless": ("pressure_kPa", "s_over_length", "delta_kappa_times_length", "moment_over_m_g_length"),
 }
-#: columns that hold texts, empty where the file says nothing; all others hold numbers or true and false
-_TEXTS = {"experiment", "load", "sample", "law", "effect", "state", "status", "reason", "warning", "quantity"}
-_TEXTS |= {"estimator"}
+#: columns that hold texts, empty where the file has none; all others hold numbers or true and false
+_TEXTS = {
+    *("experiment", "load", "sample", "law", "effect", "state", "status", "quantity"),
+    *("reason", "reason_with_eccentricity", "warning"),
+}
 
 
 def rows_frame(name: str, rows: Sequence[Row]) -> pd.DataFrame:
@@ -68,7 +72,7 @@ def parameter_frames(content: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
     profile = content["kappa_0"] if pressures else {}
     stretched = content.get("eccentricity", {}) if pressures else {}
     estimators = [
-        _by_pressure(pressures, columns).assign(estimator=name)
+        _by_pressure(pressures, columns).assign(estimator=name, reason=columns.get("reason", ""))
         for name, columns in content.get("estimators", {}).items()
         if pressures
     ]
@@ -84,21 +88,13 @@ def parameter_frames(content: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
     return {
         "parameters": parameters,
         "extensible": extensible,
-        "estimators": _leading("estimator", pd.concat(estimators or [_by_pressure([], {})], ignore_index=True)),
+        "estimators": _estimators(estimators),
         "kappa_0": _profile(pressures, profile, stretched),
         "kappa_0_cells": _cells(pressures, profile),
         "linearity": _linearity(pressures, content.get("straightness", [])),
         "break_profile": _expanded("break_profile", content.get("profile_over_d", [])),
         "dimensionless": _expanded("dimensionless", content.get("dimensionless", [])),
     }
-
-
-def empty_frames() -> dict[str, pd.DataFrame]:
-    """Every frame of `Results` without rows."""
-    return {**parameter_frames({}), **{name: rows_frame(name, []) for name in _FIRST if name not in _OF_PARAMETERS}}
-
-
-_OF_PARAMETERS = ("kappa_0", "kappa_0_cells", "linearity", "break_profile", "dimensionless")
 
 
 def _by_pressure(pressures: Sequence[float], content: Mapping[str, Any]) -> pd.DataFrame:
@@ -112,7 +108,7 @@ def _by_pressure(pressures: Sequence[float], content: Mapping[str, Any]) -> pd.D
     columns |= {name: _numbers(content[name], count) for name in (*_FIT, *_QUALITY) if name in content}
     if "moment_range_N_mm" in content:
         columns |= _ends("moment_range_{}_N_mm", content["moment_range_N_mm"], count)
-    columns |= {name: pd.array(content[name], dtype="boolean") for name in _ANSWERS if name in content}
+    columns |= {name: pd.array(content[name], dtype="boolean") for name in _BOOLEANS if name in content}
     return pd.DataFrame(columns)
 
 
@@ -184,6 +180,7 @@ def _frame(name: str, frame: pd.DataFrame) -> pd.DataFrame:
     return frame
 
 
-def _leading(column: str, frame: pd.DataFrame) -> pd.DataFrame:
-    frame = frame.reindex(columns=[column, *(other for other in frame.columns if other != column)])
-    return frame.astype({column: str})
+def _estimators(frames: Sequence[pd.DataFrame]) -> pd.DataFrame:
+    frame = pd.concat(frames or [_by_pressure([], {}).assign(estimator="", reason="")], ignore_index=True)
+    columns = ["estimator", *(column for column in frame.columns if column != "estimator")]
+    return frame.reindex(columns=columns).astype({"estimator": str, "reason": str})
