@@ -223,6 +223,13 @@ def test_a_failed_run_says_where_its_results_are(design: Path, tmp_path: Path) -
         partial.rod(5.0)
 
 
+def test_every_field_is_documented() -> None:
+    """In the section on Python of docs/results.md."""
+    section = (HERE / "docs" / "results.md").read_text(encoding="utf-8").partition("## From Python")[2]
+    names = {field.name for value in (pneurod.Results, pneurod.RunRecord) for field in fields(value)}
+    assert {name for name in names if f"`{name}`" not in section} == set()
+
+
 def test_results_of_format_1_are_read() -> None:
     results = pneurod.read_results(OLD)
     assert "format" not in json.loads((OLD / "parameters.json").read_text(encoding="utf-8"))
