@@ -110,14 +110,14 @@ def test_second_order_file_is_read_by_its_corners(tmp_path: Path) -> None:
 
 
 def test_mirrored_body_is_twice_the_half(reference: Mesh) -> None:
-    whole = reference.mirrored()
-    assert "sym" not in whole.faces
-    assert whole.volume == pytest.approx(2 * reference.volume, rel=1e-13)
-    assert whole.enclosed_volume("cavity") == pytest.approx(2 * 3565, rel=1e-13)
-    assert len(whole.points) == 2 * len(reference.points) - len(np.unique(reference.faces["sym"]))
-    assert sum(map(len, whole.faces.values())) == len(whole.boundary)
+    full = reference.mirrored()
+    assert "sym" not in full.faces
+    assert full.volume == pytest.approx(2 * reference.volume, rel=1e-13)
+    assert full.enclosed_volume("cavity") == pytest.approx(2 * 3565, rel=1e-13)
+    assert len(full.points) == 2 * len(reference.points) - len(np.unique(reference.faces["sym"]))
+    assert sum(map(len, full.faces.values())) == len(full.boundary)
     with pytest.raises(MeshError, match="named sym"):
-        whole.mirrored()
+        full.mirrored()
 
 
 def test_mesh_survives_a_trip_to_another_process(reference: Mesh) -> None:
@@ -129,10 +129,10 @@ def test_mesh_survives_a_trip_to_another_process(reference: Mesh) -> None:
 
 
 def test_plane_holds_inner_triangles_too(reference: Mesh) -> None:
-    whole = reference.mirrored()
-    inner = whole.plane(2, 0)
+    full = reference.mirrored()
+    inner = full.plane(2, 0)
     assert len(inner) == len(reference.faces["sym"])
-    assert (normals(whole, inner)[:, 2] > 0).all()
+    assert (normals(full, inner)[:, 2] > 0).all()
 
 
 def broken(content: meshio.Mesh, case: str) -> meshio.Mesh:
@@ -196,8 +196,8 @@ def test_open_face_encloses_nothing(reference: Mesh) -> None:
 
 def test_importing_geometry_loads_neither_gmsh_nor_meshio() -> None:
     code = "import sys, geometry; print([m for m in ('gmsh', 'meshio', 'scipy', 'pyvista') if m in sys.modules])"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"
+    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert process.stdout.strip() == "[]"
 
 
 def test_gmsh_leaves_signals_and_output_alone(capfd: pytest.CaptureFixture[str]) -> None:

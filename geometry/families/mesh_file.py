@@ -40,10 +40,10 @@ class MeshFile(Design):
         for key in ("cell", "unit"):
             if not (isfinite(getattr(self, key)) and getattr(self, key) > 0):
                 raise DesignError(key, f"must be a positive length, not {getattr(self, key)!r}")
-        _ = self.ready
+        _ = self.fixed_body
 
     @cached_property
-    def ready(self) -> Body:
+    def fixed_body(self) -> Body:
         """The body, moved along x so that its clamp is at x = 0."""
         try:
             return self._read()
@@ -93,12 +93,12 @@ class MeshFile(Design):
 
     @property
     def length(self) -> float:
-        return self.ready.length
+        return self.fixed_body.length
 
     @property
     def extent(self) -> tuple[float, float, float]:
-        x, y, z = (float(side) for side in np.ptp(self.ready.mesh.points, axis=0))
-        return (x, y, 2 * z if self.ready.half else z)
+        x, y, z = (float(side) for side in np.ptp(self.fixed_body.mesh.points, axis=0))
+        return (x, y, 2 * z if self.fixed_body.half else z)
 
     @property
     def curve_y(self) -> float:
@@ -106,21 +106,21 @@ class MeshFile(Design):
 
     @property
     def pitch(self) -> float:
-        return self.ready.pitch
+        return self.fixed_body.pitch
 
     @property
     def solid_volume(self) -> float:
-        return self._halves * self.ready.mesh.volume
+        return self._halves * self.fixed_body.mesh.volume
 
     @cached_property
     def cavity_volumes(self) -> Mapping[str, float]:
-        return {name: self._halves * self.ready.mesh.enclosed_volume(name) for name in self.ready.cavities}
+        return {name: self._halves * self.fixed_body.mesh.enclosed_volume(name) for name in self.fixed_body.cavities}
 
     @property
     def _halves(self) -> int:
         """Number of times that the meshed volume is in the body."""
-        return 2 if self.ready.half else 1
+        return 2 if self.fixed_body.half else 1
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
         """The mesh of the file; `size` and `grading` are not used."""
-        return self.ready
+        return self.fixed_body

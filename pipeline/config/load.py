@@ -106,7 +106,7 @@ def _design(document: Document, content: Any, family: str) -> tuple[Design, floa
                 raise document.wrong(
                     ("accuracy",), "a ready mesh cannot be made finer; leave it out, or give a drawing"
                 )
-            return design, design.ready.mesh.quality.longest_edge
+            return design, design.fixed_body.mesh.quality.longest_edge
         if content.mesh.size is None and content.accuracy is None:
             raise document.wrong(
                 ("mesh", "size"), "is auto, but no accuracy is asked for; give --accuracy 2%, or a size such as 4 mm"

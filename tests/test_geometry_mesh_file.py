@@ -1,0 +1,93 @@
+"""Bodies from mesh files, and the messages for meshes that cannot be used."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from geometry import DesignError, Mesh, MeshFile, PneuNet
+from geometry.manifold import count_components
+
+
+@pytest.fixture(scope="module")
+def pneunet(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("mesh") / "pneunet.msh"
+    PneuNet(chambers=2).body(5).mesh.write(path)
+    return path
+
+
+def test_mesh_file_becomes_a_body(pneunet: Path) -> None:
+    drawn = PneuNet(chambers=2)
+    design = MeshFile(str(pneunet), curve=1)
+    assert design.extent == pytest.approx(drawn.extent)
+    assert design.solid_volume == pytest.approx(drawn.solid_volume)
+    assert design.cavity_volume == pytest.approx(drawn.cavity_volume)
+    assert design.length == pytest.approx(22)
+    assert design.body(3) is design.fixed_body
+    assert len(design.digest) == 64
+
+
+def test_mesh_in_metres_needs_its_unit(pneunet: Path, tmp_path: Path) -> None:
+    mesh = Mesh.read(pneunet)
+    Mesh(np.add(mesh.points, [3, 0, 0]) / 1000, mesh.tets, mesh.faces).write(tmp_path / "metres.msh")
+    with pytest.raises(DesignError, match=r"file, unit: the body measures .* in another unit"):
+        MeshFile(str(tmp_path / "metres.msh"), curve=1)
+    assert MeshFile(str(tmp_path / "metres.msh"), curve=1, unit=1000).length == pytest.approx(22)
+
+
+def renamed(mesh: Mesh, **names: str) -> Mesh:
+    return Mesh(mesh.points, mesh.tets, {names.get(name, name): triangles for name, triangles in mesh.faces.items()})
+
+
+def duplicated(mesh: Mesh) -> Mesh:
+    count = len(mesh.points)
+    faces = {name: np.vstack([f, f + count]) for name, f in mesh.faces.items()}
+    return Mesh(
+        np.vstack([mesh.points, np.add(mesh.points, [0, 2 * np.ptp(mesh.points), 0])]),
+        np.vstack([mesh.tets, mesh.tets + count]),
+        faces,
+    )
+
+
+def with_open_cavity(mesh: Mesh) -> Mesh:
+    return Mesh(mesh.points, mesh.tets, dict(mesh.faces) | {"cavity": mesh.faces["cavity"][1:]})
+
+
+def with_hinge(mesh: Mesh) -> Mesh:
+    """One more tetrahedron that touches the body along an edge of its top only."""
+    a, b = mesh.faces["outer"][np.argmax(mesh.points[mesh.faces["outer"]][:, :, 1].min(axis=1))][:2]
+    count, middle = len(mesh.points), mesh.points[[a, b]].mean(axis=0)
+    points = np.vstack([mesh.points, np.add(middle, [[0.5, 3, 0.2], [-0.5, 3, -0.2]])])
+    return Mesh(points, np.vstack([mesh.tets, [[a, b, count, count + 1]]]), mesh.faces)
+
+
+BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
+    "no clamp": (lambda mesh: renamed(mesh, clamp="foot"), "no face named clamp"),
+    "no cavity": (lambda mesh: renamed(mesh, cavity="air"), "no face named cavity"),
+    "round clamp": (lambda mesh: renamed(mesh, clamp="foot", outer="clamp"), "clamp must be flat"),
+    "backwards": (lambda mesh: renamed(mesh, clamp="tip", tip="clamp"), "tip must lie at a greater x"),
+    "open cavity": (with_open_cavity, "cavity encloses no volume: it has an open edge near"),
+    "filled cavity": (lambda mesh: renamed(mesh.mirrored(), outer="cavity_2"), "cavity_2 encloses"),
+    "two solids": (duplicated, "2 solids"),
+    "hinge": (with_hinge, "not manifold: an edge near"),
+}
+
+
+def test_components_are_counted() -> None:
+    mesh = PneuNet().body(5).mesh
+    assert [count_components(m) for m in (mesh, duplicated(mesh), duplicated(duplicated(mesh)))] == [1, 2, 4]
+
+
+@pytest.mark.parametrize("case", BAD_MESHES)
+def test_meshes_that_cannot_be_used(case: str, pneunet: Path, tmp_path: Path) -> None:
+    change, sentence = BAD_MESHES[case]
+    change(Mesh.read(pneunet)).write(tmp_path / "bad.msh")
+    with pytest.raises(DesignError, match=sentence) as caught:
+        MeshFile(str(tmp_path / "bad.msh"), curve=1)
+    assert caught.value.keys[0] == "file"
+
+
+def test_mesh_without_edges_along_the_curve_is_refused(pneunet: Path) -> None:
+    with pytest.raises(DesignError, match=r"file: the material curve y = 1\.5 mm, z = 0"):
+        MeshFile(str(pneunet), curve=1.5)
