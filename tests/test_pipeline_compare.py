@@ -119,6 +119,17 @@ def test_the_extensible_rod_follows_a_curve_that_stretches() -> None:
     assert row["distance_over_length"] > 0.01
 
 
+def test_the_reason_of_an_extensible_rod_without_equilibrium_is_kept() -> None:
+    solid = record("III", ROD, end_y=60.0)
+    short = replace(ROD, extension=Extension(S, np.full(len(S), 0.3), 0.0))  # 34 mm long, its end cannot be at 60 mm
+    both = Rods(ROD, short, ALL)
+    row = row_of(both, solid)
+    assert row["reason"] == ""
+    assert row["reason_with_eccentricity"].endswith(".")
+    assert row["force_error_with_eccentricity"] is None
+    assert abs(row["force_error"]) < 1e-7
+
+
 def test_the_couple_of_the_held_edge_is_part_of_the_load() -> None:
     held = record("III", ROD, end_y=1.0, moment=0.5)
     held = replace(held, load=replace(held.load, couple=0.5))

@@ -3,17 +3,21 @@
 import json
 import math
 from pathlib import Path
+from typing import cast
 
 import pytest
 
 from pipeline.config.load import load_config
+from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.mesh_error import mesh_deviations
+from pipeline.identification.mesh_error import mesh_deviations, with_mesh_error
+from pipeline.identification.parameters import Parameters
 from pipeline.identification.richardson import extrapolated
 from pipeline.progress import Silent
 from pipeline.report.numbers import mesh_error
 from pipeline.report.results import read_results
 from pipeline.run import run
+from pipeline.store.store import open_store
 from rod import Interval
 
 SHORT = """
@@ -64,6 +68,20 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     said = mesh_error(read_results(tmp_path / "out"))
     assert said.startswith("They contain the error of the mesh, from sizes of 6 and 9 mm, which took")
     assert "N mm² of α₁" in said
+
+
+def test_a_second_mesh_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "seven.yaml"
+    path.write_text(SHORT.replace("coarser: 1.5", "coarser: 50"), encoding="utf-8")
+    config, parameters = load_config(path), (cast(Parameters, object()),)
+    with open_store(tmp_path / "out", config) as store:
+        same, reason = with_mesh_error(config, RunContext(store, 1, Silent()), parameters)
+    assert same == parameters
+    assert reason.startswith("the mesh 50 times as coarse cannot be made: ")
+    content = {"pressures_kPa": [6.0], "mesh_error": None, "mesh_error_reason": reason}
+    (tmp_path / "parameters.json").write_text(json.dumps(content))
+    (tmp_path / "run.json").write_text(json.dumps({"config": {"mesh": {"coarser": 50.0}}}))
+    assert reason in mesh_error(read_results(tmp_path))
 
 
 def test_without_a_second_mesh_the_report_says_so(tmp_path: Path) -> None:

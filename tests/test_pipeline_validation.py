@@ -87,6 +87,7 @@ def test_parameters_show_three_estimators_with_intervals(results: Path) -> None:
         for value, (low, high) in zip(columns["alpha2_N_mm2"], columns["alpha2_N_mm2_95"], strict=True):
             assert low <= value <= high
         assert len(columns["d_is_at_most"]) == count
+        assert columns["reason"] == [""] * count
     assert len(parameters["observations"]) == count
     assert [row["quantity"] for row in parameters["straightness"]] == ["alpha1", "alpha2", "kappa_0"]
     for place, suffices in enumerate(parameters["single_line_suffices"]):
