@@ -12,6 +12,7 @@ from pipeline.material.law_fit import LawFit, Refused
 from pipeline.material.moduli import PAPER, HighModulusCheck, check_high_modulus
 from pipeline.material.sentences import caveats, moduli_sentences, yaml_block
 from pipeline.material.tensile import read_tensile
+from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import open_folder
@@ -36,12 +37,13 @@ def _record(paths: Sequence[Path], fits: Fits) -> JsonObject:
     """The content of material.json."""
     measured = check_high_modulus(fits.moduli.low, fits.moduli.high, fits.options.nu)
     return {
+        "format": FORMAT,
         "files": [str(path) for path in paths],
         "tests": [
             {"test": test.name, "points": len(test.stretch), "strain": [test.strain[0], test.strain[-1]]}
             for test in fits.tests
         ],
-        "asked": asdict(fits.options),
+        "requested": asdict(fits.options),
         "moduli": fits.moduli.record(),
         "choice_of_E_H": {"these_data": _check_record(measured), "paper": _check_record(check_high_modulus(*PAPER))},
         "laws": [

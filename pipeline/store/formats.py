@@ -4,9 +4,9 @@ from typing import Any
 
 #: the `status` of a row of experiments.json: the pressure was reached, or it was not
 CONVERGED, NOT_CONVERGED = "converged", "not converged"
-#: number of the present set of keys, written as `format` to parameters.json; files without it are of format 1
+#: number of the present set of keys, written as `format` to the files; files without it are of format 1
 FORMAT = 2
-#: keys of format 1 -> keys of format 2 (parameters.json, validation.json, effects_table.json, run.json, accuracy.json)
+#: keys of format 1 -> keys of format 2 (parameters, validation, effects_table, run, accuracy and material .json)
 RENAMED = {
     "sixth_number": "eccentricity",
     "one_line_suffices": "single_line_suffices",
