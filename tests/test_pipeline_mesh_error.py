@@ -88,7 +88,7 @@ def test_without_a_second_mesh_the_report_says_so(tmp_path: Path) -> None:
     (tmp_path / "parameters.json").write_text(json.dumps({"pressures_kPa": [6.0], "mesh_error": None}))
     assert mesh_error(read_results(tmp_path)).endswith("mesh.coarser in the configuration adds it.")
     (tmp_path / "run.json").write_text(json.dumps({"config": {"mesh": {"coarser": 1.5}}}))
-    assert mesh_error(read_results(tmp_path)).endswith("a mesh 1.5 times as coarse gave no numbers.")
+    assert mesh_error(read_results(tmp_path)).endswith("a mesh 1.5 times as coarse gave no parameters.")
 
 
 def test_a_finer_second_mesh_is_refused(tmp_path: Path) -> None:
