@@ -7,12 +7,12 @@ is extrapolated over the degrees of freedom as in `pneurod accuracy`. Renews the
 marks; finished runs and meshes in RESULTS are kept. Three quarters of an hour with one thread.
 """
 
-import json
 import re
 import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -22,15 +22,14 @@ HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
 from pipeline.accuracy.ladder import Rung, mesh_series  # noqa: E402
-from pipeline.accuracy.measure import measure  # noqa: E402
+from pipeline.accuracy.measure import measure, numbers_of  # noqa: E402
 from pipeline.accuracy.result import HEADLINE, Headline, RungResult  # noqa: E402
 from pipeline.config.config import Config, Newton  # noqa: E402
 from pipeline.config.load import load_config  # noqa: E402
 from pipeline.identification.richardson import extrapolated  # noqa: E402
 from pipeline.progress import Silent  # noqa: E402
 from pipeline.run import run  # noqa: E402
-from pipeline.store.atomic_file import write_atomic  # noqa: E402
-from pipeline.store.formats import with_present_keys  # noqa: E402
+from pipeline.study import JsonFiles, Study  # noqa: E402
 
 DOCS = HERE / "docs" / "accuracy.md"
 MARKS = "<!-- asked-accuracy -->", "<!-- end of asked-accuracy -->"
@@ -111,46 +110,41 @@ class Solved:
     numbers: tuple[Headline, ...]  #: by pressure
     cpu_seconds: float
 
-
-def solved(request: Request, folder: Path) -> Solved:
-    """The run; kept in `folder`."""
-    file = folder / "asked.json"
-    if not file.is_file():
-        begin = process_time()
-        with tempfile.TemporaryDirectory() as out:
-            run(request.config, Path(out), 1, True, Silent()).raise_if_failed()
-            record, parameters, rows = (
-                json.loads((Path(out) / f"{name}.json").read_text(encoding="utf-8"))
-                for name in ("run", "parameters", "experiments")
-            )
-        forces = {row["pressure_kPa"]: row["reaction_N"][1] for row in rows if row["experiment"] == "III"}
-        numbers = tuple(
-            Headline(kappa, alpha2, forces[pressure])
-            for pressure, kappa, alpha2 in zip(
-                *(parameters["pressures_kPa"], parameters["kappa_0"]["middle_per_mm"], parameters["alpha2_N_mm2"]),
-                strict=True,
-            )
-        )
-        result = Solved(record["accuracy"], max(record["degrees_of_freedom"].values()), numbers, process_time() - begin)
-        write_atomic(file, json.dumps(asdict(result), indent=2).encode())
-    kept = with_present_keys(json.loads(file.read_text(encoding="utf-8")))
-    return Solved(**{**kept, "numbers": tuple(Headline(**numbers) for numbers in kept["numbers"])})
+    @staticmethod
+    def read(record: dict[str, Any]) -> "Solved":
+        """From the file of a design."""
+        return Solved(**{**record, "numbers": tuple(Headline(**numbers) for numbers in record["numbers"])})
 
 
-def finer(request: Request, accuracy: dict[str, Any], factor: float, folder: Path) -> RungResult:
-    """The same numbers on a mesh of `factor` times the planned size; kept in `folder`."""
+def solve(request: Request) -> Solved:
+    """Run a design with its requested accuracy."""
+    begin = process_time()
+    with tempfile.TemporaryDirectory() as out:
+        report = run(request.config, Path(out), 1, True, Silent())
+        report.raise_if_failed()
+    if report.accuracy is None:
+        raise RuntimeError(f"{request.name}: no accuracy was planned")
+    accuracy = dict(report.accuracy.plan.record(report.accuracy.review))
+    numbers = tuple(numbers_of(at_pressure).headline for at_pressure in report.parameters)
+    return Solved(accuracy, report.outcomes.degrees_of_freedom, numbers, process_time() - begin)
+
+
+def finer_rung(request: Request, accuracy: dict[str, Any], factor: float) -> Rung:
+    """The design on a mesh of `factor` times the planned size."""
     size = factor * accuracy["size_mm"]
-    file = folder / f"{size:.4g}mm.json"
-    if not file.is_file():
-        config = request.config
-        mesh = replace(config.mesh, size_mm=size, formulation=accuracy["formulation"], grading=accuracy["grading"])
-        config = replace(config, mesh=mesh, newton=Newton(accuracy["newton_tolerance"]))
-        config = config.with_contact_distance(accuracy["contact_dhat_mm"])
-        result = measure(Rung(mesh_series(config), size, config))
-        if result.failure:
-            raise RuntimeError(f"{request.name}, mesh of {size:.3g} mm: {result.failure}")
-        write_atomic(file, json.dumps(result.record(), indent=2).encode())
-    return RungResult.read(json.loads(file.read_text(encoding="utf-8")))
+    config = request.config
+    mesh = replace(config.mesh, size_mm=size, formulation=accuracy["formulation"], grading=accuracy["grading"])
+    config = replace(config, mesh=mesh, newton=Newton(accuracy["newton_tolerance"]))
+    config = config.with_contact_distance(accuracy["contact_dhat_mm"])
+    return Rung(mesh_series(config), size, config)
+
+
+def measure_all(rung: Rung) -> RungResult:
+    """The numbers at every pressure. Raises RuntimeError where one is missing."""
+    result = measure(rung)
+    if result.failure:
+        raise RuntimeError(f"{rung.config.name}, mesh of {rung.value:.3g} mm: {result.failure}")
+    return result
 
 
 @dataclass(frozen=True)
@@ -209,14 +203,20 @@ TITLES = (
 )
 
 
+def _file_of_rung(folder: Path, rung: Rung) -> Path:
+    return folder / f"{rung.value:.4g}mm.json"
+
+
 def main(results: Path) -> None:
     """Run what is missing and write the table."""
     lines = [f"| {' | '.join(TITLES)} |", "|---|---:|---:|---:|---:|---|---|---|---:|---:|"]
-    for request in DESIGNS:
-        folder = results / request.name
-        folder.mkdir(parents=True, exist_ok=True)
-        result = solved(request, folder)
-        references = [finer(request, result.accuracy, factor, folder) for factor in FINER]
+    designs = Study(
+        DESIGNS, solve, JsonFiles(lambda request: results / request.name / "asked.json", asdict, Solved.read)
+    )
+    for request, result in designs.run():
+        rungs = [finer_rung(request, result.accuracy, factor) for factor in FINER]
+        files = JsonFiles(partial(_file_of_rung, results / request.name), RungResult.record, RungResult.read)
+        references = [reference for _, reference in Study(rungs, measure_all, files).run()]
         lines.append(row(request, result, true_errors(result, references)))
         sys.stdout.write(lines[-1] + "\n")
         sys.stdout.flush()

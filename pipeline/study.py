@@ -4,12 +4,16 @@ The convergence study, the study of effects and the benchmarks are studies; they
 measured, and in where results are kept.
 """
 
+import json
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import as_completed
 from dataclasses import dataclass
-from typing import Generic, Protocol, TypeVar
+from pathlib import Path
+from typing import Any, Generic, Protocol, TypeVar
 
 from pipeline.processes import process_pool
+from pipeline.store.atomic_file import write_atomic
+from pipeline.store.formats import with_present_keys
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")
@@ -24,6 +28,28 @@ class Record(Protocol[Given, Result]):
 
     def save(self, case: Given, result: Result) -> None:
         """Keep a result."""
+
+
+@dataclass(frozen=True)
+class JsonFiles(Generic[Case, Result]):
+    """A record with one JSON file per case; a file is valid until it is deleted."""
+
+    file: Callable[[Case], Path]
+    to_json: Callable[[Result], Any]
+    from_json: Callable[[Any], Result]
+
+    def read(self, case: Case) -> Result | None:
+        """The result in the file of a case, None where there is no file."""
+        path = self.file(case)
+        return (
+            self.from_json(with_present_keys(json.loads(path.read_text(encoding="utf-8")))) if path.is_file() else None
+        )
+
+    def save(self, case: Case, result: Result) -> None:
+        """Write the file of a case."""
+        path = self.file(case)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomic(path, json.dumps(self.to_json(result), indent=2).encode())
 
 
 @dataclass(frozen=True)
