@@ -143,18 +143,7 @@ def write_somo(arm: Arm, path: Path) -> None:
     planar_flag 2 lets every joint have its own spring and neutral position. The arm lies along SoMo's z and bends about
     its x. Lengths, forces and stiffnesses still have to be multiplied by SoMo's world scale.
     """
-    rod, h = arm.rod, 1e-3 * arm.piece
-    cut = joints(rod, np.linspace(0.0, rod.length, arm.elements + 1))
-    mass, width = 1e-3 * arm.mass / arm.elements, 2e-3 * arm.radius
-    inertia = mass * (width**2 + h**2) / 12.0
-    link = {
-        "shape_type": "box",
-        "dimensions": [width, width, h],
-        "mass": mass,
-        "inertial_values": [inertia, 0, 0, inertia, 0, mass * width**2 / 6.0],
-        "material_color": [0.2, 0.4, 0.7, 1.0],
-        "material_name": "rod",
-    }
+    cut = joints(arm.rod, np.linspace(0.0, arm.rod.length, arm.elements + 1))
     springs = [
         {
             "joint_type": "revolute",
@@ -168,10 +157,10 @@ def write_somo(arm: Arm, path: Path) -> None:
         for c, r in zip(cut.compliance, cut.rest_rotation, strict=True)
     ]
     actuator = {
-        "actuator_length": 1e-3 * rod.length,
+        "actuator_length": 1e-3 * arm.rod.length,
         "n_segments": arm.elements,
         "planar_flag": 2,
-        "link_definition": link,
+        "link_definition": _somo_link(arm),
         "joint_definitions": springs,
     }
     content = {
@@ -183,6 +172,20 @@ def write_somo(arm: Arm, path: Path) -> None:
         "tip_definitions": None,
     }
     path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def _somo_link(arm: Arm) -> dict[str, object]:
+    """The box between two joints."""
+    mass, width, length = 1e-3 * arm.mass / arm.elements, 2e-3 * arm.radius, 1e-3 * arm.piece
+    inertia = mass * (width**2 + length**2) / 12.0
+    return {
+        "shape_type": "box",
+        "dimensions": [width, width, length],
+        "mass": mass,
+        "inertial_values": [inertia, 0, 0, inertia, 0, mass * width**2 / 6.0],
+        "material_color": [0.2, 0.4, 0.7, 1.0],
+        "material_name": "rod",
+    }
 
 
 def write_sorosim(arm: Arm, path: Path) -> None:
