@@ -158,6 +158,21 @@ def symmetric(indptr: Array, indices: Array, data: Array) -> Array:
     return upper + np.triu(upper, 1).T
 
 
+def test_a_reduction_serves_all_values_with_the_same_stored_entries() -> None:
+    system = Model(box((1, 1, 1), (1.0, 1.0, 1.0)), LAW, [], []).system()
+    pattern, fixed = system.storage.pattern, [Fixed("left", "x"), Fixed("back", "z")]
+    data = np.random.default_rng(3).normal(size=pattern.indices.shape[0])
+    planes = [(1.0, 0.0, 0.0), (1.0, 0.3, 0.0), (1.0, -1.5, 0.4)]
+    matrices = [Constraints.of([*fixed, SharedPlane("right", n)], system.space).transformation for n in planes]
+    reduction = Reduction.of(pattern.indptr, pattern.indices, matrices[0])
+    for matrix in matrices:
+        assert reduction.applies_to(matrix)
+        expected = Reduction.of(pattern.indptr, pattern.indices, matrix).values(data)
+        np.testing.assert_array_equal(reduction.with_values(matrix).values(data), expected)
+    steep = Constraints.of([*fixed, SharedPlane("right", (0.4, 1.0, 0.0))], system.space).transformation
+    assert not reduction.applies_to(steep)
+
+
 def general(monkeypatch: pytest.MonkeyPatch) -> None:
     """From now on all constraints are taken as a general T."""
     monkeypatch.setattr(Constraints, "selects", property(lambda self: False))

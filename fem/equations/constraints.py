@@ -1,6 +1,6 @@
 """The displacements that the supports of a model admit, as u = T q + g.
 
-The equations of all supports are solved by elimination: each one expresses the displacement component with its largest
+The equations of all supports are solved by elimination: each one expresses a displacement component with a large
 coefficient by the others. What is never expressed are the unknowns q: displacement components, then the unknowns that
 supports bring along (the distance of a shared plane). T holds the coefficients, g the prescribed values. Newton's
 equations are T^T K T dq = -T^T r, with r the nodal forces; these are zero on T's range in equilibrium, and what is left
@@ -22,6 +22,8 @@ from geometry.arrays import Array, Mask
 
 #: coefficients below this, where those of the equation were 1, are what rounding leaves of zero
 NEGLIGIBLE = 1e-9
+#: a component is expressed by the others where its coefficient is at least this part of the largest one
+PIVOT = 0.5
 #: part of the largest displacement by which rounding may take a state off the constraints
 ROUNDOFF = 64 * np.finfo(float).eps
 
@@ -174,7 +176,11 @@ class _Elimination:
                 raise self._conflict(number, terms[0][0], None)
             return
         displacements = [component for component in candidates if component not in self.common]
-        pivot = max(displacements or candidates, key=lambda component: abs(candidates[component]))
+        largest = max(abs(candidates[component]) for component in displacements or candidates)
+        # the first that is large enough: it stays the same for the next values, and with it the sparsity of T
+        pivot = next(
+            component for component in displacements or candidates if abs(candidates[component]) >= PIVOT * largest
+        )
         leading = row.pop(pivot)
         expression = {component: -value / leading for component, value in row.items()}
         self._express(pivot, expression, right / leading)

@@ -56,7 +56,7 @@ class Pattern:
         """The pattern that holds the node pairs rows <= columns as well."""
         n = self.free.shape[0]
         off = rows != columns
-        return Pattern.of(self.node_dof < 0, np.union1d(self.keys, rows[off] * n + columns[off]))
+        return Pattern.of(self.node_dof < 0, sorted_unique(np.concatenate([self.keys, rows[off] * n + columns[off]])))
 
     def offset_of(self, rows: Index, columns: Index) -> Index:
         """Offset of each node pair rows <= columns, 0 for a pair of a node with itself.
@@ -84,7 +84,13 @@ def element_keys(nodes: Index, points: int) -> Index:
     a, b = np.triu_indices(nodes.shape[1], 1)
     low = np.minimum(nodes[:, a], nodes[:, b])
     high = np.maximum(nodes[:, a], nodes[:, b])
-    return np.unique((low * points + high).ravel())
+    return sorted_unique((low * points + high).ravel())
+
+
+def sorted_unique(values: Index) -> Index:
+    """The different values (k,) of (m,) in ascending order; for millions of them faster than the hashing of numpy."""
+    values = np.sort(values, kind="stable")
+    return values[np.concatenate([[True], np.diff(values) > 0])[: values.shape[0]]]
 
 
 def _columns(free: Index, first: Index, high: Index, indptr: Index) -> NDArray[np.int32]:

@@ -4,30 +4,41 @@ Each entry of the product is a fixed linear combination of the entries of K, so 
 K gives the values of the product. Entries that happen to be zero stay in the pattern.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import final
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from geometry.arrays import Array, Index
+from fem.equations.pattern import sorted_unique
+from geometry.arrays import Array, Index, Mask
 
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
 class Reduction:
-    """T^T K T for matrices K of one pattern and one T."""
+    """T^T K T for matrices K of one pattern and one T.
 
-    indptr: Index  #: (m + 1,) upper triangle of the product, diagonal included, in compressed rows
+    Each of its p products T_ia K_ij T_jb is added to one entry of the result; products are sorted by that entry.
+    """
+
+    indptr: Index  #: (m + 1,) upper triangle of the result, diagonal included, in compressed rows
     indices: NDArray[np.int32]  #: (r,)
-    weights: sp.csr_matrix  #: (r, nnz) what each entry of K contributes to each of the product
+    transformation: sp.csr_matrix  #: (d, m) T
+    starts: Index  #: (r + 1,) where the products of each entry of the result begin
+    entry: Index  #: (p,) number of K_ij among the values of K
+    left: Index  #: (p,) number of T_ia among the values of T
+    right: Index  #: (p,) number of T_jb
+    doubled: Mask  #: (p,) products that stand for K_ij and K_ji, which are added to the same entry on the diagonal
+    count: int  #: number of values of K
 
     @classmethod
     def of(cls, indptr: Index, indices: NDArray[np.int32], transformation: sp.csr_matrix) -> "Reduction":
         """For the upper triangle indptr (d + 1,), indices (nnz,) of K and T (d, m).
 
-        All stored entries of T make entries of the product, zeros too: two matrices T with the same stored entries give
+        All stored entries of T make entries of the result, zeros too: two matrices T with the same stored entries give
         the same pattern.
         """
         size = transformation.shape[1]
@@ -40,18 +51,43 @@ class Reduction:
         left += begin[row[entry]]
         right += begin[column[entry]]
         first, second = (transformation.indices[part].astype(np.int64) for part in (left, right))
-        weight = transformation.data[left] * transformation.data[right]
         diagonal = (row == column)[entry]
-        weight[~diagonal & (first == second)] *= 2.0  # K_ij and K_ji fall on one diagonal entry
-        kept = ~diagonal | (first <= second)
+        kept = np.flatnonzero(~diagonal | (first <= second))
         keys = np.minimum(first, second)[kept] * size + np.maximum(first, second)[kept]
-        keys, position = np.unique(np.concatenate([keys, np.arange(size) * (size + 1)]), return_inverse=True)
-        weights = sp.csr_matrix(
-            (weight[kept], (position[: int(kept.sum())], entry[kept])), shape=(keys.shape[0], indices.shape[0])
+        order = np.argsort(keys, kind="stable")
+        kept, keys = kept[order], keys[order]
+        entries = sorted_unique(np.concatenate([keys, np.arange(size) * (size + 1)]))
+        return cls(
+            indptr=np.searchsorted(entries, np.arange(size + 1) * size),
+            indices=(entries % size).astype(np.int32),
+            transformation=transformation,
+            starts=np.concatenate([np.searchsorted(keys, entries), [keys.shape[0]]]),
+            entry=entry[kept],
+            left=left[kept],
+            right=right[kept],
+            doubled=(~diagonal & (first == second))[kept],
+            count=indices.shape[0],
         )
-        starts = np.searchsorted(keys, np.arange(size + 1) * size)
-        return cls(starts, (keys % size).astype(np.int32), weights)
+
+    def applies_to(self, transformation: sp.csr_matrix) -> bool:
+        """Whether another T has the same stored entries."""
+        return (
+            transformation.shape == self.transformation.shape
+            and np.array_equal(transformation.indptr, self.transformation.indptr)
+            and np.array_equal(transformation.indices, self.transformation.indices)
+        )
+
+    def with_values(self, transformation: sp.csr_matrix) -> "Reduction":
+        """The same products for another T with the same stored entries."""
+        return replace(self, transformation=transformation)
 
     def values(self, data: Array) -> Array:
-        """Values (r,) of the product for the values (nnz,) of K."""
-        return np.asarray(self.weights @ data)
+        """Values (r,) of the result for the values (nnz,) of K."""
+        return np.asarray(self._weights @ data)
+
+    @cached_property
+    def _weights(self) -> sp.csr_matrix:
+        """(r, nnz) what each value of K contributes to each value of the result."""
+        coefficient = self.transformation.data[self.left] * self.transformation.data[self.right]
+        coefficient[self.doubled] *= 2.0
+        return sp.csr_matrix((coefficient, self.entry, self.starts), shape=(self.indices.shape[0], self.count))

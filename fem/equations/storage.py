@@ -39,6 +39,7 @@ class TangentStorage:
         self._space = space
         self._formulation = formulation
         self._constraints = constraints
+        self._reduction: Reduction | None = None  #: None where the constraints select components
         self._solver = solver
         #: pattern of the factorized matrix, as it was last analysed
         self._analysed: UpperTriangle = np.empty(0, np.int64), np.empty(0, np.int32)
@@ -50,7 +51,11 @@ class TangentStorage:
     def constrain(self, constraints: Constraints) -> None:
         """Take other constraints; analyse again only if the pattern of the factorized matrix is another one."""
         self._constraints = constraints
-        self._use(self.pattern.keys)
+        transformation = with_identity(constraints.transformation, self._formulation.unknowns)
+        if self._reduction is not None and self._reduction.applies_to(transformation):
+            self._reduction = self._reduction.with_values(transformation)
+        else:
+            self._use(self.pattern.keys)
 
     def reduced(self, data: Array) -> Array:
         """Values of the factorized matrix from those of the assembled tangent (nnz,)."""
@@ -86,7 +91,7 @@ class TangentStorage:
         self.element_offset = pattern.offset_of(np.minimum(first, second), np.maximum(first, second))
         self.pressure_offsets = self._formulation.offsets(pattern)
         self._last = {}
-        self._reduction: Reduction | None = None
+        self._reduction = None
         factorized: UpperTriangle = pattern.indptr, pattern.indices
         if not selects:
             transformation = with_identity(self._constraints.transformation, self._formulation.unknowns)
