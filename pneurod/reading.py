@@ -58,7 +58,7 @@ def _check_there(folder: Path, contents: Mapping[str, Any]) -> None:
     if not folder.is_dir():
         raise InputError(f"{folder}: no such folder; give the folder of a run, such as results/pneunet")
     if (folder / _IDENTITY).is_file():
-        raise InputError(f"{folder}: the run in it has come to no result yet; start it again, and it goes on")
+        raise InputError(f"{folder}: its run has no results yet; start it again, and it continues")
     others = [name for name in ("accuracy", "effects_table", "material") if (folder / f"{name}.json").is_file()]
     there = f"holds {others[0]}.json, which is not the result of `pneurod run`" if others else "holds no results"
     raise InputError(f"{folder}: {there}; give the folder of a run")

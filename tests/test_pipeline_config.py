@@ -188,9 +188,9 @@ def test_wrong_input_is_refused_in_one_sentence(written: Path, old: str, new: st
         ("name: a\ngeometry: {}\n", "geometry.family: is missing; allowed: pneunet"),
         ("\x00", "write 'key: value' lines"),
         ("name: " + "[" * 5000, "is nested too deeply"),
-        ("name: " + "9" * 5000, "holds a value that is none"),
-        ("name: 2020-13-45", "holds a value that is none"),
-        ("name: !!timestamp x", "holds a value that is none"),
+        ("name: " + "9" * 5000, "has an invalid value"),
+        ("name: 2020-13-45", "has an invalid value"),
+        ("name: !!timestamp x", "has an invalid value"),
     ],
 )
 def test_a_file_that_is_no_configuration_is_refused(written: Path, text: str, complaint: str) -> None:

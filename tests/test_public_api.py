@@ -286,7 +286,7 @@ def test_folders_without_results_are_refused_in_one_sentence(tmp_path: Path) -> 
         pneurod.read_results(tmp_path)
     (tmp_path / "states").mkdir()
     (tmp_path / "states" / "configuration.json").write_text("{}")
-    with pytest.raises(pneurod.InputError, match="the run in it has come to no result yet"):
+    with pytest.raises(pneurod.InputError, match="its run has no results yet"):
         pneurod.read_results(tmp_path)
 
 

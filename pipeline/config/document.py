@@ -83,7 +83,7 @@ def _parsed(text: str) -> Any:
     except RecursionError:
         raise yaml.constructor.ConstructorError(problem="is nested too deeply") from None
     except (ValueError, TypeError, AttributeError, LookupError) as failure:  # PyYAML leaves these to its caller
-        raise yaml.constructor.ConstructorError(problem=f"holds a value that is none ({failure})") from None
+        raise yaml.constructor.ConstructorError(problem=f"has an invalid value ({failure})") from None
 
 
 def _override(content: dict[Any, Any], text: str) -> Key:

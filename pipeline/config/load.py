@@ -109,7 +109,7 @@ def _design(document: Document, content: Any, family: str) -> tuple[Design, floa
             return design, design.fixed_body.mesh.quality.longest_edge
         if content.mesh.size is None and content.accuracy is None:
             raise document.wrong(
-                ("mesh", "size"), "is auto, but no accuracy is asked for; give --accuracy 2%, or a size such as 4 mm"
+                ("mesh", "size"), "is auto, but no accuracy is requested; give --accuracy 2%, or a size such as 4 mm"
             )
         size = COARSE * min(design.extent) if content.mesh.size is None else content.mesh.size
         check_size(size, design.extent, design.solid_volume / 2)
