@@ -119,9 +119,7 @@ def _break_grid(observed: Observed, breaks: tuple[float, float] | None) -> Array
         )
     low = max(low, MIN_BREAK * observed.pitch / observed.length)
     if low >= high:
-        raise RodError(
-            f"No d below {high:g} of the length can be identified with cells of {observed.pitch:g} mm."
-        )
+        raise RodError(f"No d below {high:g} of the length can be identified with cells of {observed.pitch:g} mm.")
     return np.linspace(low, high, PROFILE_POINTS) * observed.length
 
 
