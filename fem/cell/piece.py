@@ -210,7 +210,7 @@ class BendingPiece:
 
     def _solve_directly(self, pressure: float, angle: float, start: PieceState) -> PieceState:
         self._system.replace_constraints(self.constraints(angle))
-        control = LoadControl(self._system, pressure, 1.0)
+        control = LoadControl.of(self._system).target(pressure, 1.0)
         terms, state, spent = self.terms, start.state, 0
         while True:
             found = solve(Start(state, terms), control, OPTIONS, lambda iteration, residual: None)

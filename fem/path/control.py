@@ -34,6 +34,7 @@ class Control(ABC):
     name: ClassVar[str]  #: of the quantity, for sentences
 
     system: System = field(repr=False)
+    scale: float  #: what the residual is relative to, in the unit of the quantity
     value: float  #: prescribed value of the quantity
     constant_fraction: float  #: of constant loads and prescribed displacements: 0 at rest, 1 from the first target on
 
@@ -45,24 +46,26 @@ class Control(ABC):
     @cached_property
     def prescribed(self) -> Array:
         """(n, 3) displacements where the model prescribes them, mm."""
-        return self.system.constraints.prescribed(self._ramp, self.constant_fraction)
+        # with another quantity than the load factor no displacement is ramped, see `VolumeControl.of`
+        return self.system.constraints.prescribed(self.value, self.constant_fraction)
 
-    @property
-    @abstractmethod
-    def _ramp(self) -> float:
-        """What prescribed displacements that grow with the load factor are multiplied by."""
-
-    @abstractmethod
+    @final
     def value_of(self, step: Step) -> float:
         """The value of the quantity at a finished step."""
+        return self._value_at(step.factor, step.positions)
+
+    @final
+    def residual(self, state: State) -> float:
+        """The constraint equation: how far the quantity is from the prescribed value, relative."""
+        return (self._value_at(state.factor, self.system.space.points + state.displacement) - self.value) / self.scale
+
+    @abstractmethod
+    def _value_at(self, factor: float, x: Array) -> float:
+        """The value of the quantity at a load factor and current positions x (n, 3), mm."""
 
     @abstractmethod
     def start(self, state: State) -> State:
         """The state at which Newton's method starts, from a state near the prescribed value."""
-
-    @abstractmethod
-    def residual(self, state: State) -> float:
-        """The constraint equation: how far the quantity is from the prescribed value, relative."""
 
     @abstractmethod
     def increment(
@@ -99,20 +102,13 @@ class LoadControl(Control):
     @classmethod
     def of(cls, system: System) -> "LoadControl":
         """The body at rest."""
-        return cls(system, 0.0, 0.0)
+        return cls(system, scale=1.0, value=0.0, constant_fraction=0.0)
 
-    @property
-    def _ramp(self) -> float:
-        return self.value
-
-    def value_of(self, step: Step) -> float:
-        return step.factor
+    def _value_at(self, factor: float, x: Array) -> float:
+        return factor
 
     def start(self, state: State) -> State:
         return replace(state, factor=self.value)
-
-    def residual(self, state: State) -> float:
-        return 0.0
 
     def increment(
         self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
@@ -141,7 +137,6 @@ class VolumeControl(Control):
     """The volume behind `faces` is prescribed, mm3; the load factor is the unknown that brings it about."""
 
     faces: Faces = field(repr=False)
-    scale: float  #: mm3, what the residual is relative to
 
     name = "volume in mm3"
 
@@ -156,21 +151,13 @@ class VolumeControl(Control):
         faces, x = system.space.surface(where), system.space.points
         # a volume of the size that the faces could enclose: their area to the power 3/2
         scale = float(np.linalg.norm(volume_gradient(faces, x), axis=1).sum() ** 1.5)
-        return cls(system, enclosed_volume(faces, x), 0.0, faces, scale)
+        return cls(system, scale, enclosed_volume(faces, x), constant_fraction=0.0, faces=faces)
 
-    @property
-    def _ramp(self) -> float:
-        return 0.0  # there is nothing to multiply, see `of`
-
-    def value_of(self, step: Step) -> float:
-        return enclosed_volume(self.faces, step.positions)
+    def _value_at(self, factor: float, x: Array) -> float:
+        return enclosed_volume(self.faces, x)
 
     def start(self, state: State) -> State:
         return state
-
-    def residual(self, state: State) -> float:
-        volume = enclosed_volume(self.faces, self.system.space.points + state.displacement)
-        return (volume - self.value) / self.scale
 
     def increment(
         self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
