@@ -8,7 +8,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 PEERS := .venv-peers
 
-all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy asked-accuracy scaling
+all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy requested-accuracy scaling
 .PHONY: help setup $(all_targets) test slow hard fuzz kills wheel examples lint types doctor bench-peers clean
 
 help:  ## list the targets
@@ -33,22 +33,22 @@ bisected-circle: $(READY)  ## the bisected circle
 
 all: pneunet semicircular semicircular-single bisected-circle  ## the four designs of the paper
 
-effects: $(READY)  ## what each effect changes and costs on the coarse arm
+effects: $(READY)  ## influence and cost of each effect on the coarse arm
 	@$(BIN)/pneurod effects configs/pneunet_coarse.yaml --out results/effects
 
 material: $(READY)  ## the constants of every law from the tensile tests of the example
 	@$(BIN)/pneurod material configs/elastosil_m4601_yeoh.csv --out results/material
 
-accuracy: $(READY)  ## what accuracy costs: the ladder of the four coarse arms, and the tables of docs/accuracy.md
+accuracy: $(READY)  ## convergence studies of the four coarse arms, and the tables of docs/accuracy.md
 	@for arm in semicircular semicircular_single bisected_circle; do
 		$(BIN)/pneurod accuracy configs/$${arm}_coarse.yaml --out results/$${arm}_accuracy
 	done
-	# beyond 20 kPa the finest mixed elements find the limit of St. Venant-Kirchhoff's law at the clamp of this one
+	# beyond 20 kPa the finest mixed meshes reach the limit of the St. Venant-Kirchhoff law at the clamp of this arm
 	$(BIN)/pneurod accuracy configs/pneunet_coarse.yaml --set "pressures=[17 kPa, 20 kPa]" --out results/pneunet_accuracy
 	$(BIN)/python benchmarks/accuracy.py results
 
-asked-accuracy: $(READY)  ## accuracy asked for nine other arms: believed and true, the table of docs/accuracy.md (an hour)
-	@$(BIN)/python benchmarks/asked_accuracy.py results/asked_accuracy
+requested-accuracy: $(READY)  ## requested accuracy of nine other arms: estimated and true errors, the table of docs/accuracy.md (an hour)
+	@$(BIN)/python benchmarks/requested_accuracy.py results/requested_accuracy
 
 scaling: $(READY)  ## arms of 7, 11 and 20 cells from one parameterization, against their own finite elements
 	@$(BIN)/python benchmarks/scaling.py
@@ -59,13 +59,13 @@ test: $(READY)  ## all tests but the slow ones
 slow: $(READY)  ## the tests that take longer than two minutes
 	@$(BIN)/python -m pytest -m slow
 
-hard: $(READY)  ## hard cases: each solved and checked, or its limit named; the table of docs/robustness.md
+hard: $(READY)  ## hard cases: each is solved and checked, or its limit is named; the table of docs/robustness.md
 	@$(BIN)/python tests/hard_cases/run_all.py
 
-fuzz: $(READY)  ## two thousand configurations, right and wrong: each is meshed or refused in one sentence
+fuzz: $(READY)  ## two thousand valid and invalid configurations: each is meshed or refused in one sentence
 	@$(BIN)/python -m pytest -m slow tests/test_pipeline_fuzzed.py --hypothesis-show-statistics
 
-kills: $(READY)  ## fifty runs killed at random moments and started again, against runs that nobody disturbed
+kills: $(READY)  ## fifty runs killed at random times and continued, compared with uninterrupted runs
 	@$(BIN)/python benchmarks/kills.py
 
 wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
@@ -85,10 +85,10 @@ types: $(READY)  ## types: mypy
 	@$(BIN)/mypy
 	$(BIN)/mypy examples
 
-doctor: $(READY)  ## what is installed, what is missing, and the one command that mends it
+doctor: $(READY)  ## what is installed, what is missing, and the command that installs it
 	@$(BIN)/pneurod doctor
 
-bench-peers: $(READY) $(PEERS)/.ready  ## pneurod beside NGSolve, FElupe, scikit-fem and CalculiX: docs/peers.md (half an hour)
+bench-peers: $(READY) $(PEERS)/.ready  ## pneurod compared with NGSolve, FElupe, scikit-fem and CalculiX: docs/peers.md (half an hour)
 	@$(BIN)/python -m benchmarks.peers --fresh --python $(PEERS)/bin/python
 
 clean:  ## remove results and caches; the virtual environments stay

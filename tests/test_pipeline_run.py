@@ -106,7 +106,7 @@ mesh: {size: auto}
 """
 
 
-def test_an_asked_accuracy_is_told_before_and_after_the_run(tmp_path: Path) -> None:
+def test_a_requested_accuracy_is_reported_before_and_after_the_run(tmp_path: Path) -> None:
     path = tmp_path / "asked.yaml"
     path.write_text(ASKED, encoding="utf-8")
     run(load_config(path, ["accuracy=20 %"]), tmp_path / "out", 1, False, Silent())

@@ -1,6 +1,6 @@
 """Requested accuracy on designs from which its error model was not derived: estimated errors and true ones.
 
-    python benchmarks/asked_accuracy.py RESULTS
+    python benchmarks/requested_accuracy.py RESULTS
 
 Each design is run with `--accuracy`, and again on two finer meshes (FINER times the planned size), from which the limit
 is extrapolated over the degrees of freedom as in `pneurod accuracy`. Renews the table of docs/accuracy.md between its
@@ -32,7 +32,7 @@ from pipeline.run import run  # noqa: E402
 from pipeline.study import JsonFiles, Study  # noqa: E402
 
 DOCS = HERE / "docs" / "accuracy.md"
-MARKS = "<!-- asked-accuracy -->", "<!-- end of asked-accuracy -->"
+MARKS = "<!-- requested-accuracy -->", "<!-- end of requested-accuracy -->"
 #: sizes of the meshes of the reference over the planned one
 FINER = (0.8, 0.6)
 ROUND, GAPPED = "20 kPa", "5 kPa"  #: the walls of the gapped arm do not touch at 5 kPa
