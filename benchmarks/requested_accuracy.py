@@ -211,7 +211,7 @@ def main(results: Path) -> None:
     """Run what is missing and write the table."""
     lines = [f"| {' | '.join(TITLES)} |", "|---|---:|---:|---:|---:|---|---|---|---:|---:|"]
     designs = Study(
-        DESIGNS, solve, JsonFiles(lambda request: results / request.name / "asked.json", asdict, Solved.read)
+        DESIGNS, solve, JsonFiles(lambda request: results / request.name / "run.json", asdict, Solved.read)
     )
     for request, result in designs.run():
         rungs = [finer_rung(request, result.accuracy, factor) for factor in FINER]
