@@ -12,10 +12,10 @@ else:
 
     def __getattr__(name: str) -> Any:
         """The name of `fem.public`; raises AttributeError where there is none."""
-        if not name.startswith("_"):
+        if name == "__all__" or not name.startswith("_"):
             import fem.public as public
 
-            if name in public.__all__:
+            if name in (*public.__all__, "__all__"):
                 return getattr(public, name)
         raise AttributeError(f"module 'fem' has no attribute {name!r}")
 

@@ -36,6 +36,61 @@ class Product(NamedTuple):
     force: Array  #: (n, 3) N, changed in place
 
 
+@njit(cache=True, inline="always")
+def _strain_matrix(f: Array, grad_n: Array, b: Array, row: int) -> None:
+    """B (v, 3 n), components before nodes, into the rows of b from `row` on: E to first order is B du at F = f."""
+    n = grad_n.shape[0]
+    for a in range(n):
+        g0, g1, g2 = grad_n[a, 0], grad_n[a, 1], grad_n[a, 2]
+        for i in range(3):
+            r = i * n + a
+            b[row, r] = f[i, 0] * g0
+            b[row + 1, r] = f[i, 1] * g1
+            b[row + 2, r] = f[i, 2] * g2
+            b[row + 3, r] = f[i, 0] * g1 + f[i, 1] * g0
+            b[row + 4, r] = f[i, 1] * g2 + f[i, 2] * g1
+            b[row + 5, r] = f[i, 0] * g2 + f[i, 2] * g0
+
+
+@njit(cache=True, inline="always")
+def _weighted_tangent_times(c: Array, w: float, b: Array, row: int, cb: Array) -> None:
+    """w C B, for the six rows of b from `row` on, into those of cb; c (v, v) has zeros for many laws."""
+    for v in range(6):
+        cb[row + v] = 0.0
+        for m in range(6):
+            cvm = c[v, m] * w
+            if cvm != 0.0:
+                cb[row + v] += cvm * b[row + m]
+
+
+@njit(cache=True, inline="always")
+def _weighted_stress_times(s: Array, w: float, g: Array, row: int, sg: Array) -> None:
+    """w S grad N_a, for the gradients in the three rows of g (.., a) from `row` on, into those of sg."""
+    for a in range(g.shape[1]):
+        g0, g1, g2 = g[row, a], g[row + 1, a], g[row + 2, a]
+        sg[row, a] = w * (s[0] * g0 + s[3] * g1 + s[5] * g2)
+        sg[row + 1, a] = w * (s[3] * g0 + s[1] * g1 + s[4] * g2)
+        sg[row + 2, a] = w * (s[5] * g0 + s[4] * g1 + s[2] * g2)
+
+
+@njit(cache=True, inline="always")
+def _transposed(grad_n: Array, g: Array, row: int) -> None:
+    """The gradients grad_n (a, i) into the three rows of g (.., a) from `row` on."""
+    for i in range(3):
+        for a in range(grad_n.shape[0]):
+            g[row + i, a] = grad_n[a, i]
+
+
+@njit(cache=True, inline="always")
+def _mirrored(k: Array, n: int) -> None:
+    """The n x n blocks of k (3 n, 3 n) below the diagonal from those above it."""
+    for i in range(1, 3):
+        for j in range(i):
+            for a in range(n):
+                for b in range(n):
+                    k[i * n + a, j * n + b] = k[j * n + b, i * n + a]
+
+
 @njit(cache=True)
 def _element_tangent(elements: ElementArrays, law: LawArrays, e: int, u: Array, k: Array) -> None:
     """sum_q w (B^T C B + G(S)) of element e into k (3 n, 3 n), components before nodes.
@@ -57,28 +112,10 @@ def _element_tangent(elements: ElementArrays, law: LawArrays, e: int, u: Array, 
         w = weight[q]
         gradients(inverse, reference[q], grad_n)
         deformation_gradient(inverse, reference[q], values, f)
-        s = stress[q]
-        for a in range(n):
-            g0, g1, g2 = grad_n[a, 0], grad_n[a, 1], grad_n[a, 2]
-            for i in range(3):
-                r = i * n + a
-                b[6 * q, r] = f[i, 0] * g0
-                b[6 * q + 1, r] = f[i, 1] * g1
-                b[6 * q + 2, r] = f[i, 2] * g2
-                b[6 * q + 3, r] = f[i, 0] * g1 + f[i, 1] * g0
-                b[6 * q + 4, r] = f[i, 1] * g2 + f[i, 2] * g1
-                b[6 * q + 5, r] = f[i, 0] * g2 + f[i, 2] * g0
-                g[3 * q + i, a] = grad_n[a, i]
-            sg[3 * q, a] = w * (s[0] * g0 + s[3] * g1 + s[5] * g2)
-            sg[3 * q + 1, a] = w * (s[3] * g0 + s[1] * g1 + s[4] * g2)
-            sg[3 * q + 2, a] = w * (s[5] * g0 + s[4] * g1 + s[2] * g2)
-        c = tangent[q if tangent.shape[0] > 1 else 0]
-        for v in range(6):
-            cb[6 * q + v] = 0.0
-            for m in range(6):
-                cvm = c[v, m] * w
-                if cvm != 0.0:
-                    cb[6 * q + v] += cvm * b[6 * q + m]
+        _strain_matrix(f, grad_n, b, 6 * q)
+        _weighted_tangent_times(tangent[q if tangent.shape[0] > 1 else 0], w, b, 6 * q, cb)
+        _transposed(grad_n, g, 3 * q)
+        _weighted_stress_times(stress[q], w, g, 3 * q, sg)
     np.dot(b.T, cb, k)
     geometric = np.dot(g.T, sg)
     for i in range(3):
@@ -111,19 +148,13 @@ def _isotropic_element_tangent(elements: ElementArrays, law: LawArrays, e: int, 
         lam, mu = lame[q, 0] * w, lame[q, 1] * w
         gradients(inverse, reference[q], grad_n)
         deformation_gradient(inverse, reference[q], values, f)
-        for i in range(3):
-            for a in range(n):
-                g[i, a] = grad_n[a, i]
-        s = stress[q]
+        _transposed(grad_n, g, 0)
         for i in range(3):
             for a in range(n):
                 h[i, a] = f[i, 0] * g[0, a] + f[i, 1] * g[1, a] + f[i, 2] * g[2, a]
             for j in range(3):
                 ff[i, j] = mu * (f[i, 0] * f[j, 0] + f[i, 1] * f[j, 1] + f[i, 2] * f[j, 2])
-        for a in range(n):
-            sg[0, a] = w * (s[0] * g[0, a] + s[3] * g[1, a] + s[5] * g[2, a])
-            sg[1, a] = w * (s[3] * g[0, a] + s[1] * g[1, a] + s[4] * g[2, a])
-            sg[2, a] = w * (s[5] * g[0, a] + s[4] * g[1, a] + s[2] * g[2, a])
+        _weighted_stress_times(stress[q], w, g, 0, sg)
         for a in range(n):
             g0, g1, g2 = g[0, a], g[1, a], g[2, a]
             h0, h1, h2 = h[0, a], h[1, a], h[2, a]
@@ -136,11 +167,7 @@ def _isotropic_element_tangent(elements: ElementArrays, law: LawArrays, e: int, 
                 k[a, n + b] += lam * h0 * h[1, b] + mu * h1 * h[0, b] + ff[0, 1] * product
                 k[a, 2 * n + b] += lam * h0 * h[2, b] + mu * h2 * h[0, b] + ff[0, 2] * product
                 k[n + a, 2 * n + b] += lam * h1 * h[2, b] + mu * h2 * h[1, b] + ff[1, 2] * product
-    for i in range(1, 3):
-        for j in range(i):
-            for a in range(n):
-                for b in range(n):
-                    k[i * n + a, j * n + b] = k[j * n + b, i * n + a]
+    _mirrored(k, n)
 
 
 @njit(cache=True, inline="always")
