@@ -210,9 +210,7 @@ def _file_of_rung(folder: Path, rung: Rung) -> Path:
 def main(results: Path) -> None:
     """Run what is missing and write the table."""
     lines = [f"| {' | '.join(TITLES)} |", "|---|---:|---:|---:|---:|---|---|---|---:|---:|"]
-    designs = Study(
-        DESIGNS, solve, JsonFiles(lambda request: results / request.name / "run.json", asdict, Solved.read)
-    )
+    designs = Study(DESIGNS, solve, JsonFiles(lambda request: results / request.name / "run.json", asdict, Solved.read))
     for request, result in designs.run():
         rungs = [finer_rung(request, result.accuracy, factor) for factor in FINER]
         files = JsonFiles(partial(_file_of_rung, results / request.name), RungResult.record, RungResult.read)

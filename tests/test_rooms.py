@@ -37,7 +37,7 @@ DOORS: dict[str, set[str]] = {
     "meshio": {"geometry/mesh.py"},
     "skfem": {"fem/discretisation.py"},
     # the doctor tries the threads of numba
-    "numba": {"fem/kernels/", "rod/mechanics/shooting.py", "pipeline/doctor.py"},
+    "numba": {"fem/kernels/", "rod/mechanics/shooting.py", "rod/arm_law/integration.py", "pipeline/doctor.py"},
     "ipctk": {"fem/effects/contact.py"},
     "pypardiso": {"fem/equations/linear.py"},
     "sklearn": {"rod/curves/gaussian_process.py"},

@@ -1,0 +1,1 @@
+"""The arm's own law from one cell and two ends."""

@@ -1,0 +1,320 @@
+"""The curves of the arm's own law, from finite elements of a half cell and of the two ends."""
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+from fem.cell.axis import Axis, axis_of, circle
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
+from fem.cell.response import Slopes, shear_rigidity, slopes
+from fem.equations.linear import SingularMatrix
+from geometry.arrays import Array
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+
+#: the moments of a law go beyond zero, and beyond the moment that straightens the arm, by that of a given force on the
+#: end at the distance l, but to no more than this many times EI/l
+REACH = 3.0
+#: intervals of the first sweep to either side, and how often one is halved where its cubic is not good enough
+INTERVALS, HALVINGS = 3, 4
+#: how often a step is halved that changes the moment by far more than the last slope said
+MAX_HALVINGS = 4
+#: largest error of the cubic between two states, over the largest curvature of the law
+TOLERANCE = 5e-4
+#: change of the moment in difference quotients, over the range of the law
+DIFFERENCE = 1e-5
+#: Newton's method for the angle without moment: largest moment left over EI times an angle of one
+STRAIGHT, MAX_ITERATIONS = 1e-8, 12
+
+
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class CellPoint:
+    """One state of a half cell with its slopes."""
+
+    state: PieceState
+    slopes: Slopes
+    axis: Axis
+    shear: float  #: GA, N
+
+    @property
+    def moment(self) -> float:
+        """N mm."""
+        return self.state.moment
+
+
+@dataclass
+class CellSweep:
+    """The states of a half cell at one pressure, and why it was not followed further."""
+
+    pressure: float  #: kPa
+    points: list[CellPoint] = field(default_factory=list)  #: by increasing curvature
+    limits: list[str] = field(default_factory=list)  #: sentences
+    error: float = 0.0  #: largest error of the cubics where it was measured, over the largest curvature
+
+    def curve(self, half_pitch: float) -> CellCurve:
+        """The sweep as a curve of the law; raises `rod.RodError` where the moment does not rise."""
+        points = self.points
+        h = half_pitch
+        return CellCurve(
+            pressure=self.pressure,
+            moment=np.array([p.moment for p in points]),
+            kappa=np.array([p.state.angle / h for p in points]),
+            rigidity=np.array([p.slopes.moment_by_angle * h for p in points]),
+            moment_by_pressure=np.array([p.slopes.moment_by_pressure / 1000.0 for p in points]),
+            stretch=np.array([p.axis.stretch for p in points]),
+            stretch_by_kappa=np.array([p.axis.stretch_by_angle * h for p in points]),
+            stretch_by_pressure=np.array([p.axis.stretch_by_pressure / 1000.0 for p in points]),
+            axial_rigidity=np.array([h / p.slopes.distance_by_force for p in points]),
+            shear_rigidity=np.array([p.shear for p in points]),
+            contact=np.array([p.state.touches for p in points]),
+            min_J=np.array([p.state.extremes.min_J for p in points]),
+            s=points[0].axis.s,
+            ripple=np.array([p.axis.ripple for p in points]),
+        )
+
+
+@dataclass(frozen=True)
+class Reach:
+    """For what loads a law is made."""
+
+    length: float  #: mm, of the arm
+    force: float  #: N, on its end
+
+
+def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: PieceState | None = None) -> CellSweep:
+    """Follow a half cell at one pressure over the moments that an arm meets.
+
+    start: a state at another pressure. Raises `PieceFailed` where the unloaded cell is not reached.
+    """
+    h = piece.body.length
+    middle = _without_moment(piece, pressure_kPa / 1000.0, piece.rest() if start is None else start)
+    sweep = CellSweep(pressure_kPa, [middle])
+    rigidity = middle.slopes.moment_by_angle * h
+    beyond = min(REACH * rigidity / reach.length, reach.force * reach.length)
+    straight = -middle.state.angle / h * rigidity
+    _sweep_to(piece, sweep, max(straight, 0.0) + beyond)
+    _sweep_to(piece, sweep, min(straight, 0.0) - beyond)
+    _refine(piece, sweep)
+    return sweep
+
+
+def _without_moment(piece: BendingPiece, pressure: float, start: PieceState) -> CellPoint:
+    """The cell without moment, by Newton's method for the angle."""
+    state = start if start.pressure == pressure else piece.solve(pressure, start.angle, start)
+    for _ in range(MAX_ITERATIONS):
+        point = _point(piece, state)
+        correction = -point.moment / point.slopes.moment_by_angle
+        if abs(correction) < STRAIGHT:
+            return point
+        state = piece.solve(pressure, state.angle + float(np.clip(correction, -0.2, 0.2)), state)
+    raise PieceFailed(f"the half cell at {1000.0 * pressure:.4g} kPa has no state without moment near the last one")
+
+
+def _point(piece: BendingPiece, state: PieceState) -> CellPoint:
+    try:
+        known = slopes(piece, state)
+        shear = shear_rigidity(piece, state, known)
+    except SingularMatrix as failure:
+        curvature = 1000.0 * state.angle / piece.body.length
+        raise PieceFailed(
+            f"the half cell is not stable at {1000.0 * state.pressure:.4g} kPa and {curvature:.4g} 1/m: {failure}"
+        ) from None
+    return CellPoint(state, known, axis_of(piece, state, known), shear)
+
+
+def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float) -> None:
+    """States until the moment is passed, or until there is none; each step changes the moment by a part of it."""
+    outward = 1 if moment > 0 else -1
+    interval, halvings = abs(moment) / INTERVALS, 0
+    while True:
+        last = sweep.points[-1 if outward > 0 else 0]
+        if outward * (last.moment - moment) >= 0.0:
+            return
+        step = outward * interval / last.slopes.moment_by_angle / 2**halvings
+        try:
+            point = _point(piece, piece.solve(last.state.pressure, last.state.angle + step, last.state))
+        except PieceFailed as failure:
+            sweep.limits.append(str(failure))
+            return
+        change = outward * (point.moment - last.moment)
+        if change <= 0.0:
+            curvature = 1000.0 * last.state.angle / piece.body.length
+            sweep.limits.append(
+                f"the moment of the cell falls at {sweep.pressure:g} kPa beyond a curvature of {curvature:.4g} 1/m"
+            )
+            return
+        if change > 2.0 * interval and halvings < MAX_HALVINGS:  # walls met on the way
+            halvings += 1
+            continue
+        sweep.points.insert(len(sweep.points) if outward > 0 else 0, point)
+
+
+def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
+    """Halve the intervals of the angle until their cubics are right to TOLERANCE in the middle."""
+    scale = max(abs(point.state.angle) for point in sweep.points)
+    pending = [(a, b, HALVINGS) for a, b in zip(sweep.points[:-1], sweep.points[1:], strict=True)]
+    while pending:
+        first, second, halvings = pending.pop()
+        angle = 0.5 * (first.state.angle + second.state.angle)
+        try:
+            middle = _point(piece, piece.solve(first.state.pressure, angle, first.state))
+        except PieceFailed as failure:
+            sweep.limits.append(str(failure))
+            _cut(sweep, first, second)
+            pending = [interval for interval in pending if interval[0] in sweep.points and interval[1] in sweep.points]
+            continue
+        error = abs(_cubic(first, second, middle.moment) - angle) / scale
+        sweep.points.insert(sweep.points.index(second), middle)
+        if error > TOLERANCE and halvings:
+            pending += [(first, middle, halvings - 1), (middle, second, halvings - 1)]
+        else:
+            sweep.error = max(
+                sweep.error, error / 16.0
+            )  # of each half: the error of a cubic falls with the fourth power
+
+
+def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint) -> None:
+    """Keep the states on that side of an interval where there is no moment."""
+    position = sweep.points.index(second)
+    keeps_first = first.moment + second.moment > 0.0
+    sweep.points[:] = sweep.points[:position] if keeps_first else sweep.points[position:]
+
+
+def _cubic(first: CellPoint, second: CellPoint, moment: float) -> float:
+    """Angle at a moment on the cubic between two points."""
+    step = second.moment - first.moment
+    t = (moment - first.moment) / step
+    a, b = first.state.angle, second.state.angle
+    da, db = step / first.slopes.moment_by_angle, step / second.slopes.moment_by_angle
+    return float(
+        (1 + 2 * t) * (1 - t) ** 2 * a + t * (1 - t) ** 2 * da + t * t * (3 - 2 * t) * b + t * t * (t - 1) * db
+    )
+
+
+def clamp_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None = None) -> tuple[ClampCurve, list[str]]:
+    """The clamped end over the moments of a cell at the same pressure, and why it was not followed further.
+
+    start: a state of the piece at another pressure. Raises `PieceFailed` where no state is reached.
+    """
+    length = piece.body.length
+    first = _clamp_without_moment(piece, cell, piece.rest() if start is None else start)
+    states, limits = [first], []
+    for direction in (1, -1):
+        state, departure = first, _departure(first, cell, length)
+        for row in np.argsort(np.abs(cell.moment)):
+            if direction * cell.moment[row] <= 1e-3 * cell.moment[-1]:
+                continue
+            try:
+                state = piece.solve(state.pressure, float(cell.kappa[row]) * length + departure, state)
+            except PieceFailed as failure:
+                limits.append(str(failure))
+                break
+            if not cell.moment[0] <= state.moment <= cell.moment[-1]:
+                break
+            departure = _departure(state, cell, length)
+            states.append(state)
+    states.sort(key=lambda state: state.moment)
+    rows = [_clamp_row(piece, cell, state) for state in states]
+    curve = ClampCurve(
+        pressure=cell.pressure,
+        moment=np.array([state.moment for state in states]),
+        rotation=np.array([row.rotation for row in rows]),
+        rotation_by_moment=np.array([row.rotation_by_moment for row in rows]),
+        offset=np.array([row.offset for row in rows]),
+        offset_by_moment=np.array([row.offset_by_moment for row in rows]),
+        s=piece.space.points[piece.curve, 0],
+        beside=np.array([row.beside for row in rows]),
+    )
+    return curve, limits
+
+
+def _clamp_without_moment(piece: BendingPiece, cell: CellCurve, start: PieceState) -> PieceState:
+    """The clamped end without moment, by Newton's method for the angle."""
+    angle = float(np.interp(0.0, cell.moment, cell.kappa)) * piece.body.length
+    state = piece.solve(cell.pressure / 1000.0, angle, start)
+    for _ in range(MAX_ITERATIONS):
+        correction = -state.moment / slopes(piece, state).moment_by_angle
+        if abs(correction) < STRAIGHT:
+            return state
+        state = piece.solve(state.pressure, state.angle + float(np.clip(correction, -0.2, 0.2)), state)
+    raise PieceFailed(f"the clamped end at {cell.pressure:.4g} kPa has no state without moment near that of the cell")
+
+
+def _departure(state: PieceState, cell: CellCurve, length: float) -> float:
+    """rad, of the plane from that of cells continued to the clamp."""
+    return state.angle - float(np.interp(state.moment, cell.moment, cell.kappa)) * length
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class _ClampRow:
+    rotation: float
+    rotation_by_moment: float
+    offset: Array  #: (2,)
+    offset_by_moment: Array  #: (2,)
+    beside: Array  #: (m, 2)
+
+
+def _clamp_row(piece: BendingPiece, cell: CellCurve, state: PieceState) -> _ClampRow:
+    """How the plane at the end departs from cells continued to the clamp, with the slopes by the moment."""
+    known = slopes(piece, state)
+    x = (piece.space.points + state.state.displacement)[piece.curve, :2]
+    turned = known.by_angle[piece.curve, :2]
+    step = DIFFERENCE * float(np.ptp(cell.moment)) / known.moment_by_angle
+    rotation, offset, beside = _placed(piece, cell, state.moment, state.angle, x)
+    ahead, behind = (
+        _placed(piece, cell, state.moment + k * known.moment_by_angle, state.angle + k, x + k * turned)
+        for k in (step, -step)
+    )
+    width = 2.0 * step * known.moment_by_angle
+    return _ClampRow(rotation, (ahead[0] - behind[0]) / width, offset, (ahead[1] - behind[1]) / width, beside)
+
+
+def _placed(piece: BendingPiece, cell: CellCurve, moment: float, angle: float, x: Array) -> tuple[float, Array, Array]:
+    """Rotation, offset (2,) and curve nodes (m, 2) beside the axis; the axis passes the plane as the cell's does."""
+    kappa, stretch, ripple = cell.at(moment)
+    rotation = angle - kappa * piece.body.length
+    along = np.array([np.cos(angle), np.sin(angle)])
+    normal = np.array([-along[1], along[0]])
+    plane = x[-1] - ripple[0] * along - ripple[1] * normal  # the axis there
+    s = piece.space.points[piece.curve, 0]
+    axis = _turned(circle(s, stretch, kappa), rotation)
+    height = np.array([0.0, piece.body.curve_y])
+    offset = plane - axis[-1] - height
+    return rotation, offset, _components(x - axis - offset - height, rotation + kappa * s)
+
+
+def tip_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None = None) -> tuple[TipCurve, PieceState]:
+    """The end of the arm without moment, and the state of the piece; raises `PieceFailed`.
+
+    The piece is the mirror image of the tip: its face `clamp` is the end of the arm, its face `tip` the plane.
+    """
+    state = piece.solve(cell.pressure / 1000.0, 0.0, piece.rest() if start is None else start)
+    kappa, stretch, ripple = cell.at(0.0)
+    nodes = piece.curve
+    x = (piece.space.points + state.state.displacement)[nodes, :2]
+    image = (x - x[-1]) * [-1.0, 1.0]  # from the plane on towards the end
+    s = piece.body.length - piece.space.points[nodes, 0]
+    order = np.argsort(s)
+    image, s = image[order] + ripple, s[order]  # the axis passes the plane beside the curve
+    away = image - circle(s, stretch, kappa)
+    rotation = _end_rotation(image) - kappa * piece.body.length
+    couple = state.moment
+    return TipCurve(cell.pressure, rotation, couple, s - piece.body.length, _components(away, kappa * s)), state
+
+
+def _end_rotation(points: Array) -> float:
+    """Angle of the last chord of a curve (m, 2), rad."""
+    x, y = points[-1] - points[-2]
+    return float(np.arctan2(y, x))
+
+
+def _turned(points: Array, angle: float) -> Array:
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cosine, sine], [-sine, cosine]])
+
+
+def _components(away: Array, angle: Array) -> Array:
+    """Components (m, 2) along and normal to directions of the given angles (m,)."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.stack([away[:, 0] * cosine + away[:, 1] * sine, away[:, 1] * cosine - away[:, 0] * sine], axis=1)
