@@ -16,7 +16,7 @@ from rod.identification.two_lines import Identification, identify, shortest_brea
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod, RodSolution
-from rod.pressures import LinearRange, PressurisedRod, Straightness, linear_range, next_pressure, straightness
+from rod.pressures import LinearRange, PressurisedRod, Quantity, Straightness, linear_range, next_pressure, straightness
 from rod.scaling import ReferenceArm, ScaledArm, scaled_arm
 
 __all__ = [
@@ -40,6 +40,7 @@ __all__ = [
     "Observation",
     "ParameterEstimate",
     "PressurisedRod",
+    "Quantity",
     "ReferenceArm",
     "Rod",
     "RodError",

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,11 +13,15 @@ from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
 
-#: values and standard deviations by name of the quantity, one of each per pressure
-Quantities = Mapping[str, tuple[Sequence[float], Sequence[float]]]
-
 #: negligible distance of a value from a straight line, over the largest value
 STRAIGHTNESS_TOLERANCE = 0.02
+
+
+class Quantity(NamedTuple):
+    """Values of a quantity over pressure with their standard deviations, one of each per pressure."""
+
+    values: Sequence[float]
+    stds: Sequence[float]
 
 
 @dataclass(frozen=True)
@@ -69,14 +73,14 @@ class LinearRange:
         return all(line.tested for line in self.lines.values())
 
     @staticmethod
-    def over(pressures: Sequence[float], quantities: Quantities) -> "LinearRange":
+    def over(pressures: Sequence[float], quantities: Mapping[str, Quantity]) -> "LinearRange":
         """The lines over all given pressures (kPa), straight or not. Raises `RodError` below two pressures."""
-        lines = {name: straightness(pressures, values, stds) for name, (values, stds) in quantities.items()}
+        lines = {name: straightness(pressures, *quantity) for name, quantity in quantities.items()}
         return LinearRange(pressures[0], pressures[-1], lines)
 
 
-def linear_range(pressures: Sequence[float], quantities: Quantities) -> LinearRange | None:
-    """The widest range of neighbouring pressures (kPa, ascending) in which every quantity (values, stds) is linear.
+def linear_range(pressures: Sequence[float], quantities: Mapping[str, Quantity]) -> LinearRange | None:
+    """The widest range of neighbouring pressures (kPa, ascending) in which every quantity is linear.
 
     Two pressures are a range only where there are no more, for two points always lie on a line. None where no three
     neighbours lie on lines, and below two pressures.
@@ -84,7 +88,7 @@ def linear_range(pressures: Sequence[float], quantities: Quantities) -> LinearRa
     count = len(pressures)
     spans = [(i, j) for i in range(count) for j in range(i + min(3, count), count + 1) if j - i > 1]
     for i, j in sorted(spans, key=lambda span: pressures[span[0]] - pressures[span[1] - 1]):
-        part = {name: (values[i:j], stds[i:j]) for name, (values, stds) in quantities.items()}
+        part = {name: Quantity(q.values[i:j], q.stds[i:j]) for name, q in quantities.items()}
         candidate = LinearRange.over(pressures[i:j], part)
         if all(line.straight for line in candidate.lines.values()):
             return candidate

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rod import FiveParameters, RodError
-from rod.pressures import PressurisedRod, linear_range, next_pressure, straightness
+from rod.pressures import PressurisedRod, Quantity, linear_range, next_pressure, straightness
 from rod.scaling import ReferenceArm, scaled_arm
 
 S = np.linspace(0.0, 112.0, 57)
@@ -108,11 +108,11 @@ def test_impossible_requests_are_refused(call, sentence):
         call()
 
 
-def bent(p: list[float]) -> dict[str, tuple[list[float], list[float]]]:
+def bent(p: list[float]) -> dict[str, Quantity]:
     """A straight quantity, and one that is straight from 17 kPa on."""
     return {
-        "straight": ([100.0 + q for q in p], [0.1] * len(p)),
-        "bent": ([200.0 + 10.0 * max(q, 17.0) for q in p], [0.1] * len(p)),
+        "straight": Quantity([100.0 + q for q in p], [0.1] * len(p)),
+        "bent": Quantity([200.0 + 10.0 * max(q, 17.0) for q in p], [0.1] * len(p)),
     }
 
 
@@ -134,7 +134,7 @@ def test_two_pressures_are_a_range_that_was_not_tested() -> None:
     assert not linear.tested
     assert linear_range([17.0], bent([17.0])) is None
     zigzag = [10.0, 20.0, 30.0, 40.0]
-    assert linear_range(zigzag, {"zigzag": ([1.0, 2.0, 1.0, 2.0], [0.01] * 4)}) is None
+    assert linear_range(zigzag, {"zigzag": Quantity([1.0, 2.0, 1.0, 2.0], [0.01] * 4)}) is None
 
 
 def test_bisection_adds_pressures_beside_the_range_and_ends() -> None:

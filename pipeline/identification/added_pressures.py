@@ -8,21 +8,16 @@ from pipeline.simulation.loadcase import up_to
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import EXPERIMENTS, simulate
-from rod import LinearRange, linear_range, next_pressure
-
-Quantities = dict[str, tuple[list[float], list[float]]]
+from rod import LinearRange, Quantity, linear_range, next_pressure
 
 
-def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], Quantities]:
+def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[str, Quantity]]:
     """Pressures (kPa) and what is tested for linearity: alpha1, alpha2 (N mm2) and kappa_0(l/2) (1/mm) with their
     standard deviations."""
-    quantities: Quantities = {"alpha1": ([], []), "alpha2": ([], []), "kappa_0": ([], [])}
-    for p in parameters:
-        for name in ("alpha1", "alpha2"):
-            quantities[name][0].append(p.numbers_without_mesh[name].value)
-            quantities[name][1].append(p.numbers_without_mesh[name].std)
-        quantities["kappa_0"][0].append(p.kappa_0_middle)
-        quantities["kappa_0"][1].append(p.kappa_0_middle_std)
+    intervals = {name: [p.numbers_without_mesh[name] for p in parameters] for name in ("alpha1", "alpha2")}
+    quantities = {name: Quantity([i.value for i in row], [i.std for i in row]) for name, row in intervals.items()}
+    middles = [p.kappa_0_middle for p in parameters]
+    quantities["kappa_0"] = Quantity(middles, [p.kappa_0_middle_std for p in parameters])
     return [p.pressure_kPa for p in parameters], quantities
 
 

@@ -123,10 +123,10 @@ def _linear(parameters: Sequence[Parameters]) -> JsonObject:
             "quantity": name,
             "slope_per_kPa": line.slope,
             "at_0_kPa": line.intercept,
-            "values": quantities[name][0],
+            "values": quantities[name].values,
             "off_the_line": [
                 value / (line.slope * p + line.intercept) - 1.0
-                for p, value in zip(pressures, quantities[name][0], strict=True)
+                for p, value in zip(pressures, quantities[name].values, strict=True)
             ],
         }
         for name, line in lines.items()
