@@ -66,8 +66,8 @@ class MeshSettings:
 
     size_mm: float | Auto  #: AUTO until a size is planned for the requested accuracy
     formulation: str  #: one of fem.elements.ELEMENTS
-    coarser: float | None  #: size of a second mesh over size_mm, for the mesh error of the parameters; None for none
-    grading: str  #: one of geometry.GRADINGS
+    coarser: float | None = None  #: size of a second mesh over size_mm, for the mesh error of the parameters
+    grading: str = "off"  #: one of geometry.GRADINGS
 
     @property
     def element_size_mm(self) -> float:

@@ -6,7 +6,7 @@ Every refusal is one sentence: `FILE: key: what is wrong; what is allowed`.
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_type_hints
 
 import fem.materials
 from fem.elements import ELEMENTS, automatic_element
@@ -18,16 +18,12 @@ from pipeline.config.config import (
     Auto,
     CavityPressure,
     Config,
-    Effect,
     Effects,
     End,
-    Gravity,
     Material,
     MeshSettings,
     Newton,
     PressureEffect,
-    SelfContact,
-    StrainLimitingLayer,
     Validation,
 )
 from pipeline.config.document import Document, read_document
@@ -81,14 +77,9 @@ def _without_unit(name: str) -> str:
 
 
 def _effects(document: Document, design: Design, content: Any) -> Effects:
-    return Effects(
-        pressure=PressureEffect(content.pressure.state, _cavities(document, design, content.pressure)),
-        self_contact=_section(SelfContact, content.self_contact),
-        symmetry=_section(Effect, content.symmetry),
-        incompressibility=_section(Effect, content.incompressibility),
-        gravity=_section(Gravity, content.gravity),
-        strain_limiting_layer=_section(StrainLimitingLayer, content.strain_limiting_layer),
-    )
+    pressure = PressureEffect(content.pressure.state, _cavities(document, design, content.pressure))
+    others = {name: kind for name, kind in get_type_hints(Effects).items() if name != "pressure"}
+    return Effects(pressure, **{name: _section(kind, getattr(content, name)) for name, kind in others.items()})
 
 
 def _design(document: Document, content: Any, family: str) -> tuple[Design, float | Auto]:
@@ -170,13 +161,11 @@ def _check_together(document: Document, content: Any) -> None:
 
 
 def _mesh(content: Any, size: float | Auto, state: str, nu: float) -> MeshSettings:
-    """The elements; a ready mesh has no second one and is not graded."""
-    return MeshSettings(
-        size,
-        _formulation(content.mesh.formulation, state, nu),
-        getattr(content.mesh, "coarser", None),
-        getattr(content.mesh, "grading", "off"),
-    )
+    """The mesh with its element; a ready mesh has fewer keys, the others keep their defaults."""
+    keys = {field.name: _without_unit(field.name) for field in fields(MeshSettings)}
+    given = {name: getattr(content.mesh, key) for name, key in keys.items() if hasattr(content.mesh, key)}
+    formulation = _formulation(content.mesh.formulation, state, nu)
+    return MeshSettings(**{**given, "size_mm": size, "formulation": formulation})
 
 
 def _formulation(given: str | None, state: str, nu: float) -> str:

@@ -1,4 +1,4 @@
-"""What the experiments leave behind: states with their numbers, how far each experiment went, and all of them."""
+"""The results of experiments: states with their numbers, how far an experiment went, and several experiments."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -14,7 +14,7 @@ from rod import Load
 
 @dataclass(frozen=True)
 class StateSummary:
-    """The numbers of one equilibrium; forces, moments and volumes are those of the whole body."""
+    """The numbers of one equilibrium; forces, moments and volumes are those of the full body."""
 
     experiment: str  #: I, II, III or dead
     pressure_kPa: float
@@ -68,7 +68,7 @@ class StateSummary:
 
 @dataclass(frozen=True)
 class Record:
-    """One experiment at one pressure: what later stages need of it. Forces are those on the whole body."""
+    """One experiment at one pressure: what later stages need of it. Forces are those on the full body."""
 
     summary: StateSummary
     centreline: Centreline
