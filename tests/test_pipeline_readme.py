@@ -64,7 +64,7 @@ def test_targets_are_there(readme: str) -> None:
 
 
 def test_every_dependency_has_its_reason(readme: str) -> None:
-    table = readme.partition("## What it stands on")[2].partition("##")[0]
+    table = readme.partition("## Dependencies")[2].partition("##")[0]
     reasons = {
         name: reason
         for names, reason in re.findall(r"^\| (.+?) \| (.+?) \|$", table, flags=re.MULTILINE)

@@ -8,7 +8,7 @@ from solve import Line
 PAGE = Path(__file__).resolve().parent.parent.parent / "docs" / "robustness.md"
 BEGIN, END = "<!-- make hard: begin -->", "<!-- make hard: end -->"
 COLUMNS = (
-    *("case", "expected", "outcome", "checked against", "difference", "allowed", "load steps", "cut-backs"),
+    *("case", "expected", "outcome", "checked against", "difference", "allowed", "load increments", "cutbacks"),
     *("factorizations", "min J", "stretches"),
 )
 
