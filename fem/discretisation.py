@@ -13,9 +13,9 @@ from fem.kernels.surface import FaceArrays
 from geometry import Mesh
 from geometry.arrays import Array, Index, Mask
 
-#: least number of elements in a chunk, and largest number of chunks: enough for the threads of a laptop, and few enough
-#: elements in each for what they share to stay in a core's cache
-CHUNK, CHUNKS = 64, 32
+#: least number of elements in a chunk, and largest number of chunks: enough chunks for the threads of a laptop, and
+#: chunks small enough to stay in the cache of a core
+MIN_CHUNK_SIZE, MAX_CHUNKS = 64, 32
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ def _in_chunks(nodes: Index, vertices: Array) -> tuple[Index, Index, Index]:
     """The elements nodes (e, a) sorted into chunks along the body's longest side, by colour; `chunks` and `colours`."""
     centre = vertices[nodes[:, :4]].mean(axis=1)
     nodes = nodes[np.argsort(centre[:, np.ptp(vertices, axis=0).argmax()], kind="stable")]
-    count = min(max(nodes.shape[0] // CHUNK, 1), CHUNKS)
+    count = min(max(nodes.shape[0] // MIN_CHUNK_SIZE, 1), MAX_CHUNKS)
     chunks = np.linspace(0, nodes.shape[0], count + 1).astype(np.int64)
     colour = chunk_colours(chunks, np.ascontiguousarray(nodes[:, :4]), vertices.shape[0])
     order = np.argsort(colour, kind="stable")

@@ -5,6 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from fem.elements import ELEMENTS
+from fem.materials import LAWS
+
 HERE = Path(__file__).resolve().parent.parent
 PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", HERE / "CHANGELOG.md", *sorted((HERE / "docs").glob("*.md"))]
 FOLDERS = ("geometry", "fem", "rod", "pipeline", "pneurod", "tests", "benchmarks", "configs", "docs", "examples")
@@ -95,3 +98,15 @@ def test_lines_outside_tables_are_short(page: Path) -> None:
     lines = text_of(page).splitlines()
     long = [line for line in lines if len(line) > 130 and not line.startswith(("|", "- ", "    ", "!["))]
     assert long == []
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_the_page_on_materials_and_the_readme_name_every_law(name: str) -> None:
+    for page in (HERE / "docs" / "materials.md", HERE / "README.md"):
+        assert re.search(rf"\b{name}\b", text_of(page)), page.name
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_the_pages_on_theory_and_accuracy_name_every_element(name: str) -> None:
+    for page in ("theory.md", "accuracy.md"):
+        assert f"`{name}`" in text_of(HERE / "docs" / page), page

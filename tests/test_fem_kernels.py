@@ -10,7 +10,7 @@ from bodies import box, difference, hollow_box
 from skfem.helpers import ddot, det, grad, identity, inv, mul, trace, transpose
 
 from fem import Fixed, Model, StVenantKirchhoff
-from fem.discretisation import CHUNK, CHUNKS, Discretisation
+from fem.discretisation import MAX_CHUNKS, MIN_CHUNK_SIZE, Discretisation
 from fem.effects.effect import Blocks
 from fem.effects.loads import Pressure, enclosed_volume
 from fem.elements import ELEMENTS
@@ -142,7 +142,7 @@ def test_chunks_of_one_colour_share_no_node(turned: bool) -> None:
     assert np.array_equal(np.unique(np.sort(space.nodes[:, :4])), np.arange(mesh.points.shape[0]))
     assert space.chunks[0] == space.colours[0] == 0
     assert space.chunks[-1] == space.nodes.shape[0] == mesh.tets.shape[0]
-    assert space.colours[-1] == space.chunks.shape[0] - 1 == min(mesh.tets.shape[0] // CHUNK, CHUNKS)
+    assert space.colours[-1] == space.chunks.shape[0] - 1 == min(mesh.tets.shape[0] // MIN_CHUNK_SIZE, MAX_CHUNKS)
     assert space.colours.shape[0] - 1 < space.colours[-1] / 4  # several chunks at once
     for begin, end in zip(space.colours[:-1], space.colours[1:], strict=True):
         chunks = [np.unique(space.nodes[space.chunks[c] : space.chunks[c + 1]]) for c in range(begin, end)]
