@@ -56,10 +56,10 @@ def test_force_is_the_derivative_of_the_energy(law: Material) -> None:
     assert np.abs(assembly.pressure_residual).max() < 1e-12 * np.abs(assembly.stress).max()
 
 
-@pytest.mark.parametrize("held", [[], [Fixed("left"), Fixed("back", "z")]])
+@pytest.mark.parametrize("supports", [[], [Fixed("left"), Fixed("back", "z")]])
 @pytest.mark.parametrize("law", LAWS, ids=NAMES)
-def test_tangent_is_the_derivative_of_force_and_pressure_residual(law: Material, held: list[Fixed]) -> None:
-    system = system_of(law, held)
+def test_tangent_is_the_derivative_of_force_and_pressure_residual(law: Material, supports: list[Fixed]) -> None:
+    system = system_of(law, supports)
     generator = np.random.default_rng(5)
     u, pressure = noise(system, 0.01), generator.normal(scale=0.2, size=system.formulation.unknowns)
     du, dp = (
@@ -79,15 +79,15 @@ def test_tangent_is_the_derivative_of_force_and_pressure_residual(law: Material,
 
 
 def test_tangent_times_an_increment_of_the_supports() -> None:
-    free, held = system_of(LAWS[0], []), system_of(LAWS[0], [Fixed("left"), Fixed("back", "z")])
+    free, clamped = system_of(LAWS[0], []), system_of(LAWS[0], [Fixed("left"), Fixed("back", "z")])
     u, pressure = noise(free, 0.03), np.full(free.formulation.unknowns, 0.3)
-    jump = np.where(held.constraints.constrained, noise(free, 1.0), 0.0)
+    increment = np.where(clamped.constraints.constrained, noise(free, 1.0), 0.0)
     state = state_with_pressure(free, u, pressure)
     data, _ = free.tangent(state, free.assemble(state, ()), (), np.zeros_like(u), convex=False)
-    whole = dense(free, data) @ np.concatenate([jump.ravel(), np.zeros(free.formulation.unknowns)])
-    _, coupling = held.tangent(state, held.assemble(state, ()), (), jump, convex=False)
-    np.testing.assert_allclose(coupling.displacement.ravel(), whole[: jump.size], atol=1e-11)
-    np.testing.assert_allclose(coupling.pressure, whole[jump.size :], atol=1e-11)
+    product = dense(free, data) @ np.concatenate([increment.ravel(), np.zeros(free.formulation.unknowns)])
+    _, coupling = clamped.tangent(state, clamped.assemble(state, ()), (), increment, convex=False)
+    np.testing.assert_allclose(coupling.displacement.ravel(), product[: increment.size], atol=1e-11)
+    np.testing.assert_allclose(coupling.pressure, product[increment.size :], atol=1e-11)
 
 
 @pytest.mark.parametrize("solver", [Pardiso, SuperLU])
