@@ -121,5 +121,5 @@ def _end_of_path(problem: Problem, point: LoadPoint, split: bool) -> str:
         return f"The end force has grown to {size:.0f} alpha/l^2; this solver follows the rod to about {MAX_FORCE:.0f}."
     reached = f"{100 * point.factor:.3g} % of the load"
     if split:
-        return f"The rod buckles at {reached}: beyond it what grows from the unloaded rod is unstable or ends."
+        return f"The rod buckles at {reached}: beyond it the path from the unloaded rod is unstable or ends."
     return f"No equilibrium was found beyond {reached}: the path from the unloaded rod ends there."
