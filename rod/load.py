@@ -1,4 +1,8 @@
-"""What acts on an arm besides its pressure, as one value: end force, end couple, dead weight."""
+"""What acts on an arm besides its pressure, as one value: end force, end couple, dead weight.
+
+The rod in equilibrium and the moment of a curve (`moment_from_load`) take all three. An identification assumes that
+experiment II is free of load: with a weight its curve would not be the intrinsic one.
+"""
 
 import math
 from collections.abc import Sequence
