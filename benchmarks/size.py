@@ -41,8 +41,8 @@ def measured(size: float, single: bool) -> dict[str, float]:
 
     begin, start = process_time(), perf_counter()
     solution = follow(model, [1.0], PathOptions(solver=partial(solver)))
-    whole = process_time() - begin
-    spent, count, busy = solution.seconds, solution.factorizations, whole / (perf_counter() - start)
+    total = process_time() - begin
+    spent, count, busy = solution.seconds, solution.factorizations, total / (perf_counter() - start)
     return {
         "size_mm": size,
         "single": single,
@@ -55,7 +55,7 @@ def measured(size: float, single: bool) -> dict[str, float]:
         "assembly": busy * (spent.assembly + sum(spent.effects.values())) / count,
         "factorization": busy * spent.factorization / count,
         "solve": busy * spent.solve / count,
-        "whole": whole,
+        "total": total,
         "memory_GB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6,
     }
 
@@ -69,7 +69,7 @@ def main() -> None:
         sys.stdout.write(json.dumps(measured(float(words[1]), single)))
         return
     threads = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-    head = ("dofs", "iterations", "end mm", "assembly", "factor", "solve", "rest/all", "whole s", "GB")
+    head = ("dofs", "iterations", "end mm", "assembly", "factor", "solve", "rest/all", "total s", "GB")
     sys.stdout.write("".join(f"{name:>11s}" for name in head) + "\n")
     rows = []
     for size in [float(word) for word in words if not word.startswith("-")] or SIZES:
@@ -84,7 +84,7 @@ def main() -> None:
         numbers = (row["end_y_mm"], row["assembly"], row["factorization"], row["solve"])
         line = f"{row['degrees_of_freedom']:11d}{row['iterations']:11d}" + "".join(f"{x:11.4g}" for x in numbers)
         fraction = 1 - linear / (linear + row["assembly"])
-        sys.stdout.write(f"{line}{fraction:11.0%}{row['whole']:11.1f}{row['memory_GB']:11.2f}\n")
+        sys.stdout.write(f"{line}{fraction:11.0%}{row['total']:11.1f}{row['memory_GB']:11.2f}\n")
         sys.stdout.flush()
     if len(rows) > 1:
         from math import log
