@@ -195,14 +195,15 @@ def variants(scene: Scene) -> list[Variant]:
     config, body, effects = scene.config, scene.body, scene.config.effects
     flipped: dict[str, State] = {
         "incompressibility": "on" if ELEMENTS[config.mesh.formulation].fully_integrated else "off",
-        "gravity": "off" if effects.gravity.on else "on",
     }
+    for name, effect in effects.requested.items():
+        flipped[name] = "off" if effect.on else "on"
     if effects.self_contact.faces or GAP in body.mesh.faces:
         flipped["self_contact"] = "auto" if effects.self_contact.off else "off"
     if body.half or effects.symmetry.off:
         flipped["symmetry"] = "off" if body.half else "auto"
-    if len(body.mesh.plane(1, body.curve_y)):
-        flipped["strain_limiting_layer"] = "off" if effects.strain_limiting_layer.on else "on"
+    if not len(body.mesh.plane(1, body.curve_y)):
+        del flipped["strain_limiting_layer"]
     changed = [
         Variant(effect, {"auto": "on"}.get(state, state), config.with_effect(effect, state))
         for effect, state in flipped.items()

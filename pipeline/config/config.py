@@ -5,11 +5,12 @@
 
 import hashlib
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from enum import Enum
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, final
 
 import fem.materials
 from fem.elements import automatic_element
@@ -125,10 +126,32 @@ class SelfContact(Effect):
 
 
 @dataclass(frozen=True)
-class Gravity(Effect):
+class RequestedEffect(Effect, ABC):
+    """An effect that acts only where it is switched on: auto leaves it out, as the paper does."""
+
+    @property
+    @abstractmethod
+    def reason(self) -> str:
+        """Why it acts or not, and with which values, for effects.json."""
+
+
+@final
+@dataclass(frozen=True)
+class Gravity(RequestedEffect):
     """The weight of the body."""
 
     acceleration_mm_s2: tuple[float, float, float]
+
+    @property
+    def reason(self) -> str:
+        """The acceleration, and what it means for the rod."""
+        if not self.on:
+            return "not requested; in the experiments of the paper the arm lies on its side"
+        x, y, z = (component / 1000 for component in self.acceleration_mm_s2)
+        return (
+            f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod has no weight, so the moment of the weight is an "
+            "error of the five parameters"
+        )
 
     @property
     def breaks_symmetry(self) -> bool:
@@ -136,13 +159,22 @@ class Gravity(Effect):
         return self.on and self.acceleration_mm_s2[2] != 0.0
 
 
+@final
 @dataclass(frozen=True)
-class StrainLimitingLayer(Effect):
+class StrainLimitingLayer(RequestedEffect):
     """A sheet of paper or fabric in the plane of the material curve."""
 
     thickness_mm: float
     E_MPa: float
     nu: float
+
+    @property
+    def reason(self) -> str:
+        """Thickness and constants of the sheet."""
+        if not self.on:
+            return "not requested"
+        constants = f"E = {self.E_MPa:g} MPa, nu = {self.nu:g}"
+        return f"{self.thickness_mm:g} mm thick, {constants}, in the plane of the material curve"
 
 
 @dataclass(frozen=True)
@@ -155,6 +187,12 @@ class Effects:
     incompressibility: Effect  #: whether the element does something against locking
     gravity: Gravity
     strain_limiting_layer: StrainLimitingLayer
+
+    @property
+    def requested(self) -> dict[str, RequestedEffect]:
+        """The effects that act only where they are switched on, by name."""
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        return {name: value for name, value in values.items() if isinstance(value, RequestedEffect)}
 
 
 @dataclass(frozen=True)

@@ -36,8 +36,7 @@ def effect_states(scene: Scene, outcomes: Outcomes) -> tuple[EffectState, ...]:
         "self_contact": _contact(config, outcomes),
         "symmetry": _symmetry(scene),
         "incompressibility": _incompressibility(config),
-        "gravity": _gravity(config),
-        "strain_limiting_layer": _layer(scene),
+        **{name: ("on" if effect.on else "off", effect.reason) for name, effect in config.effects.requested.items()},
     }
     timeless = ("symmetry", "incompressibility")
     return tuple(
@@ -96,23 +95,3 @@ def _symmetry(scene: Scene) -> tuple[str, str]:
 def _incompressibility(config: Config) -> tuple[str, str]:
     element, nu = ELEMENTS[config.mesh.formulation], config.material.built().poisson_ratio
     return "off" if element.fully_integrated else "on", f"nu = {nu:.5g}: {element.summary}"
-
-
-def _gravity(config: Config) -> tuple[str, str]:
-    if not config.effects.gravity.on:
-        return "off", "not requested; in the experiments of the paper the arm lies on its side"
-    x, y, z = (component / 1000 for component in config.effects.gravity.acceleration_mm_s2)
-    return "on", (
-        f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod has no weight, so the moment of the weight is an "
-        "error of the five parameters"
-    )
-
-
-def _layer(scene: Scene) -> tuple[str, str]:
-    layer = scene.config.effects.strain_limiting_layer
-    if not layer.on:
-        return "off", "not requested"
-    return "on", (
-        f"{layer.thickness_mm:g} mm thick, E = {layer.E_MPa:g} MPa, nu = {layer.nu:g}, "
-        f"in the plane y = {scene.body.curve_y:g} mm of the material curve"
-    )
