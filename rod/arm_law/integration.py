@@ -18,10 +18,12 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Mask
 
 #: iterations for the effective moment; each one gains a factor N (dlambda/dkappa)^2 / (dM/dkappa), a thousandth
 ITERATIONS = 3
+#: Newton's method at the end: largest correction, iterations, and relative step of the difference quotients
+TOLERANCE, MAX_ITERATIONS, DIFFERENCE = 1e-8, 12, 1e-6
 
 
 class LawArrays(NamedTuple):
@@ -97,3 +99,108 @@ def integrate(law: LawArrays, length: float, force: Array, end: Array, states: A
             z[j] += h / 6.0 * (k[0, j] + 2.0 * k[1, j] + 2.0 * k[2, j] + k[3, j])
         states[n - 1 - step] = z
     return outside
+
+
+class EndArrays(NamedTuple):
+    """The two ends of the arm as the solver reads them."""
+
+    moment: Array  #: (k,) N mm, of the clamped end
+    rotation: Array  #: (k,) rad
+    rotation_slope: Array  #: (k,)
+    offset: Array  #: (k, 2) mm
+    offset_slope: Array  #: (k, 2)
+    position: float  #: s of the deciding moment, mm
+    along: float  #: mm, from the end of the axis to that of the material curve
+    normal: float  #: mm
+    couple: float  #: N mm, of the support of the tip
+
+
+class EndLoad(NamedTuple):
+    """What acts on the end s = length, or holds it."""
+
+    length: float  #: mm
+    force: Array  #: (2,) N, where it is given
+    couple: float  #: N mm
+    held: Mask  #: (2,) whether the coordinate is prescribed and the force component unknown
+    target: Array  #: (2,) mm, prescribed coordinates
+
+
+@numba.njit(cache=True)
+def _clamp(ends: EndArrays, moment: float, offset: Array) -> tuple[float, float]:
+    """Rotation at a moment and the offset (2,) there; by how much the moment leaves the curve, N mm."""
+    last = len(ends.moment) - 1
+    outside = max(ends.moment[0] - moment, moment - ends.moment[last], 0.0)
+    at = min(max(moment, ends.moment[0]), ends.moment[last])
+    i = min(max(np.searchsorted(ends.moment, at) - 1, 0), last - 1)
+    step = ends.moment[i + 1] - ends.moment[i]
+    t = (at - ends.moment[i]) / step
+    for k in range(2):
+        offset[k] = _cubic(ends.offset[:, k], ends.offset_slope[:, k], i, t, step)[0]
+    return _cubic(ends.rotation, ends.rotation_slope, i, t, step)[0], outside
+
+
+@numba.njit(cache=True)
+def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, states: Array, missed: Array) -> float:
+    """Integrate for unknowns (3,) = (angle of the axis at the end, F_x, F_y); fills states (n + 1, 4), shifted to the
+    clamp, and missed (3,): the angle at the clamp (rad), and prescribed coordinates of the end over the length.
+
+    Returns by how much a moment leaves the law, N mm.
+    """
+    force, offset = np.empty(2), np.empty(2)
+    for k in range(2):
+        force[k] = unknowns[1 + k] if load.held[k] else load.force[k]
+    cosine, sine = math.cos(unknowns[0]), math.sin(unknowns[0])
+    lever = np.array([ends.along * cosine - ends.normal * sine, ends.along * sine + ends.normal * cosine])
+    couple = ends.couple + load.couple + lever[0] * force[1] - lever[1] * force[0]
+    outside = integrate(law, load.length, force, np.array([unknowns[0], couple, 0.0, 0.0]), states)
+    n = len(states) - 1
+    position = ends.position / load.length * n
+    i = min(math.floor(position), n - 1)
+    decides = states[i, 1] + (position - i) * (states[i + 1, 1] - states[i, 1])
+    rotation, beyond = _clamp(ends, decides, offset)
+    shift = np.array([offset[0] - states[0, 2], offset[1] - states[0, 3]])
+    for row in range(n + 1):
+        states[row, 2] += shift[0]
+        states[row, 3] += shift[1]
+    missed[0] = states[0, 0] - rotation
+    for k in range(2):
+        missed[1 + k] = (states[n, 2 + k] + lever[k] - load.target[k]) / load.length if load.held[k] else 0.0
+    return max(outside, beyond)
+
+
+@numba.njit(cache=True)
+def converge(
+    law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, size: Array, states: Array
+) -> tuple[bool, float]:
+    """Newton's method with difference quotients for unknowns (3,), changed in place; fills states (n + 1, 4).
+
+    size (3,): changes of the unknowns that count as one. Returns whether it converged, and by how much a moment leaves
+    the law, N mm.
+    """
+    missed, moved, matrix = np.empty(3), np.empty(3), np.eye(3)
+    trial = np.empty(3)
+    for _ in range(MAX_ITERATIONS):
+        outside = residual(law, ends, load, unknowns, states, missed)
+        for k in range(3):
+            if k > 0 and not load.held[k - 1]:
+                continue
+            trial[:] = unknowns
+            trial[k] += DIFFERENCE * size[k]
+            residual(law, ends, load, trial, states, moved)
+            for row in range(3):
+                matrix[row, k] = (moved[row] - missed[row]) / DIFFERENCE
+        for k in range(2):
+            if not load.held[k]:
+                matrix[1 + k, :] = 0.0
+                matrix[:, 1 + k] = 0.0
+                matrix[1 + k, 1 + k] = 1.0
+        if abs(np.linalg.det(matrix)) < 1e-300:
+            return False, outside
+        correction = np.linalg.solve(matrix, -missed)
+        largest = np.abs(correction).max()
+        if not largest < 10.0:
+            return False, outside
+        unknowns += correction * size
+        if largest < TOLERANCE:
+            return True, residual(law, ends, load, unknowns, states, missed)
+    return False, outside

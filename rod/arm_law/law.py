@@ -9,19 +9,17 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.arm_law.integration import LawArrays, integrate
+from rod.arm_law.integration import EndArrays, EndLoad, LawArrays, converge
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.law import RodError
 from rod.load import Load
 
 #: longest step of the integration, mm over the pitch
 STEP = 0.1
-#: Newton's method: largest correction of the unknowns at the end, iterations, and smallest part of the load in one step
-TOLERANCE, MAX_ITERATIONS, SMALLEST_STEP = 1e-9, 12, 1e-3
+#: smallest part of the load in one step
+SMALLEST_STEP = 1e-3
 #: rad, largest change of the end's angle in one step of the load
 LARGEST_TURN = 1.0
-#: relative step of the difference quotients of Newton's method
-DIFFERENCE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -222,93 +220,57 @@ def _interpolated(nodes: Array, values: Array, at: float) -> Array:
 
 
 class _Shooting:
-    """Angle of the axis at the end and the unknown force components, and what they miss."""
+    """One rod and its loads, solved by integration from the end."""
 
     def __init__(self, rod: LawRod, load: Load, position: tuple[float | None, float | None]) -> None:
         self.rod = rod
         self.load = load
         self.position = position
-        self.free = [k for k in range(2) if position[k] is not None]
-        self.tip = rod.held_tip if self.free else rod.free_tip
+        self.held = np.array([value is not None for value in position])
+        tip, clamp = rod.held_tip if self.held.any() else rod.free_tip, rod.clamp
+        self.ends = EndArrays(
+            clamp.moment,
+            clamp.rotation,
+            clamp.rotation_by_moment,
+            clamp.offset,
+            clamp.offset_by_moment,
+            rod.clamp_position,
+            float(tip.beside[-1, 0]),
+            float(tip.beside[-1, 1]),
+            tip.couple,
+        )
         self.states = np.empty((math.ceil(rod.length / (STEP * rod.pitch)) + 1, 4))
-        self.s = np.linspace(0.0, rod.length, len(self.states))
+        slope = rod.section.kappa_slope[len(rod.section.kappa_slope) // 2]
+        # a force that turns the end by about one radian
+        self.size = np.array([1.0, *([1.0 / (rod.length**2 * slope)] * 2)])
         self.outside = 0.0
 
-    def force(self, unknowns: Array, factor: float) -> Array:
-        """(2,) on the end, N."""
-        force = factor * np.array(self.load.force)
-        force[self.free] = unknowns[1:]
-        return force
-
-    def sweep(self, unknowns: Array, factor: float) -> Array:
-        """Integrate, shift to the clamp, and return the position of the material curve's end (2,), mm, and by how much
-        the angle at the clamp misses."""
-        rod, force = self.rod, self.force(unknowns, factor)
-        cosine, sine = math.cos(unknowns[0]), math.sin(unknowns[0])
-        along, normal = self.tip.beside[-1]
-        lever = np.array([along * cosine - normal * sine, along * sine + normal * cosine])
-        couple = self.tip.couple + factor * self.load.couple + lever[0] * force[1] - lever[1] * force[0]
-        end = np.array([unknowns[0], couple, 0.0, 0.0])
-        self.outside = integrate(rod.arrays, rod.length, force, end, self.states)
-        decides = float(np.interp(rod.clamp_position, self.s, self.states[:, 1]))
-        clamp = rod.clamp
-        rotation, offset = clamp.at(decides)
-        self.outside = max(self.outside, clamp.moment[0] - decides, decides - clamp.moment[-1])
-        self.states[:, 2:] += offset - self.states[0, 2:]
-        return np.array([self.states[0, 0] - rotation, *(self.states[-1, 2:] + lever)])
-
-    def residual(self, unknowns: Array, factor: float, target: Array) -> Array:
-        """(1 + f,): angle at the clamp, rad, and prescribed coordinates of the end over the length."""
-        missed = self.sweep(unknowns, factor)
-        return np.array([missed[0], *((missed[1:] - target)[self.free] / self.rod.length)])
-
     def converge(self, guess: Array, factor: float, target: Array) -> Array | None:
-        """Newton's method with difference quotients; None where it does not converge."""
+        """(3,) angle of the axis at the end and the force on it, at a part of the loads; None without convergence."""
+        force = factor * np.array(self.load.force)
+        load = EndLoad(self.rod.length, force, factor * self.load.couple, self.held, target)
         unknowns = guess.copy()
-        # a force that turns the end by about one radian
-        size = np.array([1.0, *([1.0 / (self.rod.length**2 * self._softest)] * len(self.free))])
-        for _ in range(MAX_ITERATIONS):
-            missed = self.residual(unknowns, factor, target)
-            matrix = np.empty((len(unknowns),) * 2)
-            for k in range(len(unknowns)):
-                moved = unknowns.copy()
-                moved[k] += DIFFERENCE * size[k]
-                matrix[:, k] = (self.residual(moved, factor, target) - missed) / DIFFERENCE
-            try:
-                correction = np.linalg.solve(matrix, -missed)
-            except np.linalg.LinAlgError:
-                return None
-            if not np.all(np.isfinite(correction)) or np.abs(correction).max() > 10.0:
-                return None
-            unknowns = unknowns + correction * size
-            if np.abs(correction).max() < TOLERANCE:
-                self.sweep(unknowns, factor)
-                return unknowns
-        return None
+        converged, self.outside = converge(self.rod.arrays, self.ends, load, unknowns, self.size, self.states)
+        unknowns[1:] = np.where(self.held, unknowns[1:], force)
+        return unknowns if converged else None
 
-    @property
-    def _softest(self) -> float:
-        """dkappa/dM, 1/(N mm2), in the middle of the table."""
-        return float(self.rod.section.kappa_slope[len(self.rod.section.kappa_slope) // 2])
+    def end(self, unknowns: Array) -> Array:
+        """(2,) mm, of the material curve in the state last solved."""
+        cosine, sine = math.cos(unknowns[0]), math.sin(unknowns[0])
+        along, normal = self.ends.along, self.ends.normal
+        return np.asarray(self.states[-1, 2:] + [along * cosine - normal * sine, along * sine + normal * cosine])
 
 
 def _follow(rod: LawRod, load: Load, position: tuple[float | None, float | None]) -> LawSolution:
-    shooting = _Shooting(rod, load, position)
-    count = 1 + len(shooting.free)
-    rest = np.zeros(count)
-    rest[0] = rod.section.kappa_0 * rod.length
-    start = shooting.converge(rest[:1], 0.0, np.zeros(2)) if count == 1 else None
-    if count > 1:
-        free = _Shooting(rod, Load(), (None, None))
-        angle = free.converge(rest[:1], 0.0, np.zeros(2))
-        if angle is not None:
-            start = np.array([angle[0], *np.zeros(count - 1)])
+    """The equilibrium on the path from the inflated arm without load."""
+    guess = np.array([rod.section.kappa_0 * rod.length, 0.0, 0.0])
+    shooting, free = _Shooting(rod, load, position), _Shooting(rod, Load(), (None, None))
+    start = free.converge(guess, 0.0, np.zeros(2))
     if start is None:
         raise RodError(f"The inflated arm has no equilibrium at {rod.section.pressure:g} kPa.")
-    begin = shooting.sweep(start, 0.0)[1:]
+    begin = free.end(start)
     goal = np.array([begin[k] if position[k] is None else position[k] for k in range(2)], float)
-    here, before, reached, step = start, start, 0.0, 1.0
-    behind = 0.0
+    before, behind, here, reached, step = start, 0.0, start, 0.0, 1.0
     while reached < 1.0:
         factor = min(1.0, reached + step)
         ahead = here if reached == 0.0 else here + (factor - reached) / (reached - behind) * (here - before)
@@ -325,7 +287,6 @@ def _follow(rod: LawRod, load: Load, position: tuple[float | None, float | None]
 
 def _solution(shooting: _Shooting, unknowns: Array) -> LawSolution:
     rod = shooting.rod
-    shooting.sweep(unknowns, 1.0)
     states, law = shooting.states, rod.section
     if shooting.outside > 1e-9 * float(np.ptp(law.moment)):
         low, high = float(states[:, 1].min()), float(states[:, 1].max())
@@ -334,14 +295,14 @@ def _solution(shooting: _Shooting, unknowns: Array) -> LawSolution:
             f"The moment goes from {low:.4g} to {high:.4g} N mm; at {law.pressure:g} kPa the law is known from "
             f"{edges[0]:.4g} to {edges[1]:.4g} N mm, and it is not extrapolated."
         )
-    force = shooting.force(unknowns, 1.0)
+    force = unknowns[1:]
     axial = force[0] * np.cos(states[:, 0]) + force[1] * np.sin(states[:, 0])
     effective = states[:, 1]
     for _ in range(3):
         slope = np.interp(effective, law.moment, law.stretch_slope) / np.interp(effective, law.moment, law.kappa_slope)
         effective = states[:, 1] + axial * slope
     arrays = {
-        "s": shooting.s,
+        "s": np.linspace(0.0, rod.length, len(states)),
         "x": states[:, 2],
         "y": states[:, 3],
         "theta": states[:, 0],
@@ -354,4 +315,4 @@ def _solution(shooting: _Shooting, unknowns: Array) -> LawSolution:
     for name, array in arrays.items():
         arrays[name] = np.array(array)
         arrays[name].setflags(write=False)
-    return LawSolution(**arrays, rod=rod, is_held=bool(shooting.free))
+    return LawSolution(**arrays, rod=rod, is_held=bool(shooting.held.any()))
