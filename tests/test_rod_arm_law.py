@@ -1,0 +1,174 @@
+"""The rod with the arm's own law against closed forms, against the five-parameter rod, and at the edges of the law."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rod import FiveParameters, Rod, RodError
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.law import ArmLaw
+from rod.arm_law.record import law_from_record, law_record
+from rod.arm_law.section import section_at
+
+LENGTH, PITCH = 110.0, 10.0
+EI, RIGID = 400.0, 1e12
+
+
+def straight_law(
+    pressure: float,
+    kappa_0: float = 0.0,
+    *,
+    EA: float = RIGID,
+    GA: float = RIGID,
+    eccentricity: float = 0.0,
+    reach: float = 60.0,
+) -> tuple[CellCurve, ClampCurve, TipCurve]:
+    """A cell with one straight line M = EI (kappa - kappa_0), and ends that are cells too."""
+    moment = np.linspace(-reach, reach, 9)
+    kappa = kappa_0 + moment / EI
+    ones = np.ones(9)
+    s, nothing = np.array([0.0, 2.5, 5.0]), np.zeros((9, 3, 2))
+    cell = CellCurve(
+        pressure=pressure,
+        moment=moment,
+        kappa=kappa,
+        rigidity=EI * ones,
+        moment_by_pressure=0 * ones,
+        stretch=1.0 + eccentricity * kappa,
+        stretch_by_kappa=eccentricity * ones,
+        stretch_by_pressure=0 * ones,
+        axial_rigidity=EA * ones,
+        shear_rigidity=GA * ones,
+        contact=np.zeros(9, bool),
+        min_J=ones,
+        s=s,
+        ripple=nothing,
+    )
+    clamp = ClampCurve(
+        pressure,
+        moment,
+        0 * ones,
+        0 * ones,
+        np.zeros((9, 2)),
+        np.zeros((9, 2)),
+        np.array([0.0, 10.0]),
+        np.zeros((9, 2, 2)),
+    )
+    tip = TipCurve(pressure, 0.0, 0.0, np.array([-10.0, 0.0]), np.zeros((2, 2)))
+    return cell, clamp, tip
+
+
+def law_of(*parts: tuple[CellCurve, ClampCurve, TipCurve]) -> ArmLaw:
+    cells, clamps, tips = zip(*parts, strict=True)
+    return ArmLaw(PITCH, 5.0, LENGTH, cells, clamps, tips, tips)
+
+
+@pytest.mark.parametrize(
+    ("load", "deflection", "shortening", "angle"),
+    [
+        (1.0, 0.3017208, 0.0564332, 0.4613519),
+        (5.0, 0.7137915, 0.3876284, 1.2153681),
+        (10.0, 0.8106090, 0.5549956, 1.4302855),
+    ],
+)
+def test_the_elastica_under_a_dead_force(load: float, deflection: float, shortening: float, angle: float) -> None:
+    """K. E. Bisshopp, D. C. Drucker, "Large deflection of cantilever beams", Q. Appl. Math. 3 (1945)."""
+    shape = law_of(straight_law(0.0)).at(0.0).solve((0.0, load * EI / LENGTH**2))
+    assert shape.y[-1] / LENGTH == pytest.approx(deflection, abs=2e-6)
+    assert 1 - shape.x[-1] / LENGTH == pytest.approx(shortening, abs=2e-6)
+    assert shape.theta[-1] == pytest.approx(angle, abs=2e-6)
+
+
+def test_shear_and_axial_force_in_the_small() -> None:
+    """Timoshenko beam: F l^3 / 3 EI + F l / GA; axial force: F l / EA."""
+    rod = law_of(straight_law(0.0, EA=60.0, GA=12.0)).at(0.0)
+    force = 1e-7
+    assert rod.solve((0.0, force)).y[-1] / force == pytest.approx(LENGTH**3 / (3 * EI) + LENGTH / 12.0, rel=1e-5)
+    assert (rod.solve((force, 0.0)).x[-1] - LENGTH) / force == pytest.approx(LENGTH / 60.0, rel=1e-6)
+
+
+def test_it_agrees_with_the_five_parameter_rod() -> None:
+    kappa_0 = -0.012
+    own = law_of(straight_law(20.0, kappa_0)).at(20.0)
+    five = Rod(LENGTH, kappa_0, FiveParameters(EI, EI, 0.0, 0.0, LENGTH / 2))
+    for loads in (
+        {"end_y": 0.0},
+        {"force": (0.0, 0.05)},
+        {"force": (0.03, -0.02), "moment": 1.5},
+        {"end": (90.0, 10.0)},
+    ):
+        first, second = own.solve(**loads), five.solve(**loads)
+        np.testing.assert_allclose(first.force, second.force, rtol=1e-5, atol=1e-8)
+        np.testing.assert_allclose(first.positions(second.s), np.column_stack([second.x, second.y]), atol=1e-4)
+
+
+def test_a_couple_bends_a_rod_with_an_eccentric_axis_to_a_circle() -> None:
+    eccentricity, moment = 1.5, 4.0
+    shape = law_of(straight_law(0.0, eccentricity=eccentricity)).at(0.0).solve(moment=moment)
+    kappa = moment / EI
+    radius = (1.0 + eccentricity * kappa) / kappa
+    assert shape.y[-1] == pytest.approx(radius * (1 - np.cos(kappa * LENGTH)), rel=1e-6)
+    np.testing.assert_allclose(shape.stretch, 1.0 + eccentricity * kappa, rtol=1e-9)
+
+
+def test_the_axial_force_bends_through_the_change_of_stretch() -> None:
+    """M = w'(kappa) - N lambda'(kappa): a force along a straight arm acts at the distance lambda' from the axis."""
+    eccentricity, force = 1.5, 1e-6
+    shape = law_of(straight_law(0.0, eccentricity=eccentricity)).at(0.0).solve((force, 0.0))
+    assert shape.theta[-1] == pytest.approx(force * eccentricity * LENGTH / EI, rel=1e-3)
+
+
+def test_between_pressures_the_cubic_takes_the_slopes_of_both() -> None:
+    """kappa_0 = -a p^2 with dkappa/dp = -2 a p: the cubic in p is exact."""
+    a = 1e-5
+
+    def part(p: float) -> tuple[CellCurve, ClampCurve, TipCurve]:
+        cell, clamp, tip = straight_law(p, -a * p**2)
+        return replace(cell, moment_by_pressure=np.full(9, EI * 2 * a * p)), clamp, tip
+
+    law = law_of(part(0.0), part(20.0), part(40.0))
+    for pressure in (7.0, 20.0, 33.0):
+        assert section_at(law.cells, pressure).kappa_0 == pytest.approx(-a * pressure**2, rel=1e-9)
+    with pytest.raises(RodError, match="The law goes from 0 to 40 kPa; 41 kPa is outside"):
+        law.at(41.0)
+
+
+def test_where_the_moment_leaves_the_law_it_is_said() -> None:
+    rod = law_of(straight_law(10.0, reach=2.0)).at(10.0)
+    with pytest.raises(RodError, match=r"the law is known from -2 to 2 N mm, and it is not extrapolated"):
+        rod.solve((0.0, 0.05))
+
+
+def test_an_arm_shorter_than_its_ends_is_refused() -> None:
+    law = law_of(straight_law(10.0))
+    assert law.at(10.0, 60.0).length == 60.0
+    with pytest.raises(RodError, match="shorter than its two disturbed ends, 20 mm"):
+        law.at(10.0, 15.0)
+
+
+def test_a_law_whose_moment_falls_is_refused() -> None:
+    cell, _, _ = straight_law(10.0)
+    with pytest.raises(RodError, match=r"The moment of a cell does not rise at 10 kPa beyond"):
+        replace(cell, moment=np.minimum(cell.moment, 15.0))
+
+
+def test_contradicting_loads_are_refused() -> None:
+    rod = law_of(straight_law(0.0)).at(0.0)
+    with pytest.raises(RodError, match="Give either the force on the end or its position"):
+        rod.solve((0.0, 0.1), end_y=3.0)
+    with pytest.raises(RodError, match="Give either end"):
+        rod.solve(end=(1.0, 2.0), end_y=3.0)
+
+
+def test_the_record_comes_back() -> None:
+    law = law_of(straight_law(0.0), straight_law(20.0, -0.01, EA=60.0, GA=12.0, eccentricity=1.2))
+    record = json.loads(json.dumps(law_record(law)))
+    again = law_from_record(record)
+    assert law_record(again) == record
+    assert again.at(12.0).solve(end_y=3.0).force[1] == law.at(12.0).solve(end_y=3.0).force[1]
+    with pytest.raises(RodError, match="This is no law of an arm in format 1"):
+        law_from_record({})
+    with pytest.raises(RodError, match="lacks the key 'tip'"):
+        law_from_record({key: value for key, value in record.items() if key != "tip"})
