@@ -79,6 +79,15 @@ def test_pages_use_the_terms_of_the_field(page: Path) -> None:
     assert [found.group() for words in DIALECT for found in re.finditer(words, prose, re.IGNORECASE)] == []
 
 
+def test_every_key_of_experiments_json_is_documented() -> None:
+    source = text_of(HERE / "pipeline" / "simulation" / "outcome.py")
+    row = source.partition("def row(self)")[2].partition("}")[0]
+    keys = re.findall(r'"(\w+)":', row)
+    section = text_of(HERE / "docs" / "results.md").partition("## experiments.json")[2].partition("\n## ")[0]
+    assert len(keys) > 20
+    assert [key for key in keys if f"`{key}`" not in section] == []
+
+
 def terms() -> list[str]:
     rows = re.findall(r"^\| ([^|]+) \|", text_of(HERE / "docs" / "glossary.md"), re.MULTILINE)
     return [term.strip(" `") for row in rows if row != "term" for term in row.split(", ")]
