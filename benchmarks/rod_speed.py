@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import solve_bvp
 
-# this file has the name of the room that it measures; the room must be imported, not the file
+# the rooms stand beside this folder
 sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
 from rod import Arm, FiveParameters, Rod, export  # noqa: E402  (the path comes first)

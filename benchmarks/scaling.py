@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-# beside this file stands another with the name of a room; the room must be imported, not the file
+# the rooms stand beside this folder
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import fem

@@ -1,4 +1,4 @@
-"""An arm with dimensions of one's own: from a few numbers to a rod model with its errors, and a picture of both.
+"""An arm with user-defined dimensions: from a few numbers to a rod model with its errors, and a picture of both.
 
     python examples/own_arm.py [FOLDER]
 
@@ -26,7 +26,7 @@ folder.mkdir(parents=True, exist_ok=True)
 config = folder / "own_arm.yaml"
 config.write_text(design, encoding="utf-8")
 
-# 2. The whole run: mesh, finite elements, five parameters, the rod and a report.
+# 2. The run: mesh, finite elements, five parameters, the rod and a report.
 results = pneurod.characterize(config, out=folder, progress=True)
 
 # 3. The five parameters at every pressure, with the standard deviations of the identification.
@@ -36,7 +36,7 @@ print(results.parameters.set_index("pressure_kPa")[columns].round(3).to_string()
 # 4. How good is the rod? Largest distance to the finite elements, over the length of the arm.
 distances = results.validation.query("experiment == 'III'").set_index("pressure_kPa")["distance_over_length"]
 for pressure, distance in distances.items():
-    print(f"with its end held, at {pressure:g} kPa, the rod is within {100 * distance:.1f} % of the length")
+    print(f"in experiment III at {pressure:g} kPa the rod is within {100 * distance:.1f} % of the length")
 
 # 5. What the rod is for: shapes under loads that were never simulated, here a weight of 5 g at the tip at 15 kPa.
 rod = results.rod(pressure_kPa=15.0)

@@ -1,4 +1,4 @@
-"""A hyperelastic law of one's own in the finite elements, checked against its closed form.
+"""A user-defined hyperelastic law in the finite elements, checked against its closed form.
 
     python examples/own_material.py
 

@@ -28,9 +28,9 @@ for force in np.linspace(0.0, 0.1, 6):
     shape = rod.solve(force=(0.0, force))
     print(f"{force:7.3f} {shape.x[-1]:12.2f} {shape.y[-1]:12.2f} {shape.theta[-1]:17.4f} {shape.moment[0]:28.3f}")
 
-# 3. The other way round: the tip is brought to a height, and the force that holds it there is found.
-held = rod.solve(end_y=-20.0)
-print(f"a tip at y = -20 mm needs F_y = {held.force[1]:.4f} N")
+# 3. The other way round: the height of the tip is prescribed, and the force that this needs is computed.
+prescribed = rod.solve(end_y=-20.0)
+print(f"a tip at y = -20 mm needs F_y = {prescribed.force[1]:.4f} N")
 
 # 4. How long one shape takes.
 count = 200

@@ -1,11 +1,11 @@
 """A run from Python: what `pneurod run` does, with its results as values."""
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pipeline.config.load import load_config
 from pipeline.errors import RunFailed
+from pipeline.processes import available_cores
 from pipeline.progress import Silent, progress_for
 from pipeline.run import run
 from pipeline.simulation.simulate import EXPERIMENTS
@@ -29,10 +29,10 @@ def characterize(
     """Mesh, experiments I, II and III, the five parameters, the rod and the report of one design.
 
     config: the YAML file of the design. out: the result folder, "results/NAME" by default; a run that was interrupted
-    goes on from what it holds. settings: values that replace those of the file, by dotted key and with their unit:
+    continues from what it holds. settings: values that replace those of the file, by dotted key and with their unit:
     {"mesh.size": "6 mm", "pressures": ["10 kPa", "20 kPa"], "geometry.chambers": 8}. accuracy: the error to aim for,
     such as "2 %" (with mesh.size "auto" the mesh is chosen for it). jobs: experiments solved at the same time.
-    fresh: forget what `out` holds. progress: say on the terminal what is being done; nothing is printed otherwise.
+    fresh: delete what `out` holds first. progress: report the stages on the terminal; nothing is printed otherwise.
 
     Raises `pneurod.InputError` for a wrong configuration or a folder that cannot be used, and `pneurod.RunFailed`
     when something could not be solved: its `directory` holds what was reached, for `pneurod.read_results`.
@@ -40,10 +40,9 @@ def characterize(
     overrides = [f"{key}={_written(value)}" for key, value in (settings or {}).items()]
     design = load_config(config, [*overrides, *([f"accuracy={accuracy}"] if accuracy else [])])
     folder = Path("results") / design.name if out is None else Path(out)
-    cores = len(os.sched_getaffinity(0))
     listener = progress_for() if progress else Silent()
     try:
-        run(design, folder, jobs or min(len(EXPERIMENTS), cores), fresh, listener).raise_if_failed()
+        run(design, folder, jobs or min(len(EXPERIMENTS), available_cores()), fresh, listener).raise_if_failed()
     except RunFailed as failure:
         raise RunFailed(str(failure), directory=folder) from None
     finally:
