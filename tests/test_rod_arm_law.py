@@ -84,8 +84,8 @@ def test_the_elastica_under_a_dead_force(load: float, deflection: float, shorten
 def test_shear_and_axial_force_in_the_small() -> None:
     """Timoshenko beam: F l^3 / 3 EI + F l / GA; axial force: F l / EA."""
     rod = law_of(straight_law(0.0, EA=60.0, GA=12.0)).at(0.0)
-    force = 1e-7
-    assert rod.solve((0.0, force)).y[-1] / force == pytest.approx(LENGTH**3 / (3 * EI) + LENGTH / 12.0, rel=1e-5)
+    force = 1e-4
+    assert rod.solve((0.0, force)).y[-1] / force == pytest.approx(LENGTH**3 / (3 * EI) + LENGTH / 12.0, rel=2e-5)
     assert (rod.solve((force, 0.0)).x[-1] - LENGTH) / force == pytest.approx(LENGTH / 60.0, rel=1e-6)
 
 
