@@ -41,7 +41,7 @@ DOORS: dict[str, set[str]] = {
     "ipctk": {"fem/effects/contact.py"},
     "pypardiso": {"fem/equations/linear.py"},
     "sklearn": {"rod/curves/gaussian_process.py"},
-    "pydantic": {"pipeline/config/schema.py"},
+    "pydantic": {"pipeline/config/kinds.py", "pipeline/config/schema.py"},
     "pint": {"pipeline/config/units.py"},
     "yaml": {"pipeline/config/document.py"},
     "pyvista": {"pipeline/pictures.py"},

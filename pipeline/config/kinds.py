@@ -1,0 +1,183 @@
+"""Kinds of values in a configuration: what may be written for each, with its unit, and how it is refused."""
+
+import re
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BeforeValidator, Field
+
+from fem.elements import ELEMENTS
+from geometry import GRADINGS
+from pipeline.config.config import CavityPressure
+from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
+from pipeline.errors import quoted
+
+
+def _in(dimension: Dimension) -> BeforeValidator:
+    return BeforeValidator(lambda value: convert(value, dimension))
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise ValueError(f"{quoted(value)} is not a plain number; write it without a unit, for example 0.495")
+    return float(value)
+
+
+def _count(value: Any) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueError(f"{quoted(value)} is not a whole number; write it without a unit, for example 11")
+    return value
+
+
+def _yes_or_no(value: Any) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"{quoted(value)} is neither true nor false")
+    return value
+
+
+def _above_zero(value: float) -> float:
+    if not value > 0.0:
+        raise ValueError(f"{value:g} is not allowed; allowed: above zero")
+    return value
+
+
+def _above_one(value: float) -> float:
+    if not value > 1.0:
+        raise ValueError(f"{value:g} is not coarser; allowed: above 1, for example 1.5")
+    return value
+
+
+def _poisson_ratio(value: float) -> float:
+    if not -1.0 < value < 0.5:
+        raise ValueError(f"{value:g} is not a Poisson ratio a body can have here; allowed: above -1 and below 0.5")
+    return value
+
+
+def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
+    if not values:
+        raise ValueError("is empty; give at least one pressure, for example [17 kPa, 37 kPa]")
+    if min(values) <= 0.0:
+        raise ValueError(f"{min(values):g} kPa is not above zero; give pressures above 0 kPa in ascending order")
+    if any(later <= earlier for earlier, later in pairwise(values)):
+        listed = ", ".join(f"{value:g} kPa" for value in values)
+        raise ValueError(f"[{listed}] is not in ascending order; list every pressure once, the lowest first")
+    return values
+
+
+def _three(example: str) -> Callable[[tuple[float, ...]], tuple[float, ...]]:
+    def check(values: tuple[float, ...]) -> tuple[float, ...]:
+        if len(values) != 3:
+            raise ValueError(f"has {len(values)} numbers instead of x, y and z; for example {example}")
+        return values
+
+    return check
+
+
+def _pair(values: tuple[float, ...]) -> tuple[float, ...]:
+    if len(values) != 2:
+        raise ValueError(f"has {len(values)} numbers instead of the force along x and y; for example [0 N, 0.05 N]")
+    return values
+
+
+def _not_below_zero(value: int) -> int:
+    if value < 0:
+        raise ValueError(f"{quoted(value)} is not allowed; allowed: 0 or more")
+    return value
+
+
+STATES = ("auto", "on", "off")
+
+
+def _state(value: Any) -> Any:
+    """auto, on or off; YAML 1.1 reads a bare on as true."""
+    state = {True: "on", False: "off"}[value] if isinstance(value, bool) else value
+    if state not in STATES:
+        raise ValueError(f"{quoted(value)} is not allowed; allowed: auto, on or off")
+    return state
+
+
+def _names(value: Any) -> Any:
+    """One name, or several."""
+    return value if isinstance(value, list) and value else [value]
+
+
+def _effect(value: Any) -> Any:
+    """A bare state is an effect with the usual parameters; parameters without a state switch the effect on."""
+    return {"state": "on", **value} if isinstance(value, Mapping) else {"state": _state(value)}
+
+
+def _fraction_or_pressure(value: Any) -> CavityPressure:
+    """A plain number is a fraction of the pressure of the run, one with a unit is a constant pressure."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return CavityPressure(float(value), 0.0)
+    try:
+        return CavityPressure(0.0, convert(value, PRESSURE))
+    except ValueError:
+        raise ValueError(
+            f"{quoted(value)} is neither a fraction of the pressure, for example 0.5, nor a pressure, for example "
+            "'10 kPa'"
+        ) from None
+
+
+def _grading(value: Any) -> Any:
+    """A name of a grading; YAML 1.1 reads a bare off as false."""
+    return "off" if value is False else value
+
+
+def _small(value: float) -> float:
+    if not 0.0 < value <= 1e-2:
+        raise ValueError(f"{value:g} is not allowed; allowed: above 0 and at most 0.01")
+    return value
+
+
+def _percentage(value: Any) -> Any:
+    """2 % as 0.02."""
+    matched = re.fullmatch(r"\s*(\d+\.?\d*)\s*%\s*", value) if isinstance(value, str) else None
+    if matched is None or not 0.0 < float(matched[1]) <= 20.0:
+        raise ValueError(f"{quoted(value)} is no accuracy; write a percentage above 0 and at most 20, for example 2 %")
+    return float(matched[1]) / 100.0
+
+
+def _size(value: Any) -> Any:
+    return None if value == "auto" else _above_zero(convert(value, LENGTH))
+
+
+Length = Annotated[float, _in(LENGTH), Field(examples=[LENGTH.example])]
+PositiveLength = Annotated[Length, AfterValidator(_above_zero)]
+Stress = Annotated[float, _in(STRESS), Field(examples=[STRESS.example])]
+PositiveStress = Annotated[float, _in(STRESS), AfterValidator(_above_zero), Field(examples=[STRESS.example])]
+PositiveDensity = Annotated[float, _in(DENSITY), AfterValidator(_above_zero), Field(examples=[DENSITY.example])]
+Pressure = Annotated[float, _in(PRESSURE)]
+Pressures = Annotated[tuple[Pressure, ...], AfterValidator(_ascending), Field(strict=False)]
+Acceleration = Annotated[
+    tuple[Annotated[float, _in(ACCELERATION)], ...],
+    AfterValidator(_three("[0 m/s^2, -9.81 m/s^2, 0 m/s^2]")),
+    Field(strict=False),
+]
+Point = Annotated[
+    tuple[Length, ...], AfterValidator(_three("[56 mm, 8 mm, 0 mm]")), Field(strict=False, examples=["[56 mm, ...]"])
+]
+Force = Annotated[tuple[Annotated[float, _in(FORCE)], ...], AfterValidator(_pair), Field(strict=False)]
+Points = Annotated[dict[str, Point], Field(examples=["{cavity: [56 mm, 8 mm, 0 mm]}"])]
+Coarser = Annotated[float, BeforeValidator(_number), AfterValidator(_above_one), Field(examples=["1.5"])]
+PoissonRatio = Annotated[float, BeforeValidator(_number), AfterValidator(_poisson_ratio), Field(examples=["0.495"])]
+Count = Annotated[int, BeforeValidator(_count), Field(examples=["11"])]
+YesNo = Annotated[bool, BeforeValidator(_yes_or_no), Field(examples=["true"])]
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", examples=["pneunet"])]
+Text = Annotated[str, Field(min_length=1)]
+FaceNames = Annotated[tuple[Text, ...], BeforeValidator(_names), Field(strict=False, examples=["[gap, cavity]"])]
+State = Annotated[Literal[STATES], BeforeValidator(_state)]  # type: ignore[valid-type]
+OneCavity = Annotated[Any, BeforeValidator(_fraction_or_pressure)]
+
+#: a mesh size, None for auto
+MeshSize = Annotated[float | None, BeforeValidator(_size), Field(examples=[LENGTH.example])]
+_GRADINGS, _FORMULATIONS = tuple(GRADINGS), tuple(ELEMENTS)
+Grading = Annotated[Literal[_GRADINGS], BeforeValidator(_grading), Field(examples=["walls"])]  # type: ignore[valid-type]
+Formulation = Annotated[Literal[_FORMULATIONS], Field(examples=["p2p0"])]  # type: ignore[valid-type]
+CountFromZero = Annotated[Count, AfterValidator(_not_below_zero)]
+Tolerance = Annotated[float, BeforeValidator(_number), AfterValidator(_small), Field(examples=["0.000001"])]
+#: an accuracy in per cent as a number
+Percentage = Annotated[float | None, BeforeValidator(_percentage), Field(examples=["2 %"])]
+#: for the section of an effect, which may be written as its state alone
+FROM_STATE = BeforeValidator(_effect)
