@@ -26,12 +26,14 @@ if TYPE_CHECKING:
     from pneurod.characterization import characterize
     from pneurod.reading import read_results
     from pneurod.results import PressureSlopes, Results, RunRecord
-    from rod import FiveParameters, Interval, Rod, RodError, RodSolution
+    from rod import ArmLaw, FiveParameters, Interval, LawRod, Rod, RodError, RodSolution
 
 __all__ = [
+    "ArmLaw",
     "FiveParameters",
     "InputError",
     "Interval",
+    "LawRod",
     "PressureSlopes",
     "Results",
     "Rod",

@@ -1,5 +1,7 @@
 """The actuator as a rod: curvature, the five-parameter law, identification, the rod in equilibrium."""
 
+from rod.arm_law.law import ArmLaw, LawRod
+from rod.arm_law.record import law_from_record, law_record
 from rod.curves.cell_average import cell_averaged
 from rod.curves.closure import Closure, end_displacement_closure
 from rod.curves.curve import Curvature, Moment, moment_from_load, without_stretch
@@ -15,14 +17,16 @@ from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, shortest_break
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.load import Load
-from rod.mechanics.equilibrium import Rod, RodSolution
+from rod.mechanics.equilibrium import Rod
 from rod.pressures import LinearRange, PressurisedRod, Quantity, Straightness, linear_range, next_pressure, straightness
 from rod.scaling import ReferenceArm, ScaledArm, scaled_arm
+from rod.solution import RodSolution
 
 __all__ = [
     "EXPORTS",
     "PARAMETER_NAMES",
     "Arm",
+    "ArmLaw",
     "Bootstrap",
     "Candidate",
     "Closure",
@@ -31,6 +35,7 @@ __all__ = [
     "FiveParameters",
     "Identification",
     "Interval",
+    "LawRod",
     "LineFit",
     "LinearRange",
     "Load",
@@ -57,6 +62,8 @@ __all__ = [
     "fit_rod",
     "gaussian_process",
     "identify",
+    "law_from_record",
+    "law_record",
     "linear_range",
     "moment_from_load",
     "next_pressure",

@@ -172,3 +172,28 @@ def test_the_record_comes_back() -> None:
         law_from_record({})
     with pytest.raises(RodError, match="lacks the key 'tip'"):
         law_from_record({key: value for key, value in record.items() if key != "tip"})
+
+
+def test_a_rod_takes_the_law_at_a_pressure_as_it_takes_five_parameters() -> None:
+    law = law_of(straight_law(0.0, -0.01)).at(0.0)
+    by_law = Rod(length=LENGTH, law=law, start=(3.0, 1.0)).solve((0.0, 0.02))
+    by_five = Rod(LENGTH, -0.01, FiveParameters(EI, EI, 0.0, 0.0, 20.0), start=(3.0, 1.0)).solve((0.0, 0.02))
+    s = np.linspace(0.0, LENGTH, 23)
+    np.testing.assert_allclose(by_law.positions(s), by_five.positions(s), atol=1e-5)
+    np.testing.assert_allclose(by_law.positions(s) - [3.0, 1.0], law.solve((0.0, 0.02)).positions(s), atol=1e-12)
+    end = (float(by_law.x[-1]), float(by_law.y[-1]))
+    np.testing.assert_allclose(Rod(length=LENGTH, law=law, start=(3.0, 1.0)).solve(end=end).force, [0, 0.02], atol=1e-6)
+
+
+def test_what_the_law_has_itself_is_refused_beside_it() -> None:
+    law = law_of(straight_law(0.0)).at(0.0)
+    with pytest.raises(RodError, match="takes no kappa_0"):
+        Rod(LENGTH, -0.01, law)
+    with pytest.raises(RodError, match="no five parameters"):
+        _ = Rod(length=LENGTH, law=law).five
+    with pytest.raises(RodError, match="order = 'together' is not possible"):
+        Rod(length=LENGTH, law=law).solve((0.0, 0.01), order="together")
+    with pytest.raises(RodError, match="needs kappa_0"):
+        Rod(length=LENGTH, law=FiveParameters(EI, EI, 0.0, 0.0, 20.0))
+    with pytest.raises(RodError, match="needs a law"):
+        Rod(LENGTH, 0.0)

@@ -91,7 +91,7 @@ def _between(parameters: Sequence[Parameters], rods: Sequence[Rod]) -> Pressuris
     return PressurisedRod(
         rods[0].length,
         np.array([p.pressure_kPa for p in parameters]),
-        tuple(rod.law for rod in rods),
+        tuple(rod.five for rod in rods),
         np.asarray(rods[0].kappa_0)[:, 0],
         np.array([np.asarray(rod.kappa_0)[:, 1] for rod in rods]),
         np.array([rod.theta0 for rod in rods]),

@@ -54,9 +54,9 @@ def table(rod: Rod, points: int = 225) -> dict[str, Array]:
     return {
         "s_mm": s,
         "kappa_0_per_mm": kappa_0,
-        "alpha_N_mm2": rod.law.rigidity(s),
-        "m0_N_mm": rod.law.intercept(s),
-        "kappa_rest_per_mm": rod.law.kappa_rest(s, kappa_0),
+        "alpha_N_mm2": rod.five.rigidity(s),
+        "m0_N_mm": rod.five.intercept(s),
+        "kappa_rest_per_mm": rod.five.kappa_rest(s, kappa_0),
     }
 
 
@@ -69,7 +69,7 @@ def write_csv(arm: Arm, path: Path) -> None:
 
 def write_json(arm: Arm, path: Path) -> None:
     """The five parameters, the clamp and `table`, units in the keys."""
-    rod, law = arm.rod, arm.rod.law
+    rod, law = arm.rod, arm.rod.five
     content = {
         "length_mm": rod.length,
         "mass_g": arm.mass,

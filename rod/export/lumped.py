@@ -34,7 +34,7 @@ def joints(rod: Rod, edges: Array) -> Joints:
         raise RodError("A rod is cut into at least two pieces by lengths that rise from 0.")
     if abs(edges[-1] - rod.length) > 1e-9 * rod.length:
         raise RodError(f"The last cut must be the end of the rod, {rod.length:g} mm, not {edges[-1]:g} mm.")
-    law, rest = rod.law, rod.solve()
+    law, rest = rod.five, rod.solve()
     turned = CubicHermiteSpline(rest.s, rest.theta, rest.kappa)(np.minimum(edges, rod.length))
     first = np.minimum(edges, law.d)
     compliance = first / law.alpha1 + (edges - first) / law.alpha2

@@ -11,7 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array, Mask
 from rod.curves.curve import Moment
-from rod.mechanics.equilibrium import RodSolution
+from rod.solution import RodSolution
 
 #: fraction of the arm with the smallest moments that is left out of the range: near the end M falls to zero
 TAIL_FRACTION = 0.05

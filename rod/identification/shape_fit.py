@@ -35,7 +35,8 @@ from rod.identification.regression import OFFSET, RIPPLE
 from rod.identification.two_lines import MIN_BREAK, default_breaks
 from rod.law import FiveParameters, RodError
 from rod.load import Load
-from rod.mechanics.equilibrium import Rod, RodSolution
+from rod.mechanics.equilibrium import Rod
+from rod.solution import RodSolution
 
 #: smallest relative standard deviation of the end force
 FORCE_ERROR = 1e-3

@@ -13,83 +13,80 @@ components, are found by shooting (`shooting`), for large loads with continuatio
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
 
 from geometry.arrays import Array
+from rod.arm_law.law import LawRod
 from rod.curves.extension import Extension
 from rod.law import FiveParameters, RodError
 from rod.load import Load, pair
 from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.mechanics.shooting import ABSCISSAE
+from rod.solution import RodSolution
 
 Order = Literal["as tested", "together", "pressure first"]
 
 
-@dataclass(frozen=True)
-class RodSolution:
-    """A rod in equilibrium. All arrays are read-only; at s = d kappa is that of the piece beyond d."""
-
-    s: Array  #: (n,) mm, arc length
-    x: Array  #: (n,) mm
-    y: Array  #: (n,) mm
-    theta: Array  #: (n,) rad, tangent angle
-    kappa: Array  #: (n,) 1/mm
-    moment: Array  #: (n,) N mm
-    stretch: Array  #: (n,), 1 on an inextensible rod
-    force: Array  #: (2,) N, F_x and F_y on the end s = l
-    load_steps: int  #: steps of the continuation
-
-    def positions(self, s: Array) -> Array:
-        """(m, 2) mm: x and y at the arc lengths s (m,), by cubic Hermite interpolation with the tangents.
-
-        Raises `RodError` for an s off the rod.
-        """
-        s = np.asarray(s, float)
-        if s.size and (s.min() < -1e-9 * self.s[-1] or s.max() > (1 + 1e-9) * self.s[-1]):
-            raise RodError(
-                f"The rod goes from s = 0 to {self.s[-1]:g} mm; it has no point at s = {s.min():g} ... {s.max():g}."
-            )
-        i = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
-        h = self.s[i + 1] - self.s[i]
-        t = (s - self.s[i]) / h
-        begin, end = h * self.stretch[i], h * self.stretch[i + 1]
-        a, b = (1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2
-        c, e = t * t * (3 - 2 * t), t * t * (t - 1)
-        b, e = b * begin, e * end
-        x = a * self.x[i] + c * self.x[i + 1] + b * np.cos(self.theta[i]) + e * np.cos(self.theta[i + 1])
-        y = a * self.y[i] + c * self.y[i + 1] + b * np.sin(self.theta[i]) + e * np.sin(self.theta[i + 1])
-        return np.column_stack([x, y])
+def _no_law() -> FiveParameters:
+    raise RodError("A rod needs a law: five parameters, or the arm's own law at a pressure.")
 
 
 @dataclass(frozen=True)
 class Rod:
-    """A clamped planar rod with the five-parameter law.
+    """A clamped planar rod with the five-parameter law, or with the arm's own law at one pressure.
 
     kappa_0 (1/mm) is a number, an array (n,) of values at equally spaced points from 0 to length, an array (n, 2) of
-    columns s and kappa_0, or a function of s; samples are joined by straight lines. Raises `RodError` for a length
-    that is not positive, a kappa_0 that does not fit it, or a break d off the rod.
+    columns s and kappa_0, or a function of s; samples are joined by straight lines. The arm's own law,
+    `ArmLaw.at(pressure)`, has its curvature without load, its stretch and its clamped end itself: kappa_0, theta0, fade
+    and extension are not given then. Raises `RodError` for a length that is not positive, a kappa_0 that does not fit
+    it, a break d off the rod, and for what a law already has or lacks.
     """
 
     length: float  #: mm
-    kappa_0: Profile  #: 1/mm
-    law: FiveParameters
+    kappa_0: Profile | None = None  #: 1/mm; None with the arm's own law
+    law: FiveParameters | LawRod = field(default_factory=_no_law)
     theta0: float = 0.0  #: rad, tangent angle at the clamp
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     fade: float = 0.0  #: N mm, below this |M| the intercepts fade to zero (see `law`)
-    extension: Extension | None = None  #: stretch of the curve; None: inextensible
-    steps: Steps = field(init=False, repr=False, compare=False)
+    extension: Extension | None = None  #: stretch of the curve; None: inextensible, or as the arm's own law says
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.length) and self.length > 0.0):
             raise RodError(f"The length of a rod must be positive, not {self.length} mm.")
+        if isinstance(self.law, LawRod):
+            self._check_nothing_twice()
+            object.__setattr__(self, "law", replace(self.law, length=float(self.length)))
+            return
         if not 0.0 < self.law.d < self.length:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
         if not (math.isfinite(self.fade) and self.fade >= 0.0):
             raise RodError(f"fade is a moment of at least 0 N mm, not {self.fade}.")
-        object.__setattr__(self, "steps", cut_into_steps(self.length, self.kappa_0, self.law))
+        _ = self.steps  # refuses a kappa_0 that does not fit
+
+    def _check_nothing_twice(self) -> None:
+        given = {"kappa_0": self.kappa_0 is not None, "extension": self.extension is not None}
+        given |= {"theta0": self.theta0 != 0.0, "fade": self.fade != 0.0}
+        for name, is_given in given.items():
+            if is_given:
+                raise RodError(f"A rod with the arm's own law takes no {name}: the law has it or needs none.")
+
+    @cached_property
+    def steps(self) -> Steps:
+        """The steps of the integration. Raises `RodError` for a kappa_0 that does not fit and for the arm's own law."""
+        if self.kappa_0 is None:
+            raise RodError("A rod with five parameters needs kappa_0, its curvature without load.")
+        return cut_into_steps(self.length, self.kappa_0, self.five)
+
+    @property
+    def five(self) -> FiveParameters:
+        """The five parameters. Raises `RodError` for a rod with the arm's own law."""
+        if isinstance(self.law, LawRod):
+            raise RodError("This rod follows the arm's own law and has no five parameters.")
+        return self.law
 
     def solve(
         self,
@@ -110,6 +107,7 @@ class Rod:
         order selects among several equilibria. "pressure first": the loads grow on the rod that already has
         its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
         end_y is prescribed, because in experiment III the end is held while the pressure rises, else pressure first.
+        With the arm's own law the loads always grow on the inflated arm.
 
         Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is long,
         and when the path ends before the full load is reached.
@@ -122,6 +120,8 @@ class Rod:
             raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
         load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment)
         loaded = force is not None or load.couple != 0.0
+        if isinstance(self.law, LawRod):
+            return _by_arm_law(self.law, self.start, load, (end_x, end_y), order)
         together = _grow_together(order, end_x, end_y, loaded=loaded)
         return self._equilibrium(_LoadCase(load, (end_x, end_y), together))
 
@@ -133,6 +133,8 @@ class Rod:
         """
         if end_y is not None:
             load = replace(load, force=(0.0, 0.0))
+        if isinstance(self.law, LawRod):
+            return _by_arm_law(self.law, self.start, load, (None, end_y), "as tested")
         return self._equilibrium(_LoadCase(load, (None, end_y), together=end_y is not None))
 
     def _equilibrium(self, case: "_LoadCase") -> RodSolution:
@@ -140,7 +142,8 @@ class Rod:
         solution = self._solved(self.steps, case)
         refinement = _refinement(self, solution, case.load)
         if refinement > 1.0:
-            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.law, refinement), case)
+            assert self.kappa_0 is not None  # `steps` has refused it
+            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.five, refinement), case)
         return solution
 
     def _solved(self, steps: Steps, case: "_LoadCase") -> RodSolution:
@@ -157,6 +160,22 @@ class _LoadCase:
     together: bool  #: kappa_0 grows with the loads
 
 
+def _by_arm_law(
+    law: LawRod, start: tuple[float, float], load: Load, end: tuple[float | None, float | None], order: Order
+) -> RodSolution:
+    """The equilibrium of a rod with the arm's own law whose clamp is at start (mm)."""
+    if order == "together":
+        raise RodError("With the arm's own law the loads grow on the inflated arm; order = 'together' is not possible.")
+    x, y = (None if value is None else value - origin for value, origin in zip(end, start, strict=True))
+    solution = law.under(load, end_x=x, end_y=y)
+    if not any(start):
+        return solution
+    moved = (solution.x + start[0], solution.y + start[1])
+    for values in moved:
+        values.setflags(write=False)
+    return replace(solution, x=moved[0], y=moved[1])
+
+
 def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, loaded: bool) -> bool:
     if order not in get_args(Order):
         raise RodError(f"order is one of {', '.join(get_args(Order))}; {order!r} is not.")
@@ -168,7 +187,7 @@ def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, lo
 
 def _refinement(rod: Rod, solution: RodSolution, load: Load) -> float:
     """How much finer than the usual the steps must be: at large forces errors grow like exp(s sqrt(F/alpha))."""
-    softest = min(rod.law.alpha1, rod.law.alpha2)
+    softest = min(rod.five.alpha1, rod.five.alpha2)
     force = np.hypot(*solution.force) + rod.length * math.hypot(*load.weight)
     growth = rod.length * math.sqrt(force / softest)
     return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
@@ -176,7 +195,7 @@ def _refinement(rod: Rod, solution: RodSolution, load: Load) -> float:
 
 def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
     """The loads on the rod in units of its length l and rigidity B = alpha2: moments B/l, forces B/l^2."""
-    law, length = rod.law, rod.length
+    law, length = rod.five, rod.length
     base = law.alpha2
     end = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(case.end)]
     reach = math.hypot(*end)
@@ -206,7 +225,7 @@ def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
 
 def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSolution:
     """The dimensionless point in mm and N."""
-    law, steps, length = rod.law, problem.steps, rod.length
+    law, steps, length = rod.five, problem.steps, rod.length
     moment = point.states[:, 1] * (law.alpha2 / length)
     intercept_factor = np.full(len(moment), 1.0 if count else 0.0)
     if rod.fade > 0.0:

@@ -1,0 +1,178 @@
+"""The equilibrium of a rod with the arm's own law: Newton's method at the end, steps of the load from the clamp."""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.arm_law.curves import ClampCurve, TipCurve
+from rod.arm_law.integration import EndArrays, EndLoad, LawArrays, converge
+from rod.arm_law.section import SectionLaw
+from rod.law import RodError
+from rod.load import Load
+from rod.solution import RodSolution
+
+#: longest step of the integration, mm over the pitch
+STEP = 0.1
+#: smallest part of the load in one step
+SMALLEST_STEP = 1e-3
+#: rad, largest change of the end's angle in one step of the load
+LARGEST_TURN = 1.0
+#: the moment may leave the law by rounding, over the range of the law
+ROUNDING = 1e-9
+#: iterations for the effective moment of a solution
+ITERATIONS = 3
+
+_TABLES = ("kappa", "kappa_slope", "stretch", "stretch_slope", "axial_rigidity", "shear_rigidity")
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Pieces:
+    """The pieces of an arm at one pressure, with the length of the arm."""
+
+    section: SectionLaw
+    clamp: ClampCurve
+    free_tip: TipCurve
+    held_tip: TipCurve
+    pitch: float  #: mm
+    length: float  #: mm
+
+    @cached_property
+    def arrays(self) -> LawArrays:
+        """The law of the cells as the integrator reads it."""
+        law = self.section
+        return LawArrays(
+            float(law.moment[0]),
+            float(law.moment[1] - law.moment[0]),
+            *(np.ascontiguousarray(getattr(law, name)) for name in _TABLES),
+        )
+
+    def ends(self, tip: TipCurve) -> EndArrays:
+        """The clamped end and one of the tips as the integrator reads them."""
+        clamp = self.clamp
+        return EndArrays(
+            clamp.moment,
+            clamp.rotation,
+            clamp.rotation_by_moment,
+            clamp.offset,
+            clamp.offset_by_moment,
+            clamp.position,
+            float(tip.beside[-1, 0]),
+            float(tip.beside[-1, 1]),
+            tip.couple,
+        )
+
+
+class EndConditions(NamedTuple):
+    """What acts on the end of an arm."""
+
+    load: Load
+    position: tuple[float | None, float | None]  #: mm, prescribed x and y of the end
+
+    @property
+    def is_held(self) -> bool:
+        """Whether a support holds the end by its edge."""
+        return self.position != (None, None)
+
+
+class _Shooting:
+    """Pieces and end conditions, solved by integration from the end to the clamp."""
+
+    def __init__(self, pieces: Pieces, conditions: EndConditions) -> None:
+        self.pieces = pieces
+        self.load = conditions.load
+        self.held = np.array([value is not None for value in conditions.position])
+        self.ends = pieces.ends(pieces.held_tip if conditions.is_held else pieces.free_tip)
+        self.states = np.empty((math.ceil(pieces.length / (STEP * pieces.pitch)) + 1, 4))
+        slope = pieces.section.kappa_slope[len(pieces.section.kappa_slope) // 2]
+        # a force that turns the end by about one radian
+        self.size = np.array([1.0, *([1.0 / (pieces.length**2 * slope)] * 2)])
+        self.outside = 0.0
+
+    def converge(self, guess: Array, factor: float, target: Array) -> Array | None:
+        """(3,) angle of the axis at the end and the force on it, at a part of the loads; None without convergence."""
+        force = factor * np.array(self.load.force)
+        load = EndLoad(self.pieces.length, force, factor * self.load.couple, self.held, target)
+        unknowns = guess.copy()
+        converged, self.outside = converge(self.pieces.arrays, self.ends, load, unknowns, self.size, self.states)
+        unknowns[1:] = np.where(self.held, unknowns[1:], force)
+        return unknowns if converged else None
+
+    def end(self, unknowns: Array) -> Array:
+        """(2,) mm, of the material curve in the state last solved."""
+        cosine, sine = math.cos(unknowns[0]), math.sin(unknowns[0])
+        along, normal = self.ends.along, self.ends.normal
+        return np.asarray(self.states[-1, 2:] + [along * cosine - normal * sine, along * sine + normal * cosine])
+
+
+def equilibrium(pieces: Pieces, conditions: EndConditions) -> RodSolution:
+    """The equilibrium on the path from the inflated arm without load to the full load; `beside` is not set.
+
+    Raises `RodError` where the path ends, and where a moment leaves the law.
+    """
+    position = conditions.position
+    guess = np.array([pieces.section.kappa_0 * pieces.length, 0.0, 0.0])
+    shooting, free = _Shooting(pieces, conditions), _Shooting(pieces, EndConditions(Load(), (None, None)))
+    start = free.converge(guess, 0.0, np.zeros(2))
+    if start is None:
+        raise RodError(f"The inflated arm has no equilibrium at {pieces.section.pressure:g} kPa.")
+    begin = free.end(start)
+    goal = np.array([begin[k] if position[k] is None else position[k] for k in range(2)], float)
+    before, behind, here, reached, step, count = start, 0.0, start, 0.0, 1.0, 0
+    while reached < 1.0:
+        factor = min(1.0, reached + step)
+        ahead = here if reached == 0.0 else here + (factor - reached) / (reached - behind) * (here - before)
+        there = shooting.converge(ahead, factor, begin + factor * (goal - begin))
+        if there is None or abs(there[0] - here[0]) > LARGEST_TURN:
+            step = 0.4 * (factor - reached)
+            if step < SMALLEST_STEP:
+                raise RodError(f"No equilibrium was found beyond {100 * reached:.3g} % of the load.")
+            continue
+        before, behind, here, reached, count = here, reached, there, factor, count + 1
+        step = 2.0 * (reached - behind)
+    return _solution(shooting, here, count)
+
+
+def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:
+    """The state last solved with curvature, stretch and shear by the law."""
+    states, law = shooting.states, shooting.pieces.section
+    _check_within_law(shooting)
+    force = unknowns[1:]
+    cosine, sine = np.cos(states[:, 0]), np.sin(states[:, 0])
+    axial, across = force[0] * cosine + force[1] * sine, force[1] * cosine - force[0] * sine
+    effective = states[:, 1]
+    for _ in range(ITERATIONS):
+        slope = np.interp(effective, law.moment, law.stretch_slope) / np.interp(effective, law.moment, law.kappa_slope)
+        effective = states[:, 1] + axial * slope
+    by_force = axial / np.interp(effective, law.moment, law.axial_rigidity)
+    arrays = {
+        "s": np.linspace(0.0, shooting.pieces.length, len(states)),
+        "x": states[:, 2],
+        "y": states[:, 3],
+        "theta": states[:, 0],
+        "kappa": np.interp(effective, law.moment, law.kappa),
+        "moment": states[:, 1],
+        "stretch": np.interp(effective, law.moment, law.stretch) + by_force,
+        "force": force,
+        "shear": across / np.interp(effective, law.moment, law.shear_rigidity),
+    }
+    for name, array in arrays.items():
+        arrays[name] = np.array(array)
+        arrays[name].setflags(write=False)
+    return RodSolution(**arrays, load_steps=count)
+
+
+def _check_within_law(shooting: _Shooting) -> None:
+    """Raise `RodError` where a moment of the state last solved leaves the law of the cells or of the clamped end."""
+    pieces, moment = shooting.pieces, shooting.states[:, 1]
+    law, clamp = pieces.section, pieces.clamp
+    if shooting.outside <= ROUNDING * float(np.ptp(law.moment)):
+        return
+    low, high = max(law.moment[0], clamp.moment[0]), min(law.moment[-1], clamp.moment[-1])
+    raise RodError(
+        f"The moment goes from {moment.min():.4g} to {moment.max():.4g} N mm; at {law.pressure:g} kPa the law is known "
+        f"from {low:.4g} to {high:.4g} N mm, and it is not extrapolated."
+    )

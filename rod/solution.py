@@ -1,0 +1,62 @@
+"""A rod in equilibrium, whichever law it follows."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.law import RodError
+
+
+@dataclass(frozen=True)
+class RodSolution:
+    """A rod in equilibrium. All arrays are read-only; kappa at the s = d of five parameters is that beyond d.
+
+    The axis follows r' = stretch t + shear n with t = (cos theta, sin theta), n = (-sin theta, cos theta). Where the
+    rod follows the arm's own law, the material curve lies beside the axis, and `positions` gives the material curve.
+    """
+
+    s: Array  #: (n,) mm, rest arc length
+    x: Array  #: (n,) mm, of the axis
+    y: Array  #: (n,) mm
+    theta: Array  #: (n,) rad, angle of the cross sections' normals; the tangent angle where the rod does not shear
+    kappa: Array  #: (n,) 1/mm, rotation per rest length
+    moment: Array  #: (n,) N mm
+    stretch: Array  #: (n,), 1 on an inextensible rod
+    force: Array  #: (2,) N, F_x and F_y on the end s = l
+    load_steps: int  #: steps of the continuation
+    shear: Array | None = field(default=None, repr=False)  #: (n,) slope Q/GA; None: the rod does not shear
+    #: (m, 2) mm at s (m,): the material curve beside the axis, along and normal to it; None: it is the axis
+    beside: Callable[[Array], Array] | None = field(default=None, repr=False)
+
+    def positions(self, s: Array) -> Array:
+        """(m, 2) mm: x and y of the material curve at the rest arc lengths s (m,).
+
+        The axis is joined by cubic Hermite interpolation with its exact derivatives. Raises `RodError` for an s off
+        the rod.
+        """
+        s = np.asarray(s, float)
+        if s.size and (s.min() < -1e-9 * self.s[-1] or s.max() > (1 + 1e-9) * self.s[-1]):
+            raise RodError(
+                f"The rod goes from s = 0 to {self.s[-1]:g} mm; it has no point at s = {s.min():g} ... {s.max():g}."
+            )
+        i = np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
+        h = self.s[i + 1] - self.s[i]
+        t = (s - self.s[i]) / h
+        a, b = (1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2
+        c, e = t * t * (3 - 2 * t), t * t * (t - 1)
+        begin, end = b * (h * self.stretch[i]), e * (h * self.stretch[i + 1])
+        first, second = self.theta[i], self.theta[i + 1]
+        x = a * self.x[i] + c * self.x[i + 1] + begin * np.cos(first) + end * np.cos(second)
+        y = a * self.y[i] + c * self.y[i + 1] + begin * np.sin(first) + end * np.sin(second)
+        if self.shear is not None:
+            slip_first, slip_second = b * h * self.shear[i], e * h * self.shear[i + 1]
+            x -= slip_first * np.sin(first) + slip_second * np.sin(second)
+            y += slip_first * np.cos(first) + slip_second * np.cos(second)
+        if self.beside is not None:
+            along, normal = self.beside(s).T
+            theta = first + (second - first) * t
+            x += along * np.cos(theta) - normal * np.sin(theta)
+            y += along * np.sin(theta) + normal * np.cos(theta)
+        return np.column_stack([x, y])
