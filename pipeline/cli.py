@@ -136,7 +136,15 @@ def rod(
     end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
     end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp.")] = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
-    extensible: Annotated[bool, typer.Option("--stretch", help="The extensible rod, whose curve stretches.")] = False,
+    extensible: Annotated[
+        bool | None,
+        typer.Option(
+            "--stretch/--no-stretch",
+            help="The rod whose curve stretches, or not; by itself the one that stretches where the free curve of the "
+            "arm is longer by more than 0.5 %.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write the shape as CSV.")] = None,
 ) -> None:
     """The rod alone, in milliseconds: its shape under loads."""

@@ -44,13 +44,16 @@ class SavedRod:
         return float(np.sqrt(area / np.pi))
 
     @staticmethod
-    def read(path: Path, extensible: bool = False) -> "SavedRod":
-        """The inextensible or the extensible rod of a file, also of an earlier format. Raises InputError."""
+    def read(path: Path, extensible: bool | None = None) -> "SavedRod":
+        """The inextensible or the extensible rod of a file, also of an earlier format. Raises InputError.
+
+        extensible: None for the rod that stretches where the arm does, see `PressurisedRod.stretches`.
+        """
         try:
             content = with_present_keys(json.loads(path.read_text(encoding="utf-8")))
             material = content["material"]
             return SavedRod(
-                pressurised_rod(content, extensible),
+                default_rod(content) if extensible is None else pressurised_rod(content, extensible),
                 float(content["mass_g"]),
                 float(material.get("E", 1.0)),
                 float(material["density_tonne_mm3"]),
@@ -128,6 +131,18 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
     )
 
 
+def default_rod(content: Mapping[str, Any]) -> PressurisedRod:
+    """The rod of the content of a parameters.json that stretches if the arm does, else the inextensible one.
+
+    Raises as `pressurised_rod`.
+    """
+    if content.get("eccentricity"):
+        extensible = pressurised_rod(content, extensible=True)
+        if extensible.stretches:
+            return extensible
+    return pressurised_rod(content)
+
+
 def exported(folder: Path, target: str | None, pressure: str | None) -> Path:
     """Write the rod of a result folder for another code; the highest pressure where none is given.
 
@@ -136,7 +151,7 @@ def exported(folder: Path, target: str | None, pressure: str | None) -> Path:
     """
     if target not in EXPORTS:
         raise InputError(f"--to{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}")
-    saved = SavedRod.read(folder / "parameters.json")
+    saved = SavedRod.read(folder / "parameters.json", extensible=False)  # no format takes a stretch over the curvature
     rod = saved.at(pressure or f"{saved.rods.pressures[-1]} kPa").rod
     try:
         return export(Arm(rod, saved.mass_g, saved.radius_mm, saved.modulus_MPa), target, folder)

@@ -122,7 +122,7 @@ class Results:
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
     def rod(self, pressure_kPa: float, *, extensible: bool = False, extrapolate: bool = False) -> Rod:
-        """The rod at a pressure, clamped as the material curve begins; between identified ones by straight lines.
+        """The rod at a pressure, clamped as the material curve begins; between identified ones by monotone cubics.
 
         extensible: the rod whose curve stretches. Raises InputError where nothing was identified, and outside the
         identified pressures unless `extrapolate` is given.

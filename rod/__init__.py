@@ -18,7 +18,8 @@ from rod.identification.two_lines import Identification, identify, shortest_brea
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
-from rod.pressures import LinearRange, PressurisedRod, Quantity, Straightness, linear_range, next_pressure, straightness
+from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness
+from rod.pressurised_rod import PressurisedRod
 from rod.scaling import ReferenceArm, ScaledArm, scaled_arm
 from rod.solution import RodSolution
 

@@ -1,17 +1,13 @@
-"""The five parameters over pressure: slopes, range of linearity, and the rod between two pressures (paper, 4.1)."""
+"""The five parameters over pressure: slopes and range of linearity (paper, section 4.1)."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Array
-from rod.curves.extension import Extension
-from rod.identification.moment_range import MomentRange
-from rod.law import PARAMETER_NAMES, FiveParameters, RodError
-from rod.mechanics.equilibrium import Rod
+from rod.law import RodError
 
 #: negligible distance of a value from a straight line, over the largest value
 STRAIGHTNESS_TOLERANCE = 0.02
@@ -108,69 +104,3 @@ def next_pressure(pressures: Sequence[float], covered: LinearRange | None, small
         intervals = [(a, b) for a, b in intervals if b == covered.low or a == covered.high]
     widest = max(intervals, key=lambda interval: interval[1] - interval[0], default=(0.0, 0.0))
     return 0.5 * (widest[0] + widest[1]) if widest[1] - widest[0] > 2.0 * smallest else None
-
-
-@dataclass(frozen=True)
-class PressurisedRod:
-    """The identified rod over a range of pressures: parameters and kappa_0 are interpolated linearly between them.
-
-    Raises `RodError` unless pressures rise and each has a law, a theta0 and a row of kappa_0.
-    """
-
-    length: float  #: mm
-    pressures: Array  #: (n,) kPa
-    laws: tuple[FiveParameters, ...]  #: (n,)
-    s: Array  #: (m,) mm, from 0 to length
-    kappa_0: Array  #: (n, m) 1/mm
-    theta0: Array  #: (n,) rad, tangent angle at the clamp
-    start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
-    extensions: tuple[Extension, ...] = ()  #: (n,) with the same s; empty: the rod is inextensible
-    moment_ranges: tuple[MomentRange, ...] = ()  #: (n,) of the identification; empty: not given
-
-    def __post_init__(self) -> None:
-        if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0):
-            raise RodError("The pressures of a rod must rise.")
-        count = len(self.pressures)
-        if not len(self.laws) == len(self.theta0) == count or self.kappa_0.shape != (count, len(self.s)):
-            raise RodError("Every pressure of a rod needs its five parameters, its theta0 and its kappa_0 at every s.")
-        if any(given and len(given) != count for given in (self.extensions, self.moment_ranges)):
-            raise RodError("Where extensions or ranges of moments are given, every pressure needs its own.")
-
-    def at(self, pressure: float, *, extrapolate: bool = False) -> Rod:
-        """The rod at a pressure (kPa) in the identified range; outside it only on request, along the outermost lines.
-
-        theta0 keeps its last value there.
-
-        Raises `RodError` outside the range unless asked, and where the extrapolated parameters are no law.
-        """
-        i, j, t = self._interval(pressure, extrapolate)
-
-        def between(a: Any, b: Any) -> Any:
-            return (1.0 - t) * a + t * b
-
-        law = FiveParameters(*(between(getattr(self.laws[i], n), getattr(self.laws[j], n)) for n in PARAMETER_NAMES))
-        extension = None
-        if self.extensions:
-            a, b = self.extensions[i], self.extensions[j]
-            stretch = between(a.rest_stretch, b.rest_stretch)
-            extension = Extension(a.s, stretch, between(a.eccentricity, b.eccentricity))
-        kappa_0 = between(self.kappa_0[i], self.kappa_0[j])
-        theta0 = float(np.interp(pressure, self.pressures, self.theta0))
-        return Rod(self.length, np.column_stack([self.s, kappa_0]), law, theta0, self.start, extension=extension)
-
-    def moment_range_at(self, pressure: float, *, extrapolate: bool = False) -> MomentRange | None:
-        """The range of moments behind the rod at a pressure (kPa), None where it is not given. Raises as `at`."""
-        i, j, t = self._interval(pressure, extrapolate)
-        return self.moment_ranges[i].between(self.moment_ranges[j], t) if self.moment_ranges else None
-
-    def _interval(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
-        """Indices of the two pressures between which to interpolate, and the fraction of the interval between them."""
-        p = self.pressures
-        if not (p[0] <= pressure <= p[-1]) and not extrapolate:
-            raise RodError(f"{pressure:g} kPa lies outside the identified range of {p[0]:g} to {p[-1]:g} kPa.")
-        if len(p) == 1:
-            if pressure != p[0]:
-                raise RodError(f"From one pressure, {p[0]:g} kPa, there is no line to extrapolate.")
-            return 0, 0, 0.0
-        i = int(np.clip(np.searchsorted(p, pressure) - 1, 0, len(p) - 2))
-        return i, i + 1, float((pressure - p[i]) / (p[i + 1] - p[i]))

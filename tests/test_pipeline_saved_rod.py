@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 from typer.testing import CliRunner
 
 from pipeline.cli import app
@@ -42,11 +43,14 @@ def call(*arguments: str) -> tuple[int, str, str]:
     return result.exit_code, result.stdout, result.stderr
 
 
-def test_rod_between_two_pressures_is_the_rod_of_the_means(results: Path) -> None:
+def test_rod_between_two_pressures_has_the_means_of_the_numbers_and_a_rest_curvature_through_zero(
+    results: Path,
+) -> None:
     rod = SavedRod.read(results / "parameters.json").at("27 kPa").rod
     law = FiveParameters(alpha1=57.5, alpha2=370.0, m01=0.15, m02=-0.3, d=10.0)
     ours = rod.solve(force=(0.0, 0.05))
-    reference = Rod(LENGTH, -0.0175, law, theta0=0.01).solve(force=(0.0, 0.05))
+    kappa_0, theta0 = (PchipInterpolator([0, 17, 37], [0, *v])(27) for v in ([-0.012, -0.023], [0.0, 0.02]))
+    reference = Rod(LENGTH, float(kappa_0), law, theta0=float(theta0)).solve(force=(0.0, 0.05))
     assert ours.x[-1] == pytest.approx(reference.x[-1], abs=1e-6)
     assert ours.y[-1] == pytest.approx(reference.y[-1], abs=1e-6)
 
@@ -70,15 +74,29 @@ def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
     eccentricity = {key: content[key] for key in keys}
     eccentricity |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 57, [1.04] * 57]}
     file.write_text(json.dumps({**content, "eccentricity": eccentricity}))
-    assert SavedRod.read(file).at("27 kPa").rod.extension is None
-    rod = SavedRod.read(file, extensible=True).at("27 kPa").rod
+    assert SavedRod.read(file, extensible=False).at("27 kPa").rod.extension is None
+    rod = SavedRod.read(file).at("27 kPa").rod  # stretches by itself, for the arm does
     shape = rod.solve()
-    assert np.all(np.abs(shape.stretch - 1.03) < 1e-12)
+    stretch = float(PchipInterpolator([0, 17, 37], [1, 1.02, 1.04])(27))
+    assert np.all(np.abs(shape.stretch - stretch) < 1e-12)
     assert rod.extension is not None
     assert rod.extension.eccentricity == pytest.approx(1.3)
-    code, out, _ = call("rod", str(file), "--pressure", "27 kPa", "--stretch")
+    for choice in ((), ("--stretch",)):
+        code, out, _ = call("rod", str(file), "--pressure", "27 kPa", *choice)
+        assert code == 0
+        assert f"x = {shape.x[-1]:.3f} mm" in out
+    code, out, _ = call("rod", str(file), "--pressure", "27 kPa", "--no-stretch")
     assert code == 0
-    assert f"x = {shape.x[-1]:.3f} mm" in out
+    assert f"x = {shape.x[-1]:.3f} mm" not in out
+
+
+def test_an_arm_that_hardly_stretches_has_the_inextensible_rod(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    eccentricity = {key: content[key] for key in ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")}
+    eccentricity |= {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.001] * 57, [1.002] * 57]}
+    file.write_text(json.dumps({**content, "eccentricity": eccentricity}))
+    assert SavedRod.read(file).at("27 kPa").rod.extension is None
 
 
 def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:

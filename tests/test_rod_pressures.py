@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from rod import FiveParameters, RodError
-from rod.pressures import PressurisedRod, Quantity, linear_range, next_pressure, straightness
+from rod import Extension, FiveParameters, RodError
+from rod.pressures import Quantity, linear_range, next_pressure, straightness
+from rod.pressurised_rod import PressurisedRod
 from rod.scaling import ReferenceArm, scaled_arm
 
 S = np.linspace(0.0, 112.0, 57)
@@ -42,10 +43,55 @@ def test_slope_error_follows_the_errors_of_the_values():
 
 def test_the_rod_between_two_pressures():
     rod = ROD.at(27.0)
-    assert dataclasses.astuple(rod.law) == pytest.approx((70.0, 360.0, -2.0, 0.15, 13.0))
-    assert rod.solve().kappa[0] == pytest.approx(0.021 * 1.1)
-    assert (rod.theta0, rod.start) == (pytest.approx(0.01), (0.0, 1.0))
-    assert ROD.at(37.0).law == ROD.laws[1]
+    assert dataclasses.astuple(rod.law) == pytest.approx((70.0, 360.0, -2.0, 0.15, 13.0))  # two values: a line
+    # kappa_0 is zero at 0 kPa: a cubic through three values, on that side of the line where the slopes rise
+    assert 0.019 * 1.1 < rod.solve().kappa[0] < 0.021 * 1.1
+    assert 0.0 < rod.theta0 < 0.01
+    assert rod.start == (0.0, 1.0)
+    for pressure, law, kappa_0, theta0 in zip(ROD.pressures, ROD.laws, ROD.kappa_0, ROD.theta0, strict=True):
+        at = ROD.at(float(pressure))
+        assert at.law == law
+        assert at.theta0 == theta0
+        np.testing.assert_array_equal(np.asarray(at.kappa_0)[:, 1], kappa_0)
+
+
+def test_what_curves_over_the_pressure_is_met_better_than_by_straight_lines():
+    """A rest curvature of the form p/(1 + p/40 kPa) and rigidities that rise with p^2, from four pressures."""
+    p = np.array([5.0, 17.0, 31.0, 45.0])
+
+    def kappa_0(pressure):
+        return -0.001 * pressure / (1.0 + pressure / 40.0)
+
+    def alpha(pressure):
+        return 200.0 + 0.1 * pressure**2
+
+    rod = PressurisedRod(
+        112.0,
+        p,
+        tuple(FiveParameters(alpha(q), 2 * alpha(q), -0.1 * q, 0.0, 12.0) for q in p),
+        S,
+        np.array([np.full(len(S), kappa_0(q)) for q in p]),
+        np.zeros(4),
+    )
+    for between in (11.0, 24.0, 38.0):
+        at = rod.at(between)
+        for value, exact in (
+            (np.asarray(at.kappa_0)[0, 1], kappa_0),
+            (at.five.alpha1, alpha),
+        ):
+            by_line = float(np.interp(between, p, exact(p)))
+            assert abs(value - exact(between)) < 0.5 * abs(by_line - exact(between))
+
+
+def test_an_arm_stretches_where_its_free_curve_is_longer_by_half_a_percent():
+    def with_stretch(stretch):
+        extension = Extension(S, np.full(len(S), 1.0 + stretch), 1.0)
+        return dataclasses.replace(ROD, extensions=(extension, extension))
+
+    assert not ROD.stretches
+    assert not with_stretch(0.004).stretches
+    assert with_stretch(0.006).stretches
+    assert with_stretch(-0.006).stretches
 
 
 def test_outside_the_range_only_on_request():

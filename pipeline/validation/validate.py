@@ -78,7 +78,7 @@ def validate(scene: Scene, context: RunContext, parameters: Sequence[Parameters]
 
 
 def rods_between(parameters: Sequence[Parameters], pressure: float) -> Rods:
-    """The identified rods at a pressure (kPa), between the identified ones by straight lines. Raises RodError."""
+    """The identified rods at a pressure (kPa), between the identified ones by monotone cubics. Raises RodError."""
     inextensible = _between(parameters, [p.rod for p in parameters])
     extensible = _between(parameters, [p.extensible_rod for p in parameters])
     moment_range = inextensible.moment_range_at(pressure)

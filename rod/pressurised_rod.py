@@ -1,0 +1,111 @@
+"""The identified rod over a range of pressures: between two of them by monotone cubics in the pressure.
+
+Numbers and kappa_0(s) curve over the pressure, because walls meet and materials stiffen; straight lines between a few
+pressures miss that. Monotone cubics (PCHIP) go through every identified value and never beyond two neighbours, so that
+a rigidity stays positive. kappa_0, theta0 and the rest stretch are those of the drawing without pressure, which is one
+more value; with two values a cubic is a straight line. F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980).
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import PchipInterpolator
+
+from geometry.arrays import Array
+from rod.curves.extension import Extension
+from rod.identification.moment_range import MomentRange
+from rod.law import PARAMETER_NAMES, FiveParameters, RodError
+from rod.mechanics.equilibrium import Rod
+
+#: an arm whose curve is longer than at rest by more than this part, inflated without load, needs a rod that stretches
+STRETCHES = 0.005
+
+
+@dataclass(frozen=True)
+class PressurisedRod:
+    """The identified rod over a range of pressures: parameters and kappa_0 follow monotone cubics between them.
+
+    At an identified pressure it has the identified numbers. The arm is taken to be straight without pressure.
+    Raises `RodError` unless pressures rise and each has a law, a theta0 and a row of kappa_0.
+    """
+
+    length: float  #: mm
+    pressures: Array  #: (n,) kPa
+    laws: tuple[FiveParameters, ...]  #: (n,)
+    s: Array  #: (m,) mm, from 0 to length
+    kappa_0: Array  #: (n, m) 1/mm
+    theta0: Array  #: (n,) rad, tangent angle at the clamp
+    start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
+    extensions: tuple[Extension, ...] = ()  #: (n,) with the same s; empty: the rod is inextensible
+    moment_ranges: tuple[MomentRange, ...] = ()  #: (n,) of the identification; empty: not given
+
+    def __post_init__(self) -> None:
+        if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0):
+            raise RodError("The pressures of a rod must rise.")
+        count = len(self.pressures)
+        if not len(self.laws) == len(self.theta0) == count or self.kappa_0.shape != (count, len(self.s)):
+            raise RodError("Every pressure of a rod needs its five parameters, its theta0 and its kappa_0 at every s.")
+        if any(given and len(given) != count for given in (self.extensions, self.moment_ranges)):
+            raise RodError("Where extensions or ranges of moments are given, every pressure needs its own.")
+
+    def at(self, pressure: float, *, extrapolate: bool = False) -> Rod:
+        """The rod at a pressure (kPa) in the identified range; outside it only on request, along the lines through the
+        two outermost values.
+
+        theta0 keeps its last value there.
+
+        Raises `RodError` outside the range unless asked, and where the extrapolated parameters are no law.
+        """
+        self._interval(pressure, extrapolate)  # refuses what is outside
+        law = FiveParameters(*(self._at([getattr(law, n) for law in self.laws], pressure) for n in PARAMETER_NAMES))
+        extension = None
+        if self.extensions:
+            rest = self._at([e.rest_stretch for e in self.extensions], pressure, 1.0)
+            eccentricity = self._at([e.eccentricity for e in self.extensions], pressure)
+            extension = Extension(self.extensions[0].s, rest, float(eccentricity))
+        kappa_0 = self._at(self.kappa_0, pressure, 0.0)
+        nearest = float(np.clip(pressure, self.pressures[0], self.pressures[-1]))
+        theta0 = float(self._at(self.theta0, nearest, 0.0))
+        return Rod(self.length, np.column_stack([self.s, kappa_0]), law, theta0, self.start, extension=extension)
+
+    @property
+    def stretches(self) -> bool:
+        """Whether the curve of the inflated arm without load is longer than at rest by more than STRETCHES.
+
+        False where no extensions are given.
+        """
+        rest = [np.trapezoid(e.rest_stretch, e.s) / np.ptp(e.s) - 1.0 for e in self.extensions]
+        return bool(max(np.abs(rest), default=0.0) > STRETCHES)
+
+    def _at(self, values: Any, pressure: float, without_pressure: float | None = None) -> Any:
+        """Values (n, ...) over the pressures at one of them, at one between, or beyond on the outermost line.
+
+        without_pressure: the value at 0 kPa, where it is known.
+        """
+        p, v = self.pressures, np.asarray(values, float)
+        if (exact := np.flatnonzero(p == pressure)).size:
+            return v[exact[0]]
+        i, j, t = self._interval(pressure, extrapolate=True)
+        if not p[0] < pressure < p[-1]:
+            return (1.0 - t) * v[i] + t * v[j]
+        if without_pressure is not None and p[0] > 0.0:
+            p, v = np.append(0.0, p), np.concatenate([np.full_like(v[:1], without_pressure), v])
+        return PchipInterpolator(p, v)(pressure)
+
+    def moment_range_at(self, pressure: float, *, extrapolate: bool = False) -> MomentRange | None:
+        """The range of moments behind the rod at a pressure (kPa), None where it is not given. Raises as `at`."""
+        i, j, t = self._interval(pressure, extrapolate)
+        return self.moment_ranges[i].between(self.moment_ranges[j], t) if self.moment_ranges else None
+
+    def _interval(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
+        """Indices of the two pressures between which to interpolate, and the fraction of the interval between them."""
+        p = self.pressures
+        if not (p[0] <= pressure <= p[-1]) and not extrapolate:
+            raise RodError(f"{pressure:g} kPa lies outside the identified range of {p[0]:g} to {p[-1]:g} kPa.")
+        if len(p) == 1:
+            if pressure != p[0]:
+                raise RodError(f"From one pressure, {p[0]:g} kPa, there is no line to extrapolate.")
+            return 0, 0, 0.0
+        i = int(np.clip(np.searchsorted(p, pressure) - 1, 0, len(p) - 2))
+        return i, i + 1, float((pressure - p[i]) / (p[i + 1] - p[i]))
