@@ -11,6 +11,7 @@ of `fem.equations`, with the constraints of one angle after the other.
 """
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal, final
@@ -43,6 +44,8 @@ Boundary = Literal["mirror", "clamp", "free", "held"]
 
 #: how often the way between two states is halved where Newton's method does not converge
 MAX_HALVINGS = 6
+#: iterations after which a predicted state is given up
+PREDICTED_ITERATIONS = 8
 #: Newton's tolerance, finer than that of a load path: slopes of the moment are taken of the states
 OPTIONS = NewtonOptions(tolerance=1e-8)
 
@@ -99,7 +102,9 @@ class BendingPiece:
             effects.append(MirrorContact("gap", "tip", dhat))
             effects.append(SelfContact("gap", dhat, starts_inactive=True))
         self.terms = tuple(effect.bind(self.space, material) for effect in effects)
+        self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
+        self._shear_system: System | None = None
 
     @property
     def system(self) -> System:
@@ -133,25 +138,29 @@ class BendingPiece:
             0.0,
             self.body.length,
             *self._contact(self.terms, x),
-            self._extremes(state),
+            extremes_of(self.space, *strain_at_stress_points(self.space, state.displacement)),
             0,
             0,
             state,
             self.terms,
         )
 
-    def solve(self, pressure: float, angle: float, start: PieceState) -> PieceState:
+    def solve(self, pressure: float, angle: float, start: PieceState, predicted: State | None = None) -> PieceState:
         """Equilibrium at a pressure in MPa and an angle in rad, from another state of this piece.
 
+        predicted: where Newton's method is tried first, a state that was extrapolated to this pressure and angle.
         Raises `PieceFailed`.
         """
+        if predicted is not None:
+            with suppress(StepFailed):
+                return self._solve_directly(pressure, angle, predicted, PREDICTED_ITERATIONS)
         reached, fraction, increment, halvings, spent = start, 0.0, 1.0, 0, 0
         while fraction < 1.0:
             target = min(1.0, fraction + increment)
             p = start.pressure + target * (pressure - start.pressure)
             phi = start.angle + target * (angle - start.angle)
             try:
-                reached = self._solve_directly(p, phi, reached)
+                reached = self._solve_directly(p, phi, reached.state)
             except StepFailed as failure:
                 halvings += 1
                 if halvings > MAX_HALVINGS:
@@ -164,14 +173,24 @@ class BendingPiece:
 
     def constraints(self, angle: float) -> Constraints:
         """The supports with the plane at an angle in rad, resolved to u = T q + g."""
-        return Constraints.of(self._supports(angle), self.space)
+        if self._constraints is None or self._constraints[0] != angle:
+            self._constraints = angle, Constraints.of(self._supports(angle), self.space)
+        return self._constraints[1]
+
+    def system_in_shear(self, terms: Terms, constraints: Constraints) -> System:
+        """The equations with other terms and constraints; its pattern and symbolic analysis are kept as well."""
+        if self._shear_system is None:
+            self._shear_system = System(self.space, self.material, terms, constraints, available_solver()())
+        else:
+            self._shear_system.replace_constraints(constraints)
+        return self._shear_system
 
     def linearise(self, piece: PieceState, increment: Array) -> tuple[Assembly, Linearised]:
         """Tangent at a state with the constraints of its angle, and its product with an increment (n, 3), mm.
 
         Raises `fem.equations.linear.SingularMatrix`.
         """
-        self._system.replace_constraints(self.constraints(piece.angle))
+        self._constrain(piece.angle)
         assembly = self._system.assemble(piece.state, piece.terms)
         return assembly, self._system.linearise(piece.state, assembly, piece.terms, increment)
 
@@ -208,12 +227,22 @@ class BendingPiece:
         edge = points[np.abs(points[:, 1] - self.body.curve_y) < 1e-7]
         return np.asarray(edge[np.argsort(edge[:, 2])])
 
-    def _solve_directly(self, pressure: float, angle: float, start: PieceState) -> PieceState:
-        self._system.replace_constraints(self.constraints(angle))
+    def _constrain(self, angle: float) -> None:
+        """Bring the equations to the constraints of an angle in rad."""
+        constraints = self.constraints(angle)
+        if constraints is not self._system.constraints:
+            self._system.replace_constraints(constraints)
+
+    def _solve_directly(
+        self, pressure: float, angle: float, state: State, max_iterations: int | None = None
+    ) -> PieceState:
+        """From a state; with a limit of the iterations Newton's method gives up where the tangent is indefinite too."""
+        self._constrain(angle)
         control = LoadControl.of(self._system).target(pressure, 1.0)
-        terms, state, spent = self.terms, start.state, 0
+        terms, spent = self.terms, 0
         while True:
-            found = solve(Start(state, terms), control, OPTIONS, lambda iteration, residual: None)
+            start = Start(state, terms, max_iterations, trial=max_iterations is not None)
+            found = solve(start, control, OPTIONS, lambda iteration, residual: None)
             spent += found.iterations
             x = self.space.points + found.state.displacement
             tightened = tuple(_tightened(term, x) for term in terms)
@@ -227,7 +256,7 @@ class BendingPiece:
             self.whole * float(np.vdot(gradient, self.rotation(x))),
             float(x[self.plane[0]] @ (np.cos(angle), np.sin(angle), 0.0)),
             *self._contact(terms, x),
-            self._extremes(found.state),
+            extremes_of(self.space, found.assembly.strain, found.assembly.jacobian),
             spent,
             found.negative_pivots,
             found.state,
@@ -244,9 +273,6 @@ class BendingPiece:
                 gap = min(gap, image * term.gap(x))
                 touches = touches or term.touching(x)
         return gap, touches
-
-    def _extremes(self, state: State) -> Extremes:
-        return extremes_of(self.space, *strain_at_stress_points(self.space, state.displacement))
 
     def _sentence(self, pressure: float, angle: float, cause: str) -> str:
         curvature = 1000.0 * angle / self.body.length

@@ -17,7 +17,7 @@ only the normal displacement is free. The energy of one pitch P = 2 h then gives
     U = P^3 / (24 EI) + P / (2 GA)        for Q = 1.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
@@ -25,10 +25,9 @@ import numpy as np
 from fem.cell.piece import BendingPiece, PieceState, turn
 from fem.effects.effect import Terms
 from fem.equations.constraints import Constraints
-from fem.equations.linear import SingularMatrix, available_solver
+from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Change, State
-from fem.equations.system import System
 from fem.supports import Fixed, Prescribed, SharedPlane, Support
 from geometry.arrays import Array, Index
 
@@ -46,6 +45,8 @@ class Slopes:
     moment_by_pressure: float  #: mm3
     by_angle: Array  #: (n, 3) displacement, mm
     by_pressure: Array  #: (n, 3) mm/MPa
+    angle_rate: State = field(repr=False)  #: change of the state by the angle, per rad
+    pressure_rate: State = field(repr=False)  #: per MPa
     distance_by_force: float  #: mm/N, of the plane along its normal, by an axial force at a fixed angle
 
 
@@ -83,6 +84,8 @@ def slopes(piece: BendingPiece, at: PieceState) -> Slopes:
         moment_by_pressure=moment_change(by_pressure, by_pressure.displacement, float(np.vdot(load, turned))),
         by_angle=angle_change,
         by_pressure=by_pressure.displacement,
+        angle_rate=piece.system.rate(at.state, assembly, replace(by_angle, displacement=angle_change)),
+        pressure_rate=piece.system.rate(at.state, assembly, replace(by_pressure, factor=1.0)),
         distance_by_force=float(by_force.displacement[node] @ normal),
     )
 
@@ -96,9 +99,11 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
         raise SingularMatrix("the moment falls with the curvature")
     h = piece.body.length
     bending = known.by_angle / known.moment_by_angle  # displacement per moment of the whole body
-    forces = _force_change(piece, at, at.terms, bending)
     moment = -h  # at the plane, for Q = 1
     terms = tuple(term for term in at.terms if term.effect != "self_contact")
+    contact = tuple(term for term in at.terms if term.effect == "self_contact")
+    elastic, closing = _force_change(piece, at, terms, bending), _load_change(piece, at, contact, bending)
+    forces = elastic + closing
     middle = piece.space.surface("clamp").unique_nodes
     prescribed = np.zeros_like(bending)
     prescribed[middle, 1:] = -moment * bending[middle, 1:]
@@ -109,11 +114,10 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
     tangent = _shear_tangent(piece, at, terms, middle, prescribed)
     solved = tangent.solve(tangent.coupling.displacement - applied, tangent.coupling.pressure)
     shear = solved.displacement + prescribed
-    elastic = _force_change(piece, at, terms, bending)
     force = _force_change(piece, at, terms, shear) + moment * elastic
     displacement = shear + moment * bending
     # of the body, and of the contact, which only the bending closes; the half cell has a mirror image along x
-    energy = float(np.vdot(force, displacement)) + moment**2 * float(np.vdot(forces - elastic, bending))
+    energy = float(np.vdot(force, displacement)) + moment**2 * float(np.vdot(closing, bending))
     energy *= piece.whole
     pitch = 2.0 * h
     bent = pitch**3 / (24.0 * known.moment_by_angle * h)
@@ -135,8 +139,7 @@ def _shear_tangent(piece: BendingPiece, at: PieceState, terms: Terms, middle: In
         *(Prescribed(end, "x", 0.0) for end in ends),
         SharedPlane("tip", (-float(np.sin(angle)), float(np.cos(angle)), 0.0)),
     ]
-    constraints = Constraints.of(supports, space)
-    system = System(space, piece.material, terms, constraints, available_solver()())
+    system = piece.system_in_shear(terms, Constraints.of(supports, space))
     return system.linearise(at.state, system.assemble(at.state, terms), terms, increment)
 
 
@@ -152,10 +155,24 @@ def _force_change(piece: BendingPiece, at: PieceState, terms: Terms, displacemen
 
     With mixed elements the pressures follow.
     """
-    step = STEP * piece.body.length / float(np.abs(displacement).max())
+    step = _step(piece, displacement)
 
     def gradient(sign: float) -> Array:
         moved: State = piece.system.state_at(at.state.displacement + sign * step * displacement, at.pressure)
         return piece.system.assemble(moved, terms).gradient
 
     return np.asarray((gradient(1.0) - gradient(-1.0)) / (2.0 * step))
+
+
+def _load_change(piece: BendingPiece, at: PieceState, terms: Terms, displacement: Array) -> Array:
+    """Change (n, 3) of the gradient of the terms alone."""
+    if not terms:
+        return np.zeros_like(displacement)
+    step, u = _step(piece, displacement), at.state.displacement
+    more, less = (piece.system.loads(u + sign * step * displacement, at.pressure, terms) for sign in (1.0, -1.0))
+    return np.asarray((more - less) / (2.0 * step))
+
+
+def _step(piece: BendingPiece, displacement: Array) -> float:
+    """Factor of a displacement (n, 3) in difference quotients."""
+    return STEP * piece.body.length / float(np.abs(displacement).max())

@@ -9,6 +9,8 @@ from fem.cell.axis import Axis, axis_of, circle
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import Slopes, shear_rigidity, slopes
 from fem.equations.linear import SingularMatrix
+from fem.equations.state import State
+from fem.path.predictor import PathPoint, extrapolate
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 
@@ -20,7 +22,7 @@ INTERVALS, HALVINGS = 3, 4
 #: how often a step is halved that changes the moment by far more than the last slope said
 MAX_HALVINGS = 4
 #: largest error of the cubic between two states, over the largest curvature of the law
-TOLERANCE = 5e-4
+TOLERANCE = 1e-3
 #: change of the moment in difference quotients, over the range of the law
 DIFFERENCE = 1e-5
 #: Newton's method for the angle without moment: largest moment left over EI times an angle of one
@@ -41,6 +43,11 @@ class CellPoint:
     def moment(self) -> float:
         """N mm."""
         return self.state.moment
+
+    @property
+    def path_point(self) -> PathPoint:
+        """The state and its tangent, on the path of the angle."""
+        return PathPoint(self.state.angle, 1.0, self.state.state, self.state.touches, self.slopes.angle_rate)
 
 
 @dataclass
@@ -123,6 +130,12 @@ def _point(piece: BendingPiece, state: PieceState) -> CellPoint:
     return CellPoint(state, known, axis_of(piece, state, known), shear)
 
 
+def _predicted(before: CellPoint | None, last: CellPoint, angle: float) -> State | None:
+    """Where Newton's method starts at an angle on the path through one or two points."""
+    first, second = (None if point is None else point.path_point for point in (before, last))
+    return None if second is None else extrapolate(first, second, angle)
+
+
 def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float) -> None:
     """States until the moment is passed, or until there is none; each step changes the moment by a part of it."""
     outward = 1 if moment > 0 else -1
@@ -131,9 +144,12 @@ def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float) -> None:
         last = sweep.points[-1 if outward > 0 else 0]
         if outward * (last.moment - moment) >= 0.0:
             return
-        step = outward * interval / last.slopes.moment_by_angle / 2**halvings
+        before = None
+        if len(sweep.points) > 1:
+            before = sweep.points[-2 if outward > 0 else 1]
+        angle = last.state.angle + outward * interval / last.slopes.moment_by_angle / 2**halvings
         try:
-            point = _point(piece, piece.solve(last.state.pressure, last.state.angle + step, last.state))
+            point = _point(piece, piece.solve(last.state.pressure, angle, last.state, _predicted(before, last, angle)))
         except PieceFailed as failure:
             sweep.limits.append(str(failure))
             return
@@ -158,20 +174,19 @@ def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
         first, second, halvings = pending.pop()
         angle = 0.5 * (first.state.angle + second.state.angle)
         try:
-            middle = _point(piece, piece.solve(first.state.pressure, angle, first.state))
+            predicted = _predicted(first, second, angle)
+            middle = _point(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
         except PieceFailed as failure:
             sweep.limits.append(str(failure))
             _cut(sweep, first, second)
             pending = [interval for interval in pending if interval[0] in sweep.points and interval[1] in sweep.points]
             continue
-        error = abs(_cubic(first, second, middle.moment) - angle) / scale
+        error = _cubic_error(first, second, middle) / scale
         sweep.points.insert(sweep.points.index(second), middle)
         if error > TOLERANCE and halvings:
             pending += [(first, middle, halvings - 1), (middle, second, halvings - 1)]
         else:
-            sweep.error = max(
-                sweep.error, error / 16.0
-            )  # of each half: the error of a cubic falls with the fourth power
+            sweep.error = max(sweep.error, error)  # of the whole interval: walls that meet in a half make a kink there
 
 
 def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint) -> None:
@@ -181,15 +196,18 @@ def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint) -> None:
     sweep.points[:] = sweep.points[:position] if keeps_first else sweep.points[position:]
 
 
-def _cubic(first: CellPoint, second: CellPoint, moment: float) -> float:
-    """Angle at a moment on the cubic between two points."""
+def _cubic_error(first: CellPoint, second: CellPoint, middle: CellPoint) -> float:
+    """How far the cubic between two points misses a third between them, rad.
+
+    Its slope counts as well, times an eighth of the interval: a kink beside the third point shows in the slope alone.
+    """
     step = second.moment - first.moment
-    t = (moment - first.moment) / step
+    t = (middle.moment - first.moment) / step
     a, b = first.state.angle, second.state.angle
     da, db = step / first.slopes.moment_by_angle, step / second.slopes.moment_by_angle
-    return float(
-        (1 + 2 * t) * (1 - t) ** 2 * a + t * (1 - t) ** 2 * da + t * t * (3 - 2 * t) * b + t * t * (t - 1) * db
-    )
+    value = (1 + 2 * t) * (1 - t) ** 2 * a + t * (1 - t) ** 2 * da + t * t * (3 - 2 * t) * b + t * t * (t - 1) * db
+    slope = 6 * t * (1 - t) * (b - a) + (3 * t * t - 4 * t + 1) * da + (3 * t * t - 2 * t) * db
+    return max(abs(value - middle.state.angle), abs(slope - step / middle.slopes.moment_by_angle) / 8.0)
 
 
 def clamp_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None = None) -> tuple[ClampCurve, list[str]]:
