@@ -9,7 +9,7 @@ reference arm:
 In millimetres and newtons they are simpler: curvature and rigidity belong to the cells, and more cells of
 the same kind change neither. They hold where the cells are equal and where kappa_0 is proportional to p, and not
 otherwise: not for arms stretched without more cells, not near the end cells of short arms, not where alpha(p) or
-kappa_0(p) bends. The soft zone at the clamp belongs to the first cells, so d stays in millimetres; the intercepts
+kappa_0(p) bends. The boundary zone at the clamp belongs to the first cells, so d stays in millimetres; the intercepts
 stay in N mm.
 """
 
@@ -57,7 +57,7 @@ def scaled_arm(reference: ReferenceArm, *, length: float, pressure: float) -> Sc
     old, ratio, step = reference.law, length / reference.length, pressure - reference.pressure
     if old.d >= length:
         raise RodError(
-            f"The soft zone of {old.d:g} mm is longer than an arm of {length:g} mm; equation (9) ends before."
+            f"The boundary zone of {old.d:g} mm is longer than an arm of {length:g} mm; equation (9) ends before."
         )
     unit = reference.weight * reference.length**2
     hats = [(a + step * b) / unit / ratio**2 for a, b in ((old.alpha1, reference.beta1), (old.alpha2, reference.beta2))]

@@ -143,7 +143,7 @@ def test_equation_10_limits():
             lambda: dataclasses.replace(ROD, theta0=ROD.theta0[:1]),
             r"Every pressure of a rod needs its five parameters, its theta0",
         ),
-        (lambda: scaled_arm(REFERENCE, length=10.0, pressure=24.0), r"The soft zone of 13 mm is longer"),
+        (lambda: scaled_arm(REFERENCE, length=10.0, pressure=24.0), r"The boundary zone of 13 mm is longer"),
         (lambda: scaled_arm(REFERENCE, length=-1.0, pressure=24.0), r"must be positive"),
         (lambda: scaled_arm(REFERENCE, length=112.0, pressure=120.0), r"alpha1 is a rigidity"),
         (lambda: dataclasses.replace(REFERENCE, weight=0.0), r"The reference weight must be positive"),

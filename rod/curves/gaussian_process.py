@@ -12,7 +12,7 @@ has a standard deviation, to first order in the errors of the derivatives.
 Hyperparameters: all curves that are compared (experiments II and III) share one set, estimated by maximum likelihood
 from all of them together, and L lies between MIN_LENGTH_SCALE and MAX_LENGTH_SCALE pitches. With L free and without a
 part for the ripple the process would follow the ripple in one experiment and not in the other, or take it for noise and
-smear the soft zone at the clamp.
+smear the boundary zone at the clamp.
 """
 
 import warnings

@@ -106,7 +106,7 @@ def shortest_break(length: float, pitch: float) -> float:
 
 
 def default_breaks(length: float, pitch: float) -> tuple[float, float]:
-    """The range of d over the length for an arm with cells of `pitch`; the soft zone belongs to the first cells."""
+    """The range of d over the length for an arm with cells of `pitch`; the boundary zone belongs to the first cells."""
     return shortest_break(length, pitch) / length, BREAKS[1]
 
 
