@@ -25,7 +25,7 @@ from fem.effects.barrier import FacingTerm
 from fem.effects.contact import SelfContact
 from fem.effects.effect import Effect, Term, Terms
 from fem.equations.constraints import Constraints
-from fem.equations.linear import available_solver
+from fem.equations.linear import LinearTimes, available_solver
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, State
 from fem.equations.system import System
@@ -110,6 +110,12 @@ class BendingPiece:
     def system(self) -> System:
         """The equations, with the constraints of the angle last solved for."""
         return self._system
+
+    @property
+    def solver_times(self) -> tuple[LinearTimes, ...]:
+        """What the linear equations took so far: in bending, and in shear where a shear rigidity was computed."""
+        systems = (self._system, self._shear_system)
+        return tuple(system.solver.times for system in systems if system is not None)
 
     @property
     def whole(self) -> float:

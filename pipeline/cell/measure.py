@@ -23,6 +23,8 @@ INTERVALS, HALVINGS = 3, 4
 MAX_HALVINGS = 4
 #: largest error of the cubic between two states, over the largest curvature of the law
 TOLERANCE = 1e-3
+#: intervals of the moment of the clamped end, whose departure from the cells changes little with it
+CLAMP_INTERVALS = 16
 #: change of the moment in difference quotients, over the range of the law
 DIFFERENCE = 1e-5
 #: Newton's method for the angle without moment: largest moment left over EI times an angle of one
@@ -114,7 +116,8 @@ def _without_moment(piece: BendingPiece, pressure: float, start: PieceState) -> 
         correction = -point.moment / point.slopes.moment_by_angle
         if abs(correction) < STRAIGHT:
             return point
-        state = piece.solve(pressure, state.angle + float(np.clip(correction, -0.2, 0.2)), state)
+        angle = state.angle + float(np.clip(correction, -0.2, 0.2))
+        state = piece.solve(pressure, angle, state, _predicted(None, point, angle))
     raise PieceFailed(f"the half cell at {1000.0 * pressure:.4g} kPa has no state without moment near the last one")
 
 
@@ -215,28 +218,14 @@ def clamp_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None =
 
     start: a state of the piece at another pressure. Raises `PieceFailed` where no state is reached.
     """
-    length = piece.body.length
     first = _clamp_without_moment(piece, cell, piece.rest() if start is None else start)
-    states, limits = [first], []
-    for direction in (1, -1):
-        state, departure = first, _departure(first, cell, length)
-        for row in np.argsort(np.abs(cell.moment)):
-            if direction * cell.moment[row] <= 1e-3 * cell.moment[-1]:
-                continue
-            try:
-                state = piece.solve(state.pressure, float(cell.kappa[row]) * length + departure, state)
-            except PieceFailed as failure:
-                limits.append(str(failure))
-                break
-            if not cell.moment[0] <= state.moment <= cell.moment[-1]:
-                break
-            departure = _departure(state, cell, length)
-            states.append(state)
-    states.sort(key=lambda state: state.moment)
-    rows = [_clamp_row(piece, cell, state) for state in states]
+    limits: list[str] = []
+    behind, ahead = (_clamp_points(piece, cell, first, direction, limits) for direction in (-1, 1))
+    points = [*reversed(behind), first, *ahead]
+    rows = [_clamp_row(piece, cell, point) for point in points]
     curve = ClampCurve(
         pressure=cell.pressure,
-        moment=np.array([state.moment for state in states]),
+        moment=np.array([point.state.moment for point in points]),
         rotation=np.array([row.rotation for row in rows]),
         rotation_by_moment=np.array([row.rotation_by_moment for row in rows]),
         offset=np.array([row.offset for row in rows]),
@@ -247,15 +236,57 @@ def clamp_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None =
     return curve, limits
 
 
-def _clamp_without_moment(piece: BendingPiece, cell: CellCurve, start: PieceState) -> PieceState:
+@dataclass(frozen=True, eq=False)  # arrays inside
+class _EndPoint:
+    """One state of a clamped end with its slopes."""
+
+    state: PieceState
+    slopes: Slopes
+
+    @property
+    def path_point(self) -> PathPoint:
+        """The state and its tangent, on the path of the angle."""
+        return PathPoint(self.state.angle, 1.0, self.state.state, self.state.touches, self.slopes.angle_rate)
+
+
+def _clamp_points(
+    piece: BendingPiece, cell: CellCurve, first: _EndPoint, direction: int, limits: list[str]
+) -> list[_EndPoint]:
+    """States of the clamped end from the one without moment on, at moments of the cell that are not too close."""
+    points = [first]
+    spacing = float(np.ptp(cell.moment)) / CLAMP_INTERVALS
+    rows = np.argsort(np.abs(cell.moment))
+    rows = rows[direction * cell.moment[rows] > 0.0]
+    for number, row in enumerate(rows):
+        last = points[-1]
+        is_outermost = number == len(rows) - 1
+        if direction * (cell.moment[row] - last.state.moment) < (0.05 if is_outermost else 1.0) * spacing:
+            continue
+        angle = float(cell.kappa[row]) * piece.body.length + _departure(last.state, cell, piece.body.length)
+        before = points[-2].path_point if len(points) > 1 else None
+        predicted = extrapolate(before, last.path_point, angle)
+        try:
+            state = piece.solve(last.state.pressure, angle, last.state, predicted)
+            if not cell.moment[0] <= state.moment <= cell.moment[-1]:
+                break
+            points.append(_EndPoint(state, slopes(piece, state)))
+        except (PieceFailed, SingularMatrix) as failure:
+            limits.append(str(failure))
+            break
+    return points[1:]
+
+
+def _clamp_without_moment(piece: BendingPiece, cell: CellCurve, start: PieceState) -> _EndPoint:
     """The clamped end without moment, by Newton's method for the angle."""
     angle = float(np.interp(0.0, cell.moment, cell.kappa)) * piece.body.length
     state = piece.solve(cell.pressure / 1000.0, angle, start)
     for _ in range(MAX_ITERATIONS):
-        correction = -state.moment / slopes(piece, state).moment_by_angle
+        point = _EndPoint(state, slopes(piece, state))
+        correction = -state.moment / point.slopes.moment_by_angle
         if abs(correction) < STRAIGHT:
-            return state
-        state = piece.solve(state.pressure, state.angle + float(np.clip(correction, -0.2, 0.2)), state)
+            return point
+        angle = state.angle + float(np.clip(correction, -0.2, 0.2))
+        state = piece.solve(state.pressure, angle, state, extrapolate(None, point.path_point, angle))
     raise PieceFailed(f"the clamped end at {cell.pressure:.4g} kPa has no state without moment near that of the cell")
 
 
@@ -273,9 +304,9 @@ class _ClampRow:
     beside: Array  #: (m, 2)
 
 
-def _clamp_row(piece: BendingPiece, cell: CellCurve, state: PieceState) -> _ClampRow:
+def _clamp_row(piece: BendingPiece, cell: CellCurve, point: _EndPoint) -> _ClampRow:
     """How the plane at the end departs from cells continued to the clamp, with the slopes by the moment."""
-    known = slopes(piece, state)
+    state, known = point.state, point.slopes
     x = (piece.space.points + state.state.displacement)[piece.curve, :2]
     turned = known.by_angle[piece.curve, :2]
     step = DIFFERENCE * float(np.ptp(cell.moment)) / known.moment_by_angle

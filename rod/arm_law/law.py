@@ -91,7 +91,7 @@ class LawRod:
         end: Sequence[float] | None = None,
         moment: float = 0.0,
     ) -> RodSolution:
-        """The equilibrium reached when the loads grow on the inflated arm.
+        """The equilibrium reached when the loads grow on the inflated arm; with end_y alone both grow together.
 
         force: dead force (F_x, F_y) in N on the end. end_y: the end edge is held at this height (mm), as in experiment
         III, and F_y follows; end: (x, y) of it, and both components follow. moment: a couple on the end, N mm.

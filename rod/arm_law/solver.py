@@ -92,12 +92,18 @@ class _Shooting:
         self.size = np.array([1.0, *([1.0 / (pieces.length**2 * slope)] * 2)])
         self.outside = 0.0
 
-    def converge(self, guess: Array, factor: float, target: Array) -> Array | None:
-        """(3,) angle of the axis at the end and the force on it, at a part of the loads; None without convergence."""
+    def converge(self, guess: Array, factor: float, target: Array, grown: float = 1.0) -> Array | None:
+        """(3,) angle of the axis at the end and the force on it, at a part of the loads; None without convergence.
+
+        grown: part of the curvature without moment that the rod already has.
+        """
+        arrays = self.pieces.arrays
+        if grown < 1.0:
+            arrays = arrays._replace(kappa=arrays.kappa - (1.0 - grown) * self.pieces.section.kappa_0)
         force = factor * np.array(self.load.force)
         load = EndLoad(self.pieces.length, force, factor * self.load.couple, self.held, target)
         unknowns = guess.copy()
-        converged, self.outside = converge(self.pieces.arrays, self.ends, load, unknowns, self.size, self.states)
+        converged, self.outside = converge(arrays, self.ends, load, unknowns, self.size, self.states)
         unknowns[1:] = np.where(self.held, unknowns[1:], force)
         return unknowns if converged else None
 
@@ -111,21 +117,27 @@ class _Shooting:
 def equilibrium(pieces: Pieces, conditions: EndConditions) -> RodSolution:
     """The equilibrium on the path from the inflated arm without load to the full load; `beside` is not set.
 
+    Where the height of the end alone is prescribed the path is that of experiment III: the curvature without moment and
+    the height grow together from the straight arm, which selects among several equilibria.
+
     Raises `RodError` where the path ends, and where a moment leaves the law.
     """
     position = conditions.position
-    guess = np.array([pieces.section.kappa_0 * pieces.length, 0.0, 0.0])
+    together = position[0] is None and position[1] is not None
+    turn = pieces.section.kappa_0 * pieces.length
+    guess = np.array([0.0 if together else turn, 0.0, 0.0])
     shooting, free = _Shooting(pieces, conditions), _Shooting(pieces, EndConditions(Load(), (None, None)))
-    start = free.converge(guess, 0.0, np.zeros(2))
+    start = free.converge(guess, 0.0, np.zeros(2), 0.0 if together else 1.0)
     if start is None:
         raise RodError(f"The inflated arm has no equilibrium at {pieces.section.pressure:g} kPa.")
     begin = free.end(start)
     goal = np.array([begin[k] if position[k] is None else position[k] for k in range(2)], float)
-    before, behind, here, reached, step, count = start, 0.0, start, 0.0, 1.0, 0
+    before, behind, here, reached, count = start, 0.0, start, 0.0, 0
+    step = 1.0 / max(1.0, abs(turn)) if together else 1.0
     while reached < 1.0:
         factor = min(1.0, reached + step)
         ahead = here if reached == 0.0 else here + (factor - reached) / (reached - behind) * (here - before)
-        there = shooting.converge(ahead, factor, begin + factor * (goal - begin))
+        there = shooting.converge(ahead, factor, begin + factor * (goal - begin), factor if together else 1.0)
         if there is None or abs(there[0] - here[0]) > LARGEST_TURN:
             step = 0.4 * (factor - reached)
             if step < SMALLEST_STEP:

@@ -107,7 +107,7 @@ class Rod:
         order selects among several equilibria. "pressure first": the loads grow on the rod that already has
         its kappa_0. "together": kappa_0 and the loads grow together from the straight rod. "as tested": together where
         end_y is prescribed, because in experiment III the end is held while the pressure rises, else pressure first.
-        With the arm's own law the loads always grow on the inflated arm.
+        With the arm's own law the order is always "as tested".
 
         Raises `RodError` when the loads contradict each other, when the end is put farther away than the rod is long,
         and when the path ends before the full load is reached.
@@ -164,8 +164,8 @@ def _by_arm_law(
     law: LawRod, start: tuple[float, float], load: Load, end: tuple[float | None, float | None], order: Order
 ) -> RodSolution:
     """The equilibrium of a rod with the arm's own law whose clamp is at start (mm)."""
-    if order == "together":
-        raise RodError("With the arm's own law the loads grow on the inflated arm; order = 'together' is not possible.")
+    if order != "as tested":
+        raise RodError(f"With the arm's own law the loads grow as tested; order = {order!r} is not possible.")
     x, y = (None if value is None else value - origin for value, origin in zip(end, start, strict=True))
     solution = law.under(load, end_x=x, end_y=y)
     if not any(start):
