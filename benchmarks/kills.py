@@ -34,11 +34,12 @@ geometry: {{family: pneunet, chambers: 8, wall: {wall}}}
 material: {{law: {law}, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}}
 pressures: [8 kPa, 24 kPa]
 mesh: {{size: 8 mm}}
+law: five
 """
 #: walls of 1 mm touch before 18 kPa, those of 1.5 mm do not; the former is validated as well
 SCENES = {
     "contact": SCENE.format(wall="1 mm", law="svk") + "validation: {end_y: [5 mm]}\n",
-    "no contact": SCENE.format(wall="1.5 mm", law="hencky"),
+    "no contact": SCENE.format(wall="1.5 mm", law="hencky") + "validation: off\n",
 }
 #: results that hold numbers; the report, the pictures and the fields are made from the same
 TABLES = (

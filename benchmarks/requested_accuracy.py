@@ -51,7 +51,7 @@ class Request:
     @property
     def config(self) -> Config:
         """As `pneurod run --set mesh.size=auto --accuracy` has it."""
-        settings = [*self.settings, "mesh.size=auto", f"accuracy={self.percent:g} %"]
+        settings = [*self.settings, "mesh.size=auto", f"accuracy={self.percent:g} %", "law=five", "validation=off"]
         return load_config(HERE / "configs" / f"{self.base}.yaml", settings)
 
 

@@ -22,6 +22,7 @@ from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
+from pipeline.validation.rods import ArmRods
 from pipeline.validation.validate import validate
 
 
@@ -53,11 +54,12 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
             parameters, no_mesh_error = with_mesh_error(config, context, parameters)
             store.save_json("parameters.json", parameters_record(config, parameters, no_mesh_error))
         with stages.timed("rod"):
-            comparisons = compare(parameters)
+            rods = ArmRods(parameters, None, (0.0, scene.body.curve_y))
+            comparisons = compare(outcomes, rods, scene.body.pitch)
             store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, scene.body.pitch))
-            store.save_json("validation.json", [comparison.row() for comparison in comparisons])
+            store.save_json("validation.json", [row for c in comparisons for row in c.rows()])
         with stages.timed("validation"):
-            validated = validate(scene, context, parameters)
+            validated = validate(scene, context, rods)
             validated.save(store, comparisons)
         with stages.timed("pictures"):
             draw_all(scene.body, outcomes, store)

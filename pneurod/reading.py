@@ -11,7 +11,7 @@ import pandas as pd
 
 from pipeline.errors import InputError
 from pipeline.saved_rod import pressurised_rod
-from pipeline.store.formats import with_present_keys
+from pipeline.store.formats import validation_rows, with_present_keys
 from pneurod.results import PressureSlopes, Results, RunRecord
 from pneurod.tables import curves_frame, parameter_frames, rows_frame
 
@@ -85,7 +85,8 @@ def _mapping(folder: Path, name: str, contents: Mapping[str, Any]) -> Mapping[st
 
 def _rows(folder: Path, name: str, contents: Mapping[str, Any]) -> pd.DataFrame:
     try:
-        return rows_frame(name, contents[name] or [])
+        rows = contents[name] or []
+        return rows_frame(name, validation_rows(rows) if name == "validation" else rows)
     except (TypeError, ValueError, AttributeError) as failure:
         raise _unreadable(folder / f"{name}.json", failure) from None
 

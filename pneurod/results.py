@@ -89,7 +89,7 @@ class Results:
     dimensionless: pd.DataFrame = field(repr=False)  #: M/(m g l) over (kappa - kappa_0) l by pressure
     experiments: pd.DataFrame = field(repr=False)  #: one row per experiment (I, II, III) and pressure
     curves: pd.DataFrame = field(repr=False)  #: material curve of every experiment and pressure, the rod's beside it
-    validation: pd.DataFrame = field(repr=False)  #: rod against finite elements, one row per load and pressure
+    validation: pd.DataFrame = field(repr=False)  #: rods against finite elements: a row per load, pressure and rod
     validation_curves: pd.DataFrame = field(repr=False)  #: as `curves`, for the loads that nothing was fitted to
     laws: pd.DataFrame = field(repr=False)  #: simpler and richer laws compared; no rows without validation loads
     effects: pd.DataFrame = field(repr=False)  #: which effects were simulated, and why

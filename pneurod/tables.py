@@ -31,10 +31,9 @@ _FIRST: dict[str, tuple[str, ...]] = {
         *("stretch_of_curve", "min_J", "max_stretch", "min_stretch", "min_gap_mm", "seconds", "status", "reason"),
     ),
     "validation": (
-        *("experiment", "pressure_kPa", "load", "sample", "distance_over_length", "distance_at_s_mm"),
+        *("experiment", "pressure_kPa", "load", "rod", "sample", "distance_over_length", "distance_at_s_mm"),
         *("distance_over_length_without_stretch", "end_angle_error_rad", "force_error", "force_N", "rod_force_N"),
-        *("curvature_error", "curvature_error_at_s_mm", "distance_over_length_with_eccentricity"),
-        *("force_error_with_eccentricity", "reason", "reason_with_eccentricity", "warning"),
+        *("curvature_error", "curvature_error_at_s_mm", "reason", "warning"),
     ),
     "laws": ("pressure_kPa", "law", "numbers", "in_sample", "out_of_sample", "simplest"),
     "effects": ("effect", "state", "reason", "share_of_time"),
@@ -48,8 +47,8 @@ _FIRST: dict[str, tuple[str, ...]] = {
 }
 #: columns that hold texts, empty where the file has none; all others hold numbers or true and false
 _TEXTS = {
-    *("experiment", "load", "sample", "law", "effect", "state", "status", "quantity"),
-    *("reason", "reason_with_eccentricity", "warning"),
+    *("experiment", "load", "rod", "sample", "law", "effect", "state", "status", "quantity"),
+    *("reason", "warning"),
 }
 
 

@@ -58,8 +58,8 @@ def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
 
 def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> None:
     record = load_config(configs / "pneunet_coarse.yaml", ["effects.self_contact={dhat: 0.1 mm}"]).record()
-    keys = ["name", "geometry", "material", "pressures_kPa", "end", "added_pressures", "validation", "mesh", "newton"]
-    assert list(record) == [*keys, "accuracy", "effects"]
+    keys = ["name", "geometry", "material", "pressures_kPa", "end", "added_pressures", "validation"]
+    assert list(record) == [*keys, "law", "mesh", "newton", "accuracy", "effects"]
     assert record["end"] == {"y_mm": 0.0}
     assert record["mesh"] == {"size_mm": 4.0, "formulation": "p2p0", "coarser": None, "grading": "off"}
     effects = record["effects"]
@@ -300,10 +300,27 @@ def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> No
                 assert "paper" in line or "choice" in line, f"{path.name}: {line}"
 
 
-def test_validation_loads_are_read_and_none_by_default(configs: Path) -> None:
+def test_a_load_between_the_pressures_with_the_end_elsewhere_is_part_of_every_run(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    assert load_config(coarse).validation == Validation((27.0,), (11.2,), (), with_experiments=False)
+    wider = load_config(coarse, ["pressures=[5 kPa, 17 kPa, 37 kPa]", "end.y=-2 mm"]).validation
+    assert (wider.pressures_kPa, wider.end_y_mm) == ((27.0,), (9.2,))
+    single = load_config(coarse, ["pressures=[17 kPa]"]).validation
+    assert (single.pressures_kPa, single.end_y_mm) == ((17.0,), (11.2,))
+    assert load_config(coarse, ["validation=off"]).validation == Validation((), (), ())
+
+
+def test_a_run_makes_both_laws_unless_the_configuration_names_one(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    assert load_config(coarse).law == "both"
+    assert load_config(coarse, ["law=five"]).law == "five"
+    assert load_config(coarse, ["law=cell"]).law == "cell"
+    assert "law" in refusal(coarse, "law=six")
+
+
+def test_validation_loads_are_read(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
     plain = load_config(coarse)
-    assert plain.validation == Validation((), (), ())
     assert plain.added_pressures == 0
     asked = load_config(coarse, ["validation={end_y: [1 cm, -10 mm], forces: [[0 N, 0.05 N]]}", "added_pressures=2"])
     assert asked.validation == Validation((17.0, 37.0), (10.0, -10.0), ((0.0, 0.05),))

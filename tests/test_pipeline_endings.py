@@ -20,6 +20,8 @@ name: short
 geometry: {family: pneunet, chambers: 8}
 material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [4 kPa, 6 kPa, 8 kPa, 10 kPa]
+law: five
+validation: off
 mesh: {size: 8 mm}
 """
 PATIENCE = 300.0

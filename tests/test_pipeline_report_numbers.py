@@ -7,7 +7,15 @@ import pytest
 
 from pipeline.report.numbers import Cell, eccentricity, estimators, linear_range, observations, with_spread
 from pipeline.report.results import Results, read_results
-from pipeline.report.validation import beyond_identified, law_rows, out_of_sample, simplest_laws, validation_rows
+from pipeline.report.validation import (
+    beyond_identified,
+    law_rows,
+    out_of_sample,
+    rod_table,
+    rod_to_take,
+    simplest_laws,
+    validation_rows,
+)
 
 
 def results(folder: Path, **files: object) -> Results:
@@ -91,11 +99,33 @@ def test_loads_with_large_errors_are_named(tmp_path: Path) -> None:
     ]
     fine = out_of_sample(results(tmp_path, validation=rows[:2]))
     assert fine[-1] == "No error exceeds 3 % of l or 10 % of the force."
-    assert [cells[:2] for cells in validation_rows(results(tmp_path, validation=rows))] == [
-        ["III", "in"],
-        ["end at +10 mm", "out"],
-        ["dead force 0, 1 N", "out"],
+    assert [cells[:3] for cells in validation_rows(results(tmp_path, validation=rows))] == [
+        ["III", "the rod with five parameters", "in"],
+        ["dead force 0, 1 N", "the rod with five parameters", "out"],
+        ["end at +10 mm", "the rod with five parameters", "out"],
     ]
+
+
+def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path: Path) -> None:
+    five = [row("in", 0.02, 0.02), row("out", 0.04, None, "dead force 0, 1 N"), row("out", 0.03, -0.2, "end at +10 mm")]
+    law = [{**r, "rod": "arm_law", "sample": "out", "distance_over_length": 0.002} for r in five]
+    law = [{**r, "force_error": None if r["force_error"] is None else 0.004} for r in law]
+    found = results(tmp_path, validation=[*five, *law])
+    assert rod_to_take(found) == [
+        "Take the rod with the arm's own law (arm_law): its largest error over 3 loads and pressures is the smallest, "
+        "0.4 %.",
+        "The rod with the arm's own law: under loads that nothing was fitted to the shape is wrong by at most 0.2 % "
+        "of l, the force by at most 0.4 %.",
+        "The rod with five parameters: in sample the shape is wrong by at most 2 % of l, the force by at most 2 %; "
+        "under loads that nothing was fitted to the shape is wrong by at most 4 % of l, the force by at most 20 %.",
+    ]
+    assert [cells[0] for cells in rod_table(found)] == [
+        "the rod with the arm's own law",
+        "the rod with five parameters",
+    ]
+    silent = [*five, {**law[0], "distance_over_length": None, "reason": "The moment leaves the law."}]
+    assert rod_to_take(results(tmp_path, validation=silent))[0].startswith("Take the rod with five parameters (five)")
+    assert rod_to_take(results(tmp_path, validation=[])) == []
 
 
 def test_a_load_beyond_the_identified_moments_is_named(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass, replace
 from enum import Enum
 from pathlib import Path
-from typing import Any, Literal, final
+from typing import Any, Literal, final, get_args
 
 import fem.materials
 from fem.elements import automatic_element
@@ -20,6 +20,9 @@ from pipeline.store.json_values import Json, JsonObject
 
 #: whether an effect acts; auto leaves it to the program
 State = Literal["auto", "on", "off"]
+#: the laws of the rod: five parameters and the law from one cell, or one of them
+Laws = Literal["both", "five", "cell"]
+LAW_CHOICES: tuple[Laws, ...] = get_args(Laws)
 
 
 class Auto(Enum):
@@ -59,6 +62,7 @@ class Validation:
     pressures_kPa: tuple[float, ...]  #: ascending; those of the run and others between them
     end_y_mm: tuple[float, ...]  #: displacements u_y of the end in III
     forces_N: tuple[tuple[float, float], ...]  #: dead forces on the end
+    with_experiments: bool = True  #: whether II and III are solved at the pressures between as well
 
 
 @dataclass(frozen=True)
@@ -207,6 +211,7 @@ class Config:
     end: End
     added_pressures: int  #: how many may be added where alpha(p) or kappa_0(p) is not straight
     validation: Validation
+    law: Laws
     mesh: MeshSettings
     newton: Newton
     accuracy: float | None  #: requested relative error of kappa_0(l/2), alpha2 and F

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from fem.elements import ELEMENTS
 from geometry import GRADINGS
-from pipeline.config.config import CavityPressure
+from pipeline.config.config import LAW_CHOICES, CavityPressure
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import quoted
 
@@ -179,5 +179,7 @@ CountFromZero = Annotated[Count, AfterValidator(_not_below_zero)]
 Tolerance = Annotated[float, BeforeValidator(_number), AfterValidator(_small), Field(examples=["0.000001"])]
 #: an accuracy in per cent as a number
 Percentage = Annotated[float | None, BeforeValidator(_percentage), Field(examples=["2 %"])]
+#: which laws a rod is made with
+LawChoice = Annotated[Literal[LAW_CHOICES], Field(examples=["five"])]  # type: ignore[valid-type]
 #: for the section of an effect, which may be written as its state alone
 FROM_STATE = BeforeValidator(_effect)

@@ -5,6 +5,7 @@ Every refusal is one sentence: `FILE: key: what is wrong; what is allowed`.
 
 from collections.abc import Sequence
 from dataclasses import fields
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
@@ -58,7 +59,8 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
         pressures_kPa=content.pressures,
         end=_section(End, content.end),
         added_pressures=content.added_pressures,
-        validation=_validation(document, content),
+        validation=_validation(document, content, design.length),
+        law=content.law,
         mesh=_mesh(content, size, state, _poisson_ratio(document, material)),
         newton=_section(Newton, content.newton),
         accuracy=content.accuracy,
@@ -111,9 +113,26 @@ def _design(document: Document, content: Any, family: str) -> tuple[Design, floa
         raise document.wrong_together(keys, refused.sentence) from None
 
 
-def _validation(document: Document, content: Any) -> Validation:
-    """The loads not used for the fit; where there are some and no pressures, all pressures of the run."""
+#: how far the end of the load that is part of every run lies from that of experiment III, over the length
+ELSEWHERE = 0.1
+
+
+def _default_validation(content: Any, length: float) -> Validation:
+    """One load that nothing is fitted to: in the middle of the widest interval of pressures, the end elsewhere."""
+    intervals = list(pairwise(content.pressures))
+    low, high = max(intervals, key=lambda interval: interval[1] - interval[0], default=content.pressures * 2)
+    pressure, end = (float(f"{value:.12g}") for value in (0.5 * (low + high), content.end.y + ELSEWHERE * length))
+    return Validation((pressure,), (end,), (), with_experiments=False)
+
+
+def _validation(document: Document, content: Any, length: float) -> Validation:
+    """The loads not used for the fit; where there are some and no pressures, all pressures of the run.
+
+    Where none are given and the validation is not switched off, the default one; length: of the arm, mm.
+    """
     loads, of_run = content.validation, content.pressures
+    if not (loads.pressures or loads.end_y or loads.forces):
+        return Validation((), (), ()) if loads.state == "off" else _default_validation(content, length)
     if content.end.y in loads.end_y:
         raise document.wrong(
             ("validation", "end_y"), f"{content.end.y:g} mm is what the numbers are identified with; give others"

@@ -19,6 +19,7 @@ from pipeline.config.kinds import (
     Force,
     Formulation,
     Grading,
+    LawChoice,
     Length,
     MeshSize,
     Name,
@@ -66,14 +67,14 @@ class _End(_Section):
     y: Length = 0.0
 
 
-class _Validation(_Section):
+class _Switch(_Section):
+    state: State = "auto"
+
+
+class _Validation(_Switch):
     pressures: Annotated[Pressures | None, Field(examples=["[24 kPa]"])] = None
     end_y: Annotated[tuple[Length, ...], Field(strict=False, examples=["[10 mm, -10 mm]"])] = ()
     forces: Annotated[tuple[Force, ...], Field(strict=False, examples=["[[0 N, 0.05 N]]"])] = ()
-
-
-class _Switch(_Section):
-    state: State = "auto"
 
 
 class _SelfContact(_Switch):
@@ -116,7 +117,8 @@ class _Document(_Section):
     pressures: Pressures = (5.0, 17.0, 31.0, 45.0)
     end: _End = _End()
     added_pressures: CountFromZero = 0
-    validation: _Validation = _Validation()
+    validation: Annotated[_Validation, FROM_STATE] = _Validation()
+    law: LawChoice = "both"
     newton: _Newton = _Newton()
     accuracy: Percentage = None
     effects: _Effects = _Effects()

@@ -23,6 +23,7 @@ from pipeline.plots import (
     two_panels,
 )
 from pipeline.report.results import Curve, Results
+from pipeline.validation.rods import ARM_LAW, FIVE
 
 _DASHES = {"I": "dot", "II": "solid", "III": "solid"}
 #: height over width of the curves below which y gets a larger scale than x
@@ -172,9 +173,10 @@ def alphas_over_pressure(results: Results) -> Figure:
 
 
 def end_forces(results: Results) -> Figure:
-    """The end force over the pressure, finite elements and rod, for every prescribed height of the end."""
+    """The end force over the pressure, finite elements and rods, for every prescribed height of the end."""
     figure = single_panel("p (kPa)", "F_y (N)")
-    rows = [row for row in results.validation if row.force_N is not None]
+    rods = [rod for rod in (FIVE, ARM_LAW) if rod in results.rods]
+    rows = [row for row in results.rows_of(rods[0]) if row.force_N is not None] if rods else []
     for number, load in enumerate(sorted({row.load for row in rows})):
         of_load = sorted((row for row in rows if row.load == load), key=lambda row: row.pressure_kPa)
         colour, label = series_colour(number), load or "as identified"
@@ -183,12 +185,19 @@ def end_forces(results: Results) -> Figure:
             x=pressures, y=[row.force_N for row in of_load], mode="markers", name=label, legendgroup=label,
             marker={"color": colour, "size": 9},
         )  # fmt: skip
-        figure.add_scatter(
-            x=pressures, y=[row.rod_force_N for row in of_load], mode="markers", name=f"rod, {label}",
-            legendgroup=label, showlegend=False,
-            marker={"color": colour, "size": 15, "symbol": "circle-open", "line": {"width": 1.5}},
-        )  # fmt: skip
-    figure.update_layout(title={"text": "end force: finite elements (dots) and rod (rings)", "font": {"size": 14}})
+        for rod, symbol in zip(rods, ("circle-open", "diamond-open"), strict=False):
+            of_rod = [row for row in results.rows_of(rod) if row.load == load and row.force_N is not None]
+            figure.add_scatter(
+                x=[row.pressure_kPa for row in of_rod], y=[row.rod_force_N for row in of_rod], mode="markers",
+                name=f"{rod}, {label}", legendgroup=label, showlegend=False,
+                marker={"color": colour, "size": 15, "symbol": symbol, "line": {"width": 1.5}},
+            )  # fmt: skip
+    figure.update_layout(
+        title={
+            "text": "end force: finite elements (dots), five parameters (rings), the arm's own law (diamonds)",
+            "font": {"size": 14},
+        }
+    )
     figure.update_yaxes(rangemode="tozero")
     return styled(figure, 380)
 

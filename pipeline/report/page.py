@@ -10,6 +10,7 @@ import jinja2
 
 from pipeline.plots import Figure, plotly_script
 from pipeline.report import figures
+from pipeline.report.law_figure import arm_law
 from pipeline.report.numbers import (
     NUMBERS,
     eccentricity,
@@ -29,7 +30,15 @@ from pipeline.report.sentences import (
     remarks,
     time_of_factorization,
 )
-from pipeline.report.validation import beyond_identified, law_rows, out_of_sample, simplest_laws, validation_rows
+from pipeline.report.validation import (
+    beyond_identified,
+    law_rows,
+    out_of_sample,
+    rod_table,
+    rod_to_take,
+    simplest_laws,
+    validation_rows,
+)
 
 _EXPERIMENT_COLUMNS = (
     ("experiment", ""),
@@ -113,6 +122,8 @@ def _validation(results: Results) -> dict[str, object]:
     """What the template needs about the rod against the finite elements."""
     return {
         "agreement": [*agreement_of_rod(results), *out_of_sample(results)],
+        "rod_to_take": rod_to_take(results),
+        "rods": rod_table(results),
         "validation": validation_rows(results),
         "beyond": beyond_identified(results),
         "laws": law_rows(results),
@@ -160,6 +171,8 @@ def _figures(results: Results) -> dict[str, str]:
         drawn["validation"] = figures.validation_shapes(results)
     if any(row.force_N is not None for row in results.validation):
         drawn["forces"] = figures.end_forces(results)
+    if results.arm_law:
+        drawn["arm_law"] = arm_law(results)
     if results.parameters.get("alpha1_N_mm2"):
         drawn["alphas"] = figures.alphas_over_pressure(results)
     parts = results.run.get("solver_seconds") or {}

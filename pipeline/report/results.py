@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.store.formats import CONVERGED, with_present_keys
+from pipeline.store.formats import CONVERGED, validation_rows, with_present_keys
+from pipeline.validation.rods import FIVE
 from pipeline.validation.validate import LawRow
 
 Row = TypeVar("Row")
@@ -66,14 +67,13 @@ class ValidationRow:
     experiment: str
     pressure_kPa: float
     load: str = ""  #: besides the pressure, in words; empty for II and III as identified
+    rod: str = FIVE  #: one of the names in `pipeline.validation.rods`
     sample: str = "in"  #: in: the parameters were fitted to this load; out: they were not
     distance_over_length: float | None = None
     distance_at_s_mm: float | None = None
     distance_over_length_without_stretch: float | None = None
-    distance_over_length_with_eccentricity: float | None = None
     end_angle_error_rad: float | None = None
     force_error: float | None = None
-    force_error_with_eccentricity: float | None = None
     force_N: float | None = None
     rod_force_N: float | None = None
     curvature_error: float | None = None
@@ -115,6 +115,7 @@ class Results:
     laws: tuple[LawRow, ...]
     effects: tuple[EffectRow, ...]
     run: Mapping[str, Any]
+    arm_law: Mapping[str, Any]  #: law.json, empty where the arm's own law was not made
     pictures: Mapping[str, Path]  #: by file name without suffix: body, body_open, II_17kPa
 
     @property
@@ -141,14 +142,13 @@ class Results:
         return tuple(row for row in self.experiments if not row.reached)
 
     @property
-    def in_sample(self) -> tuple[ValidationRow, ...]:
-        """The loads that the parameters were fitted to."""
-        return tuple(row for row in self.validation if row.sample == "in")
+    def rods(self) -> tuple[str, ...]:
+        """The names of the rods that were compared, in the order of the file."""
+        return tuple(dict.fromkeys(row.rod for row in self.validation))
 
-    @property
-    def out_of_sample(self) -> tuple[ValidationRow, ...]:
-        """Other loads and pressures."""
-        return tuple(row for row in self.validation if row.sample == "out")
+    def rows_of(self, rod: str, sample: str = "") -> tuple[ValidationRow, ...]:
+        """The rows of one rod; with a sample, in or out, those alone."""
+        return tuple(row for row in self.validation if row.rod == rod and sample in ("", row.sample))
 
     def curve(self, experiment: str, pressure_kPa: float) -> Curve | None:
         """The curve of one experiment at one pressure."""
@@ -174,11 +174,12 @@ def read_results(directory: Path) -> Results:
         parameters=_read_json(directory / "parameters.json", {}),
         curves=_read_curves(directory / "curves.csv"),
         experiments=_read_rows(directory / "experiments.json", StateRow),
-        validation=_read_rows(directory / "validation.json", ValidationRow),
+        validation=_rows(validation_rows(_read_json(directory / "validation.json", ())), ValidationRow),
         validation_curves=_read_curves(directory / "validation_curves.csv"),
         laws=_read_rows(directory / "laws.json", LawRow),
         effects=_read_rows(directory / "effects.json", EffectRow),
         run=_read_json(directory / "run.json", {}),
+        arm_law=_read_json(directory / "law.json", {}),
         pictures=pictures,
     )
 
@@ -189,8 +190,12 @@ def _read_json(path: Path, absent: Any) -> Any:
 
 def _read_rows(path: Path, kind: type[Row]) -> tuple[Row, ...]:
     """Rows of a table; columns that `kind` has no field for are left out."""
+    return _rows(_read_json(path, ()), kind)
+
+
+def _rows(rows: Sequence[Mapping[str, Any]], kind: type[Row]) -> tuple[Row, ...]:
     names = [field.name for field in fields(kind)]  # type: ignore[arg-type]
-    return tuple(kind(**{name: row[name] for name in names if name in row}) for row in _read_json(path, ()))
+    return tuple(kind(**{name: row[name] for name in names if name in row}) for row in rows)
 
 
 def _read_curves(path: Path) -> tuple[Curve, ...]:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from pipeline.report.results import Results, ValidationRow
+from pipeline.validation.rods import EXTENSIBLE, FIVE
 
 
 def number(value: Any) -> str:
@@ -33,13 +34,15 @@ def opening(results: Results) -> str:
 
 
 def agreement_of_rod(results: Results) -> list[str]:
-    """The rod against the finite elements under the loads of the identification, one sentence per experiment."""
+    """The rods against the finite elements in the experiments of the identification, one sentence per experiment."""
     sentences = []
     for experiment in ("II", "III"):
-        rows = [row for row in results.in_sample if row.experiment == experiment]
+        rows, extensible = (
+            [row for row in results.rows_of(rod, "in") if row.experiment == experiment] for rod in (FIVE, EXTENSIBLE)
+        )
         parts = [
             _largest(rows, "distance_over_length", 100.0, "the largest distance between the curves is {value} % of l"),
-            _largest(rows, "distance_over_length_with_eccentricity", 100.0, "with the extensible rod {value} %"),
+            _largest(extensible, "distance_over_length", 100.0, "with the extensible rod {value} %"),
             _largest(rows, "end_angle_error_rad", 180.0 / np.pi, "the largest error of the end angle is {value}°"),
             _largest(rows, "force_error", 100.0, "that of the end force {value} %"),
         ]

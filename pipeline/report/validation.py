@@ -1,40 +1,129 @@
-"""Tables and sentences of the report about loads that the parameters were not fitted to."""
+"""Tables and sentences of the report about rods under all loads, those that nothing was fitted to included."""
 
+import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from pipeline.report.results import Results, ValidationRow
 from pipeline.report.sentences import number
+from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
+
+#: the rods in words
+TITLES = {
+    FIVE: "the rod with five parameters",
+    EXTENSIBLE: "the rod with five parameters that stretches",
+    ARM_LAW: "the rod with the arm's own law",
+}
 
 #: error of a good rod under other loads: distance over the length, and relative error of the force
 SHAPE_LIMIT, FORCE_LIMIT = 0.03, 0.10
 
 
+@dataclass(frozen=True)
+class RodErrors:
+    """The largest errors of one rod."""
+
+    rod: str
+    loads: tuple[int, int]  #: how many in sample and out of sample
+    distance: tuple[float | None, float | None]  #: over the length, in sample and out of sample; None without loads
+    force: tuple[float | None, float | None]  #: relative, of the end force
+    missing: int  #: loads without an equilibrium
+
+    @staticmethod
+    def of(results: Results, rod: str) -> "RodErrors":
+        """The errors of a rod over all loads and pressures."""
+        samples = [[row for row in results.rows_of(rod, sample) if not row.reason] for sample in ("in", "out")]
+        first, second = samples
+        return RodErrors(
+            rod,
+            (len(first), len(second)),
+            (_worst(first, "distance_over_length"), _worst(second, "distance_over_length")),
+            (_worst(first, "force_error"), _worst(second, "force_error")),
+            sum(bool(row.reason) for row in results.rows_of(rod)),
+        )
+
+    @property
+    def largest(self) -> float:
+        """Largest distance over the length or relative error of the force, of all loads."""
+        return max((value for value in (*self.distance, *self.force) if value is not None), default=math.inf)
+
+    def sentence(self) -> str:
+        """How wrong the rod is, in and out of sample."""
+        parts = []
+        for k, sample in enumerate(("in sample", "under loads that nothing was fitted to")):
+            distance, force = self.distance[k], self.force[k]
+            if distance is not None:
+                of_force = "" if force is None else f", the force by at most {_percent(force)}"
+                parts.append(f"{sample} the shape is wrong by at most {_percent(distance)} of l{of_force}")
+        if self.missing:
+            parts.append(f"under {self.missing} loads it gives no answer")
+        return f"{_sentence_case(TITLES[self.rod])}: {'; '.join(parts)}."
+
+
+def _worst(rows: Sequence[ValidationRow], name: str) -> float | None:
+    values = [abs(value) for row in rows if (value := getattr(row, name)) is not None]
+    return max(values, default=None)
+
+
+def rod_errors(results: Results) -> list[RodErrors]:
+    """The errors of every rod, that with the smallest first; a rod with loads it has no answer to comes behind."""
+    return sorted(
+        (RodErrors.of(results, rod) for rod in results.rods), key=lambda errors: (errors.missing, errors.largest)
+    )
+
+
+def rod_to_take(results: Results) -> list[str]:
+    """Which rod has the smallest error over all loads, and how wrong each is; empty where none was compared."""
+    ordered = rod_errors(results)
+    if not ordered:
+        return []
+    best = ordered[0]
+    first = f"Take {TITLES[best.rod]} ({best.rod})"
+    if len(ordered) > 1:
+        loads = sum(best.loads)
+        first += f": its largest error over {loads} loads and pressures is the smallest, {_percent(best.largest)}"
+    return [f"{first}.", *(errors.sentence() for errors in ordered)]
+
+
+def rod_table(results: Results) -> list[list[str]]:
+    """Rows of the table of rods: rod, loads, and largest errors of shape and force in and out of sample."""
+    return [
+        [
+            TITLES[errors.rod],
+            *(
+                cell
+                for k in (0, 1)
+                for cell in (str(errors.loads[k]), _percent(errors.distance[k]), _percent(errors.force[k]))
+            ),
+            str(errors.missing),
+        ]
+        for errors in rod_errors(results)
+    ]
+
+
 def validation_rows(results: Results) -> list[list[str]]:
-    """Rows of the table: load, in or out of sample, p, shape with and without stretch and of the extensible rod, angle,
-    force of the inextensible and the extensible rod, curvature."""
+    """Rows of the table: load, rod, in or out of sample, p, shape with and without stretch, angle, force, curvature."""
     return [
         [
             row.title,
+            TITLES[row.rod],
             row.sample,
             number(row.pressure_kPa),
             _percent(row.distance_over_length),
             _percent(row.distance_over_length_without_stretch),
-            _percent(row.distance_over_length_with_eccentricity),
             number(row.end_angle_error_rad),
             _percent(row.force_error),
-            _percent(row.force_error_with_eccentricity),
             _percent(row.curvature_error),
             number(row.curvature_error_at_s_mm),
         ]
-        for row in (*results.in_sample, *results.out_of_sample)
+        for row in sorted(results.validation, key=lambda row: (row.title, row.pressure_kPa, row.sample))
     ]
 
 
 def out_of_sample(results: Results) -> list[str]:
-    """How well the rod predicts other loads, and where it fails."""
-    compared = [
-        (row.distance_over_length, row) for row in results.out_of_sample if row.distance_over_length is not None
-    ]
+    """How well the rod with five parameters predicts other loads, where it fails, and loads without a rod."""
+    rows_of_rod = results.rows_of(FIVE, "out")
+    compared = [(row.distance_over_length, row) for row in rows_of_rod if row.distance_over_length is not None]
     sentences = []
     if compared:
         distance, worst = max(compared, key=lambda pair: pair[0])
@@ -48,13 +137,15 @@ def out_of_sample(results: Results) -> list[str]:
             error, worst = max(forces, key=lambda pair: pair[0])
             sentences.append(f"The largest error of the end force is {_percent(error)} ({worst.location}).")
         sentences.append(_beyond_the_limits(rows))
-    sentences += [f"No rod for {row.location}: {row.reason}" for row in results.out_of_sample if row.reason]
+    sentences += [f"No rod for {row.location}: {row.reason}" for row in rows_of_rod if row.reason]
+    others = [row for row in results.validation if row.rod != FIVE and row.reason]
+    sentences += [f"{_sentence_case(TITLES[row.rod])}, {row.location}: {row.reason}" for row in others]
     return sentences
 
 
 def beyond_identified(results: Results) -> list[str]:
     """The loads whose moments leave the range of the identification, one sentence each."""
-    return [f"{row.location}: {row.warning}" for row in results.validation if row.warning]
+    return [f"{row.location}: {row.warning}" for row in results.rows_of(FIVE) if row.warning]
 
 
 def _beyond_the_limits(rows: Sequence[ValidationRow]) -> str:
@@ -88,6 +179,10 @@ def simplest_laws(results: Results) -> list[str]:
         for row in results.laws
         if row.simplest
     ]
+
+
+def _sentence_case(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def _percent(value: float | None) -> str:

@@ -72,7 +72,7 @@ def up_to(config: Config, experiment: str, pressure_kPa: float) -> LoadCase:
 def validation_cases(config: Config) -> tuple[LoadCase, ...]:
     """The loads that the parameters are not fitted to; the longest first.
 
-    At pressures between those of the run that is II and III as well.
+    At pressures between those of the run that is II and III as well, unless only the default load is solved.
     """
     validation, of_run = config.validation, config.pressures_kPa
     pressures = schedule(config, validation.pressures_kPa)
@@ -81,7 +81,7 @@ def validation_cases(config: Config) -> tuple[LoadCase, ...]:
         *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, force_N=(x, y)) for x, y in validation.forces_N),
     ]
     between = tuple(pressure for pressure in validation.pressures_kPa if pressure not in of_run)
-    if between:
+    if between and validation.with_experiments:
         path = tuple(pressure for pressure in sorted({*of_run, *between}) if pressure <= between[-1])
         cases += [LoadCase(name, name, schedule(config, path), config.end.y_mm) for name in ("III", "II")]
     return tuple(cases)

@@ -1,5 +1,6 @@
 """The vocabulary of the result files: states of a row, the version of the keys, and the names of older versions."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 #: the `status` of a row of experiments.json: the pressure was reached, or it was not
@@ -32,3 +33,23 @@ def with_present_keys(content: Any) -> Any:
     if isinstance(content, list):
         return [with_present_keys(value) for value in content]
     return content
+
+
+def validation_rows(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """The rows of a validation.json with one rod each.
+
+    Files of versions before the arm's own law have one row per load and pressure, which holds the inextensible rod and,
+    with keys of their own, the extensible one.
+    """
+    present: list[dict[str, Any]] = []
+    for row in rows:
+        if "rod" in row:
+            present.append(dict(row))
+            continue
+        ending = "_with_eccentricity"
+        of_extensible = {key.removesuffix(ending): value for key, value in row.items() if key.endswith(ending)}
+        common = {key: row[key] for key in ("experiment", "pressure_kPa", "load", "sample") if key in row}
+        present.append({key: value for key, value in row.items() if not key.endswith(ending)} | {"rod": "five"})
+        if any(value not in (None, "") for value in of_extensible.values()):
+            present.append(common | {"rod": "five_extensible"} | of_extensible)
+    return present

@@ -1,17 +1,17 @@
 """The rod compared with the finite elements, and the curves of all experiments as one table."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from geometry import Centreline
 from geometry.arrays import Array
-from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.store.json_values import JsonObject
-from rod import Load, MomentRange, Rod, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
+from pipeline.validation.rods import ArmRods, FittedRod, NoSolution, PredictedRod, Rods
+from rod import Load, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
 
 CURVE_COLUMNS = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
@@ -23,7 +23,6 @@ CURVE_COLUMNS = (
 ERRORS = (
     *("distance_over_length", "distance_at_s_mm", "distance_over_length_without_stretch", "end_angle_error_rad"),
     *("force_error", "force_N", "rod_force_N", "curvature_error", "curvature_error_at_s_mm"),
-    *("distance_over_length_with_eccentricity", "force_error_with_eccentricity"),
 )
 
 
@@ -37,21 +36,22 @@ class ComparedState:
 
 
 @dataclass(frozen=True)
-class NoSolution:
-    """A rod that has no equilibrium under a load, or cannot be compared."""
+class RodUnderLoad:
+    """A rod under the load of a state, or why there is none."""
 
-    reason: str  #: a sentence
+    rod: str  #: one of the names in `pipeline.validation.rods`
+    solution: RodSolution | NoSolution
+    in_sample: bool  #: the rod was fitted to this very load
+    warning: str  #: a sentence where the moment leaves the range of the identification; else empty
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """The rod at one pressure under the load of one state."""
+    """The rods at one pressure under the load of one state."""
 
     state: ComparedState
-    inextensible: RodSolution | NoSolution
-    extensible: RodSolution | NoSolution
+    rods: tuple[RodUnderLoad, ...]
     pitch: float  #: mm, of the cells over which curvatures are averaged
-    warning: str  #: a sentence where the moment leaves the range of the identification; else empty
 
     @property
     def record(self) -> Record:
@@ -60,41 +60,34 @@ class Comparison:
 
     @property
     def shape(self) -> RodSolution | None:
-        """The inextensible rod, None where it has no equilibrium."""
-        return self.inextensible if isinstance(self.inextensible, RodSolution) else None
+        """The rod that the tables of curves show: the first one with an equilibrium."""
+        return next((rod.solution for rod in self.rods if isinstance(rod.solution, RodSolution)), None)
 
-    def row(self) -> JsonObject:
-        """The row of validation.json; distances over the length, angle in rad, force and curvature relative."""
+    def rows(self) -> list[JsonObject]:
+        """A row of validation.json per rod; distances over the length, angle in rad, force and curvature relative."""
+        return [self._row(rod) for rod in self.rods]
+
+    def _row(self, rod: RodUnderLoad) -> JsonObject:
+        solution = rod.solution
         return {
             "experiment": self.record.experiment,
             "pressure_kPa": self.record.pressure_kPa,
             "load": self.state.load,
-            "sample": "in" if self.state.in_sample else "out",
+            "rod": rod.rod,
+            "sample": "in" if rod.in_sample else "out",
             **dict.fromkeys(ERRORS),
-            **self._errors(),
-            "reason": _reason(self.inextensible),
-            "reason_with_eccentricity": _reason(self.extensible),
-            "warning": self.warning,
+            **({} if isinstance(solution, NoSolution) else self._errors(solution)),
+            "reason": solution.reason if isinstance(solution, NoSolution) else "",
+            "warning": rod.warning,
         }
 
-    def _errors(self) -> dict[str, float]:
-        if isinstance(self.inextensible, NoSolution):
-            return {}
+    def _errors(self, shape: RodSolution) -> dict[str, float]:
         curve, force = self.record.centreline, self.record.load.force[1]
-        errors = {**_shape_errors(curve, self.inextensible), **_curvature_errors(curve, self.inextensible, self.pitch)}
-        if isinstance(self.extensible, RodSolution):
-            distance = float(_distances(self.extensible, curve).max())
-            errors["distance_over_length_with_eccentricity"] = distance / curve.length
+        errors = {**_shape_errors(curve, shape), **_curvature_errors(curve, shape, self.pitch)}
         if force and self.record.experiment == "III":
-            rod_force = float(self.inextensible.force[1])
+            rod_force = float(shape.force[1])
             errors |= {"force_N": force, "rod_force_N": rod_force, "force_error": rod_force / force - 1.0}
-            if isinstance(self.extensible, RodSolution):
-                errors["force_error_with_eccentricity"] = float(self.extensible.force[1]) / force - 1.0
         return errors
-
-
-def _reason(solution: RodSolution | NoSolution) -> str:
-    return solution.reason if isinstance(solution, NoSolution) else ""
 
 
 def _shape_errors(curve: Centreline, shape: RodSolution) -> dict[str, float]:
@@ -128,50 +121,48 @@ def _distances(shape: RodSolution, curve: Centreline) -> Array:
     return np.hypot(difference[:, 0], difference[:, 1])
 
 
-@dataclass(frozen=True)
-class Rods:
-    """The rod of one pressure, inextensible and extensible, and the range of moments of the identification."""
+def compare(outcomes: Outcomes, rods: ArmRods, pitch: float) -> tuple[Comparison, ...]:
+    """The rods of every pressure of II and III, unloaded as in II and with the height of the end prescribed as in III.
 
-    inextensible: Rod
-    extensible: Rod
-    moment_range: MomentRange
-
-
-def compare(parameters: Sequence[Parameters]) -> tuple[Comparison, ...]:
-    """The rod of every pressure, unloaded as in II and with the height of its end prescribed as in III."""
-    comparisons = []
-    for p in parameters:
-        rods = Rods(p.rod, p.extensible_rod, p.moment_range)
-        for record in (p.free, p.loaded):
-            comparisons.append(compare_rods(rods, ComparedState(record, "", True), p.kappa.pitch))
-    return tuple(comparisons)
+    Rods with five parameters are compared at the pressures where these were identified.
+    """
+    identified = {p.pressure_kPa for p in rods.parameters}
+    records = sorted((*outcomes["II"].records, *outcomes["III"].records), key=lambda r: (r.pressure_kPa, r.experiment))
+    if rods.law is None:
+        records = [record for record in records if record.pressure_kPa in identified]
+    return tuple(
+        compare_rods(rods.at(r.pressure_kPa), ComparedState(r, "", r.pressure_kPa in identified), pitch)
+        for r in records
+    )
 
 
 def compare_rods(rods: Rods, state: ComparedState, pitch: float) -> Comparison:
-    """The rods under the load of a state: their end at the height of III with the couple that the supported
-    edge exerts there, the force of dead, nothing in II."""
-    record, length = state.record, state.record.centreline.length
-    identified = rods.inextensible.length
+    """The rods under the load of a state: their end at the height of III, the force of dead, nothing in II.
+
+    In III the supported edge exerts a couple on the end. A rod with five parameters is given that of the finite
+    elements; the law of the arm has its own.
+    """
+    return Comparison(state, tuple(_under_load(name, rod, state) for name, rod in rods.items()), pitch)
+
+
+def _under_load(name: str, rod: FittedRod | PredictedRod | NoSolution, state: ComparedState) -> RodUnderLoad:
+    solution = rod if isinstance(rod, NoSolution) else _solution(rod, state.record)
+    if not isinstance(rod, FittedRod):
+        return RodUnderLoad(name, solution, in_sample=False, warning="")
+    warning = "" if isinstance(solution, NoSolution) else rod.moment_range.warning(solution)
+    return RodUnderLoad(name, solution, state.in_sample, warning)
+
+
+def _solution(rod: FittedRod | PredictedRod, record: Record) -> RodSolution | NoSolution:
+    length, identified = record.centreline.length, rod.rod.length
     if abs(length - identified) > 1e-6 * identified:
-        reason = f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm."
-        return not_compared(state, reason, pitch)
+        return NoSolution(f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm.")
     load = record.load if record.experiment in ("III", "dead") else Load()
+    if isinstance(rod, PredictedRod):
+        load = replace(load, couple=0.0)
     end_y = float(record.centreline.y[-1]) if record.experiment == "III" else None
-    shape = _solution(rods.inextensible, load, end_y)
-    if isinstance(shape, NoSolution):
-        return not_compared(state, shape.reason, pitch)
-    extensible = _solution(rods.extensible, load, end_y)
-    return Comparison(state, shape, extensible, pitch, rods.moment_range.warning(shape))
-
-
-def not_compared(state: ComparedState, reason: str, pitch: float) -> Comparison:
-    """A state without a rod to compare with."""
-    return Comparison(state, NoSolution(reason), NoSolution(reason), pitch, "")
-
-
-def _solution(rod: Rod, load: Load, end_y: float | None) -> RodSolution | NoSolution:
     try:
-        return rod.under(load, end_y)
+        return rod.rod.under(load, end_y)
     except RodError as failure:
         return NoSolution(str(failure))
 
