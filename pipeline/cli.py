@@ -126,6 +126,24 @@ def accuracy(
 
 
 @app.command()
+def cell(
+    config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
+) -> None:
+    """The arm's own law from one cell and its two ends, for every load and length. [default DIR: results/NAME_cell]"""
+    with _errors_as_sentences():
+        design, folder = _design(config, settings, out, "_cell")
+
+        from pipeline.cell.study import measure_law
+        from pipeline.cell.table import law_sentences
+        from pipeline.terminal import cell_table
+
+        report = _solve(measure_law, design, folder, jobs or 1, fresh)
+        _print(cell_table(report.measured), *law_sentences(report))
+        _print(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
+        report.raise_if_failed()
+
+
+@app.command()
 def rod(
     parameters: Annotated[Path, typer.Argument(metavar="PARAMETERS.json", help="Of a finished run.")],
     pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa'.")],

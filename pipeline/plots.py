@@ -1,6 +1,7 @@
 """What the plotly figures of report, material and accuracy share: style, colours, lines, panels. The only
 door to plotly.."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -75,6 +76,11 @@ def single_panel(x: str, y: str) -> Figure:
     figure.update_xaxes(title=x)
     figure.update_yaxes(title=y)
     return figure
+
+
+def four_panels(titles: Sequence[str]) -> Figure:
+    """An empty figure with two rows of two pairs of axes."""
+    return styled(make_subplots(2, 2, subplot_titles=titles, horizontal_spacing=0.09, vertical_spacing=0.14), 820)
 
 
 def legend_only(figure: Figure, name: str, stroke: Stroke) -> None:

@@ -1,4 +1,4 @@
-"""Tables on the terminal: body, effects of a run, study of effects, material laws, convergence study."""
+"""Tables on the terminal: body, effects of a run, study of effects, material laws, law of a cell, convergence study."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,6 +10,9 @@ from geometry import Body, Design
 from pipeline.accuracy.record import ConvergenceStudy
 from pipeline.accuracy.table import COLUMNS as STUDY_COLUMNS
 from pipeline.accuracy.table import cells
+from pipeline.cell.build import MeasuredLaw
+from pipeline.cell.table import COLUMNS as CELL_COLUMNS
+from pipeline.cell.table import cell_rows
 from pipeline.effects_study import BASE, COLUMNS, EffectRow
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit, Refused
@@ -90,6 +93,16 @@ def law_table(fits: Fits, name: str) -> Table:
             holds = "nowhere" if fit.valid_range is None else _stretches(*fit.valid_range)
             stable = _stretches(*fit.solved.stretch_limits)
             table.add_row(fit.law, _constants(fit), f"{fit.rms:.2g}", holds, fit.limited_by, stable)
+    return table
+
+
+def cell_table(measured: MeasuredLaw) -> Table:
+    """The curves of the arm's own law, one row per pressure."""
+    table = Table(*CELL_COLUMNS, box=None, padding=(0, 1, 0, 0))
+    for column in table.columns:
+        column.justify = "right"
+    for row in cell_rows(measured):
+        table.add_row(*row)
     return table
 
 

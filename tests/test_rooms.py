@@ -48,7 +48,7 @@ DOORS: dict[str, set[str]] = {
     "typer": {"pipeline/cli.py"},
     "rich": {"pipeline/cli.py", "pipeline/progress.py", "pipeline/terminal.py"},
     "jinja2": {"pipeline/report/page.py"},
-    "matplotlib": {"pipeline/accuracy/figure.py"},
+    "matplotlib": {"pipeline/accuracy/figure.py", "pipeline/cell/figure.py"},
     "plotly": {"pipeline/plots.py"},
     "pandas": {"pneurod/results.py", "pneurod/tables.py", "pneurod/reading.py"},
 }

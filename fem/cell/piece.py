@@ -102,6 +102,7 @@ class BendingPiece:
             effects.append(MirrorContact("gap", "tip", dhat))
             effects.append(SelfContact("gap", dhat, starts_inactive=True))
         self.terms = tuple(effect.bind(self.space, material) for effect in effects)
+        self.factorizations = 0  #: of all states and slopes so far
         self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
         self._shear_system: System | None = None
@@ -197,6 +198,7 @@ class BendingPiece:
         Raises `fem.equations.linear.SingularMatrix`.
         """
         self._constrain(piece.angle)
+        self.factorizations += 1
         assembly = self._system.assemble(piece.state, piece.terms)
         return assembly, self._system.linearise(piece.state, assembly, piece.terms, increment)
 
@@ -250,6 +252,7 @@ class BendingPiece:
             start = Start(state, terms, max_iterations, trial=max_iterations is not None)
             found = solve(start, control, OPTIONS, lambda iteration, residual: None)
             spent += found.iterations
+            self.factorizations += found.iterations
             x = self.space.points + found.state.displacement
             tightened = tuple(_tightened(term, x) for term in terms)
             if tightened == terms:

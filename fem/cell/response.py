@@ -111,6 +111,7 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
     applied[middle, 0] = -moment * forces[middle, 0]
     along = np.array([-np.sin(at.angle), np.cos(at.angle), 0.0])
     applied[piece.plane[0]] += along / piece.whole
+    piece.factorizations += 1
     tangent = _shear_tangent(piece, at, terms, middle, prescribed)
     solved = tangent.solve(tangent.coupling.displacement - applied, tangent.coupling.pressure)
     shear = solved.displacement + prescribed

@@ -1,5 +1,6 @@
 """The curves of the arm's own law, from finite elements of a half cell and of the two ends."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import final
 
@@ -19,6 +20,9 @@ from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 REACH = 3.0
 #: intervals of the first sweep to either side, and how often one is halved where its cubic is not good enough
 INTERVALS, HALVINGS = 3, 4
+#: a sweep ends where the rigidity of the cell falls below this part of that at rest: near the largest moment that
+#: the cell bears its curvature depends on the pressure too strongly to be interpolated
+SOFTENED = 0.3
 #: how often a step is halved that changes the moment by far more than the last slope said
 MAX_HALVINGS = 4
 #: largest error of the cubic between two states, over the largest curvature of the law
@@ -89,6 +93,7 @@ class Reach:
 
     length: float  #: mm, of the arm
     force: float  #: N, on its end
+    next_pressure: float | None = None  #: kPa; the moment that straightens the arm there is within the law, too
 
 
 def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: PieceState | None = None) -> CellSweep:
@@ -97,19 +102,26 @@ def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: Pi
     start: a state at another pressure. Raises `PieceFailed` where the unloaded cell is not reached.
     """
     h = piece.body.length
-    middle = _without_moment(piece, pressure_kPa / 1000.0, piece.rest() if start is None else start)
+    middle = cell_without_moment(piece, pressure_kPa / 1000.0, start)
     sweep = CellSweep(pressure_kPa, [middle])
     rigidity = middle.slopes.moment_by_angle * h
     beyond = min(REACH * rigidity / reach.length, reach.force * reach.length)
     straight = -middle.state.angle / h * rigidity
+    if reach.next_pressure is not None:
+        straight += middle.slopes.moment_by_pressure / 1000.0 * (reach.next_pressure - pressure_kPa)
     _sweep_to(piece, sweep, max(straight, 0.0) + beyond)
     _sweep_to(piece, sweep, min(straight, 0.0) - beyond)
     _refine(piece, sweep)
+    _keep_rising(sweep, middle, h)
     return sweep
 
 
-def _without_moment(piece: BendingPiece, pressure: float, start: PieceState) -> CellPoint:
-    """The cell without moment, by Newton's method for the angle."""
+def cell_without_moment(piece: BendingPiece, pressure: float, start: PieceState | None = None) -> CellPoint:
+    """The cell without moment at a pressure in MPa, by Newton's method for the angle.
+
+    start: a state to begin with, the cell at rest unless it is given. Raises `PieceFailed`.
+    """
+    start = piece.rest() if start is None else start
     state = start if start.pressure == pressure else piece.solve(pressure, start.angle, start)
     for _ in range(MAX_ITERATIONS):
         point = _point(piece, state)
@@ -142,6 +154,7 @@ def _predicted(before: CellPoint | None, last: CellPoint, angle: float) -> State
 def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float) -> None:
     """States until the moment is passed, or until there is none; each step changes the moment by a part of it."""
     outward = 1 if moment > 0 else -1
+    at_rest = slopes(piece, piece.rest()).moment_by_angle
     interval, halvings = abs(moment) / INTERVALS, 0
     while True:
         last = sweep.points[-1 if outward > 0 else 0]
@@ -167,6 +180,13 @@ def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float) -> None:
             halvings += 1
             continue
         sweep.points.insert(len(sweep.points) if outward > 0 else 0, point)
+        if point.slopes.moment_by_angle < SOFTENED * at_rest:
+            curvature = 1000.0 * point.state.angle / piece.body.length
+            sweep.limits.append(
+                f"the cell at {sweep.pressure:g} kPa has less than {SOFTENED:g} of its rigidity at rest beyond a "
+                f"curvature of {curvature:.4g} 1/m, and the law ends there"
+            )
+            return
 
 
 def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
@@ -192,6 +212,20 @@ def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
             sweep.error = max(sweep.error, error)  # of the whole interval: walls that meet in a half make a kink there
 
 
+def _keep_rising(sweep: CellSweep, middle: CellPoint, half_pitch: float) -> None:
+    """Leave the states around that without moment between which the moment rises with the curvature."""
+    at = next(row for row, point in enumerate(sweep.points) if point is middle)
+    rises = np.diff([point.moment for point in sweep.points]) > 0.0
+    last = at + (int(np.argmin(rises[at:])) if not rises[at:].all() else len(rises) - at)
+    first = at - (int(np.argmin(rises[:at][::-1])) if not rises[:at].all() else at)
+    for row in {first, last} - {0, len(rises)}:
+        curvature = 1000.0 * sweep.points[row].state.angle / half_pitch
+        sweep.limits.append(
+            f"the moment of the cell does not rise at {sweep.pressure:g} kPa beyond a curvature of {curvature:.4g} 1/m"
+        )
+    sweep.points[:] = sweep.points[first : last + 1]
+
+
 def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint) -> None:
     """Keep the states on that side of an interval where there is no moment."""
     position = sweep.points.index(second)
@@ -213,14 +247,18 @@ def _cubic_error(first: CellPoint, second: CellPoint, middle: CellPoint) -> floa
     return max(abs(value - middle.state.angle), abs(slope - step / middle.slopes.moment_by_angle) / 8.0)
 
 
-def clamp_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None = None) -> tuple[ClampCurve, list[str]]:
+def clamp_curve(
+    piece: BendingPiece, cell: CellCurve, intervals: int = CLAMP_INTERVALS, start: PieceState | None = None
+) -> tuple[ClampCurve, list[str]]:
     """The clamped end over the moments of a cell at the same pressure, and why it was not followed further.
 
-    start: a state of the piece at another pressure. Raises `PieceFailed` where no state is reached.
+    intervals: of the moments of the cell, 0 for the end without moment alone. start: a state of the piece at another
+    pressure. Raises `PieceFailed` where no state is reached.
     """
     first = _clamp_without_moment(piece, cell, piece.rest() if start is None else start)
     limits: list[str] = []
-    behind, ahead = (_clamp_points(piece, cell, first, direction, limits) for direction in (-1, 1))
+    spacing = float(np.ptp(cell.moment)) / intervals if intervals else np.inf
+    behind, ahead = (_clamp_points(piece, cell, first, way * spacing, limits) for way in (-1, 1))
     points = [*reversed(behind), first, *ahead]
     rows = [_clamp_row(piece, cell, point) for point in points]
     curve = ClampCurve(
@@ -250,17 +288,20 @@ class _EndPoint:
 
 
 def _clamp_points(
-    piece: BendingPiece, cell: CellCurve, first: _EndPoint, direction: int, limits: list[str]
+    piece: BendingPiece, cell: CellCurve, first: _EndPoint, spacing: float, limits: list[str]
 ) -> list[_EndPoint]:
-    """States of the clamped end from the one without moment on, at moments of the cell that are not too close."""
+    """States of the clamped end from the one without moment on, at moments of the cell that are not too close.
+
+    spacing: N mm, its sign is that of the direction.
+    """
     points = [first]
-    spacing = float(np.ptp(cell.moment)) / CLAMP_INTERVALS
+    direction = 1 if spacing > 0.0 else -1
     rows = np.argsort(np.abs(cell.moment))
     rows = rows[direction * cell.moment[rows] > 0.0]
     for number, row in enumerate(rows):
         last = points[-1]
         is_outermost = number == len(rows) - 1
-        if direction * (cell.moment[row] - last.state.moment) < (0.05 if is_outermost else 1.0) * spacing:
+        if direction * (cell.moment[row] - last.state.moment) < (0.05 if is_outermost else 1.0) * abs(spacing):
             continue
         angle = float(cell.kappa[row]) * piece.body.length + _departure(last.state, cell, piece.body.length)
         before = points[-2].path_point if len(points) > 1 else None

@@ -26,11 +26,11 @@ from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 
 _IDENTITY = "states/configuration.json"
-_FOLDERS = ("states", "pictures", "fields", "rungs")
+_FOLDERS = ("states", "pictures", "fields", "rungs", "law")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),
     *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
-    *("accuracy.json", "accuracy.html", "accuracy.svg"),
+    *("accuracy.json", "accuracy.html", "accuracy.svg", "law.json", "law.html", "law.svg"),
 )
 
 

@@ -53,12 +53,17 @@ class CellCurve:
                 value = getattr(self, name)[falls[0]]
                 raise RodError(f"The {name} of a cell does not rise at {self.pressure:g} kPa beyond {value:g} {unit}.")
 
-    def at(self, moment: float) -> tuple[float, float, Array]:
-        """Curvature (1/mm), stretch, and the material curve beside the axis (2,) mm at the end of the cell."""
+    def on(self, moment: Array) -> tuple[Array, Array]:
+        """Curvature (n,) in 1/mm and stretch (n,) at moments (n,) in N mm, by the cubics of both."""
         kappa = CubicHermiteSpline(self.moment, self.kappa, 1.0 / self.rigidity)
         stretch = CubicHermiteSpline(self.moment, self.stretch, self.stretch_by_kappa / self.rigidity)
+        return np.asarray(kappa(moment)), np.asarray(stretch(moment))
+
+    def at(self, moment: float) -> tuple[float, float, Array]:
+        """Curvature (1/mm), stretch, and the material curve beside the axis (2,) mm at the end of the cell."""
+        kappa, stretch = self.on(np.array(moment))
         ripple = [np.interp(moment, self.moment, self.ripple[:, -1, k]) for k in range(2)]
-        return float(kappa(moment)), float(stretch(moment)), np.array(ripple)
+        return float(kappa), float(stretch), np.array(ripple)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

@@ -56,11 +56,11 @@ def law_record(law: ArmLaw) -> dict[str, Any]:
         "length_mm": law.length,
         "first_middle_mm": law.first_middle,
         "pressures_kPa": list(law.pressures),
-        "curves": [_row(curve, CELL_KEYS) for curve in law.cells],
-        "clamp": {"curves": [_row(curve, CLAMP_KEYS) for curve in law.clamps]},
+        "curves": [curve_row(curve, CELL_KEYS) for curve in law.cells],
+        "clamp": {"curves": [curve_row(curve, CLAMP_KEYS) for curve in law.clamps]},
         "tip": {
-            "free": [_row(curve, TIP_KEYS) for curve in law.free_tips],
-            "held": [_row(curve, TIP_KEYS) for curve in law.held_tips],
+            "free": [curve_row(curve, TIP_KEYS) for curve in law.free_tips],
+            "held": [curve_row(curve, TIP_KEYS) for curve in law.held_tips],
         },
     }
 
@@ -74,8 +74,8 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
             pitch=float(record["pitch_mm"]),
             first_middle=float(record["first_middle_mm"]),
             length=float(record["length_mm"]),
-            cells=tuple(CellCurve(**_values(row, CELL_KEYS)) for row in record["curves"]),
-            clamps=tuple(ClampCurve(**_values(row, CLAMP_KEYS)) for row in record["clamp"]["curves"]),
+            cells=tuple(CellCurve(**curve_values(row, CELL_KEYS)) for row in record["curves"]),
+            clamps=tuple(ClampCurve(**curve_values(row, CLAMP_KEYS)) for row in record["clamp"]["curves"]),
             free_tips=_tips(record["tip"]["free"]),
             held_tips=_tips(record["tip"]["held"]),
         )
@@ -84,13 +84,15 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
 
 
 def _tips(rows: Sequence[Mapping[str, Any]]) -> tuple[TipCurve, ...]:
-    return tuple(TipCurve(**_values(row, TIP_KEYS)) for row in rows)
+    return tuple(TipCurve(**curve_values(row, TIP_KEYS)) for row in rows)
 
 
-def _row(curve: object, keys: Mapping[str, str]) -> dict[str, Any]:
+def curve_row(curve: object, keys: Mapping[str, str]) -> dict[str, Any]:
+    """One curve under the keys of the file."""
     values = {key: getattr(curve, name) for key, name in keys.items()}
     return {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in values.items()}
 
 
-def _values(row: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:
+def curve_values(row: Mapping[str, Any], keys: Mapping[str, str]) -> dict[str, Any]:
+    """The fields of a curve from its row in the file. Raises KeyError."""
     return {name: row[key] if np.isscalar(row[key]) else np.array(row[key]) for key, name in keys.items()}

@@ -1,0 +1,118 @@
+"""The pieces of an arm whose own law is measured, as its configuration sets them up."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from fem.cell.piece import BendingPiece, Boundary
+from geometry import GRADINGS, Body, DesignError, MeshError
+from geometry.design import SymmetricDesign
+from geometry.meshing.mirror import Repetition
+from pipeline.config.config import Config
+from pipeline.errors import InputError
+from pipeline.simulation.scene import GAP, Scene, material_of
+
+
+class NoArmLaw(Exception):
+    """This arm, or its effects, have no law of their own; one sentence tells why."""
+
+
+@dataclass(frozen=True, eq=False)  # caches inside
+class ArmPieces:
+    """Half cell and ends of the arm of a configuration, each meshed when it is first used.
+
+    Raises `NoArmLaw` before anything is meshed.
+    """
+
+    config: Config
+    dhat: float | None  #: mm, activation distance of contact of the gap; None without contact
+    _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        _check(self.config)
+
+    @staticmethod
+    def of(scene: Scene) -> "ArmPieces":
+        """The pieces of a meshed arm. Raises `NoArmLaw`."""
+        return ArmPieces(scene.config, scene.activation_distance)
+
+    def with_mesh_size(self, size_mm: float) -> "ArmPieces":
+        """The same pieces on another mesh, with the same contact."""
+        return ArmPieces(self.config.with_mesh_size(size_mm), self.dhat)
+
+    @property
+    def design(self) -> SymmetricDesign:
+        """The arm."""
+        design = self.config.design
+        if not isinstance(design, SymmetricDesign):  # refused before
+            raise TypeError(f"{type(design).__name__} has no half cell")
+        return design
+
+    @property
+    def fractions(self) -> dict[str, float]:
+        """By the name of a cavity: its pressure over that of the law."""
+        return {name: cavity.fraction for name, cavity in self.config.effects.pressure.cavities.items()}
+
+    @cached_property
+    def repetition(self) -> Repetition:
+        """Where the cells of the arm are. Raises `NoArmLaw` for an arm without an inner cell, and InputError."""
+        mesh = self.config.mesh
+        try:
+            repetition = self.design.repetition(mesh.element_size_mm, GRADINGS[mesh.grading])
+        except (DesignError, MeshError) as failure:
+            raise InputError(f"{self.config.source}: {failure}") from None
+        ends = 2.0 * (repetition.middle + repetition.half_pitch)
+        if repetition.half_cells == 0:
+            raise NoArmLaw("the arm has no inner cell; its own law needs two cells at least")
+        if ends > self.design.length * (1.0 + 1e-9):
+            raise NoArmLaw(
+                f"the arm is shorter than its two disturbed ends ({self.design.length:g} mm against {ends:g} mm at "
+                "least), so the law of an inner cell does not describe it"
+            )
+        return repetition
+
+    @property
+    def cell(self) -> BendingPiece:
+        """Half a cell between two planes of mirror symmetry. Raises `NoArmLaw` and InputError."""
+        return self._piece(0, "mirror")
+
+    def end(self, half_cells: int, start: Boundary) -> BendingPiece:
+        """One end of the arm with that many half cells. Raises `NoArmLaw` and InputError."""
+        return self._piece(half_cells, start)
+
+    def _piece(self, half_cells: int, start: Boundary) -> BendingPiece:
+        key = (half_cells, start)
+        if key not in self._pieces:
+            formulation = self.config.mesh.formulation
+            body = self._body(half_cells, start)
+            self._pieces[key] = BendingPiece(
+                body, material_of(self.config), start, formulation, self.fractions, self.dhat
+            )
+        return self._pieces[key]
+
+    def _body(self, half_cells: int, start: Boundary) -> Body:
+        _ = self.repetition  # refuses arms without cells
+        size, grading = self.config.mesh.element_size_mm, GRADINGS[self.config.mesh.grading]
+        for (meshed, _), piece in self._pieces.items():
+            if meshed == half_cells and start != "mirror":
+                return piece.body
+        if start == "mirror":
+            return self.design.half_cell(size, grading)
+        return self.design.end_piece(half_cells, size, grading)
+
+
+def _check(config: Config) -> None:
+    """Raise `NoArmLaw` for what the pieces do not describe."""
+    if not isinstance(config.design, SymmetricDesign):
+        raise NoArmLaw(f"the law of a cell needs a body of the program's own families; {config.family} is none of them")
+    effects = config.effects
+    if effects.gravity.on:
+        raise NoArmLaw("the weight loads every cell differently, so there is no law of one cell with effects.gravity")
+    if effects.strain_limiting_layer.on:
+        raise NoArmLaw("the strain-limiting layer is not part of the law of a cell")
+    cavities = effects.pressure.cavities
+    if any(cavity.constant_kPa for cavity in cavities.values()):
+        raise NoArmLaw("a cavity has a constant pressure, and the law of a cell has one pressure that all follow")
+    if effects.pressure.off or not any(cavity.fraction for cavity in cavities.values()):
+        raise NoArmLaw("no cavity is pressurised, so the law of a cell has nothing to depend on")
+    if not effects.self_contact.off and any(name != GAP for name in effects.self_contact.faces or ()):
+        raise NoArmLaw(f"the law of a cell has contact on the faces '{GAP}' alone, not on those the user names")

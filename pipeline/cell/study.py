@@ -1,0 +1,105 @@
+"""The command that measures the arm's own law: law.json, pictures, and the record of the run."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+from fem import compile_kernels
+from pipeline.cell.build import MeasuredLaw, build_law
+from pipeline.cell.figure import html_page, svg_picture
+from pipeline.cell.mesh_error import MeshError, mesh_error
+from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.config.config import Config
+from pipeline.context import RunContext
+from pipeline.errors import InputError, RunFailed
+from pipeline.progress import Progress
+from pipeline.simulation.scene import Scene
+from pipeline.store.formats import FORMAT
+from pipeline.store.json_values import JsonObject
+from pipeline.store.provenance import provenance
+from pipeline.store.store import Store, open_store
+from rod.arm_law.record import law_record
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class LawReport:
+    """The law of an arm as it was measured; the same numbers stand in the files of `directory`."""
+
+    directory: Path
+    config: Config
+    measured: MeasuredLaw
+    mesh_error: MeshError
+    seconds: float  #: wall time of this call
+
+    def raise_if_failed(self) -> None:
+        """Raise RunFailed where a pressure was not reached."""
+        if self.measured.failures:
+            sentence = "; ".join(self.measured.failures)
+            raise RunFailed(f"{sentence}; what was reached is in {self.directory}", directory=self.directory)
+
+    def record(self) -> JsonObject:
+        """The content of run.json."""
+        return {
+            "format": FORMAT,
+            "config": self.config.record(),
+            "config_hash": self.config.hash,
+            **provenance(),
+            "seconds": {**self.measured.seconds, "this call": self.seconds},
+            "factorizations": self.measured.factorizations,
+            "degrees_of_freedom": self.measured.unknowns,
+            **({"failure": "; ".join(self.measured.failures)} if self.measured.failures else {}),
+        }
+
+
+def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> LawReport:
+    """From a configuration to `out`/law.json; curves that `out` already holds are not measured again.
+
+    A pressure that is not reached is named in the report; the law of those below it is in `out` then. Raises InputError
+    for an arm without such a law, a body that cannot be meshed and a folder that cannot be used, and RunFailed where
+    not even the lowest pressure is borne.
+    """
+    begin = perf_counter()
+    with open_store(out, config, fresh=fresh) as store:
+        context = RunContext(store, jobs, progress)
+        progress.stage("mesh")
+        try:
+            scene = Scene.meshed(config)
+            progress.stage("kernels (compiled once)")
+            compile_kernels(config.mesh.formulation)
+            progress.stage("cell and ends")
+            measured = build_law(scene, context)
+            progress.stage("coarser mesh")
+            error = mesh_error(ArmPieces.of(scene), measured.law.cells, context)
+        except NoArmLaw as refusal:
+            raise InputError(f"{config.source}: {refusal}") from None
+        report = LawReport(out, config, measured, error, perf_counter() - begin)
+        save_law(store, measured, error)
+        store.save_json("run.json", report.record())
+        store.save_text("law.html", html_page(config.name, measured.law))
+        store.save_text("law.svg", svg_picture(config.name, measured.law))
+    return report
+
+
+def save_law(store: Store, measured: MeasuredLaw, error: MeshError | None) -> None:
+    """Write law.json."""
+    store.save_json("law.json", law_content(measured, error))
+
+
+def law_content(measured: MeasuredLaw, error: MeshError | None) -> JsonObject:
+    """The content of law.json: the law, its errors, and where it ends."""
+    return {
+        **law_record(measured.law),
+        "added_pressures_kPa": measured.added_kPa,
+        "end_half_cells": measured.half_cells,
+        "interpolation_error": {
+            "along_curves": measured.error_along,
+            "between_pressures": measured.error_between,
+            "ends_over_length": measured.error_ends,
+        },
+        "mesh_error": {} if error is None else error.record(),
+        "limits": measured.limits,
+        "failures": measured.failures,
+        "factorizations": measured.factorizations,
+        "seconds": measured.seconds,
+        "degrees_of_freedom": measured.unknowns,
+    }

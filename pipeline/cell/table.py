@@ -1,0 +1,80 @@
+"""The arm's own law in a table and in sentences."""
+
+import numpy as np
+
+from pipeline.cell.build import MeasuredLaw
+from pipeline.cell.study import LawReport
+from rod.arm_law.curves import CellCurve
+
+#: heads of the table, two lines each
+COLUMNS = (
+    "p\nkPa",
+    "κ₀\n1/m",
+    "dM/dκ\nN mm²",
+    "EA\nN",
+    "GA\nN",
+    "moments\nN mm",
+    "walls\ntouch from",
+    "states",
+    "s",
+)
+
+
+def cell_rows(measured: MeasuredLaw) -> list[tuple[str, ...]]:
+    """One row per pressure: the cell without moment, its range of moments, and the work for the cell."""
+    return [_row(cell, seconds) for cell, seconds in zip(measured.law.cells, measured.seconds_of_cells, strict=True)]
+
+
+def _row(cell: CellCurve, seconds: float) -> tuple[str, ...]:
+    rigidity, axial, shear = (
+        float(np.interp(0.0, cell.moment, values))
+        for values in (cell.rigidity, cell.axial_rigidity, cell.shear_rigidity)
+    )
+    return (
+        f"{cell.pressure:g}",
+        f"{1000.0 * cell.at(0.0)[0]:.2f}",
+        f"{rigidity:.4g}",
+        f"{axial:.3g}",
+        f"{shear:.3g}",
+        f"{cell.moment[0]:.3g} ... {cell.moment[-1]:.3g}",
+        _contact(cell),
+        str(len(cell.moment)),
+        f"{seconds:.1f}",
+    )
+
+
+def _contact(cell: CellCurve) -> str:
+    """The curvatures at which walls touch, in 1/m."""
+    if not cell.contact.any():
+        return "nowhere"
+    touching = 1000.0 * cell.kappa[cell.contact]
+    if cell.contact.all():
+        return "everywhere"
+    return f"{touching[0]:.1f} 1/m" if cell.contact[-1] else f"{touching[0]:.1f} ... {touching[-1]:.1f} 1/m"
+
+
+def law_sentences(report: LawReport) -> list[str]:
+    """How the law was interpolated, how far its mesh is off, and where it ends."""
+    measured, error = report.measured, report.mesh_error
+    cells = f"end pieces of {measured.half_cells} half {'cell' if measured.half_cells == 1 else 'cells'}"
+    sentences = [
+        "κ₀: curvature without moment; dM/dκ, EA, GA: rigidities there against bending, stretching and shear",
+        f"{cells}; {len(measured.law.pressures)} pressures"
+        + (
+            f", of which {_list(measured.added_kPa)} kPa were added for the interpolation" if measured.added_kPa else ""
+        ),
+        f"interpolated curvature: within {100 * measured.error_along:.2g} % of the largest one along a curve, "
+        f"{100 * measured.error_between:.2g} % between pressures",
+    ]
+    for i, pressure in enumerate(error.pressures_kPa):
+        parts = [
+            f"{name} {100 * abs(error.deviations[key][i] / error.values[key][i]):.1g} %"
+            for name, key in (("κ₀", "kappa_0_per_mm"), ("dM/dκ", "rigidity_N_mm2"), ("M at κ₀/2", "moment_N_mm"))
+        ]
+        sentences.append(f"error of the mesh at {pressure:g} kPa: {', '.join(parts)}")
+    sentences += [sentence for sentence in (error.reason, *measured.limits) if sentence]
+    return sentences
+
+
+def _list(values: tuple[float, ...]) -> str:
+    return ", ".join(f"{value:g}" for value in values)
