@@ -1,6 +1,5 @@
 """The curves of the arm's own law, from finite elements of a half cell and of the two ends."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import final
 
@@ -63,7 +62,15 @@ class CellSweep:
     pressure: float  #: kPa
     points: list[CellPoint] = field(default_factory=list)  #: by increasing curvature
     limits: list[str] = field(default_factory=list)  #: sentences
-    error: float = 0.0  #: largest error of the cubics where it was measured, over the largest curvature
+    #: intervals with the error of their cubics where it was measured, rad
+    errors: list[tuple[CellPoint, CellPoint, float]] = field(default_factory=list)
+
+    @property
+    def error(self) -> float:
+        """Largest error of the cubics between the states, over the largest curvature."""
+        scale = max(abs(point.state.angle) for point in self.points)
+        errors = [error for first, second, error in self.errors if first in self.points and second in self.points]
+        return max(errors, default=0.0) / scale
 
     def curve(self, half_pitch: float) -> CellCurve:
         """The sweep as a curve of the law; raises `rod.RodError` where the moment does not rise."""
@@ -204,12 +211,12 @@ def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
             _cut(sweep, first, second)
             pending = [interval for interval in pending if interval[0] in sweep.points and interval[1] in sweep.points]
             continue
-        error = _cubic_error(first, second, middle) / scale
+        error = _cubic_error(first, second, middle)
         sweep.points.insert(sweep.points.index(second), middle)
-        if error > TOLERANCE and halvings:
+        if error > TOLERANCE * scale and halvings:
             pending += [(first, middle, halvings - 1), (middle, second, halvings - 1)]
-        else:
-            sweep.error = max(sweep.error, error)  # of the whole interval: walls that meet in a half make a kink there
+        else:  # the error of the whole interval: walls that meet in a half make a kink there
+            sweep.errors.append((first, second, error))
 
 
 def _keep_rising(sweep: CellSweep, middle: CellPoint, half_pitch: float) -> None:

@@ -68,7 +68,7 @@ def law_sentences(report: LawReport) -> list[str]:
     ]
     for i, pressure in enumerate(error.pressures_kPa):
         parts = [
-            f"{name} {100 * abs(error.deviations[key][i] / error.values[key][i]):.1g} %"
+            f"{name} {100 * abs(error.deviations[key][i] / error.values[key][i]):.2g} %"
             for name, key in (("κ₀", "kappa_0_per_mm"), ("dM/dκ", "rigidity_N_mm2"), ("M at κ₀/2", "moment_N_mm"))
         ]
         sentences.append(f"error of the mesh at {pressure:g} kPa: {', '.join(parts)}")
