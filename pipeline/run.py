@@ -7,11 +7,11 @@ from time import perf_counter
 
 from fem import compile_kernels
 from pipeline.accuracy.plan import plan_discretisation, review
+from pipeline.cell.of_run import law_of_run
 from pipeline.config.config import Config
 from pipeline.context import RunContext
-from pipeline.identification.added_pressures import with_added_pressures
+from pipeline.identification.added_pressures import identify_run
 from pipeline.identification.mesh_error import with_mesh_error
-from pipeline.identification.parameters import identify_all
 from pipeline.identification.record import parameters_record
 from pipeline.progress import Progress
 from pipeline.report.page import render_report
@@ -44,17 +44,21 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
         with stages.timed("experiments"):
             outcomes = simulate(scene, context)
             store.save_json("experiments.json", outcomes.rows())
-            effects = effect_states(scene, outcomes)
+        with stages.timed("cell law"):
+            arm = law_of_run(scene, context)
+            arm.save(store)
+            effects = (*effect_states(scene, outcomes), arm.effect)
             store.save_json("effects.json", [state.row() for state in effects])
         with stages.timed("identification"):
-            parameters, refused = identify_all(outcomes, scene.body.pitch)
-            outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)
+            identified = identify_run(scene, context, outcomes)
+            outcomes, parameters = identified.outcomes, identified.parameters
             store.save_json("experiments.json", outcomes.rows())
         with stages.timed("coarser mesh"):
             parameters, no_mesh_error = with_mesh_error(config, context, parameters)
-            store.save_json("parameters.json", parameters_record(config, parameters, no_mesh_error))
+            if config.law != "cell":
+                store.save_json("parameters.json", parameters_record(config, parameters, no_mesh_error))
         with stages.timed("rod"):
-            rods = ArmRods(parameters, None, (0.0, scene.body.curve_y))
+            rods = ArmRods(parameters, arm.law, (0.0, scene.body.curve_y))
             comparisons = compare(outcomes, rods, scene.body.pitch)
             store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, scene.body.pitch))
             store.save_json("validation.json", [row for c in comparisons for row in c.rows()])
@@ -75,7 +79,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
                 effects=effects,
                 accuracy=ReviewedPlan(plan, reviewed) if plan else None,
                 seconds=dict(stages.seconds),
-                failures=(*outcomes.failures, *refused, *not_added, *validated.failures),
+                failures=(*outcomes.failures, *arm.failures, *identified.failures, *validated.failures),
             )
             store.save_json("run.json", report.record())
             store.save_text("report.html", render_report(store.directory))

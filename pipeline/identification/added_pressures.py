@@ -1,6 +1,7 @@
 """The range of pressures in which the parameters are linear in the pressure, and pressures added by bisection."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, identify_all
@@ -9,6 +10,27 @@ from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import EXPERIMENTS, simulate
 from rod import LinearRange, Quantity, linear_range, next_pressure
+
+
+@dataclass(frozen=True)
+class Identified:
+    """The parameters of a run, and its outcomes with the pressures that were added."""
+
+    outcomes: Outcomes
+    parameters: tuple[Parameters, ...]  #: by ascending pressure; empty with `law: cell`
+    failures: tuple[str, ...]  #: a sentence for each pressure without parameters and each that could not be added
+
+
+def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Identified:
+    """The parameters at all pressures and at those to be added; none with `law: cell`.
+
+    Raises RunFailed as `simulate`.
+    """
+    if scene.config.law == "cell":
+        return Identified(outcomes, (), ())
+    parameters, refused = identify_all(outcomes, scene.body.pitch)
+    outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)
+    return Identified(outcomes, parameters, (*refused, *not_added))
 
 
 def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[str, Quantity]]:

@@ -92,13 +92,21 @@ class Comparison:
 
 def _shape_errors(curve: Centreline, shape: RodSolution) -> dict[str, float]:
     distances = _distances(shape, curve)
-    ends = np.unwrap([float(curve.angle[-1]), float(shape.theta[-1])])
+    ends = np.unwrap([float(curve.angle[-1]), _end_angle(shape, curve)])
     return {
         "distance_over_length": float(distances.max()) / curve.length,
         "distance_at_s_mm": float(curve.s[distances.argmax()] - curve.s[0]),
         "distance_over_length_without_stretch": float(_distances(shape, without_stretch(curve)).max()) / curve.length,
         "end_angle_error_rad": float(ends[1] - ends[0]),
     }
+
+
+def _end_angle(shape: RodSolution, curve: Centreline) -> float:
+    """rad: the tangent angle of the rod at its end; of a material curve beside the axis that of the last chord."""
+    if shape.beside is None:
+        return float(shape.theta[-1])
+    x, y = np.diff(shape.positions(curve.s[-2:] - curve.s[0]), axis=0)[0]
+    return float(np.arctan2(y, x))
 
 
 def _curvature_errors(curve: Centreline, shape: RodSolution, pitch: float) -> dict[str, float]:

@@ -1,0 +1,56 @@
+"""The arm's own law as a part of a run: made where the arm and its effects have one, else a sentence why not."""
+
+from dataclasses import dataclass
+
+from pipeline.cell.build import MeasuredLaw, build_law
+from pipeline.cell.pieces import NoArmLaw
+from pipeline.cell.study import save_law
+from pipeline.context import RunContext
+from pipeline.errors import InputError, RunFailed
+from pipeline.simulation.effects_record import EffectState
+from pipeline.simulation.scene import Scene
+from pipeline.store.store import Store
+from rod import ArmLaw
+
+
+@dataclass(frozen=True)
+class LawOfRun:
+    """The law of a run, or why there is none."""
+
+    measured: MeasuredLaw | None
+    reason: str  #: why it was made or not, one sentence without its full stop
+    failures: tuple[str, ...]  #: sentences about what a run with `law: cell` was to make and did not
+
+    @property
+    def law(self) -> ArmLaw | None:
+        """None where there is none."""
+        return None if self.measured is None else self.measured.law
+
+    def save(self, store: Store) -> None:
+        """Write law.json where there is a law."""
+        if self.measured is not None:
+            save_law(store, self.measured, None)
+
+    @property
+    def effect(self) -> EffectState:
+        """The row of effects.json."""
+        return EffectState("arm_law", "off" if self.measured is None else "on", self.reason, None)
+
+
+def law_of_run(scene: Scene, context: RunContext) -> LawOfRun:
+    """The law that the configuration requests; with `law: both` an arm without one keeps its five parameters."""
+    choice = scene.config.law
+    if choice == "five":
+        return LawOfRun(None, "switched off in the config", ())
+    try:
+        measured = build_law(scene, context)
+    except (NoArmLaw, InputError, RunFailed) as failure:
+        reason = str(failure).rstrip(".")
+        return LawOfRun(None, reason, (f"no law of the arm: {reason}",) if choice == "cell" else ())
+    law = measured.law
+    reason = (
+        f"moment, stretch and rigidities of one cell from {law.pressures[0]:g} to {law.pressures[-1]:g} kPa, "
+        f"and of both ends; nothing is fitted to the arm as a whole"
+    )
+    remarks = "; ".join((*measured.failures, *measured.limits))
+    return LawOfRun(measured, f"{reason}; {remarks}" if remarks else reason, measured.failures if choice == "cell" else ())
