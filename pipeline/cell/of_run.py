@@ -53,4 +53,6 @@ def law_of_run(scene: Scene, context: RunContext) -> LawOfRun:
         f"and of both ends; nothing is fitted to the arm as a whole"
     )
     remarks = "; ".join((*measured.failures, *measured.limits))
-    return LawOfRun(measured, f"{reason}; {remarks}" if remarks else reason, measured.failures if choice == "cell" else ())
+    return LawOfRun(
+        measured, f"{reason}; {remarks}" if remarks else reason, measured.failures if choice == "cell" else ()
+    )

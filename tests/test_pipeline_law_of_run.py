@@ -1,0 +1,87 @@
+"""The arm's own law in a whole run on a short arm: files, rows of the validation, the first lines of the report."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import pneurod
+from pipeline.cell.of_run import law_of_run
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
+from pipeline.context import RunContext
+from pipeline.progress import Silent
+from pipeline.run import run
+from pipeline.simulation.scene import Scene
+from pipeline.store.store import open_store
+from rod import Rod, law_from_record
+
+SHORT = """
+name: five
+geometry: {family: pneunet, chambers: 5}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [6 kPa, 12 kPa]
+mesh: {size: 8 mm}
+"""
+
+
+def config(folder: Path, *settings: str) -> Config:
+    path = folder / "five.yaml"
+    path.write_text(SHORT, encoding="utf-8")
+    return load_config(path, settings)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("results")
+    run(config(tmp_path_factory.mktemp("config"), "law=cell"), out, 1, False, Silent()).raise_if_failed()
+    return out
+
+
+def read(results: Path, name: str):
+    return json.loads((results / name).read_text(encoding="utf-8"))
+
+
+def test_the_law_meets_the_finite_elements_under_loads_that_nothing_was_fitted_to(results: Path) -> None:
+    rows = read(results, "validation.json")
+    states = [(row["experiment"], row["pressure_kPa"], row["load"]) for row in rows]
+    assert states == [
+        *(("II", 6.0, ""), ("III", 6.0, ""), ("II", 12.0, ""), ("III", 12.0, "")),
+        ("III", 9.0, "end at +5.2 mm"),
+    ]
+    for row in rows:
+        assert (row["rod"], row["sample"], row["reason"]) == ("arm_law", "out", "")
+        assert row["distance_over_length"] < 0.003
+        assert abs(row["end_angle_error_rad"]) < 0.01
+        assert row["experiment"] == "II" or abs(row["force_error"]) < 0.02  # measured: 0.012
+
+
+def test_the_law_of_a_run_is_a_file_that_gives_a_rod(results: Path) -> None:
+    law = law_from_record(read(results, "law.json"))
+    assert law.pressures[0] == 0.0
+    shape = Rod(law.length, law=law.at(9.0)).solve(force=(0.0, 0.01))
+    assert shape.x[-1] > 40.0
+    effects = {row["effect"]: row for row in read(results, "effects.json")}
+    assert effects["arm_law"]["state"] == "on"
+    assert "from 0 to 12 kPa" in effects["arm_law"]["reason"]
+
+
+def test_a_run_with_the_law_alone_identifies_no_parameters(results: Path) -> None:
+    assert not (results / "parameters.json").exists()
+    html = (results / "report.html").read_text(encoding="utf-8")
+    assert "Take the rod with the arm&#39;s own law (arm_law)" in html
+    assert 'id="figure-arm_law"' in html
+    frame = pneurod.read_results(results).validation
+    assert set(frame["rod"]) == {"arm_law"}
+
+
+def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: Path) -> None:
+    weight = "effects.gravity={acceleration: [0 m/s^2, -9.81 m/s^2, 0 m/s^2]}"
+    for choice, failures in (("both", 0), ("cell", 1), ("five", 0)):
+        heavy = config(tmp_path, weight, f"law={choice}")
+        with open_store(tmp_path / choice, heavy) as store:
+            law = law_of_run(Scene.meshed(heavy), RunContext(store, 1, Silent()))
+        assert law.law is None
+        assert law.effect.state == "off"
+        assert ("switched off" if choice == "five" else "weight") in law.reason
+        assert len(law.failures) == failures
