@@ -145,7 +145,7 @@ def cell(
 
 @app.command()
 def rod(
-    parameters: Annotated[Path, typer.Argument(metavar="PARAMETERS.json", help="Of a finished run.")],
+    parameters: Annotated[Path, typer.Argument(metavar="PARAMETERS.json", help="Of a finished run; or a law.json.")],
     pressure: Annotated[str, typer.Option(metavar="P", help="With its unit: '31 kPa'.")],
     force: Annotated[
         str | None, typer.Option(metavar="[FX, FY]", help="Dead force on the end: '[0 N, 0.05 N]'.")
@@ -167,9 +167,9 @@ def rod(
 ) -> None:
     """The rod alone, in milliseconds: its shape under loads."""
     with _errors_as_sentences():
-        from pipeline.saved_rod import EndLoads, SavedRod, end_lines, write_shape
+        from pipeline.saved_rod import EndLoads, end_lines, rod_of_file, write_shape
 
-        selected = SavedRod.read(parameters, extensible).at(pressure, extrapolate)
+        selected = rod_of_file(parameters, pressure, extrapolate, extensible)
         shape = EndLoads.read(force, moment, end_y, end).shape(selected.rod)
         _print(*end_lines(shape), *filter(None, [selected.warning(shape)]))
         if out is not None:

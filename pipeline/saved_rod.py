@@ -1,4 +1,4 @@
-"""The identified rod alone: from parameters.json to shapes under loads, and to files of other rod codes."""
+"""The rod alone: from parameters.json or law.json to shapes under loads, and to files of other rod codes."""
 
 import json
 from collections.abc import Mapping
@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
+from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
 from pipeline.store.atomic_file import write_atomic
@@ -87,6 +89,22 @@ class RodAtPressure:
         return self.moment_range.warning(shape) if self.moment_range is not None else ""
 
 
+def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool | None) -> RodAtPressure:
+    """The rod of a parameters.json or of a law.json at a pressure written with its unit. Raises InputError."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        content = None  # the sentence is that of the parameters
+    if not is_law(content):
+        return SavedRod.read(path, extensible).at(pressure, extrapolate)
+    if extrapolate:
+        raise InputError("--extrapolate: the arm's own law is not extrapolated; measure it at more pressures")
+    try:
+        return RodAtPressure(SavedLaw.of(path, content).rod(_value("--pressure", pressure, PRESSURE)), None)
+    except RodError as failure:
+        raise InputError(f"--pressure {pressure}: {failure}") from None
+
+
 @dataclass(frozen=True)
 class EndLoads:
     """Loads on the end of a rod, positions relative to the clamp; None for what is not prescribed."""
@@ -151,6 +169,12 @@ def exported(folder: Path, target: str | None, pressure: str | None) -> Path:
     """
     if target not in EXPORTS:
         raise InputError(f"--to{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}")
+    if not (folder / "parameters.json").is_file() and (folder / "law.json").is_file():
+        value = None if pressure is None else _value("--pressure", pressure, PRESSURE)
+        try:
+            return SavedLaw.read(folder / "law.json").export(target, folder, value)
+        except RodError as failure:
+            raise InputError(f"--pressure {pressure}: {failure}") from None
     saved = SavedRod.read(folder / "parameters.json", extensible=False)  # no format takes a stretch over the curvature
     rod = saved.at(pressure or f"{saved.rods.pressures[-1]} kPa").rod
     try:
@@ -161,8 +185,9 @@ def exported(folder: Path, target: str | None, pressure: str | None) -> Path:
 
 def end_lines(shape: RodSolution) -> list[str]:
     """Position, angle and force of the end, and the moment at the clamp, one line each."""
+    x, y = _material_curve(shape)
     lines = {
-        "end": f"x = {shape.x[-1]:.3f} mm, y = {shape.y[-1]:.3f} mm from the clamp",
+        "end": f"x = {x[-1]:.3f} mm, y = {y[-1]:.3f} mm from the clamp",
         "end angle": f"{shape.theta[-1]:.4f} rad",
         "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
         "moment at the clamp": f"{shape.moment[0]:.5g} N mm",
@@ -173,9 +198,17 @@ def end_lines(shape: RodSolution) -> list[str]:
 
 def write_shape(shape: RodSolution, file: Path) -> None:
     """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm."""
-    columns = (shape.s, shape.x, shape.y, shape.theta, shape.kappa, shape.moment)
+    columns = (shape.s, *_material_curve(shape), shape.theta, shape.kappa, shape.moment)
     rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
     write_atomic(file, ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode())
+
+
+def _material_curve(shape: RodSolution) -> tuple[Array, Array]:
+    """x (n,) and y (n,) of the material curve at the positions of a shape, mm."""
+    if shape.beside is None:
+        return shape.x, shape.y
+    x, y = shape.positions(shape.s).T
+    return x, y
 
 
 def _value(option: str, text: str, dimension: Dimension) -> float:

@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from pipeline.cell.saved import SavedLaw
 from pipeline.errors import InputError
 from pipeline.saved_rod import pressurised_rod
 from pipeline.store.formats import validation_rows, with_present_keys
@@ -47,6 +48,7 @@ def read_results(directory: Path | str) -> Results:
         **{name: _rows(folder, name, contents) for name in _ROWS},
         **{name: _curves(folder, name) for name in _CURVES},
         rods=_rods(folder, parameters),
+        arm_law=SavedLaw.read(folder / "law.json").law if (folder / "law.json").is_file() else None,
         pictures=MappingProxyType({path.stem: path for path in sorted((folder / "pictures").glob("*.png"))}),
     )
 

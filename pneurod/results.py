@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.errors import InputError
-from rod import FiveParameters, Interval, PressurisedRod, Rod, RodError
+from rod import ArmLaw, FiveParameters, Interval, PressurisedRod, Rod, RodError
 
 
 @dataclass(frozen=True)
@@ -94,6 +94,7 @@ class Results:
     laws: pd.DataFrame = field(repr=False)  #: simpler and richer laws compared; no rows without validation loads
     effects: pd.DataFrame = field(repr=False)  #: which effects were simulated, and why
     rods: tuple[PressurisedRod, ...] = field(repr=False)  #: inextensible and extensible rod over the pressure, or none
+    arm_law: ArmLaw | None = field(repr=False)  #: the arm's own law, where the folder has a law.json
     pictures: Mapping[str, Path] = field(repr=False)  #: name (body, II_17kPa) -> PNG file
 
     @property

@@ -3,6 +3,7 @@
 import numpy as np
 
 from pipeline.cell.build import MeasuredLaw
+from pipeline.cell.mesh_error import NUMBERS
 from pipeline.cell.study import LawReport
 from rod.arm_law.curves import CellCurve
 
@@ -67,11 +68,14 @@ def law_sentences(report: LawReport) -> list[str]:
         f"{100 * measured.error_between:.2g} % between pressures",
     ]
     for i, pressure in enumerate(error.pressures_kPa):
-        parts = [
-            f"{name} {100 * abs(error.deviations[key][i] / error.values[key][i]):.2g} %"
-            for name, key in (("κ₀", "kappa_0_per_mm"), ("dM/dκ", "rigidity_N_mm2"), ("M at κ₀/2", "moment_N_mm"))
-        ]
-        sentences.append(f"error of the mesh at {pressure:g} kPa: {', '.join(parts)}")
+        if pressure in measured.added_kPa:
+            continue
+        kappa_0, rigidity, moment = (error.deviations[name][i] for name in NUMBERS)
+        rigidity /= error.values["rigidity_N_mm2"][i]
+        sentences.append(
+            f"standard deviations due to the mesh at {pressure:g} kPa: κ₀ {1000.0 * kappa_0:.2g} 1/m, dM/dκ "
+            f"{100 * rigidity:.2g} %, M at κ₀/2 {moment:.2g} N mm"
+        )
     sentences += [sentence for sentence in (error.reason, *measured.limits) if sentence]
     return sentences
 

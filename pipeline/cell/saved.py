@@ -1,0 +1,89 @@
+"""The arm's own law from the file law.json: rods under loads, and tables for other programs."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.errors import InputError
+from pipeline.store.atomic_file import write_atomic
+from rod import ArmLaw, Rod, RodError
+from rod.arm_law.record import law_from_record
+
+#: formats that take the law itself; others take a straight line between moment and curvature
+TARGETS = ("csv", "json")
+
+
+@dataclass(frozen=True)
+class SavedLaw:
+    """The law of a law.json."""
+
+    law: ArmLaw
+
+    @staticmethod
+    def of(path: Path, content: Mapping[str, Any]) -> "SavedLaw":
+        """From the content of a file. Raises InputError."""
+        try:
+            return SavedLaw(law_from_record(content))
+        except (RodError, TypeError, ValueError) as failure:
+            raise InputError(f"{path}: {failure}") from None
+
+    @staticmethod
+    def read(path: Path) -> "SavedLaw":
+        """From a law.json. Raises InputError."""
+        try:
+            content = json.loads(path.read_text(encoding="utf-8"))
+        except OSError as failure:
+            raise InputError(f"{path}: cannot be read ({failure.strerror}); give the law.json of a run") from None
+        except ValueError as failure:
+            raise InputError(f"{path}: is not the law of an arm: {failure}") from None
+        if not is_law(content):
+            raise InputError(f"{path}: is not the law of an arm, as `pneurod cell` writes it")
+        return SavedLaw.of(path, content)
+
+    def rod(self, pressure_kPa: float) -> Rod:
+        """The rod at a pressure, clamped as the material curve begins. Raises `RodError` outside the law."""
+        return Rod(self.law.length, law=self.law.at(pressure_kPa))
+
+    def export(self, target: str, folder: Path, pressure_kPa: float | None = None) -> Path:
+        """Write the section law at a pressure, the highest unless given, as rod.csv or rod.json.
+
+        Raises InputError for a format that takes no curved law, and `RodError` for a pressure outside the law.
+        """
+        if target not in TARGETS:
+            raise InputError(
+                f"--to {target}: takes a straight line between moment and curvature, and the arm's own law is none; "
+                f"allowed for it are {', '.join(TARGETS)}"
+            )
+        pressure = self.law.pressures[-1] if pressure_kPa is None else pressure_kPa
+        columns = self.table(pressure)
+        if target == "csv":
+            lines = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values(), strict=True)]
+            text = "\n".join([",".join(columns), *lines])
+        else:
+            head = {"pressure_kPa": pressure, "length_mm": self.law.length, "pitch_mm": self.law.pitch}
+            text = json.dumps({**head, **{name: column.tolist() for name, column in columns.items()}}, indent=1)
+        path = folder / f"rod.{target}"
+        write_atomic(path, (text + "\n").encode())
+        return path
+
+    def table(self, pressure_kPa: float) -> dict[str, Array]:
+        """Columns (n,) over equally spaced moments at a pressure, units in their names. Raises `RodError`."""
+        section = self.law.at(pressure_kPa).section
+        return {
+            "moment_N_mm": section.moment,
+            "kappa_per_mm": section.kappa,
+            "rigidity_N_mm2": 1.0 / np.asarray(section.kappa_slope),
+            "stretch": section.stretch,
+            "axial_rigidity_N": section.axial_rigidity,
+            "shear_rigidity_N": section.shear_rigidity,
+        }
+
+
+def is_law(content: Any) -> bool:
+    """Whether the content of a file is the law of an arm rather than the parameters of a rod."""
+    return isinstance(content, Mapping) and "curves" in content and "clamp" in content

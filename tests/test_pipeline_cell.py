@@ -1,0 +1,174 @@
+"""The command that measures the arm's own law: its files, what it keeps, what it refuses, and the rod that reads it."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import pneurod
+from fem.cell.piece import BendingPiece, PieceFailed
+from pipeline.cell import build
+from pipeline.cell.mesh_error import NUMBERS
+from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.cell.saved import SavedLaw
+from pipeline.cell.study import LawReport, measure_law
+from pipeline.cli import app
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
+from pipeline.progress import Silent
+from rod import RodError
+from rod.arm_law.record import law_from_record
+
+CONFIGS = Path(__file__).resolve().parent.parent / "configs"
+ARM = ["geometry.chambers=4", "pressures=[6 kPa, 9 kPa]"]
+
+
+def arm(*settings: str, name: str = "pneunet_coarse") -> Config:
+    return load_config(CONFIGS / f"{name}.yaml", settings)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> LawReport:
+    return measure_law(arm(*ARM), tmp_path_factory.mktemp("law"), 1, False, Silent())
+
+
+def test_the_law_goes_through_rest_and_every_pressure_of_the_configuration(report: LawReport) -> None:
+    law = report.measured.law
+    assert report.measured.failures == ()
+    assert {0.0, 6.0, 9.0} | set(report.measured.added_kPa) == set(law.pressures)
+    assert (law.pitch, law.length, law.first_middle) == pytest.approx((10.0, 42.0, 6.0), abs=1e-9)
+    kappa_0 = [cell.at(0.0)[0] for cell in law.cells]
+    assert kappa_0[0] == pytest.approx(0.0, abs=1e-7)
+    assert np.all(np.diff(kappa_0) < 0.0)  # negative, as in experiment II
+    assert report.measured.error_between < 0.002
+    assert report.measured.error_along < 0.01
+
+
+def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport) -> None:
+    content = json.loads((report.directory / "law.json").read_text(encoding="utf-8"))
+    assert {"format", "pitch_mm", "pressures_kPa", "curves", "clamp", "tip", "mesh_error", "limits"} <= set(content)
+    keys = {"pressure_kPa", "kappa_per_mm", "moment_N_mm", "stretch", "rigidity_N_mm2", "contact", "min_J"}
+    assert all(keys <= set(curve) for curve in content["curves"])
+    error = content["mesh_error"]
+    assert (error["size_mm"], error["coarser_mm"]) == (4.0, 6.0)
+    assert all(len(error[f"{name}_std"]) == len(error["pressures_kPa"]) for name in NUMBERS)
+    assert all(value > 0.0 for name in NUMBERS for value in error[f"{name}_std"])
+    for name in ("law.html", "law.svg", "run.json"):
+        assert (report.directory / name).stat().st_size > 1000
+
+
+def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport) -> None:
+    results = pneurod.read_results(report.directory)
+    assert isinstance(results.arm_law, pneurod.ArmLaw)
+    assert results.run.config_hash == report.config.hash
+    for pressure in (7.5, 9.0):
+        ours, theirs = (law.at(pressure).solve(end_y=0.0) for law in (results.arm_law, report.measured.law))
+        assert np.array_equal(ours.x, theirs.x)
+        assert np.array_equal(ours.moment, theirs.moment)
+
+
+def test_a_second_call_solves_nothing_and_writes_the_same_law(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(report.directory, tmp_path / "again")
+
+    def refuse(*arguments: object, **options: object) -> None:
+        raise AssertionError("a state is solved again")
+
+    monkeypatch.setattr(BendingPiece, "solve", refuse)
+    measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
+    first, second = (folder / "law.json" for folder in (report.directory, tmp_path / "again"))
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_an_interrupted_measurement_continues_with_equal_numbers(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A cell, an end and a check that are missing are measured again, from rest as the first time."""
+    shutil.copytree(report.directory, tmp_path / "again")
+    for pattern in ("cell_9kPa*", "clamp_*_9kPa*", "between_6*"):
+        [file] = (tmp_path / "again" / "law").glob(pattern)
+        file.unlink()
+    again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
+    for ours, theirs in zip(again.measured.law.cells, report.measured.law.cells, strict=True):
+        assert np.array_equal(ours.moment, theirs.moment)
+        assert np.array_equal(ours.ripple, theirs.ripple)
+    for clamp, other in zip(again.measured.law.clamps, report.measured.law.clamps, strict=True):
+        assert np.array_equal(clamp.offset, other.offset)
+
+
+def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_stays(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(report.directory, tmp_path / "again")
+    [file] = (tmp_path / "again" / "law").glob("cell_9kPa*")
+    file.unlink()
+
+    def fail(*arguments: object) -> None:
+        raise PieceFailed("no equilibrium of the half cell at 9 kPa and a mean curvature of -7 1/m: for a test")
+
+    monkeypatch.setattr(build, "sweep_cell", fail)
+    again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
+    assert again.measured.law.pressures[-1] == 6.0
+    [sentence] = again.measured.failures
+    assert "9 kPa" in sentence
+    with pytest.raises(pneurod.RunFailed, match="no equilibrium of the half cell at 9 kPa"):
+        again.raise_if_failed()
+
+
+def test_the_rod_command_reads_the_law(report: LawReport, tmp_path: Path) -> None:
+    file = str(report.directory / "law.json")
+    call = CliRunner().invoke(
+        app, ["rod", file, "--pressure", "8 kPa", "--end-y", "0 mm", "--out", f"{tmp_path}/s.csv"]
+    )
+    assert call.exit_code == 0
+    assert "0.000 mm from the clamp" in call.stdout
+    rows = np.loadtxt(tmp_path / "s.csv", delimiter=",", skiprows=1)
+    assert rows[-1, 2] == pytest.approx(0.0, abs=1e-6)
+    outside = CliRunner().invoke(app, ["rod", file, "--pressure", "12 kPa"])
+    assert outside.exit_code == 2
+    assert "12 kPa is outside" in outside.stderr
+
+
+def test_the_section_law_is_exported_as_a_table(report: LawReport, tmp_path: Path) -> None:
+    shutil.copy(report.directory / "law.json", tmp_path)
+    for target in ("csv", "json"):
+        assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", target]).exit_code == 0
+    rows = np.genfromtxt(tmp_path / "rod.csv", delimiter=",", names=True)
+    content = json.loads((tmp_path / "rod.json").read_text(encoding="utf-8"))
+    assert content["pressure_kPa"] == 9.0
+    assert rows["kappa_per_mm"] == pytest.approx(content["kappa_per_mm"])
+    refused = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "mujoco"])
+    assert refused.exit_code == 2
+    assert "csv, json" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "sentence"),
+    [
+        ("pneunet_coarse", ["geometry.chambers=1"], "no inner cell"),
+        ("pneunet_coarse", ["effects.gravity=on"], "weight"),
+        ("finger", [], "own families"),
+    ],
+)
+def test_an_arm_without_such_a_law_is_refused_in_one_sentence(name: str, settings: list[str], sentence: str) -> None:
+    with pytest.raises(NoArmLaw, match=sentence):
+        _ = ArmPieces(arm(*settings, name=name), None).repetition
+
+
+def test_the_command_refuses_such_an_arm_as_wrong_input(tmp_path: Path) -> None:
+    command = ["cell", str(CONFIGS / "pneunet_coarse.yaml"), "--set", "geometry.chambers=1", "--out", str(tmp_path)]
+    call = CliRunner().invoke(app, command)
+    assert call.exit_code == 2
+    assert "no inner cell" in call.stderr
+
+
+def test_another_file_is_no_law(tmp_path: Path) -> None:
+    (tmp_path / "law.json").write_text("{}")
+    with pytest.raises(pneurod.InputError, match="not the law of an arm"):
+        SavedLaw.read(tmp_path / "law.json")
+    with pytest.raises(RodError, match="format"):
+        law_from_record({"format": 99})
