@@ -1,0 +1,441 @@
+"""The arm's own law from a cell and two ends, held against finite elements of whole arms on the same kind of mesh.
+
+    python benchmarks/cell.py RESULTS
+
+Renews the tables of docs/cell.md between their marks; finished solutions of whole arms in RESULTS are kept. About ten
+minutes with two threads.
+"""
+
+import json
+import re
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+# the rooms stand beside this folder
+HERE = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(HERE))
+
+import fem  # noqa: E402
+from fem.cell.piece import BendingPiece  # noqa: E402
+from fem.materials.material import Material  # noqa: E402
+from geometry import GRADINGS, BisectedCircle, PneuNet, Semicircular, SemicircularSingle  # noqa: E402
+from geometry.arrays import Array  # noqa: E402
+from geometry.design import Design  # noqa: E402
+from pipeline.cell.measure import Reach, clamp_curve, sweep_cell, tip_curve  # noqa: E402
+from rod import RodError, RodSolution  # noqa: E402
+from rod.arm_law.law import ArmLaw, LawRod  # noqa: E402
+
+DOCS = HERE / "docs" / "cell.md"
+RUBBER = fem.StVenantKirchhoff(E=1.2, nu=0.495)
+#: N, for which the laws are made, on the end of the arm
+FORCE = 0.06
+
+
+@dataclass(frozen=True)
+class Arm:
+    """An arm, its mesh, and the pressures of its law."""
+
+    name: str
+    design: Design
+    size: float  #: mm, of the mesh
+    half_cells: int  #: in each end piece
+    pressures: tuple[float, ...]  #: kPa, at which pieces and whole arm are solved
+    between: float | None  #: kPa, at which the whole arm alone is solved
+    dhat: float | None = None  #: activation distance of contact, mm
+    material: Material = RUBBER
+
+
+@dataclass(frozen=True)
+class Case:
+    """A load of the whole arm besides its pressure."""
+
+    name: str
+    experiment: str
+    end_y: float = 0.0  #: mm, in III
+    force: tuple[float, float] = (0.0, 0.0)  #: N, of a dead force
+
+    def solve(self, rod: LawRod) -> RodSolution:
+        """The rod under this load; raises `RodError`."""
+        return rod.solve(end_y=self.end_y) if self.experiment == "III" else rod.solve(self.force)
+
+
+ARMS = (
+    Arm("pneunet", PneuNet(), 3.5, 1, (5.0, 17.0, 31.0, 45.0), 24.0, 0.04),
+    Arm("semicircular", Semicircular(), 4.0, 3, (20.0, 37.0), 28.0),
+    Arm("semicircular_single", SemicircularSingle(), 4.0, 3, (20.0, 37.0), 28.0),
+    Arm("bisected_circle", BisectedCircle(), 4.0, 5, (20.0, 37.0), 28.0),
+)
+CASES = (
+    Case("II", "II"),
+    Case("III", "III"),
+    Case("end at +10 mm", "III", 10.0),
+    Case("end at -10 mm", "III", -10.0),
+    Case("end at +20 mm", "III", 20.0),
+    Case("end at -20 mm", "III", -20.0),
+    Case("dead force +0.05 N", "dead", force=(0.0, 0.05)),
+    Case("dead force -0.05 N", "dead", force=(0.0, -0.05)),
+)
+#: of which the arms of other lengths are solved
+LENGTH_CASES = (CASES[0], CASES[1], CASES[5], CASES[6])
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class WholeArm:
+    """What finite elements of the whole arm gave at one pressure."""
+
+    s: Array  #: (n,) rest positions along the material curve, mm
+    points: Array  #: (n, 2) of the material curve, mm
+    force: Array  #: (2,) on the end, N
+    couple: float  #: of that force about the end of the curve, N mm
+    planes: Array  #: (k, 2) planes between cells: rest position in mm, rotation in rad
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> "WholeArm":
+        """From the numbers of a file."""
+        return cls(
+            *(np.array(record[name]) for name in ("s", "points", "force")),
+            couple=float(record["couple"]),
+            planes=np.array(record["planes"]),
+        )
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a part of the work took."""
+
+    seconds: float
+    factorization: float  #: of them, in the numeric factorization
+    factorizations: int
+
+
+def effects_of(arm: Arm, pressure: float) -> list[fem.Effect]:
+    """Of the whole arm."""
+    contact = [] if arm.dhat is None else [fem.SelfContact("gap", arm.dhat, starts_inactive=False)]
+    return [fem.Pressure("cavity", pressure / 1000.0), *contact]
+
+
+def solve_whole(arm: Arm, case: Case, pressures: Sequence[float]) -> tuple[dict[float, WholeArm], Cost]:
+    """The whole arm at rising pressures, as far as the path goes."""
+    begin = perf_counter()
+    body = arm.design.body(arm.size)
+    experiment = fem.Experiment.of(case.experiment, body, case.end_y, case.force)
+    model = experiment.model(arm.material, effects_of(arm, pressures[-1]), "p2p0")
+    try:
+        solution = fem.follow(model, [p / pressures[-1] for p in pressures])
+    except fem.NotConverged as failure:
+        solution = failure.partial
+    results = {}
+    for pressure, step in zip(pressures, solution.steps, strict=False):
+        curve = experiment.centreline(step)
+        results[pressure] = WholeArm(
+            curve.s,
+            np.stack([curve.x, curve.y], axis=1),
+            experiment.end_force(step),
+            experiment.end_couple(step),
+            np.array(list(plane_rotations(arm, step))).reshape(-1, 2),
+        )
+    return results, Cost(perf_counter() - begin, solution.seconds.factorization, solution.factorizations)
+
+
+def plane_rotations(arm: Arm, step: fem.Step) -> Iterator[tuple[float, float]]:
+    """Rest position and mean rotation of the planes between the cells of a whole arm."""
+    repetition = arm.design.repetition(arm.size, GRADINGS["off"])
+    for k in range(1, repetition.half_cells, 2):
+        s = repetition.middle + k * repetition.half_pitch
+        rest = step.space.points
+        nodes = np.flatnonzero(np.abs(rest[:, 0] - s) < 1e-6)
+        height = rest[nodes, 1] - rest[nodes, 1].mean()
+        x, y = (step.positions[nodes, k] for k in range(2))
+        yield s, float(np.arctan2(-height @ x, height @ y))
+
+
+class Results:
+    """Solutions of whole arms, kept in a folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        folder.mkdir(parents=True, exist_ok=True)
+
+    def whole(self, arm: Arm, case: Case) -> dict[float, WholeArm]:
+        """At the pressures of the law, and between."""
+        pressures = sorted({*arm.pressures, *([] if arm.between is None else [arm.between])})
+        words = case.name.replace("+", "plus ").replace("-", "minus ")
+        name = re.sub(r"\W+", "_", f"{arm.name} {arm.design.length:g} {arm.size:g} {words} {pressures}")
+        file = self.folder / f"{name}.json"
+        if not file.is_file():
+            solved, cost = solve_whole(arm, case, pressures)
+            report(f"{arm.name}, {case.name}: {len(solved)} pressures, {cost.seconds:.1f} s")
+            rows = {str(p): {key: _plain(value) for key, value in vars(state).items()} for p, state in solved.items()}
+            file.write_text(json.dumps(rows), encoding="utf-8")
+        rows = json.loads(file.read_text(encoding="utf-8"))
+        return {float(p): WholeArm.of(row) for p, row in rows.items()}
+
+
+def report(sentence: str) -> None:
+    """On the way."""
+    sys.stdout.write(f"{sentence}\n")
+    sys.stdout.flush()
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+class Pieces:
+    """The pieces of an arm and the law they give."""
+
+    def __init__(self, arm: Arm, force: float = FORCE) -> None:
+        self.arm, self.force = arm, force
+        design, size, self.dhat = arm.design, arm.size, arm.dhat
+        self.cell = BendingPiece(design.half_cell(size), arm.material, "mirror", dhat=arm.dhat)
+        self.end = design.end_piece(arm.half_cells, size)
+
+    def _end(self, start: str) -> BendingPiece:
+        return BendingPiece(self.end, self.arm.material, start, dhat=self.dhat)  # type: ignore[arg-type]
+
+    def sweep(self) -> list[Any]:
+        """The cell at all pressures, each from the state of the one before."""
+        sweeps: list[Any] = []
+        for pressure in self.arm.pressures:
+            start = None
+            if sweeps:
+                start = min(sweeps[-1].points, key=lambda point: abs(point.moment)).state
+            sweeps.append(sweep_cell(self.cell, pressure, Reach(self.arm.design.length, self.force), start))
+            for sentence in sweeps[-1].limits:
+                report(f"{self.arm.name}: {sentence}")
+        return sweeps
+
+    @cached_property
+    def law(self) -> ArmLaw:
+        """Cell and both ends."""
+        design = self.arm.design
+        cells = [sweep.curve(self.cell.body.length) for sweep in self.sweep()]
+        pieces = {start: self._end(start) for start in ("clamp", "free", "held")}
+        clamps = [clamp_curve(pieces["clamp"], cell)[0] for cell in cells]
+        free, held = ([tip_curve(pieces[start], cell)[0] for cell in cells] for start in ("free", "held"))
+        first = design.repetition(self.arm.size, GRADINGS["off"]).middle
+        return ArmLaw(design.pitch, first, design.length, tuple(cells), tuple(clamps), tuple(free), tuple(held))
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A rod with the law beside finite elements of the whole arm."""
+
+    pressure: float  #: kPa
+    case: str
+    shape: float  #: largest distance of the material curves over the length
+    force: float | None  #: relative error of the force that holds the end; None where it is given
+    angle: float  #: error of the direction of the end, degrees
+    refusal: str = ""  #: why the rod gave nothing
+
+
+def compare(law: ArmLaw, length: float, curve_y: float, case: Case, pressure: float, whole: WholeArm) -> Comparison:
+    """One load at one pressure."""
+    try:
+        solution = case.solve(law.at(pressure, length))
+    except RodError as refusal:
+        return Comparison(pressure, case.name, np.nan, None, np.nan, str(refusal))
+    points = solution.positions(whole.s) + np.array([0.0, curve_y])
+    shape = float(np.linalg.norm(points - whole.points, axis=1).max()) / length
+    force = float(solution.force[1] / whole.force[1]) - 1.0 if case.experiment == "III" else None
+    angles = [np.degrees(np.arctan2(*(curve[-1] - curve[-5])[::-1])) for curve in (points, whole.points)]
+    return Comparison(pressure, case.name, shape, force, float((angles[0] - angles[1] + 180.0) % 360.0 - 180.0))
+
+
+def cell_errors(law: ArmLaw, arm: Arm, pressure: float, whole: WholeArm) -> Array:
+    """Curvatures of the inner cells of the whole arm less those of the law at the same moments.
+
+    In parts of the curvature without moment at the highest pressure of the law.
+
+    Cells nearer to an end than twice the width, where its disturbance reaches, are left out.
+    """
+    rod = law.at(pressure)
+    section, kappa_0 = rod.section, law.at(law.pressures[-1]).section.kappa_0
+    s, rotation = whole.planes.T
+    middle = (s[1:] + s[:-1]) / 2.0
+    curvature = np.diff(np.unwrap(rotation)) / np.diff(s)
+    at = np.stack([np.interp(middle, whole.s, whole.points[:, k]) for k in range(2)], axis=1)
+    lever = whole.points[-1] - at
+    moment = whole.couple + lever[:, 0] * whole.force[1] - lever[:, 1] * whole.force[0]
+    theta = (rotation[1:] + rotation[:-1]) / 2.0
+    axial = whole.force[0] * np.cos(theta) + whole.force[1] * np.sin(theta)
+    effective = moment
+    for _ in range(3):
+        slopes = [
+            np.interp(effective, section.moment, values) for values in (section.stretch_slope, section.kappa_slope)
+        ]
+        effective = moment + axial * slopes[0] / slopes[1]
+    known = (effective >= section.moment[0]) & (effective <= section.moment[-1])
+    reach = 2.0 * float(arm.design.extent[2])
+    inside = known & (middle > reach) & (middle < rod.length - reach)
+    return np.asarray((curvature - np.interp(effective, section.moment, section.kappa))[inside] / abs(kappa_0))
+
+
+def table_of(rows: Sequence[Sequence[str]], columns: Sequence[str]) -> str:
+    """Markdown."""
+    lines = ["| " + " | ".join(columns) + " |", "|---|" + "---:|" * (len(columns) - 1)]
+    return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows]) + "\n"
+
+
+def percent(value: float | None, digits: int = 2) -> str:
+    """Of a fraction; empty for None."""
+    return "" if value is None or np.isnan(value) else f"{100.0 * value:.{digits}f}"
+
+
+def loads_table(comparisons: Sequence[Comparison]) -> str:
+    """One row for each load, one column for each pressure: shape and force errors."""
+    pressures = sorted({row.pressure for row in comparisons})
+    by_place = {(row.case, row.pressure): row for row in comparisons}
+
+    def entry(case: str, pressure: float) -> str:
+        row = by_place.get((case, pressure))
+        if row is None:
+            return "-"
+        if row.refusal:
+            return "refused"
+        force = "" if row.force is None else f", {100.0 * row.force:+.2f}"
+        return f"{percent(row.shape)}{force}, {row.angle:+.1f}"
+
+    names = [case.name for case in CASES if any(row.case == case.name for row in comparisons)]
+    rows = [[name, *(entry(name, pressure) for pressure in pressures)] for name in names]
+    return table_of(rows, ["load", *(f"{pressure:g} kPa" for pressure in pressures)])
+
+
+def compare_arm(arm: Arm, law: ArmLaw, results: Results) -> tuple[str, list[list[str]]]:
+    """The table of an arm, and the rows of its inner cells."""
+    comparisons, cells = [], []
+    for case in CASES:
+        for pressure, whole in results.whole(arm, case).items():
+            comparisons.append(compare(law, arm.design.length, arm.design.curve_y, case, pressure, whole))
+            row = comparisons[-1]
+            report(f"{arm.name}: {row}")
+            if pressure in arm.pressures:
+                cells.append((pressure, case.name, cell_errors(law, arm, pressure, whole)))
+    rows = []
+    for pressure in arm.pressures:
+        errors = [(float(np.abs(found).max(initial=0.0)), name) for p, name, found in cells if p == pressure]
+        largest, name = max(errors)
+        rows.append([arm.name, f"{pressure:g}", percent(largest), name])
+    return loads_table(comparisons), rows
+
+
+def compare_lengths(arm: Arm, law: ArmLaw, results: Results) -> str:
+    """Arms of 7 and 20 chambers with the law of another one."""
+    rows = []
+    for chambers in (7, 20):
+        pressure = 31.0
+        other = replace(arm, design=replace(arm.design, chambers=chambers), pressures=(pressure,), between=None)  # type: ignore[call-arg]
+        for case in LENGTH_CASES:
+            end_y = case.end_y * other.design.length / arm.design.length
+            force = tuple(component * (arm.design.length / other.design.length) ** 2 for component in case.force)
+            scaled = replace(case, end_y=end_y, force=(force[0], force[1]))
+            for p, whole in results.whole(other, scaled).items():
+                row = compare(law, other.design.length, other.design.curve_y, scaled, p, whole)
+                words = f"{chambers} chambers, {case.experiment}"
+                words += f", end at {end_y:.0f} mm" if end_y else ""
+                words += f", {force[1]:.3f} N" if any(force) else ""
+                shown = "" if row.force is None else f"{100.0 * row.force:+.2f}"
+                rows.append([words, row.refusal or percent(row.shape), shown, f"{row.angle:+.1f}"])
+                report(f"{words}: {row}")
+    return table_of(rows, ["arm and load at 31 kPa", "shape", "force", "end"])
+
+
+def measure_costs(arm: Arm) -> str:
+    """I, II and III of the whole arm, the law of its cell, and both ends, one after the other in this process."""
+    whole = [solve_whole(arm, Case(name, name), arm.pressures)[1] for name in ("I", "II", "III")]
+    total = Cost(
+        *(sum(getattr(cost, name) for cost in whole) for name in ("seconds", "factorization", "factorizations"))
+    )
+    begin = perf_counter()
+    pieces = Pieces(arm)
+    sweeps = pieces.sweep()
+    cell = _cost(begin, [pieces.cell])
+    begin = perf_counter()
+    ends = {start: pieces._end(start) for start in ("clamp", "free", "held")}
+    for sweep in sweeps:
+        curve = sweep.curve(pieces.cell.body.length)
+        clamp_curve(ends["clamp"], curve)
+        tip_curve(ends["free"], curve)
+        tip_curve(ends["held"], curve)
+    both = _cost(begin, list(ends.values()))
+    states = sum(len(sweep.points) for sweep in sweeps)
+    rows = [
+        _cost_row("I, II, III of the whole arm", total, total),
+        _cost_row(f"cell, {len(sweeps)} pressures, {states} curvatures", cell, total),
+        _cost_row("both ends", both, total),
+    ]
+    return table_of(rows, ["part", "factorizations", "factorization, s", "all, s", "part of the first", "of all"])
+
+
+def _cost(begin: float, pieces: Sequence[BendingPiece]) -> Cost:
+    times = [spent for piece in pieces for spent in piece.solver_times]
+    return Cost(
+        perf_counter() - begin, sum(time.factorization for time in times), sum(time.factorizations for time in times)
+    )
+
+
+def _cost_row(name: str, cost: Cost, total: Cost) -> list[str]:
+    return [
+        name,
+        str(cost.factorizations),
+        f"{cost.factorization:.2f}",
+        f"{cost.seconds:.1f}",
+        f"{cost.factorization / total.factorization:.3f}",
+        f"{cost.seconds / total.seconds:.3f}",
+    ]
+
+
+def converge_mesh(arm: Arm, pressure: float, sizes: Sequence[float]) -> str:
+    """Curvature without moment and rigidity of the cell over the size of the mesh."""
+    values = []
+    for size in sizes:
+        begin = perf_counter()
+        piece = BendingPiece(arm.design.half_cell(size), arm.material, "mirror", dhat=arm.dhat)
+        curve = sweep_cell(piece, pressure, Reach(arm.design.length, FORCE)).curve(piece.body.length)
+        straight = float(np.interp(0.0, curve.kappa, curve.moment))
+        rigidity = float(np.interp(0.0, curve.moment, curve.rigidity))
+        values.append((curve.at(0.0)[0], straight, rigidity, piece.system.size, perf_counter() - begin))
+        report(f"{arm.name}, {size:g} mm: {values[-1]}")
+    finest = values[-1]
+    rows = []
+    for size, value in zip(sizes, values, strict=True):
+        errors = [f"{100.0 * (value[k] / finest[k] - 1.0):+.2f}" for k in range(3)]
+        first = f"{1000.0 * value[0]:.3f}", errors[0], f"{value[1]:.3f}", errors[1], f"{value[2]:.1f}", errors[2]
+        rows.append([f"{size:g} mm", str(value[3]), *first, f"{value[4]:.1f}"])
+    columns = ["mesh", "unknowns", "kappa_0, 1/m", "%", "M straight, N mm", "%", "EI, N mm2", "%", "seconds"]
+    return table_of(rows, columns)
+
+
+def renew(name: str, text: str) -> None:
+    """Put a table between its marks in the docs."""
+    begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
+    docs = DOCS.read_text(encoding="utf-8")
+    before, rest = docs.split(begin)
+    DOCS.write_text(f"{before}{begin}\n\n{text}\n{end}{rest.split(end)[1]}", encoding="utf-8")
+
+
+def main(folder: Path) -> None:
+    """All tables."""
+    results, cells = Results(folder), []
+    for arm in ARMS:
+        law = Pieces(arm).law
+        table, rows = compare_arm(arm, law, results)
+        renew(arm.name, table)
+        cells += rows
+        if arm.dhat is not None:
+            renew("lengths", compare_lengths(arm, law, results))
+    renew("cells", table_of(cells, ["arm", "kPa", "largest error, % of kappa_0 at the highest pressure", "under"]))
+    renew("cost", measure_costs(ARMS[0]))
+    renew("mesh pneunet", converge_mesh(ARMS[0], 31.0, (3.5, 2.5, 1.8, 1.3)))
+    renew("mesh semicircular", converge_mesh(ARMS[1], 37.0, (4.0, 2.5, 1.8, 1.3)))
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]))
