@@ -8,7 +8,7 @@ BIN := .venv/bin
 READY := .venv/.ready
 PEERS := .venv-peers
 
-all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects material accuracy requested-accuracy scaling
+all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material accuracy requested-accuracy scaling
 .PHONY: help setup $(all_targets) test slow hard fuzz kills wheel examples lint types doctor bench-peers clean
 
 help:  ## list the targets
@@ -35,6 +35,11 @@ all: pneunet semicircular semicircular-single bisected-circle  ## the four desig
 
 effects: $(READY)  ## influence and cost of each effect on the coarse arm
 	@$(BIN)/pneurod effects configs/pneunet_coarse.yaml --out results/effects
+
+cell: $(READY)  ## the arm's own law of the four coarse arms: table and pictures in results/cell_*
+	@for arm in pneunet semicircular semicircular_single bisected_circle; do
+		$(BIN)/pneurod cell configs/$${arm}_coarse.yaml --out results/cell_$${arm}
+	done
 
 material: $(READY)  ## the constants of every law from the tensile tests of the example
 	@$(BIN)/pneurod material configs/elastosil_m4601_yeoh.csv --out results/material

@@ -55,6 +55,7 @@ def html_page(name: str, law: ArmLaw) -> str:
             row=1 + line.panel // 2, col=1 + line.panel % 2,
         )  # fmt: skip
         named.add(line.name)
+    figure.update_yaxes(type="log", row=2, col=2)
     figure.update_layout(title={"text": f"{name}: the law of a cell", "font": {"size": 15}}, margin={"t": 80})
     return standalone_page(figure)
 
@@ -76,6 +77,7 @@ def svg_picture(name: str, law: ArmLaw) -> str:
         named.add(line.name)
         form = {"marker": "o", "fillstyle": "none", "linestyle": "none"} if line.is_marker else {"linewidth": 1.4}
         axes[line.panel].plot(line.x, line.y, color=line.colour, label=label, **form)
+    axes[3].set_yscale("log")
     axes[0].legend(frameon=False, fontsize=8)
     figure.suptitle(f"{name}: the law of a cell")
     text = io.StringIO()

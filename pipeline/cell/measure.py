@@ -61,9 +61,15 @@ class CellSweep:
 
     pressure: float  #: kPa
     points: list[CellPoint] = field(default_factory=list)  #: by increasing curvature
-    limits: list[str] = field(default_factory=list)  #: sentences
+    #: why the curve ends, a sentence each: at the largest moment (1) and at the smallest (-1), unless it was reached
+    ends: dict[int, str] = field(default_factory=dict)
     #: intervals with the error of their cubics where it was measured, rad
     errors: list[tuple[CellPoint, CellPoint, float]] = field(default_factory=list)
+
+    @property
+    def limits(self) -> list[str]:
+        """The sentences of `ends`."""
+        return [self.ends[side] for side in sorted(self.ends)]
 
     @property
     def error(self) -> float:
@@ -174,12 +180,12 @@ def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float) -> None:
         try:
             point = _point(piece, piece.solve(last.state.pressure, angle, last.state, _predicted(before, last, angle)))
         except PieceFailed as failure:
-            sweep.limits.append(str(failure))
+            sweep.ends[outward] = str(failure)
             return
         change = outward * (point.moment - last.moment)
         if change <= 0.0:
             curvature = 1000.0 * last.state.angle / piece.body.length
-            sweep.limits.append(
+            sweep.ends[outward] = (
                 f"the moment of the cell falls at {sweep.pressure:g} kPa beyond a curvature of {curvature:.4g} 1/m"
             )
             return
@@ -189,7 +195,7 @@ def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float) -> None:
         sweep.points.insert(len(sweep.points) if outward > 0 else 0, point)
         if point.slopes.moment_by_angle < SOFTENED * at_rest:
             curvature = 1000.0 * point.state.angle / piece.body.length
-            sweep.limits.append(
+            sweep.ends[outward] = (
                 f"the cell at {sweep.pressure:g} kPa has less than {SOFTENED:g} of its rigidity at rest beyond a "
                 f"curvature of {curvature:.4g} 1/m, and the law ends there"
             )
@@ -207,8 +213,7 @@ def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
             predicted = _predicted(first, second, angle)
             middle = _point(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
         except PieceFailed as failure:
-            sweep.limits.append(str(failure))
-            _cut(sweep, first, second)
+            _cut(sweep, first, second, str(failure))
             pending = [interval for interval in pending if interval[0] in sweep.points and interval[1] in sweep.points]
             continue
         error = _cubic_error(first, second, middle)
@@ -225,18 +230,21 @@ def _keep_rising(sweep: CellSweep, middle: CellPoint, half_pitch: float) -> None
     rises = np.diff([point.moment for point in sweep.points]) > 0.0
     last = at + (int(np.argmin(rises[at:])) if not rises[at:].all() else len(rises) - at)
     first = at - (int(np.argmin(rises[:at][::-1])) if not rises[:at].all() else at)
-    for row in {first, last} - {0, len(rises)}:
-        curvature = 1000.0 * sweep.points[row].state.angle / half_pitch
-        sweep.limits.append(
-            f"the moment of the cell does not rise at {sweep.pressure:g} kPa beyond a curvature of {curvature:.4g} 1/m"
-        )
+    for side, row in ((-1, first), (1, last)):
+        if row not in (0, len(rises)):
+            curvature = 1000.0 * sweep.points[row].state.angle / half_pitch
+            sweep.ends[side] = (
+                f"the moment of the cell does not rise at {sweep.pressure:g} kPa beyond a curvature of "
+                f"{curvature:.4g} 1/m"
+            )
     sweep.points[:] = sweep.points[first : last + 1]
 
 
-def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint) -> None:
-    """Keep the states on that side of an interval where there is no moment."""
+def _cut(sweep: CellSweep, first: CellPoint, second: CellPoint, reason: str) -> None:
+    """Keep the states on that side of an interval where there is no moment; reason: a sentence."""
     position = sweep.points.index(second)
     keeps_first = first.moment + second.moment > 0.0
+    sweep.ends[1 if keeps_first else -1] = reason
     sweep.points[:] = sweep.points[:position] if keeps_first else sweep.points[position:]
 
 
