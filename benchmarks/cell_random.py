@@ -10,6 +10,7 @@ minute a design with two threads.
 import math
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -37,8 +38,9 @@ from geometry import BisectedCircle, PneuNet, Semicircular, SemicircularSingle  
 from geometry.design import Design, DesignError  # noqa: E402
 from rod import RodError  # noqa: E402
 
-COUNT, SEED = 16, 14
-#: what counts as right: shape over the length, relative error of the force
+COUNT, SEED = 20, 15
+#: what counts as right: shape over the length, error of the force over the force, or over that which moves the end of a
+#: straight arm by a tenth of its length where this is larger
 SHAPE, FORCE = 0.01, 0.03
 #: MPa, of all laws at small strain
 MODULUS = 1.2
@@ -71,11 +73,11 @@ def draw(rng: np.random.Generator, number: int) -> Arm:
             partition=between(1.5, 3),
             wall=between(0.9, 1.5),
         )
-        size, half_cells, pressure = 4.5, 3, between(20, 40)
+        size, half_cells, pressure = 4.5, 3, between(25, 50)
     else:
         kind = SemicircularSingle if family == 2 else BisectedCircle
         design = kind(length=between(90, 130), radius=between(6, 8), wall=between(0.9, 1.4))
-        size, half_cells, pressure = 4.5, 5, between(20, 40)
+        size, half_cells, pressure = 4.5, 5, between(25, 50)
     laws: list[Material] = [
         fem.StVenantKirchhoff(MODULUS, 0.495),
         fem.NeoHooke.from_uniaxial({"mu": MODULUS / 3}, 0.495),
@@ -120,7 +122,11 @@ def run(arm: Arm, results: Results) -> list[str]:
     rows: list[Comparison] = []
     for case in cases:
         for pressure, whole in results.whole(arm, case).items():
-            rows.append(compare(law, design.length, design.curve_y, case, pressure, whole))
+            row = compare(law, design.length, design.curve_y, case, pressure, whole)
+            if row.force is not None:  # where the arm hardly bends, the force that holds its end is next to nothing
+                scale = max(1.0, 0.3 * rigidity / design.length**2 / abs(float(whole.force[1])))
+                row = replace(row, force=row.force / scale)
+            rows.append(row)
             report(f"{arm.name}: {rows[-1]}")
     turn = math.degrees(law.at(arm.pressures[-1]).section.kappa_0 * design.length)
     sample = [row for row in rows if row.pressure in arm.pressures and row.case in ("II", "III")]
