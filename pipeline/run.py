@@ -56,7 +56,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
         with stages.timed("coarser mesh"):
             parameters, no_mesh_error = with_mesh_error(config, context, parameters)
             if config.law != "cell":
-                store.save_json("parameters.json", parameters_record(config, parameters, no_mesh_error))
+                store.save_json("parameters.json", parameters_record(config, parameters, arm.law, no_mesh_error))
         with stages.timed("rod"):
             rods = ArmRods(parameters, arm.law, (0.0, scene.body.curve_y))
             comparisons = compare(outcomes, rods, scene.body.pitch)

@@ -122,14 +122,17 @@ class Results:
         row, column = self._row(pressure_kPa), PARAMETERS[name]
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
-    def rod(self, pressure_kPa: float, *, extensible: bool = False, extrapolate: bool = False) -> Rod:
+    def rod(self, pressure_kPa: float, *, extensible: bool | None = None, extrapolate: bool = False) -> Rod:
         """The rod at a pressure, clamped as the material curve begins; between identified ones by monotone cubics.
 
-        extensible: the rod whose curve stretches. Raises InputError where nothing was identified, and outside the
-        identified pressures unless `extrapolate` is given.
+        extensible: the rod whose curve stretches; None for the one that stretches where the free curve of the arm is
+        longer by more than 0.5 %. Raises InputError where nothing was identified, and outside the identified pressures
+        unless `extrapolate` is given. A rod with the arm's own law is `Rod(length, law=results.arm_law.at(pressure))`.
         """
         if not self.rods:
             raise self._nothing_identified()
+        if extensible is None:
+            extensible = self.rods[1].stretches
         try:
             return self.rods[1 if extensible else 0].at(pressure_kPa, extrapolate=extrapolate)
         except RodError as failure:

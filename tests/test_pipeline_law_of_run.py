@@ -66,13 +66,25 @@ def test_the_law_of_a_run_is_a_file_that_gives_a_rod(results: Path) -> None:
     assert "from 0 to 12 kPa" in effects["arm_law"]["reason"]
 
 
+def test_the_law_predicts_the_five_parameters(tmp_path: Path) -> None:
+    both = config(tmp_path, "pressures=[12 kPa]", "validation=off", "geometry.chambers=8")
+    run(both, tmp_path / "both", 1, False, Silent()).raise_if_failed()
+    content = read(tmp_path / "both", "parameters.json")
+    predicted, identified = content["predicted_by_arm_law"], content["estimators"]["cell_averaged"]
+    assert predicted["reason"] == [""]
+    assert predicted["alpha2_N_mm2"][0] == pytest.approx(identified["alpha2_N_mm2"][0], rel=0.05)
+    assert {row["rod"] for row in read(tmp_path / "both", "validation.json")} == {"five", "five_extensible", "arm_law"}
+
+
 def test_a_run_with_the_law_alone_identifies_no_parameters(results: Path) -> None:
     assert not (results / "parameters.json").exists()
     html = (results / "report.html").read_text(encoding="utf-8")
     assert "Take the rod with the arm&#39;s own law (arm_law)" in html
     assert 'id="figure-arm_law"' in html
-    frame = pneurod.read_results(results).validation
-    assert set(frame["rod"]) == {"arm_law"}
+    read_back = pneurod.read_results(results)
+    assert set(read_back.validation["rod"]) == {"arm_law"}
+    assert read_back.arm_law is not None
+    assert read_back.arm_law.pressures[-1] == 12.0
 
 
 def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: Path) -> None:

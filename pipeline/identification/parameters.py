@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from geometry import Centreline
 from pipeline.simulation.outcome import Outcomes, Record
 from rod import (
     PARAMETER_NAMES,
@@ -18,6 +19,7 @@ from rod import (
     FiveParameters,
     Identification,
     Interval,
+    Load,
     LoadedShape,
     Moment,
     MomentRange,
@@ -161,7 +163,7 @@ def identify_all(outcomes: Outcomes, pitch: float) -> tuple[tuple[Parameters, ..
 
 def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> Parameters:
     curves = (free.centreline, loaded.centreline)
-    moment, closure = _moment_and_closure(free, loaded)
+    moment, closure = _moment_and_closure(*curves, loaded.load)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
     smoothing = shared_smoothing(curves, pitch)
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
@@ -185,15 +187,19 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
 
 def numbers_of_cells(free: Record, loaded: Record, pitch: float) -> Identification:
     """The numbers of the default estimator alone. Raises RodError."""
-    kappa_0, kappa = (cell_averaged(record.centreline, pitch) for record in (free, loaded))
-    moment, closure = _moment_and_closure(free, loaded)
+    return numbers_of_curves(free.centreline, loaded.centreline, loaded.load, pitch)
+
+
+def numbers_of_curves(free: Centreline, loaded: Centreline, load: Load, pitch: float) -> Identification:
+    """The numbers of the default estimator from a curve without load and one under a load. Raises RodError."""
+    kappa_0, kappa = (cell_averaged(curve, pitch) for curve in (free, loaded))
+    moment, closure = _moment_and_closure(free, loaded, load)
     return identify(kappa_0, kappa, moment, closure)
 
 
-def _moment_and_closure(free: Record, loaded: Record) -> tuple[Moment, Closure]:
+def _moment_and_closure(free: Centreline, loaded: Centreline, load: Load) -> tuple[Moment, Closure]:
     # levers of the curve without its stretch, for the rod that takes the numbers has none
-    moment = moment_from_load(without_stretch(loaded.centreline), loaded.load)
-    return moment, end_displacement_closure(free.centreline, loaded.centreline, loaded.load)
+    return moment_from_load(without_stretch(loaded), load), end_displacement_closure(free, loaded, load)
 
 
 def _closest_rod(shape: LoadedShape, *starts: Identification) -> RodFit | NoFit:

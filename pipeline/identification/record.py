@@ -5,17 +5,23 @@ from collections.abc import Mapping, Sequence
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
 from pipeline.identification.parameters import DEFAULT, NoFit, Parameters
+from pipeline.identification.predicted import predicted_numbers
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import Json, JsonObject
-from rod import Identification, Interval, LinearRange, rest_curvature
+from rod import ArmLaw, Identification, Interval, LinearRange, ParameterEstimate, rest_curvature
 
 ESTIMATORS = (DEFAULT, "gaussian_process", "rod_fit")
 
 _NUMBERS = {"alpha1": "N_mm2", "alpha2": "N_mm2", "m01": "N_mm", "m02": "N_mm", "d": "mm"}
 
 
-def parameters_record(config: Config, parameters: Sequence[Parameters], mesh_error_reason: str = "") -> JsonObject:
-    """The numbers of the rod at the top, those of all three estimators under `estimators`."""
+def parameters_record(
+    config: Config, parameters: Sequence[Parameters], law: ArmLaw | None = None, mesh_error_reason: str = ""
+) -> JsonObject:
+    """The numbers of the rod at the top, those of all three estimators under `estimators`.
+
+    law: of the arm, which predicts the numbers as well; None where it was not made.
+    """
     mass = config.material.density_tonne_mm3 * config.design.solid_volume
     single_lines = [p.by_cells.single_line for p in parameters]
     return {
@@ -41,6 +47,9 @@ def parameters_record(config: Config, parameters: Sequence[Parameters], mesh_err
         "moment_range_N_mm": [[p.moment_range.low, p.moment_range.high] for p in parameters],
         "eccentricity": _eccentricity(parameters),
         "estimators": {name: _estimator(name, parameters) for name in ESTIMATORS},
+        **(
+            {} if law is None else {"predicted_by_arm_law": _identified(predicted_numbers(parameters, law), parameters)}
+        ),
         "kappa_0": _profiles(parameters),
         "dimensionless": _dimensionless(parameters, config.design.length, mass * 9810.0),
         "profile_over_d": [
@@ -83,13 +92,24 @@ def _eccentricity(parameters: Sequence[Parameters]) -> JsonObject:
     }
 
 
+def _predicted(parameters: Sequence[Parameters], law: ArmLaw | None) -> JsonObject:
+    """The numbers that the law of the arm predicts, where it was made."""
+    if law is None:
+        return {}
+    return {"predicted_by_arm_law": _identified(predicted_numbers(parameters, law), parameters)}
+
+
 def _at_most(d: Interval, parameters: Parameters) -> bool:
     return bool(d.value <= 1.001 * parameters.shortest_break)
 
 
 def _estimator(name: str, parameters: Sequence[Parameters]) -> dict[str, Json]:
     """Two lines at every pressure, whether one suffices, and how many independent observations there were."""
-    estimates = [p.estimates[name] for p in parameters]
+    return _identified([p.estimates[name] for p in parameters], parameters)
+
+
+def _identified(estimates: Sequence[ParameterEstimate | NoFit], parameters: Sequence[Parameters]) -> dict[str, Json]:
+    """The columns of one estimator, one estimate per pressure."""
     columns = _columns([None if isinstance(e, NoFit) else {n: getattr(e, n) for n in _NUMBERS} for e in estimates])
     columns["d_is_at_most"] = [
         None if isinstance(e, NoFit) else _at_most(e.d, p) for e, p in zip(estimates, parameters, strict=True)

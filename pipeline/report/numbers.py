@@ -16,7 +16,12 @@ NUMBERS = (
     ("m02_N_mm", "m₀₂", "N mm"),
     ("d_mm", "d", "mm"),
 )
-_TITLES = {"cell_averaged": "cell averages", "gaussian_process": "Gaussian process", "rod_fit": "rod fit"}
+_TITLES = {
+    "cell_averaged": "cell averages",
+    "gaussian_process": "Gaussian process",
+    "rod_fit": "rod fit",
+    "arm_law": "cell averages of the rod with the arm's own law",
+}
 _QUANTITIES = {"alpha1": "α₁", "alpha2": "α₂", "kappa_0": "κ₀(l/2)"}
 #: relative departure from the straight line from which on it is reported
 _REPORTED_DEPARTURE = 0.02
@@ -34,7 +39,9 @@ def estimators(results: Results) -> list[tuple[str, str, list[Cell]]]:
     """Rows by pressure and estimator: p, name, the five parameters."""
     rows = []
     for index, pressure in enumerate(results.identified_pressures):
-        for name, columns in (results.parameters.get("estimators") or {}).items():
+        predicted = results.parameters.get("predicted_by_arm_law")
+        listed = {**(results.parameters.get("estimators") or {}), **({"arm_law": predicted} if predicted else {})}
+        for name, columns in listed.items():
             cells = [_cell(columns, key, index) for key, _, _ in NUMBERS]
             rows.append((f"{pressure:g}", _TITLES.get(name, name), cells))
     return rows
