@@ -123,7 +123,7 @@ class Results:
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
     def rod(self, pressure_kPa: float, *, extensible: bool | None = None, extrapolate: bool = False) -> Rod:
-        """The rod at a pressure, clamped as the material curve begins; between identified ones by monotone cubics.
+        """The rod at a pressure, clamped as the material curve begins; between identified ones by cubics.
 
         extensible: the rod whose curve stretches; None for the one that stretches where the free curve of the arm is
         longer by more than 0.5 %. Raises InputError where nothing was identified, and outside the identified pressures

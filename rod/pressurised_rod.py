@@ -1,16 +1,20 @@
-"""The identified rod over a range of pressures: between two of them by monotone cubics in the pressure.
+"""The identified rod over a range of pressures: between two of them by cubics in the pressure.
 
 Numbers and kappa_0(s) curve over the pressure, because walls meet and materials stiffen; straight lines between a few
-pressures miss that. Monotone cubics (PCHIP) go through every identified value and never beyond two neighbours, so that
-a rigidity stays positive. kappa_0, theta0 and the rest stretch are those of the drawing without pressure, which is one
-more value; with two values a cubic is a straight line. F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980).
+pressures miss that. The five parameters and the eccentricity follow monotone cubics (PCHIP), which never go beyond two
+neighbours, so that a rigidity stays positive. F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980).
+
+kappa_0(s) and the rest stretch ripple along the arm by more than their mean, so that their interpolation must be linear
+in the values: only then is the mean of the interpolated profile the interpolated mean. They and theta0 follow cubics
+whose slopes are those of parabolas through three neighbours, and have one more value, that of the drawing without
+pressure. With two values a cubic is a straight line.
 """
 
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from geometry.arrays import Array
 from rod.curves.extension import Extension
@@ -24,7 +28,7 @@ STRETCHES = 0.005
 
 @dataclass(frozen=True)
 class PressurisedRod:
-    """The identified rod over a range of pressures: parameters and kappa_0 follow monotone cubics between them.
+    """The identified rod over a range of pressures: parameters and kappa_0 follow cubics between them.
 
     At an identified pressure it has the identified numbers. The arm is taken to be straight without pressure.
     Raises `RodError` unless pressures rise and each has a law, a theta0 and a row of kappa_0.
@@ -81,7 +85,8 @@ class PressurisedRod:
     def _at(self, values: Any, pressure: float, without_pressure: float | None = None) -> Any:
         """Values (n, ...) over the pressures at one of them, at one between, or beyond on the outermost line.
 
-        without_pressure: the value at 0 kPa, where it is known.
+        without_pressure: the value at 0 kPa of a quantity that is to be interpolated linearly in its values; None for a
+        monotone interpolation.
         """
         p, v = self.pressures, np.asarray(values, float)
         if (exact := np.flatnonzero(p == pressure)).size:
@@ -89,9 +94,12 @@ class PressurisedRod:
         i, j, t = self._interval(pressure, extrapolate=True)
         if not p[0] < pressure < p[-1]:
             return (1.0 - t) * v[i] + t * v[j]
-        if without_pressure is not None and p[0] > 0.0:
+        if without_pressure is None:
+            return PchipInterpolator(p, v)(pressure)
+        if p[0] > 0.0:
             p, v = np.append(0.0, p), np.concatenate([np.full_like(v[:1], without_pressure), v])
-        return PchipInterpolator(p, v)(pressure)
+        slopes = np.gradient(v, p, axis=0, edge_order=2 if len(p) > 2 else 1)
+        return CubicHermiteSpline(p, v, slopes)(pressure)
 
     def moment_range_at(self, pressure: float, *, extrapolate: bool = False) -> MomentRange | None:
         """The range of moments behind the rod at a pressure (kPa), None where it is not given. Raises as `at`."""

@@ -47,7 +47,7 @@ class ArmRods:
     start: tuple[float, float] = (0.0, 0.0)  #: mm, the clamped end of the material curve
 
     def at(self, pressure: float) -> Rods:
-        """The rods at a pressure in kPa, between identified ones by monotone cubics; a reason for each that is none."""
+        """The rods at a pressure in kPa, between identified ones by cubics; a reason for each that is none."""
         rods: dict[str, FittedRod | PredictedRod | NoSolution] = {}
         if self.parameters:
             for name, of_pressure in ((FIVE, [p.rod for p in self.parameters]), (EXTENSIBLE, self._extensible)):
