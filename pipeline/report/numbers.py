@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from pipeline.report.results import Results
+from pipeline.saved_rod import pressurised_rod
+from rod.pressurised_rod import STRETCHES
 
 #: key in parameters.json, symbol, unit
 NUMBERS = (
@@ -45,6 +47,18 @@ def estimators(results: Results) -> list[tuple[str, str, list[Cell]]]:
             cells = [_cell(columns, key, index) for key, _, _ in NUMBERS]
             rows.append((f"{pressure:g}", _TITLES.get(name, name), cells))
     return rows
+
+
+def stretch_of_rod(results: Results) -> str:
+    """Whether the arm stretches so much without load that its rod with five parameters should; empty if not told."""
+    if not (results.parameters.get("eccentricity") or {}).get("rest_stretch"):
+        return ""
+    stretches = pressurised_rod(results.parameters, extensible=True).stretches
+    limit, choice = ("more than", "takes") if stretches else ("at most", "does not take")
+    return (
+        f"Without load the curve is longer or shorter than at rest by {limit} {100 * STRETCHES:g} %, so that "
+        f"pneurod rod {choice} this rod by itself."
+    )
 
 
 def mesh_error(results: Results) -> str:

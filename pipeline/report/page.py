@@ -18,6 +18,7 @@ from pipeline.report.numbers import (
     linear_range,
     mesh_error,
     observations,
+    stretch_of_rod,
     with_spread,
 )
 from pipeline.report.results import Results, read_results
@@ -115,6 +116,7 @@ def _identification(results: Results) -> dict[str, object]:
         "observations": observations(results),
         "mesh_error": mesh_error(results),
         "eccentricity": eccentricity(results),
+        "stretch_of_rod": stretch_of_rod(results),
     }
 
 

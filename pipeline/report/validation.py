@@ -56,7 +56,7 @@ class RodErrors:
                 of_force = "" if force is None else f", the force by at most {_percent(force)}"
                 parts.append(f"{sample} the shape is wrong by at most {_percent(distance)} of l{of_force}")
         if self.missing:
-            parts.append(f"under {self.missing} loads it gives no answer")
+            parts.append(f"under {_count(self.missing)} it gives no answer")
         return f"{_sentence_case(TITLES[self.rod])}: {'; '.join(parts)}."
 
 
@@ -128,7 +128,7 @@ def out_of_sample(results: Results) -> list[str]:
     if compared:
         distance, worst = max(compared, key=lambda pair: pair[0])
         sentences.append(
-            f"Under {len(compared)} loads that the parameters were not fitted to, the largest distance between the "
+            f"Under {_count(len(compared))} that the parameters were not fitted to, the largest distance between the "
             f"curves is {_percent(distance)} of l ({worst.location}, at s = {number(worst.distance_at_s_mm)} mm)."
         )
         rows = [row for _, row in compared]
@@ -179,6 +179,10 @@ def simplest_laws(results: Results) -> list[str]:
         for row in results.laws
         if row.simplest
     ]
+
+
+def _count(loads: int) -> str:
+    return "one load" if loads == 1 else f"{loads} loads"
 
 
 def _sentence_case(text: str) -> str:
