@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import pneurod
 from fem.cell.piece import BendingPiece, PieceFailed
-from pipeline.cell import build
+from pipeline.cell import ahead, curves
 from pipeline.cell.mesh_error import NUMBERS
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.saved import SavedLaw
@@ -100,6 +100,18 @@ def test_an_interrupted_measurement_continues_with_equal_numbers(
         assert np.array_equal(clamp.offset, other.offset)
 
 
+def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shutil.copytree(report.directory, tmp_path / "again")
+    for pattern in ("cell_6kPa*", "cell_9kPa*"):
+        for file in (tmp_path / "again" / "law").glob(pattern):
+            file.unlink()
+    monkeypatch.setattr(ahead, "WORTHWHILE", 0)
+    again = measure_law(arm(*ARM), tmp_path / "again", 2, False, Silent()).measured.law
+    for ours, theirs in zip(again.cells, report.measured.law.cells, strict=True):
+        assert ours.moment == pytest.approx(theirs.moment, abs=1e-6)
+        assert ours.kappa == pytest.approx(theirs.kappa, rel=1e-6, abs=1e-9)
+
+
 def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_stays(
     report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -110,7 +122,7 @@ def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_st
     def fail(*arguments: object) -> None:
         raise PieceFailed("no equilibrium of the half cell at 9 kPa and a mean curvature of -7 1/m: for a test")
 
-    monkeypatch.setattr(build, "sweep_cell", fail)
+    monkeypatch.setattr(curves, "sweep_cell", fail)
     again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
     assert again.measured.law.pressures[-1] == 6.0
     [sentence] = again.measured.failures

@@ -5,13 +5,14 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from time import perf_counter
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
 from fem.cell.piece import BendingPiece, PieceFailed
-from pipeline.cell.kept import KeptCurves, Measured
-from pipeline.cell.measure import CLAMP_INTERVALS, Reach, clamp_curve, sweep_cell, tip_curve
+from pipeline.cell.ahead import cells_ahead, ends_ahead
+from pipeline.cell.curves import PieceCurves
+from pipeline.cell.kept import Measured
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
@@ -19,7 +20,6 @@ from pipeline.simulation.scene import Scene
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.record import CELL_KEYS, CLAMP_KEYS, TIP_KEYS
 from rod.arm_law.section import SectionLaw, section_at
 
 #: largest error of the curvature between two pressures, over the largest curvature of the law
@@ -66,9 +66,7 @@ class _Builder:
     def __init__(self, pieces: ArmPieces, context: RunContext) -> None:
         self.pieces = pieces
         self.context = context
-        self.cells = KeptCurves(context.store, CellCurve, CELL_KEYS)
-        self.clamps = KeptCurves(context.store, ClampCurve, CLAMP_KEYS)
-        self.tips = KeptCurves(context.store, TipCurve, TIP_KEYS)
+        self.curves = PieceCurves(pieces, context.store)
         self.limits: list[str] = []
         self.failures: list[str] = []
         self.factorizations = dict.fromkeys(("cell", "between", "ends"), 0)
@@ -102,7 +100,7 @@ class _Builder:
             law=law,
             half_cells=half_cells,
             added_kPa=tuple(p for p in added if p in law.pressures),
-            error_along=max(cell.error for cell in cells),
+            error_along=_error_along(cells),
             error_between=self.error_between,
             error_ends=self.error_ends,
             limits=tuple(dict.fromkeys(self.limits)),
@@ -118,28 +116,22 @@ class _Builder:
         progress = self.context.progress
         progress.experiment("cell", pressures)
         cells: list[Measured[CellCurve]] = []
-        for pressure, following in zip(pressures, [*pressures[1:], None], strict=True):
+        pairs: list[tuple[float, float | None]] = [*pairwise(pressures), (pressures[-1], None)]
+        reported = cells_ahead(self.curves, self.context, pairs)
+        for pressure, following in pairs:
             try:
                 cells.append(self._cell(pressure, following))
             except (PieceFailed, RodError) as failure:
                 self.failures.append(str(failure).rstrip("."))
                 break
-            progress.step_done("cell", pressure, 0.0 if cells[-1].is_stored else cells[-1].seconds)
+            if pressure not in reported:
+                progress.step_done("cell", pressure, 0.0 if cells[-1].is_stored else cells[-1].seconds)
         if len(cells) < 2:
             raise RunFailed(f"the law of a cell has fewer than two pressures: {'; '.join(self.failures)}")
         return cells
 
     def _cell(self, pressure: float, following: float | None) -> Measured[CellCurve]:
-        piece, length = self.pieces.cell, self.pieces.design.length
-
-        def measure() -> Measured[CellCurve]:
-            before = piece.factorizations
-            sweep = sweep_cell(piece, pressure, Reach(length, np.inf, following))
-            limits = tuple(sweep.limits)
-            return Measured(sweep.curve(piece.body.length), limits, sweep.error, piece.factorizations - before)
-
-        until = "" if following is None else f"_to_{following:.12g}kPa"
-        measured = self.cells.get(f"cell_{pressure:.12g}kPa{until}", measure)
+        measured = self.curves.cell(pressure, following)
         self._count("cell", measured)
         return measured
 
@@ -205,7 +197,7 @@ class _Builder:
                 self.limits.append("the arm is too short to see how far its ends disturb the cells")
                 return half_cells
             try:
-                shorter, longer = (self._clamp(cell, k, 0).curve for k in (half_cells, half_cells + 2))
+                shorter, longer = (self.curves.clamp(cell, k, 0).curve for k in (half_cells, half_cells + 2))
             except PieceFailed:  # reported with the ends
                 return half_cells
             self.error_ends = difference(shorter, longer, cell, length)
@@ -228,48 +220,27 @@ class _Builder:
         """The clamped end and both tips by rising pressure, up to the last one that is borne."""
         progress = self.context.progress
         progress.experiment("ends", [cell.curve.pressure for cell in cells])
+        reported = ends_ahead(self.curves, self.context, [(cell.curve, half_cells) for cell in cells])
         clamps: list[ClampCurve] = []
         free: list[TipCurve] = []
         held: list[TipCurve] = []
         for cell in cells:
             try:
-                parts = (
-                    self._clamp(cell.curve, half_cells),
-                    self._tip(cell.curve, half_cells, "free"),
-                    self._tip(cell.curve, half_cells, "held"),
-                )
+                parts = self.curves.ends(cell.curve, half_cells)
             except (PieceFailed, RodError) as failure:
                 self.failures.append(str(failure).rstrip("."))
                 break
             clamps.append(parts[0].curve)
             free.append(parts[1].curve)
             held.append(parts[2].curve)
-            stored = all(part.is_stored for part in parts)
-            progress.step_done("ends", cell.curve.pressure, 0.0 if stored else sum(part.seconds for part in parts))
+            if cell.curve.pressure not in reported:
+                stored = all(part.is_stored for part in parts)
+                progress.step_done("ends", cell.curve.pressure, 0.0 if stored else sum(part.seconds for part in parts))
             self.limits += cell.limits
             for part in parts:
                 self.limits += part.limits
                 self._count("ends", part)
         return clamps, free, held
-
-    def _clamp(self, cell: CellCurve, half_cells: int, intervals: int = CLAMP_INTERVALS) -> Measured[ClampCurve]:
-        def measure() -> Measured[ClampCurve]:
-            piece = self.pieces.end(half_cells, "clamp")
-            before = piece.factorizations
-            curve, limits = clamp_curve(piece, cell, intervals)
-            return Measured(curve, tuple(limits), 0.0, piece.factorizations - before)
-
-        name = "clamp" if intervals else "decay"
-        return self.clamps.get(f"{name}_{half_cells}_{cell.pressure:.12g}kPa", measure)
-
-    def _tip(self, cell: CellCurve, half_cells: int, start: Literal["free", "held"]) -> Measured[TipCurve]:
-        def measure() -> Measured[TipCurve]:
-            piece = self.pieces.end(half_cells, start)
-            before = piece.factorizations
-            curve, _ = tip_curve(piece, cell)
-            return Measured(curve, (), 0.0, piece.factorizations - before)
-
-        return self.tips.get(f"{start}_{half_cells}_{cell.pressure:.12g}kPa", measure)
 
     def _count(self, part: str, measured: Measured[Any]) -> None:
         self.factorizations[part] += measured.factorizations
@@ -281,6 +252,12 @@ class _Builder:
             "cell": 3 * len(self.pieces.cell.space.points),
             "end": 3 * len(self.pieces.end(half_cells, "clamp").space.points),
         }
+
+
+def _error_along(cells: Sequence[Measured[CellCurve]]) -> float:
+    """Largest error of the curvature between two states of a cell, over the largest curvature of all."""
+    largest = [float(np.abs(cell.curve.kappa).max()) for cell in cells]
+    return max(cell.error * own for cell, own in zip(cells, largest, strict=True)) / max(largest)
 
 
 def largest_error(piece: BendingPiece, section: SectionLaw) -> float:

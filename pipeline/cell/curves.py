@@ -1,0 +1,88 @@
+"""The curves of the pieces of an arm, each measured once and kept in the result folder."""
+
+from typing import Literal
+
+import numpy as np
+
+from pipeline.cell.kept import KeptCurves, Measured
+from pipeline.cell.measure import CLAMP_INTERVALS, Reach, clamp_curve, sweep_cell, tip_curve
+from pipeline.cell.pieces import ArmPieces
+from pipeline.store.store import Store
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.arm_law.record import CELL_KEYS, CLAMP_KEYS, TIP_KEYS
+
+
+class PieceCurves:
+    """Curves of the cell, of the clamped end and of the tip at one pressure each.
+
+    Every one begins with the piece at rest, so that it does not depend on which others were measured before. All raise
+    `PieceFailed` and `RodError` for a piece that does not bear the pressure.
+    """
+
+    def __init__(self, pieces: ArmPieces, store: Store) -> None:
+        self.pieces = pieces
+        self._cells = KeptCurves(store, CellCurve, CELL_KEYS)
+        self._clamps = KeptCurves(store, ClampCurve, CLAMP_KEYS)
+        self._tips = KeptCurves(store, TipCurve, TIP_KEYS)
+
+    def cell(self, pressure: float, following: float | None) -> Measured[CellCurve]:
+        """The cell at a pressure in kPa; following: the next one of the law, None at the highest."""
+
+        def measure() -> Measured[CellCurve]:
+            piece = self.pieces.cell
+            before = piece.factorizations
+            sweep = sweep_cell(piece, pressure, Reach(self.pieces.design.length, np.inf, following))
+            limits = tuple(sweep.limits)
+            return Measured(sweep.curve(piece.body.length), limits, sweep.error, piece.factorizations - before)
+
+        return self._cells.get(_cell_name(pressure, following), measure)
+
+    def has_cell(self, pressure: float, following: float | None) -> bool:
+        """Whether an earlier run has left this cell."""
+        return self._cells.read(_cell_name(pressure, following)) is not None
+
+    def clamp(self, cell: CellCurve, half_cells: int, intervals: int = CLAMP_INTERVALS) -> Measured[ClampCurve]:
+        """The clamped end with that many half cells; intervals: of the moments, 0 for the one without moment alone."""
+
+        def measure() -> Measured[ClampCurve]:
+            piece = self.pieces.end(half_cells, "clamp")
+            before = piece.factorizations
+            curve, limits = clamp_curve(piece, cell, intervals)
+            return Measured(curve, tuple(limits), 0.0, piece.factorizations - before)
+
+        return self._clamps.get(_end_name("clamp" if intervals else "decay", half_cells, cell), measure)
+
+    def tip(self, cell: CellCurve, half_cells: int, start: Literal["free", "held"]) -> Measured[TipCurve]:
+        """The tip with that many half cells, free or held by its edge."""
+
+        def measure() -> Measured[TipCurve]:
+            piece = self.pieces.end(half_cells, start)
+            before = piece.factorizations
+            curve, _ = tip_curve(piece, cell)
+            return Measured(curve, (), 0.0, piece.factorizations - before)
+
+        return self._tips.get(_end_name(start, half_cells, cell), measure)
+
+    def ends(
+        self, cell: CellCurve, half_cells: int
+    ) -> tuple[Measured[ClampCurve], Measured[TipCurve], Measured[TipCurve]]:
+        """The clamped end, the free tip and the held one."""
+        return (
+            self.clamp(cell, half_cells),
+            self.tip(cell, half_cells, "free"),
+            self.tip(cell, half_cells, "held"),
+        )
+
+    def has_ends(self, cell: CellCurve, half_cells: int) -> bool:
+        """Whether an earlier run has left all of them."""
+        clamp = self._clamps.read(_end_name("clamp", half_cells, cell))
+        tips = [self._tips.read(_end_name(start, half_cells, cell)) for start in ("free", "held")]
+        return all(kept is not None for kept in (clamp, *tips))
+
+
+def _cell_name(pressure: float, following: float | None) -> str:
+    return f"cell_{pressure:.12g}kPa" + ("" if following is None else f"_to_{following:.12g}kPa")
+
+
+def _end_name(kind: str, half_cells: int, cell: CellCurve) -> str:
+    return f"{kind}_{half_cells}_{cell.pressure:.12g}kPa"
