@@ -203,11 +203,13 @@ class Pieces:
     def sweep(self) -> list[Any]:
         """The cell at all pressures, each from the state of the one before."""
         sweeps: list[Any] = []
-        for pressure in self.arm.pressures:
+        pressures = self.arm.pressures
+        for pressure, following in zip(pressures, [*pressures[1:], None], strict=True):
             start = None
             if sweeps:
                 start = min(sweeps[-1].points, key=lambda point: abs(point.moment)).state
-            sweeps.append(sweep_cell(self.cell, pressure, Reach(self.arm.design.length, self.force), start))
+            reach = Reach(self.arm.design.length, self.force, following)
+            sweeps.append(sweep_cell(self.cell, pressure, reach, start))
             for sentence in sweeps[-1].limits:
                 report(f"{self.arm.name}: {sentence}")
         return sweeps
@@ -444,7 +446,7 @@ def main(folder: Path) -> None:
     renew("cells", table_of(cells, ["arm", "kPa", "largest error, % of kappa_0 at the highest pressure", "under"]))
     renew("cost", measure_costs(ARMS[0]))
     renew("mesh pneunet", converge_mesh(ARMS[0], 31.0, (3.5, 2.5, 1.8, 1.3, 1.0, 0.75)))
-    renew("mesh semicircular", converge_mesh(ARMS[1], 37.0, (4.0, 2.5, 1.8, 1.3, 1.0, 0.75)))
+    renew("mesh semicircular", converge_mesh(ARMS[1], 37.0, (4.0, 2.5, 1.8, 1.3, 1.0, 0.75, 0.5)))
 
 
 if __name__ == "__main__":

@@ -28,6 +28,8 @@ MAX_HALVINGS = 4
 TOLERANCE = 1e-3
 #: intervals of the moment of the clamped end, whose departure from the cells changes little with it
 CLAMP_INTERVALS = 16
+#: part of the way to the last moment of the cell at which the clamped end is solved last
+WITHIN = 0.99
 #: change of the moment in difference quotients, over the range of the law
 DIFFERENCE = 1e-5
 #: Newton's method for the angle without moment: largest moment left over EI times an angle of one
@@ -323,6 +325,11 @@ def _clamp_points(
         predicted = extrapolate(before, last.path_point, angle)
         try:
             state = piece.solve(last.state.pressure, angle, last.state, predicted)
+            limit = float(cell.moment[-1 if direction > 0 else 0])
+            if direction * (state.moment - limit) > 0.0:  # beyond the cell: back by the secant, and a little more
+                fraction = WITHIN * (limit - last.state.moment) / (state.moment - last.state.moment)
+                angle = last.state.angle + fraction * (state.angle - last.state.angle)
+                state = piece.solve(state.pressure, angle, state)
             if not cell.moment[0] <= state.moment <= cell.moment[-1]:
                 break
             points.append(_EndPoint(state, slopes(piece, state)))
