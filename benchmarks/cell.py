@@ -28,7 +28,8 @@ from fem.materials.material import Material  # noqa: E402
 from geometry import GRADINGS, BisectedCircle, PneuNet, Semicircular, SemicircularSingle  # noqa: E402
 from geometry.arrays import Array  # noqa: E402
 from geometry.design import Design  # noqa: E402
-from pipeline.cell.measure import Reach, clamp_curve, sweep_cell, tip_curve  # noqa: E402
+from pipeline.cell.measure import Reach, sweep_cell  # noqa: E402
+from pipeline.cell.measure_ends import clamp_curve, tip_curve  # noqa: E402
 from rod import RodError, RodSolution  # noqa: E402
 from rod.arm_law.law import ArmLaw, LawRod  # noqa: E402
 

@@ -9,7 +9,8 @@ import pytest
 import fem
 from fem.cell.piece import BendingPiece, PieceFailed
 from geometry import GRADINGS, PneuNet
-from pipeline.cell.measure import Reach, clamp_curve, sweep_cell, tip_curve
+from pipeline.cell.measure import Reach, sweep_cell
+from pipeline.cell.measure_ends import clamp_curve, tip_curve
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
 

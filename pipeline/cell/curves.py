@@ -5,7 +5,8 @@ from typing import Literal
 import numpy as np
 
 from pipeline.cell.kept import KeptCurves, Measured
-from pipeline.cell.measure import CLAMP_INTERVALS, Reach, clamp_curve, sweep_cell, tip_curve
+from pipeline.cell.measure import Reach, sweep_cell
+from pipeline.cell.measure_ends import CLAMP_INTERVALS, clamp_curve, tip_curve
 from pipeline.cell.pieces import ArmPieces
 from pipeline.store.store import Store
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
