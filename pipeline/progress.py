@@ -146,7 +146,8 @@ class Lines:
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
         self._clock.reach(seconds)
         iterations = self._iterations.pop(experiment, 0)
-        work = f"{iterations} Newton iterations, {_duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
+        counted = f"{iterations} Newton iterations, " if iterations else ""
+        work = f"{counted}{_duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
         self._print(f"experiment {experiment}: {pressure_kPa:g} kPa reached ({work}); {self._clock.remaining()}")
 
     def done(self) -> None: ...
