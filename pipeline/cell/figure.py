@@ -3,7 +3,6 @@
 import io
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -40,18 +39,16 @@ def html_page(name: str, law: ArmLaw) -> str:
     """The figure alone on a page that opens offline."""
     figure = four_panels([panel for panel, _, _ in PANELS])
     for number, (_, x, y) in enumerate(PANELS):
-        place: dict[str, Any] = {"row": 1 + number // 2, "col": 1 + number % 2}
-        figure.update_xaxes(title=x, **place)
-        figure.update_yaxes(title=y, **place)
+        row, column = 1 + number // 2, 1 + number % 2
+        figure.update_xaxes(title=x, row=row, col=column)
+        figure.update_yaxes(title=y, row=row, col=column)
     named: set[str] = set()
     for line in _lines(law):
-        style: dict[str, Any] = (
-            {"mode": "markers", "marker": {"color": line.colour, "size": 8, "symbol": "circle-open"}}
-            if line.is_marker
-            else {"mode": "lines", "line": {"color": line.colour, "width": 2}}
-        )
         figure.add_scatter(
-            x=line.x, y=line.y, name=line.name, legendgroup=line.name, showlegend=line.name not in named, **style,
+            x=line.x, y=line.y, name=line.name, legendgroup=line.name, showlegend=line.name not in named,
+            mode="markers" if line.is_marker else "lines",
+            marker={"color": line.colour, "size": 8, "symbol": "circle-open"},
+            line={"color": line.colour, "width": 2},
             row=1 + line.panel // 2, col=1 + line.panel % 2,
         )  # fmt: skip
         named.add(line.name)

@@ -3,8 +3,9 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any, Generic, TypeVar
+from typing import Generic, TypeVar
 
+from pipeline.store.json_values import JsonObject
 from pipeline.store.store import Store
 from rod.arm_law.record import curve_row, curve_values
 
@@ -58,7 +59,7 @@ class KeptCurves(Generic[Curve]):
             is_stored=True,
         )
 
-    def _row(self, measured: Measured[Curve]) -> dict[str, Any]:
+    def _row(self, measured: Measured[Curve]) -> JsonObject:
         return {
             "curve": curve_row(measured.curve, self.keys),
             "limits": list(measured.limits),
