@@ -222,7 +222,7 @@ class Pieces:
         cells = [sweep.curve(self.cell.body.length) for sweep in self.sweep()]
         pieces = {start: self._end(start) for start in ("clamp", "free", "held")}
         clamps = [clamp_curve(pieces["clamp"], cell)[0] for cell in cells]
-        free, held = ([tip_curve(pieces[start], cell)[0] for cell in cells] for start in ("free", "held"))
+        free, held = ([tip_curve(pieces[start], cell) for cell in cells] for start in ("free", "held"))
         first = design.repetition(self.arm.size, GRADINGS["off"]).middle
         return ArmLaw(design.pitch, first, design.length, tuple(cells), tuple(clamps), tuple(free), tuple(held))
 

@@ -4,7 +4,6 @@ Everything heavy is imported inside the commands, so that `pneurod --help` answe
 """
 
 import errno
-import os
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,6 +14,7 @@ import typer
 from rich.console import Console, RenderableType
 
 from pipeline.errors import InputError, RunFailed
+from pipeline.processes import available_cores
 
 if TYPE_CHECKING:
     from pipeline.config.config import Config
@@ -63,7 +63,7 @@ def run(
         from pipeline.run import run as run_design
         from pipeline.terminal import effects_summary
 
-        report = _solve(run_design, design, folder, jobs or min(3, _cores()), fresh)
+        report = _solve(run_design, design, folder, jobs or min(3, available_cores()), fresh)
         report.raise_if_failed()
         _print(effects_summary(report.effects))
         if report.accuracy:
@@ -100,7 +100,7 @@ def effects(
         from pipeline.effects_study import compare_effects, contact_sentences
         from pipeline.terminal import effects_comparison
 
-        table = _solve(compare_effects, design, folder, jobs or min(2, _cores()), fresh)
+        table = _solve(compare_effects, design, folder, jobs or min(2, available_cores()), fresh)
         _print(effects_comparison(table.rows), *contact_sentences(table.rows))
         _print(f"table: {folder / 'effects_table.json'}")
         if table.failures:
@@ -120,7 +120,7 @@ def accuracy(
         from pipeline.accuracy.table import reference_sentences
         from pipeline.terminal import study_table
 
-        study = _solve(run_study, design, folder, jobs or min(2, _cores()), fresh)
+        study = _solve(run_study, design, folder, jobs or min(2, available_cores()), fresh)
         _print(study_table(study), *reference_sentences(study))
         _print(f"picture: {folder / 'accuracy.html'}")
 
@@ -270,10 +270,6 @@ def _print(*lines: RenderableType) -> None:
             console.print(line, highlight=False, markup=False, soft_wrap=True)
         else:
             console.print(line, highlight=False)
-
-
-def _cores() -> int:
-    return len(os.sched_getaffinity(0))
 
 
 @contextmanager

@@ -41,7 +41,7 @@ class Measured:
 
     @cached_property
     def law(self) -> ArmLaw:
-        free, held = (tip_curve(self._end(start), self.cell)[0] for start in ("free", "held"))
+        free, held = (tip_curve(self._end(start), self.cell) for start in ("free", "held"))
         middle = DESIGN.repetition(SIZE, GRADINGS["off"]).middle
         return ArmLaw(DESIGN.pitch, middle, DESIGN.length, (self.cell,), (self.clamp,), (free,), (held,))
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from fem.discretisation import Discretisation, Faces
 from fem.effects.effect import Blocks, Effect, LoadTerm
+from fem.effects.loads import pressure_blocks
 from fem.kernels.surface import axial_flux, axial_flux_tangent
 from fem.materials.material import Material
 from geometry.arrays import Array
@@ -46,16 +47,10 @@ class AirPressureTerm(LoadTerm):
         out -= self.value * self.scale(factor) * self.volume_gradient(x)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
-        rows, columns, swapped = self.faces.node_pairs
-        values = np.empty((rows.shape[0], 3, 3))
-        axial_flux_tangent(self.faces.arrays, x, values.reshape(self.faces.nodes.shape[0], -1, 3, 3))
-        # the faces' normals leave the solid and point into the air, so V is minus the flux
-        values *= self.value * self.scale(factor)
-        values[swapped] = values[swapped].transpose(0, 2, 1)
-        return Blocks(rows, columns, values)
+        return pressure_blocks(self.faces, x, self.value * self.scale(factor), axial_flux_tangent)
 
     def volume(self, x: Array) -> float:
-        """V at positions x (n, 3), mm3, of the meshed part."""
+        """V at positions x (n, 3), mm3, of the meshed part; the normals leave the solid, so it is minus the flux."""
         return float(-self._flux(x)[1].sum())
 
     def volume_gradient(self, x: Array) -> Array:

@@ -34,7 +34,7 @@ from fem.path.control import LoadControl
 from fem.path.newton import NewtonOptions, Start, StepFailed, solve
 from fem.post.extremes import extremes_of, strain_at_stress_points
 from fem.solution import Extremes
-from fem.supports import Fixed, SharedPlane, Support, Tied
+from fem.supports import Fixed, Line, SharedPlane, Support, Tied, nodes_at
 from geometry import Body
 from geometry.arrays import Array, Index
 
@@ -131,9 +131,7 @@ class BendingPiece:
     @cached_property
     def curve(self) -> Index:
         """Nodes (m,) of the material curve by increasing x, those in the middle of edges included."""
-        points = self.space.points
-        on_curve = np.flatnonzero((np.abs(points[:, 1] - self.body.curve_y) < 1e-7) & (np.abs(points[:, 2]) < 1e-7))
-        return np.asarray(on_curve[np.argsort(points[on_curve, 0])])
+        return nodes_at(Line(self.body.mesh.points[self.body.curve_vertices]), self.space)
 
     def rest(self) -> PieceState:
         """The piece without pressure and bending."""

@@ -23,7 +23,7 @@ from typing import final
 import numpy as np
 
 from fem.cell.piece import BendingPiece, PieceState, turn
-from fem.effects.effect import Terms
+from fem.effects.effect import Terms, UnilateralTerm
 from fem.equations.constraints import Constraints
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
@@ -100,8 +100,8 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
     h = piece.body.length
     bending = known.by_angle / known.moment_by_angle  # displacement per moment of the whole body
     moment = -h  # at the plane, for Q = 1
-    terms = tuple(term for term in at.terms if term.effect != "self_contact")
-    contact = tuple(term for term in at.terms if term.effect == "self_contact")
+    terms = tuple(term for term in at.terms if not isinstance(term, UnilateralTerm))
+    contact = tuple(term for term in at.terms if isinstance(term, UnilateralTerm))
     elastic, closing = _force_change(piece, at, terms, bending), _load_change(piece, at, contact, bending)
     forces = elastic + closing
     middle = piece.space.surface("clamp").unique_nodes

@@ -1,5 +1,6 @@
 """Loads: pressure that follows the surface, weight, and forces of constant direction; and the volume behind faces."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -7,7 +8,7 @@ import numpy as np
 
 from fem.discretisation import Discretisation, Faces
 from fem.effects.effect import NO_BLOCKS, Blocks, Effect, LoadTerm
-from fem.kernels.surface import surface_pressure, surface_pressure_tangent
+from fem.kernels.surface import FaceArrays, surface_pressure, surface_pressure_tangent
 from fem.materials.material import Material
 from fem.supports import Line, nodes_at
 from geometry.arrays import Array
@@ -48,15 +49,26 @@ class PressureTerm(LoadTerm):
         out -= self._pressure(factor) * volume_gradient(self.faces, x)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
-        rows, columns, swapped = self.faces.node_pairs
-        values = np.empty((rows.shape[0], 3, 3))
-        surface_pressure_tangent(self.faces.arrays, x, values.reshape(self.faces.nodes.shape[0], -1, 3, 3))
-        values *= self._pressure(factor)
-        values[swapped] = values[swapped].transpose(0, 2, 1)
-        return Blocks(rows, columns, values)
+        return pressure_blocks(self.faces, x, self._pressure(factor), surface_pressure_tangent)
 
     def _pressure(self, factor: float) -> float:
         return self.value * self.scale(factor)
+
+
+def pressure_blocks(
+    faces: Faces, x: Array, pressure: float, tangent: Callable[[FaceArrays, Array, Array], None]
+) -> Blocks:
+    """Second derivative of -p V at positions x (n, 3), p in MPa.
+
+    tangent: a kernel that fills the blocks (f, pair, 3, 3) of the second derivative of -V, the normals of the faces
+    leaving the solid.
+    """
+    rows, columns, swapped = faces.node_pairs
+    values = np.empty((rows.shape[0], 3, 3))
+    tangent(faces.arrays, x, values.reshape(faces.nodes.shape[0], -1, 3, 3))
+    values *= pressure
+    values[swapped] = values[swapped].transpose(0, 2, 1)
+    return Blocks(rows, columns, values)
 
 
 def enclosed_volume(faces: Faces, x: Array) -> float:

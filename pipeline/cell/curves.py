@@ -59,7 +59,7 @@ class PieceCurves:
         def measure() -> Measured[TipCurve]:
             piece = self.pieces.end(half_cells, start)
             before = piece.factorizations
-            curve, _ = tip_curve(piece, cell)
+            curve = tip_curve(piece, cell)
             return Measured(curve, (), 0.0, piece.factorizations - before)
 
         return self._tips.get(_end_name(start, half_cells, cell), measure)

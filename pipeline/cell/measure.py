@@ -117,8 +117,9 @@ def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: Pi
     straight = -middle.state.angle / h * rigidity
     if reach.next_pressure is not None:
         straight += middle.slopes.moment_by_pressure / 1000.0 * (reach.next_pressure - pressure_kPa)
-    _sweep_to(piece, sweep, max(straight, 0.0) + beyond)
-    _sweep_to(piece, sweep, min(straight, 0.0) - beyond)
+    softest = SOFTENED * slopes(piece, piece.rest()).moment_by_angle
+    _sweep_to(piece, sweep, max(straight, 0.0) + beyond, softest)
+    _sweep_to(piece, sweep, min(straight, 0.0) - beyond, softest)
     _refine(piece, sweep)
     _keep_rising(sweep, middle, h)
     return sweep
@@ -155,14 +156,15 @@ def _point(piece: BendingPiece, state: PieceState) -> CellPoint:
 
 def _predicted(before: CellPoint | None, last: CellPoint, angle: float) -> State | None:
     """Where Newton's method starts at an angle on the path through one or two points."""
-    first, second = (None if point is None else point.path_point for point in (before, last))
-    return None if second is None else extrapolate(first, second, angle)
+    return extrapolate(None if before is None else before.path_point, last.path_point, angle)
 
 
-def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float) -> None:
-    """States until the moment is passed, or until there is none; each step changes the moment by a part of it."""
+def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float, softest: float) -> None:
+    """States until the moment is passed, or until there is none; each step changes the moment by a part of it.
+
+    softest: N mm, slope of the moment by the angle below which the sweep ends.
+    """
     outward = 1 if moment > 0 else -1
-    at_rest = slopes(piece, piece.rest()).moment_by_angle
     interval, halvings = abs(moment) / INTERVALS, 0
     while True:
         last = sweep.points[-1 if outward > 0 else 0]
@@ -188,7 +190,7 @@ def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float) -> None:
             halvings += 1
             continue
         sweep.points.insert(len(sweep.points) if outward > 0 else 0, point)
-        if point.slopes.moment_by_angle < SOFTENED * at_rest:
+        if point.slopes.moment_by_angle < softest:
             curvature = 1000.0 * point.state.angle / piece.body.length
             sweep.ends[outward] = (
                 f"the cell at {sweep.pressure:g} kPa has less than {SOFTENED:g} of its rigidity at rest beyond a "

@@ -21,15 +21,13 @@ WITHIN = 0.99
 DIFFERENCE = 1e-5
 
 
-def clamp_curve(
-    piece: BendingPiece, cell: CellCurve, intervals: int = CLAMP_INTERVALS, start: PieceState | None = None
-) -> tuple[ClampCurve, list[str]]:
+def clamp_curve(piece: BendingPiece, cell: CellCurve, intervals: int = CLAMP_INTERVALS) -> tuple[ClampCurve, list[str]]:
     """The clamped end over the moments of a cell at the same pressure, and why it was not followed further.
 
-    intervals: of the moments of the cell, 0 for the end without moment alone. start: a state of the piece at another
-    pressure. Raises `PieceFailed` where no state is reached.
+    intervals: of the moments of the cell, 0 for the end without moment alone. Raises `PieceFailed` where no state is
+    reached.
     """
-    first = _clamp_without_moment(piece, cell, piece.rest() if start is None else start)
+    first = _clamp_without_moment(piece, cell)
     limits: list[str] = []
     spacing = float(np.ptp(cell.moment)) / intervals if intervals else np.inf
     behind, ahead = (_clamp_points(piece, cell, first, way * spacing, limits) for way in (-1, 1))
@@ -96,10 +94,10 @@ def _clamp_points(
     return points[1:]
 
 
-def _clamp_without_moment(piece: BendingPiece, cell: CellCurve, start: PieceState) -> _EndPoint:
+def _clamp_without_moment(piece: BendingPiece, cell: CellCurve) -> _EndPoint:
     """The clamped end without moment, by Newton's method for the angle."""
     angle = float(np.interp(0.0, cell.moment, cell.kappa)) * piece.body.length
-    state = piece.solve(cell.pressure / 1000.0, angle, start)
+    state = piece.solve(cell.pressure / 1000.0, angle, piece.rest())
     for _ in range(MAX_ITERATIONS):
         point = _EndPoint(state, slopes(piece, state))
         correction = -state.moment / point.slopes.moment_by_angle
@@ -153,12 +151,12 @@ def _placed(piece: BendingPiece, cell: CellCurve, moment: float, angle: float, x
     return rotation, offset, _components(x - axis - offset - height, rotation + kappa * s)
 
 
-def tip_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None = None) -> tuple[TipCurve, PieceState]:
-    """The end of the arm without moment, and the state of the piece; raises `PieceFailed`.
+def tip_curve(piece: BendingPiece, cell: CellCurve) -> TipCurve:
+    """The end of the arm without moment; raises `PieceFailed`.
 
     The piece is the mirror image of the tip: its face `clamp` is the end of the arm, its face `tip` the plane.
     """
-    state = piece.solve(cell.pressure / 1000.0, 0.0, piece.rest() if start is None else start)
+    state = piece.solve(cell.pressure / 1000.0, 0.0, piece.rest())
     kappa, stretch, ripple = cell.at(0.0)
     nodes = piece.curve
     x = (piece.space.points + state.state.displacement)[nodes, :2]
@@ -169,7 +167,7 @@ def tip_curve(piece: BendingPiece, cell: CellCurve, start: PieceState | None = N
     away = image - circle(s, stretch, kappa)
     rotation = _end_rotation(image) - kappa * piece.body.length
     couple = state.moment
-    return TipCurve(cell.pressure, rotation, couple, s - piece.body.length, _components(away, kappa * s)), state
+    return TipCurve(cell.pressure, rotation, couple, s - piece.body.length, _components(away, kappa * s))
 
 
 def _end_rotation(points: Array) -> float:
