@@ -3,11 +3,12 @@
 from geometry.body import Body
 from geometry.centreline import Centreline
 from geometry.design import Design, DesignError
-from geometry.families import FAMILIES, BisectedCircle, PneuNet, Semicircular, SemicircularSingle
+from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.cad_file import CadFile
 from geometry.families.mesh_file import MeshFile
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, MeshError, Quality
+from geometry.meshing.cells import CellPlanes
 
 __all__ = [
     "FAMILIES",
@@ -15,6 +16,7 @@ __all__ = [
     "BisectedCircle",
     "Body",
     "CadFile",
+    "CellPlanes",
     "Centreline",
     "Design",
     "DesignError",
@@ -24,6 +26,7 @@ __all__ = [
     "MeshFile",
     "PneuNet",
     "Quality",
+    "Rectangular",
     "Semicircular",
     "SemicircularSingle",
 ]

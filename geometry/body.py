@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from geometry.arrays import Index
+from geometry.arrays import Array, Index
 from geometry.mesh import Mesh, MeshError
 
 
@@ -52,6 +52,18 @@ class Body:
             )
         vertices.setflags(write=False)
         return vertices
+
+    def edge(self, face: str) -> Array:
+        """Vertices (k, 3) of a named face at the height of the material curve, by increasing z, mm."""
+        points = self.mesh.points[np.unique(self.mesh.faces[face])]
+        on = points[np.abs(points[:, 1] - self.curve_y) < 1e-7 * self.length]
+        return np.asarray(on[np.argsort(on[:, 2])])
+
+    @property
+    def top(self) -> Array:
+        """(3,) the highest vertex of the plane z = 0, mm."""
+        points = self.mesh.points[np.abs(self.mesh.points[:, 2]) < 1e-9 * self.length]
+        return np.asarray(points[int(np.argmax(points[:, 1]))])
 
     def full(self) -> "Body":
         """The body with both halves, mirrored at z = 0; itself when both halves are meshed already."""

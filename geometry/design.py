@@ -16,7 +16,7 @@ MOST_TETS = 3_000_000
 #: Volume of a regular tetrahedron over the cube of its edge.
 REGULAR_TET = 1 / (6 * 2**0.5)
 #: Elements of a body whose walls are thinner than the element size h, per area h^2 of half the surface of its bounding
-#: box. Bodies of the four families have at least 10.
+#: box. Bodies of all families have at least 9.
 TETS_PER_SQUARE = 15.0
 #: Smallest and largest dimension that Gmsh draws reliably, mm.
 SHORTEST, LONGEST = 1e-3, 1e6
@@ -76,12 +76,79 @@ class Design(ABC):
     def cavity_volumes(self) -> Mapping[str, float]:
         """Exact volume of the air (both halves) by the name of the face around it, mm3; the first is pressurised."""
 
+    @property
+    @abstractmethod
+    def thinnest_wall(self) -> float:
+        """Thickness of the thinnest wall of the body, mm."""
+
+    @property
+    def outer_corners(self) -> bool:
+        """Whether the outside has re-entrant edges, as at the gaps between chambers."""
+        return False
+
     @abstractmethod
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        """The meshed body; `size` is the largest element edge that the mesher aims at, mm.
+        """The meshed body; `size` is the element edge that the mesher aims at, mm.
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """
+
+    @property
+    def repeats(self) -> bool:
+        """Whether the body repeats a cell that is symmetric about its own middle; it has a `repetition` then."""
+        return False
+
+    def repetition(self, size: float, grading: Grading) -> Repetition:
+        """The ends and the half cell with elements of at most `size` mm, a size that `check_size` accepts.
+
+        Raises `DesignError` for a body whose cells are not known.
+        """
+        raise DesignError("cell", "it is not known where the cells of the body lie")
+
+    def half_cell(self, size: float, grading: Grading = OFF) -> Body:
+        """Half a cell between two planes of mirror symmetry, which are its faces `clamp` and `tip`.
+
+        Raises `DesignError` for a body without an inner cell, and as `body` does.
+        """
+        repetition = self._checked_repetition(size, grading)
+        if not repetition.half_cells:
+            raise DesignError(
+                "chambers" if hasattr(self, "chambers") else "length",
+                "the body has no inner cell: it needs two cells at least",
+            )
+        return self._body(repetition.half_cell(), repetition.half_pitch, repetition.half)
+
+    def end_piece(self, half_cells: int, size: float, grading: Grading = OFF) -> Body:
+        """The clamped end of the body with `half_cells` half cells; its face `tip` is a plane of mirror symmetry.
+
+        Raises `DesignError` as `half_cell` does, and ValueError for more half cells than the body has.
+        """
+        repetition = self._checked_pieces(half_cells, size, grading)
+        length = repetition.middle + half_cells * repetition.half_pitch
+        return self._body(repetition.end_piece(half_cells), length, repetition.half)
+
+    def tip_piece(self, half_cells: int, size: float, grading: Grading = OFF) -> Body:
+        """The other end of the body with an odd number of half cells, as its mirror image: its face `clamp` is the end
+        of the body, its face `tip` a plane of mirror symmetry.
+
+        Raises as `end_piece` does.
+        """
+        repetition = self._checked_pieces(half_cells, size, grading)
+        length = repetition.beyond + half_cells * repetition.half_pitch
+        return self._body(repetition.tip_piece(half_cells), length, repetition.half)
+
+    def _checked_pieces(self, half_cells: int, size: float, grading: Grading) -> Repetition:
+        repetition = self._checked_repetition(size, grading)
+        if not 0 <= half_cells <= repetition.half_cells:
+            raise ValueError(f"half_cells = {half_cells}: the body has {repetition.half_cells}")
+        return repetition
+
+    def _checked_repetition(self, size: float, grading: Grading) -> Repetition:
+        check_size(size, self.extent, self.solid_volume / 2)
+        return self.repetition(size, grading)
+
+    def _body(self, mesh: Mesh, length: float, half: bool) -> Body:
+        return Body(mesh, self.family, length, self.pitch, self.curve_y, half, self.cavities)
 
     @property
     def cavities(self) -> tuple[str, ...]:
@@ -98,48 +165,21 @@ class SymmetricDesign(Design):
     """A design that is symmetric about z = 0, so that only z >= 0 is meshed, and repeats a cell that is symmetric about
     its own middle. A family defines `repetition`."""
 
+    @property
+    def repeats(self) -> bool:
+        return True
+
     @abstractmethod
     def repetition(self, size: float, grading: Grading) -> Repetition:
         """The end piece and the half cell, z >= 0, with elements of at most `size` mm, a size that `check_size`
         accepts."""
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        """The meshed half z >= 0; `size` is the largest element edge that Gmsh aims at, mm.
+        """The meshed half z >= 0; `size` is the element edge that Gmsh aims at, mm.
 
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """
-        return self._body(self._checked_repetition(size, grading).mesh(), self.length)
-
-    def half_cell(self, size: float, grading: Grading = OFF) -> Body:
-        """The half z >= 0 of half a cell between two planes of mirror symmetry, which are its faces `clamp` and `tip`.
-
-        Raises `DesignError` for a body without an inner cell, and as `body` does.
-        """
-        repetition = self._checked_repetition(size, grading)
-        if not repetition.half_cells:
-            raise DesignError(
-                "chambers" if hasattr(self, "chambers") else "length",
-                "the body has no inner cell: it needs two cells at least",
-            )
-        return self._body(repetition.half_cell(), repetition.half_pitch)
-
-    def end_piece(self, half_cells: int, size: float, grading: Grading = OFF) -> Body:
-        """The half z >= 0 of one end of the body with `half_cells` half cells; its face `tip` is a plane of mirror
-        symmetry.
-
-        Raises `DesignError` as `half_cell` does, and ValueError for more half cells than the body has.
-        """
-        repetition = self._checked_repetition(size, grading)
-        if not 0 <= half_cells <= repetition.half_cells:
-            raise ValueError(f"half_cells = {half_cells}: the body has {repetition.half_cells}")
-        return self._body(repetition.end_piece(half_cells), repetition.middle + half_cells * repetition.half_pitch)
-
-    def _checked_repetition(self, size: float, grading: Grading) -> Repetition:
-        check_size(size, self.extent, self.solid_volume / 2)
-        return self.repetition(size, grading)
-
-    def _body(self, mesh: Mesh, length: float) -> Body:
-        return Body(mesh, self.family, length, self.pitch, self.curve_y, True, self.cavities)
+        return self._body(self._checked_repetition(size, grading).mesh(), self.length, True)
 
 
 def expected_tets(size: float, extent: Sequence[float], volume: float) -> float:

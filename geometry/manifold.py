@@ -1,9 +1,10 @@
-"""Checks that a mesh is one body with a closed surface."""
+"""Checks that a mesh is one body with a closed surface, and that its elements do not overlap."""
 
 import numpy as np
 
+from geometry.arrays import Array, Index
 from geometry.mesh import Mesh, MeshError
-from geometry.topology import row_keys, triangle_edges
+from geometry.topology import OUTWARD, normals, row_keys, triangle_edges
 
 
 def check_manifold(mesh: Mesh) -> None:
@@ -11,14 +12,64 @@ def check_manifold(mesh: Mesh) -> None:
     pairs = triangle_edges(mesh.boundary)
     _, first, counts = np.unique(row_keys(pairs, len(mesh.points)), return_index=True, return_counts=True)
     if (counts != 2).any():
-        x, y, z = mesh.points[pairs[first[counts != 2][0]]].mean(axis=0)
+        where = _position(mesh, pairs[first[counts != 2][0]])
         raise MeshError(
-            f"the surface of the body is not manifold: an edge near ({x:.3g}, {y:.3g}, {z:.3g}) mm belongs to "
+            f"the surface of the body is not manifold: an edge near {where} mm belongs to "
             f"{counts[counts != 2][0]} boundary triangles; parts that touch along a line must be joined or parted"
         )
     components = count_components(mesh)
     if components > 1:
         raise MeshError(f"the mesh holds {components} solids that share no vertex; unite them to one")
+
+
+def check_untangled(mesh: Mesh) -> None:
+    """Raise `MeshError` where two tetrahedra lie on the same side of the face that they share.
+
+    One of them is turned inside out then, whatever the order of its vertices in the file. Without such a pair the
+    outward faces inside the body cancel, so that the volumes of the tetrahedra add up to that inside the boundary; with
+    one they add up to more.
+    """
+    triangles = mesh.tets[:, OUTWARD].reshape(-1, 3)
+    order = np.argsort(row_keys(triangles, len(mesh.points)), kind="stable")
+    keys = row_keys(triangles, len(mesh.points))[order]
+    shared = np.flatnonzero(keys[1:] == keys[:-1])
+    first, second = triangles[order[shared]], triangles[order[shared + 1]]
+    # a rotation of the three vertices keeps the normal: two of them suffice to tell whether it is reversed
+    at = (second == first[:, :1]).argmax(axis=1)
+    same_side = second[np.arange(len(second)), (at + 1) % 3] == first[:, 1]
+    if not same_side.any():
+        return
+    overlapping = first[same_side]
+    raise MeshError(
+        f"the elements of the mesh are tangled: at {len(overlapping)} of their faces both neighbours lie on the same "
+        f"side, such as near {_position(mesh, overlapping[0])} mm; move the vertex there back, or mesh the body again"
+    )
+
+
+def check_half(mesh: Mesh) -> None:
+    """Raise `MeshError` unless the face sym of a half body covers all of the body's boundary in the plane z = 0, and
+    the body is on the side z >= 0 of it."""
+    tolerance = 1e-7 * np.ptp(mesh.points, axis=0).max()
+    off = np.abs(mesh.points[mesh.faces["sym"], 2]).max(axis=1)
+    if off.max() > tolerance:
+        where = _position(mesh, mesh.faces["sym"][int(np.argmax(off))])
+        raise MeshError(f"the face sym must lie in the plane z = 0; a triangle of it is near {where} mm")
+    if mesh.points[:, 2].min() < -tolerance:
+        where = _coordinates(mesh.points[int(np.argmin(mesh.points[:, 2]))])
+        raise MeshError(
+            f"the body has a face sym, so that it must be the half z >= 0, but it reaches to {where} mm; leave sym out "
+            "of the mesh of a whole body, and mirror a half z <= 0"
+        )
+    in_plane = mesh.boundary[(np.abs(mesh.points[mesh.boundary, 2]) <= tolerance).all(axis=1)]
+    count = len(mesh.points)
+    missing = in_plane[~np.isin(row_keys(in_plane, count), row_keys(mesh.faces["sym"], count))]
+    if len(missing):
+        areas = np.linalg.norm(normals(mesh.points[missing]), axis=1) / 2
+        where = _position(mesh, missing[int(np.argmax(areas))])
+        raise MeshError(
+            f"the face sym must be all of the boundary in the plane z = 0, and it leaves out {areas.sum():.3g} of "
+            f"{areas.sum() + mesh.area('sym'):.3g} mm2 there, such as near {where} mm"
+        )
 
 
 def count_components(mesh: Mesh) -> int:
@@ -32,3 +83,11 @@ def count_components(mesh: Mesh) -> int:
         lowest = lowest[lowest]  # the vertex it points to may point to a smaller one
         if np.array_equal(lowest, before):
             return len(np.unique(lowest))
+
+
+def _position(mesh: Mesh, triangle: Index) -> str:
+    return _coordinates(mesh.points[triangle].mean(axis=0))
+
+
+def _coordinates(point: Array) -> str:
+    return "(" + ", ".join(f"{x:.3g}" for x in point) + ")"

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from geometry.arrays import Array, Index, Mask
+from geometry.curved import NO_CURVED_EDGES, CurvedEdges, areas, flux
 from geometry.quality import Quality, measure_quality
 from geometry.topology import EDGES, OUTWARD, find_rows, normals, open_edges, row_keys, signed_volumes
 
@@ -24,7 +25,7 @@ class MeshError(ValueError):
 
 @dataclass(frozen=True)
 class Mesh:
-    """Straight-sided tetrahedra with named boundary faces.
+    """Tetrahedra with named boundary faces; their edges are straight but for those on round walls.
 
     The constructor orients tetrahedra positively and named triangles outward (their normal by the right-hand rule
     points out of the solid), and drops points that belong to no tetrahedron. Raises `MeshError` when an index has no
@@ -34,6 +35,7 @@ class Mesh:
     points: Array  #: (n, 3), mm, read-only
     tets: Index  #: (m, 4) vertex indices, positively oriented, read-only
     faces: Mapping[str, Index]  #: name -> (k, 3) vertex indices of boundary triangles, outward, read-only
+    curved: CurvedEdges = NO_CURVED_EDGES  #: edges with a middle that is not halfway, for quadratic elements
 
     def __post_init__(self) -> None:
         points, tets, faces = _checked(self.points, self.tets, self.faces)
@@ -53,12 +55,13 @@ class Mesh:
         tets[volumes < 0] = tets[volumes < 0][:, [0, 2, 1, 3]]
         object.__setattr__(self, "points", _frozen(points))
         object.__setattr__(self, "tets", _frozen(tets))
+        object.__setattr__(self, "curved", self.curved.renumbered(new))
         oriented = {name: _frozen(self._outward(name, triangles)) for name, triangles in faces.items()}
         object.__setattr__(self, "faces", MappingProxyType(oriented))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a read-only mapping cannot be pickled; the copy is checked and frozen like any other mesh
-        return Mesh, (self.points, self.tets, dict(self.faces))
+        return Mesh, (self.points, self.tets, dict(self.faces), self.curved)
 
     def _outward(self, name: str, triangles: Index) -> Index:
         """The boundary triangles, outward oriented, with the vertices of `triangles` (k, 3).
@@ -87,18 +90,22 @@ class Mesh:
     def write(self, path: str | Path) -> None:
         """Write `path`: .msh (Gmsh 2.2, names as physical groups; `Mesh.read` reads it back) or .vtu (tetrahedra).
 
+        Curved edges are written as straight ones.
+
         Raises `MeshError` for another suffix.
         """
         _write(Path(path), self.points, self.tets, self.faces)
 
     @cached_property
     def volumes(self) -> Array:
-        """Volume of each tetrahedron, (m,), mm3."""
+        """Volume of each tetrahedron with straight edges, (m,), mm3."""
         return _frozen(signed_volumes(self.points, self.tets))
 
     @property
     def volume(self) -> float:
         """Volume of the meshed solid, mm3."""
+        if len(self.curved):
+            return float(flux(self.points, self.boundary, self.curved).sum())
         return float(self.volumes.sum())
 
     @cached_property
@@ -138,6 +145,8 @@ class Mesh:
 
     def area(self, name: str) -> float:
         """Area of a named face, mm2."""
+        if len(self.curved):
+            return float(areas(self.points, self.faces[name], self.curved).sum())
         return float(np.linalg.norm(normals(self.points[self.faces[name]]), axis=1).sum() / 2)
 
     def enclosed_volume(self, name: str) -> float:
@@ -155,12 +164,14 @@ class Mesh:
                 f"the face {name} encloses no volume: it has an open edge near {_coordinates(middle)} mm, "
                 "away from z = 0"
             )
+        if len(self.curved):
+            return -float(flux(self.points, triangles, self.curved).sum())
         a, b, c = np.moveaxis(self.points[triangles], 1, 0)
         return float(-np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
 
     @cached_property
     def quality(self) -> Quality:
-        """Shape measures of the tetrahedra."""
+        """Shape measures of the tetrahedra with straight edges."""
         return measure_quality(self.points, self.tets)
 
     def mirrored(self) -> "Mesh":
@@ -183,7 +194,8 @@ class Mesh:
         image[unshared] = count + np.arange(len(unshared))
         points = np.vstack([self.points, self.points[unshared] * [1, 1, -1]])
         faces = {name: np.vstack([f, image[f]]) for name, f in self.faces.items() if name != "sym"}
-        return Mesh(points, np.vstack([self.tets, image[self.tets]]), faces)
+        mirrored = CurvedEdges(image[self.curved.ends], self.curved.middles * [1, 1, -1])
+        return Mesh(points, np.vstack([self.tets, image[self.tets]]), faces, self.curved.joined(mirrored))
 
 
 def _checked(points: Array, tets: Index, faces: Mapping[str, Index]) -> tuple[Array, Index, dict[str, Index]]:

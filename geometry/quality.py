@@ -20,6 +20,7 @@ class Quality:
     mean: float  #: mean radius ratio
     position: tuple[float, float, float]  #: centroid of the tetrahedron with the smallest radius ratio, mm
     longest_edge: float  #: mm
+    mean_edge: float  #: mean over the edges, each counted once, mm
 
 
 def measure_quality(points: Array, tets: Index) -> Quality:
@@ -40,4 +41,12 @@ def measure_quality(points: Array, tets: Index) -> Quality:
         mean=float(ratio.mean()),
         position=(x, y, z),
         longest_edge=float(edges.max()),
+        mean_edge=_mean_edge(points, tets),
     )
+
+
+def _mean_edge(points: Array, tets: Index) -> float:
+    pairs = np.sort(tets[:, EDGES].reshape(-1, 2), axis=1)
+    keys = np.unique(pairs[:, 0] * len(points) + pairs[:, 1])
+    first, second = np.divmod(keys, len(points))
+    return float(np.linalg.norm(points[second] - points[first], axis=1).mean())

@@ -57,7 +57,7 @@ def test_cad_file_becomes_a_body(folder: Path, suffix: str, symmetric: bool) -> 
     assert design.cavity_volume == pytest.approx(54 * 7 * 10, rel=1e-7)
     body = design.body(4)
     mesh, fraction = body.mesh, 0.5 if symmetric else 1
-    assert mesh.volume == pytest.approx(fraction * SOLID, rel=1e-3)
+    assert mesh.volume == pytest.approx(fraction * SOLID, rel=1e-5)
     assert mesh.enclosed_volume("cavity") == pytest.approx(fraction * 54 * 7 * 10, rel=1e-10)
     assert set(mesh.faces) == {"clamp", "tip", "cavity", "outer"} | ({"sym"} if symmetric else set())
     assert sum(map(len, mesh.faces.values())) == len(mesh.boundary)

@@ -18,6 +18,7 @@ from geometry import (
     DesignError,
     MeshError,
     PneuNet,
+    Rectangular,
     Semicircular,
     SemicircularSingle,
 )
@@ -32,6 +33,8 @@ DESIGNS = [
     SemicircularSingle(length=60),
     SemicircularSingle(length=10),
     BisectedCircle(length=60),
+    Rectangular(chambers=3),
+    Rectangular(chambers=1, base=2),
 ]
 
 
@@ -97,11 +100,12 @@ def test_body_is_mirror_symmetric_about_its_middle(design: Design) -> None:
 
 
 @pytest.mark.parametrize(
-    "design", [PneuNet(chambers=5), Semicircular(chambers=5), BisectedCircle(), SemicircularSingle()]
+    "design",
+    [PneuNet(chambers=5), Semicircular(chambers=5), Rectangular(chambers=5), BisectedCircle(), SemicircularSingle()],
 )
 def test_inner_cells_are_equal(design: Design) -> None:
     mesh, cells = meshed(design, 4).mesh, cell_boundaries(design)
-    assert len(cells) == (6 if isinstance(design, PneuNet | Semicircular) else 12)
+    assert len(cells) == (6 if isinstance(design, PneuNet | Semicircular | Rectangular) else 12)
     points, tets = inside(mesh, cells[1], cells[2])
     for low, high in pairwise(cells[2:-1]):
         other_points, other_tets = inside(mesh, low, high)
@@ -169,14 +173,14 @@ def test_meshing_is_silent_and_works_in_threads(capfd: pytest.CaptureFixture[str
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_family_defines_seven_members() -> None:
-    members = {"length", "extent", "curve_y", "pitch", "solid_volume", "cavity_volumes", "repetition"}
+def test_a_family_defines_eight_members() -> None:
+    members = {"length", "extent", "curve_y", "pitch", "solid_volume", "cavity_volumes", "repetition", "thinnest_wall"}
     assert SymmetricDesign.__abstractmethods__ == members
 
 
 def test_families_are_listed_by_name() -> None:
     names = {PneuNet: "pneunet", Semicircular: "semicircular", BisectedCircle: "bisected_circle"}
-    names[SemicircularSingle] = "semicircular_single"
+    names |= {SemicircularSingle: "semicircular_single", Rectangular: "rectangular"}
     assert {design: name for name, design in FAMILIES.items()} == names
     assert all(design().length == pytest.approx(112) for design in FAMILIES.values())
 

@@ -202,7 +202,7 @@ def test_importing_geometry_loads_neither_gmsh_nor_meshio() -> None:
 
 def test_gmsh_leaves_signals_and_output_alone(capfd: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(MeshError, match=r"Gmsh could not mesh the body .* a smaller mesh\.size"):
-        BisectedCircle(wall=0.1).body(6.0)  # the mesher inside Gmsh says why on the standard output
+        BisectedCircle(wall=0.05).body(6.0)  # the mesher inside Gmsh says why on the standard output
     assert capfd.readouterr() == ("", "")
     status = dict(line.split(":", 1) for line in Path("/proc/self/status").read_text().splitlines())
     assert int(status["SigIgn"], 16) & 1 << (signal.SIGPIPE - 1)

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 
@@ -62,6 +63,28 @@ def with_hinge(mesh: Mesh) -> Mesh:
     return Mesh(points, np.vstack([mesh.tets, [[a, b, count, count + 1]]]), mesh.faces)
 
 
+def with_moved_vertex(mesh: Mesh) -> Mesh:
+    """A vertex inside the wall is moved by 11 mm through the cavity; the file keeps the order of the vertices."""
+    points = np.array(mesh.points)
+    inner = np.setdiff1d(np.arange(len(points)), mesh.boundary)
+    points[inner[np.argmax(points[inner, 1])], 1] -= 11.0
+    return Mesh(points, mesh.tets, mesh.faces)
+
+
+def with_narrow_sym(mesh: Mesh) -> Mesh:
+    sym = mesh.faces["sym"]
+    kept = mesh.points[sym][:, :, 0].mean(axis=1) < 11.0
+    return Mesh(mesh.points, mesh.tets, dict(mesh.faces) | {"sym": sym[kept], "rest": sym[~kept]})
+
+
+def with_sym_elsewhere(mesh: Mesh) -> Mesh:
+    return Mesh(np.add(mesh.points, [0, 0, 0.5]), mesh.tets, mesh.faces)
+
+
+def with_half_below(mesh: Mesh) -> Mesh:
+    return Mesh(np.multiply(mesh.points, [1, 1, -1]), mesh.tets, mesh.faces)
+
+
 BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
     "no clamp": (lambda mesh: renamed(mesh, clamp="foot"), "no face named clamp"),
     "no cavity": (lambda mesh: renamed(mesh, cavity="air"), "no face named cavity"),
@@ -71,7 +94,21 @@ BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
     "filled cavity": (lambda mesh: renamed(mesh.mirrored(), outer="cavity_2"), "cavity_2 encloses"),
     "two solids": (duplicated, "2 solids"),
     "hinge": (with_hinge, "not manifold: an edge near"),
+    "tangled": (with_moved_vertex, r"tangled: at \d+ of their faces .* such as near \("),
+    "narrow sym": (with_narrow_sym, "all of the boundary in the plane z = 0, and it leaves out"),
+    "sym elsewhere": (with_sym_elsewhere, "sym must lie in the plane z = 0; a triangle of it is near"),
+    "half below": (with_half_below, "must be the half z >= 0, but it reaches to"),
 }
+
+
+def test_the_order_of_vertices_alone_does_not_tangle_a_mesh(pneunet: Path, tmp_path: Path) -> None:
+    """Files of other programs may list the vertices of some elements the other way round."""
+    mesh = Mesh.read(pneunet)
+    content = meshio.read(pneunet)
+    tets = content.cells[-1].data
+    tets[::3] = tets[::3][:, [1, 0, 2, 3]]
+    meshio.write(tmp_path / "turned.msh", content, file_format="gmsh22", binary=False)
+    assert MeshFile(str(tmp_path / "turned.msh"), curve=1).solid_volume == pytest.approx(2 * mesh.volume)
 
 
 def test_components_are_counted() -> None:

@@ -4,7 +4,16 @@ from dataclasses import fields
 
 import pytest
 
-from geometry import FAMILIES, BisectedCircle, Design, DesignError, PneuNet, Semicircular, SemicircularSingle
+from geometry import (
+    FAMILIES,
+    BisectedCircle,
+    Design,
+    DesignError,
+    PneuNet,
+    Rectangular,
+    Semicircular,
+    SemicircularSingle,
+)
 
 
 def names(design: type[Design]) -> list[str]:
@@ -23,7 +32,7 @@ def test_every_length_must_be_a_positive_number(family: type[Design], key: str, 
 
 
 @pytest.mark.parametrize("chambers", [0, -3, 2.0, True, "eleven"])
-@pytest.mark.parametrize("family", [PneuNet, Semicircular])
+@pytest.mark.parametrize("family", [PneuNet, Semicircular, Rectangular])
 def test_chambers_must_be_counted(family: type[Design], chambers: object) -> None:
     with pytest.raises(DesignError, match="chambers: must be a whole number of at least 1"):
         family(chambers=chambers)
@@ -45,6 +54,9 @@ def test_chambers_must_be_counted(family: type[Design], chambers: object) -> Non
         (BisectedCircle, {"wall": 8}, ("wall", "radius")),
         (BisectedCircle, {"end_wall": 60}, ("end_wall", "length")),
         (BisectedCircle, {"divider": 13}, ("divider", "radius", "wall")),
+        (Rectangular, {"side_wall": 7.5}, ("side_wall", "width")),
+        (Rectangular, {"roof": 14}, ("base", "roof", "height")),
+        (Rectangular, {"channel": 12}, ("channel", "height", "width")),
     ],
 )
 def test_dimensions_that_leave_no_body(family: type[Design], dimensions: dict, keys: tuple[str, ...]) -> None:

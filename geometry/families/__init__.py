@@ -3,12 +3,13 @@
 from geometry.design import Design
 from geometry.families.bisected_circle import BisectedCircle
 from geometry.families.pneunet import PneuNet
+from geometry.families.rectangular import Rectangular
 from geometry.families.semicircular import Semicircular
 from geometry.families.semicircular_single import SemicircularSingle
 
 #: The drawn families by the name that a config gives them.
 FAMILIES: dict[str, type[Design]] = {
-    design.family: design for design in (PneuNet, Semicircular, SemicircularSingle, BisectedCircle)
+    design.family: design for design in (PneuNet, Semicircular, SemicircularSingle, BisectedCircle, Rectangular)
 }
 
-__all__ = ["FAMILIES", "BisectedCircle", "PneuNet", "Semicircular", "SemicircularSingle"]
+__all__ = ["FAMILIES", "BisectedCircle", "PneuNet", "Rectangular", "Semicircular", "SemicircularSingle"]

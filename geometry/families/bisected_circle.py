@@ -23,8 +23,8 @@ class BisectedCircle(SymmetricDesign):
 
     family: ClassVar[str] = "bisected_circle"
 
-    length: float = 112.0
-    radius: float = 7.5  #: outer
+    length: float = 112.0  #: of the arm
+    radius: float = 7.5  #: outer radius
     end_wall: float = 2.0  #: thickness of the solid at each end
     wall: float = 1.0  #: thickness of the round wall
     divider: float = 1.5  #: thickness of the dividing wall, in the middle of which the material curve runs
@@ -63,6 +63,10 @@ class BisectedCircle(SymmetricDesign):
         segment = inner**2 * acos(height / inner) - height * sqrt(inner**2 - height**2)
         volume = segment * (self.length - 2 * self.end_wall)
         return {"cavity": volume, "cavity_lower": volume}
+
+    @property
+    def thinnest_wall(self) -> float:
+        return min(self.wall, self.divider, self.end_wall)
 
     def repetition(self, size: float, grading: Grading) -> Repetition:
         count, pitch = nominal_cells(self.length - 2 * self.end_wall, self.radius)

@@ -13,8 +13,9 @@ import numpy as np
 from geometry.design import Body, Design, DesignError, check_size
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
-from geometry.meshing.cad import SUFFIXES, CadBody, CadMeasures, Point, measure, mesh_cad
-from geometry.meshing.mirror import slices
+from geometry.meshing.cad import SUFFIXES, CadBody, CadMeasures, Point, measure, measure_thinnest_wall, mesh_cad
+from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
+from geometry.meshing.mirror import Repetition, slices
 
 
 @final
@@ -25,7 +26,8 @@ class CadFile(Design):
     It is drawn in the frame of all bodies: x along the length, y up, z across, and symmetric about z = 0 (or the half
     z >= 0) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError` names the config
     key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The cells are nominal: equal parts of
-    the length, about `cell` long.
+    the length, about `cell` long, unless `cell` are two planes of mirror symmetry: then the body is meshed from equal
+    cells and its two ends.
     """
 
     family: ClassVar[str] = "cad_file"
@@ -34,9 +36,9 @@ class CadFile(Design):
     clamp: float  #: x of the clamped end face
     tip: float  #: x of the other end face
     curve: float  #: y of the material curve
-    air: Mapping[str, Point]  #: name of a cavity -> a point (x, y, z) in it; the first is pressurised
-    symmetric: bool = True  #: mesh only z >= 0
-    cell: float = 10.0  #: length over which curvature is averaged, nominal
+    air: Mapping[str, Point]  #: a point (x, y, z) in each cavity by its name; the first is pressurised
+    symmetric: bool = True  #: whether only the half z >= 0 is meshed
+    cell: float | CellPlanes = 10.0  #: nominal length of a cell, or two planes of [its symmetry](cell.md#own-bodies)
     unit: float = 1.0  #: mm per unit of length of a BREP file, which does not store its unit
 
     def __post_init__(self) -> None:
@@ -45,9 +47,9 @@ class CadFile(Design):
             raise DesignError("file", f"{path.name} is not a CAD file that can be read ({', '.join(SUFFIXES)})")
         if not path.is_file():
             raise DesignError("file", f"{path} does not exist")
-        for key in ("cell", "unit"):
-            if not (isfinite(getattr(self, key)) and getattr(self, key) > 0):
-                raise DesignError(key, f"must be a positive length, not {getattr(self, key)!r}")
+        for key, value in (("cell", self.cell), ("unit", self.unit)):
+            if not isinstance(value, CellPlanes) and not (isfinite(value) and value > 0):
+                raise DesignError(key, f"must be a positive length, not {value!r}")
         if not self.tip > self.clamp:
             raise DesignError(
                 ("clamp", "tip"), f"the tip x = {self.tip:g} mm must lie beyond the clamp, {self.clamp:g} mm"
@@ -57,12 +59,17 @@ class CadFile(Design):
                 "air", "name at least one cavity by a point in it, for example cavity: [50 mm, 8 mm, 0 mm]"
             )
         object.__setattr__(self, "air", dict(self.air))
-        _ = self.measures
+        _ = self.measures, self.cells
 
     @cached_property
     def measures(self) -> CadMeasures:
         """Bounds (mm) and volumes (mm3) of the body (both halves)."""
         return measure(self._cad)
+
+    @cached_property
+    def cells(self) -> Cells | None:
+        """Where the cells lie; None where it is not known."""
+        return find_cells(self._cad, self.cell) if isinstance(self.cell, CellPlanes) else None
 
     @cached_property
     def digest(self) -> str:
@@ -88,6 +95,8 @@ class CadFile(Design):
 
     @property
     def pitch(self) -> float:
+        if isinstance(self.cell, CellPlanes):
+            return 2 * self.cell.half_pitch
         return slices(self.length, self.cell)[1]
 
     @property
@@ -98,8 +107,28 @@ class CadFile(Design):
     def cavity_volumes(self) -> Mapping[str, float]:
         return {name: self.measures.air_volumes[name] for name in self.air}
 
+    @cached_property
+    def thinnest_wall(self) -> float:
+        return measure_thinnest_wall(self._cad)
+
+    @property
+    def repeats(self) -> bool:
+        return self.cells is not None
+
+    def repetition(self, size: float, grading: Grading) -> Repetition:
+        if self.cells is None:
+            return super().repetition(size, grading)
+        if (size, grading) not in self._meshed:
+            self._meshed[size, grading] = mesh_cells(self._cad, self.cells, size, grading)
+        return self._meshed[size, grading]
+
+    @cached_property
+    def _meshed(self) -> dict[tuple[float, Grading], Repetition]:
+        """Repetitions by size and grading, because a CAD file takes long to read and cut."""
+        return {}
+
     def body(self, size: float, grading: Grading = OFF) -> Body:
         check_size(size, self.extent, self.solid_volume / (2 if self.symmetric else 1))
-        mesh = mesh_cad(self._cad, size, grading)
+        mesh = self.repetition(size, grading).mesh() if self.repeats else mesh_cad(self._cad, size, grading)
         check_manifold(mesh)
-        return Body(mesh, self.family, self.length, self.pitch, self.curve, self.symmetric, self.cavities)
+        return self._body(mesh, self.length, self.symmetric)

@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry.design import Body, Design, DesignError
 from geometry.grading import OFF, Grading
-from geometry.manifold import check_manifold
+from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh, MeshError
 from geometry.meshing.cad import LARGEST, SMALLEST
 from geometry.meshing.mirror import slices
@@ -58,6 +58,9 @@ class MeshFile(Design):
     def _read(self) -> Body:
         mesh = Mesh.read(self.file)
         check_manifold(mesh)
+        check_untangled(mesh)
+        if "sym" in mesh.faces:
+            check_half(mesh)
         mesh, length = self._in_frame(mesh)
         names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
         if "cavity" not in names:
@@ -115,6 +118,11 @@ class MeshFile(Design):
     @cached_property
     def cavity_volumes(self) -> Mapping[str, float]:
         return {name: self._halves * self.fixed_body.mesh.enclosed_volume(name) for name in self.fixed_body.cavities}
+
+    @property
+    def thinnest_wall(self) -> float:
+        """The smallest side of the body, mm: a mesh does not tell its walls."""
+        return min(self.extent)
 
     @property
     def _halves(self) -> int:

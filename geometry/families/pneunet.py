@@ -23,11 +23,11 @@ class PneuNet(SymmetricDesign):
 
     family: ClassVar[str] = "pneunet"
 
-    chambers: int = 11
-    width: float = 15.0  #: across, w
-    chamber_length: float = 8.0  #: outer, along x, t2
+    chambers: int = 11  #: number of chambers
+    width: float = 15.0  #: of the arm across z, w
+    chamber_length: float = 8.0  #: outer length of a chamber along x, t2
     gap: float = 2.0  #: between chambers, and thickness of the solid at each end, t1
-    chamber_height: float = 12.0  #: above the strip, outer, H
+    chamber_height: float = 12.0  #: outer height of a chamber above the strip, H
     strip: float = 3.0  #: thickness of the strip, t
     base: float = 2.0  #: thickness of the base plate under it, b; the material curve runs at half of it
     wall: float = 1.0  #: thickness of chamber walls across x
@@ -78,6 +78,14 @@ class PneuNet(SymmetricDesign):
         cavities = self.chambers * inside * across * (self.strip + self.chamber_height - self.roof)
         channels = (self.chambers - 1) * (self.gap + 2 * self.wall) * self.channel**2
         return {"cavity": cavities + channels}
+
+    @property
+    def thinnest_wall(self) -> float:
+        return min(self.wall, self.side_wall, self.roof, self.base, self.strip)
+
+    @property
+    def outer_corners(self) -> bool:
+        return True
 
     def repetition(self, size: float, grading: Grading) -> Repetition:
         middle = self.gap + self.chamber_length / 2

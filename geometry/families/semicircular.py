@@ -23,9 +23,9 @@ class Semicircular(SymmetricDesign):
 
     family: ClassVar[str] = "semicircular"
 
-    chambers: int = 11
-    radius: float = 7.5  #: outer, of the half disc; the base plate is twice as wide
-    chamber_length: float = 8.0  #: of the cavity, along x
+    chambers: int = 11  #: number of chambers
+    radius: float = 7.5  #: outer radius of the half disc; the base plate is twice as wide
+    chamber_length: float = 8.0  #: length of a cavity along x
     partition: float = 2.0  #: thickness of the solid between two cavities
     end_wall: float = 2.0  #: thickness of the solid at each end
     base: float = 2.0  #: thickness of the base plate; the material curve runs at half of it
@@ -68,6 +68,10 @@ class Semicircular(SymmetricDesign):
     def cavity_volumes(self) -> Mapping[str, float]:
         cavities = self.chambers * self.chamber_length * pi / 2 * (self.radius - self.wall) ** 2
         return {"cavity": cavities + (self.chambers - 1) * self.partition * self.channel**2}
+
+    @property
+    def thinnest_wall(self) -> float:
+        return min(self.wall, self.base, self.partition, self.end_wall)
 
     def repetition(self, size: float, grading: Grading) -> Repetition:
         middle = self.end_wall + self.chamber_length / 2

@@ -23,8 +23,8 @@ class SemicircularSingle(SymmetricDesign):
 
     family: ClassVar[str] = "semicircular_single"
 
-    length: float = 112.0
-    radius: float = 7.5  #: outer, of the half disc; the base plate is twice as wide
+    length: float = 112.0  #: of the arm
+    radius: float = 7.5  #: outer radius of the half disc; the base plate is twice as wide
     end_wall: float = 2.0  #: thickness of the solid at each end
     base: float = 2.0  #: thickness of the base plate; the material curve runs at half of it
     wall: float = 1.0  #: thickness of the round wall
@@ -54,6 +54,10 @@ class SemicircularSingle(SymmetricDesign):
     @property
     def cavity_volumes(self) -> Mapping[str, float]:
         return {"cavity": pi / 2 * (self.radius - self.wall) ** 2 * (self.length - 2 * self.end_wall)}
+
+    @property
+    def thinnest_wall(self) -> float:
+        return min(self.wall, self.base, self.end_wall)
 
     def repetition(self, size: float, grading: Grading) -> Repetition:
         count, pitch = nominal_cells(self.length - 2 * self.end_wall, self.radius)

@@ -13,11 +13,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from geometry.curved import CurvedEdges
 from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.face_names import name_faces
-from geometry.meshing.size_field import set_size_field
+from geometry.meshing.size_field import set_size_field, thinnest_wall
 from geometry.meshing.solid import SolidMesh, Volume, collect_mesh, optimize, session, walls_between
 
 Point: TypeAlias = tuple[float, float, float]
@@ -54,7 +55,7 @@ class CadMeasures:
 
 def measure(body: CadBody) -> CadMeasures:
     """Read the file and check all that can be checked without a mesh. Raises `DesignError` with the config key."""
-    with _read(body) as (gmsh, blocks, air):
+    with cad_session(body) as (gmsh, blocks, air):
         occ = gmsh.model.occ
         halves = 2 if body.half else 1
         volumes = {name: halves * float(occ.getMass(*volume)) for volume, name in air.items()}
@@ -64,24 +65,41 @@ def measure(body: CadBody) -> CadMeasures:
         return CadMeasures(low, high, halves * sum(float(occ.getMass(*block)) for block in blocks), volumes)
 
 
+def measure_thinnest_wall(body: CadBody) -> float:
+    """Thickness of the thinnest wall, mm."""
+    with cad_session(body) as (gmsh, blocks, _):
+        keep_material(gmsh, blocks)
+        return thinnest_wall(gmsh, half=body.half)
+
+
+def keep_material(gmsh: Any, blocks: list[Volume]) -> None:
+    """Remove the air from the session."""
+    gmsh.model.occ.remove([v for v in gmsh.model.getEntities(3) if v not in blocks], recursive=True)
+    gmsh.model.occ.synchronize()
+
+
 def mesh_cad(body: CadBody, size: float, grading: Grading) -> Mesh:
     """Mesh the body with element edges of about `size` mm at most, moved along x so that it is clamped at x = 0.
 
     Faces: clamp, tip, sym (of a half), the cavities by their names, outer.
     """
-    with _read(body) as (gmsh, blocks, air):
+    with cad_session(body) as (gmsh, blocks, air):
         material = dict.fromkeys(blocks, "body")
         walls = walls_between(gmsh, material, air)
-        gmsh.model.occ.remove([v for v in gmsh.model.getEntities(3) if v not in material], recursive=True)
-        gmsh.model.occ.synchronize()
-        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
-        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8, as in the round families
-        gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
-        set_size_field(gmsh, size, grading, half=body.half, mirrored=False)
-        gmsh.model.mesh.generate(3)
-        optimize(gmsh, FLAT)
+        keep_material(gmsh, blocks)
+        mesh_session(gmsh, size, grading, body.half)
         mesh = collect_mesh(gmsh, material, walls, ["body"], list(body.air))
     return _named_mesh(body, mesh)
+
+
+def mesh_session(gmsh: Any, size: float, grading: Grading, half: bool) -> None:
+    """Mesh the volumes of the session with element edges of about `size` mm at most."""
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+    gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8
+    gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
+    set_size_field(gmsh, size, grading, half=half, mirrored=False)
+    gmsh.model.mesh.generate(3)
+    optimize(gmsh, FLAT)
 
 
 def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
@@ -93,7 +111,8 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
         near = np.abs(points[:, axis] - position) < tolerance  # files carry about seven digits
         points[near, axis] = position
     planes = {"clamp": (0, 0.0), "tip": (0, length)} | ({"sym": (2, 0.0)} if body.half else {})
-    named = name_faces(points, mesh.regions["body"], mesh.walls, planes)
+    curved = CurvedEdges(mesh.curved.ends, mesh.curved.middles - [body.clamp, 0, 0])
+    named = name_faces(points, mesh.regions["body"], mesh.walls, planes, curved)
     for name in ("clamp", "tip"):
         if name not in named.faces:
             raise DesignError(name, f"the body has no face in the plane x = {getattr(body, name):g} mm")
@@ -101,7 +120,7 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
 
 
 @contextmanager
-def _read(body: CadBody) -> Iterator[tuple[Any, list[Volume], dict[Volume, str]]]:
+def cad_session(body: CadBody) -> Iterator[tuple[Any, list[Volume], dict[Volume, str]]]:
     """A session with the body: its blocks, cut at the planes of the material curve, and its named cavities."""
     with session() as gmsh:
         solid = _single_solid(gmsh, body)

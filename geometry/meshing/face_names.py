@@ -5,11 +5,18 @@ from collections.abc import Mapping
 import numpy as np
 
 from geometry.arrays import Array, Index
+from geometry.curved import NO_CURVED_EDGES, CurvedEdges
 from geometry.mesh import Mesh
 from geometry.topology import find_rows
 
 
-def name_faces(points: Array, tets: Index, walls: Mapping[str, Index], planes: Mapping[str, tuple[int, float]]) -> Mesh:
+def name_faces(
+    points: Array,
+    tets: Index,
+    walls: Mapping[str, Index],
+    planes: Mapping[str, tuple[int, float]],
+    curved: CurvedEdges = NO_CURVED_EDGES,
+) -> Mesh:
     """The mesh whose boundary triangles are named by the air they touch, else by the plane they lie in, else `outer`.
 
     points (n, 3), mm; tets (m, 4); walls: name of the air -> (k, 3) triangles, interior ones are ignored; planes:
@@ -30,4 +37,4 @@ def name_faces(points: Array, tets: Index, walls: Mapping[str, Index], planes: M
         flat[name] = boundary[on_plane]
         free &= ~on_plane
     faces = flat | air | {"outer": boundary[free]}
-    return Mesh(points, tets, {name: triangles for name, triangles in faces.items() if len(triangles)})
+    return Mesh(points, tets, {name: triangles for name, triangles in faces.items() if len(triangles)}, curved)

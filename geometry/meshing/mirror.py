@@ -7,6 +7,7 @@ from typing import final
 import numpy as np
 
 from geometry.arrays import Array, Index
+from geometry.curved import CurvedEdges
 from geometry.mesh import Mesh
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.solid import SolidMesh
@@ -20,6 +21,7 @@ class _Region:
     tets: Index  #: (m, 4)
     walls: Mapping[str, Index]  #: name of the air -> (k, 3)
     original: Index  #: (n,) number of each point in the meshed solid
+    curved: CurvedEdges
 
 
 @final
@@ -31,6 +33,8 @@ class Repetition:
     `edge`), which share the vertices of the plane x = middle (mm). Because each copy touches only its own mirror image,
     neighbours share their vertices by number and no coordinates have to be compared. Raises `ValueError` when
     half_cells is odd or negative.
+    The far end of the body is the mirror image of `end`, unless `last` is given: then it is the region `far`, which
+    begins with a half cell and shares the vertices of the plane x = edge with `cell`.
     Boundary faces of what is put together: the walls of the solid's air by their names, `clamp` (x = 0), `tip` (the far
     end), `sym` (z = 0), and `outer` for all others.
     """
@@ -39,6 +43,8 @@ class Repetition:
     middle: float  #: where the end piece ends, mm
     edge: float  #: where the half cell ends, mm
     half_cells: int  #: between the two end pieces of the body
+    last: float | None = None  #: length of the far end beyond its half cell, mm; None where it mirrors the end piece
+    half: bool = True  #: only z >= 0 is meshed
 
     def __post_init__(self) -> None:
         if self.half_cells % 2 or self.half_cells < 0:
@@ -47,7 +53,12 @@ class Repetition:
     @property
     def length(self) -> float:
         """Length of the body, mm."""
-        return 2 * self.middle + self.half_cells * self.half_pitch
+        return self.middle + self.beyond + self.half_cells * self.half_pitch
+
+    @property
+    def beyond(self) -> float:
+        """Length of the far end without any half cell, mm."""
+        return self.middle if self.last is None else self.last
 
     @property
     def half_pitch(self) -> float:
@@ -62,27 +73,40 @@ class Repetition:
         """The end piece with that many half cells; its face `tip` is the mirror plane at their far end."""
         return self._joined(half_cells, self.middle + half_cells * self.half_pitch, far_end=False)
 
+    def tip_piece(self, half_cells: int) -> Mesh:
+        """The far end with that many half cells, an odd number, as its mirror image: `clamp` is the end of the body,
+        `tip` the mirror plane."""
+        if self.last is None:
+            return self.end_piece(half_cells)
+        if half_cells % 2 == 0:
+            raise ValueError(f"the number of half cells of a far end must be odd, not {half_cells}")
+        end = self.edge + self.half_pitch + self.last
+        regions = {"end": self.solid.regions["far"], "cell": self.solid.regions["cell"]}
+        points, middles = (
+            np.array([end, 0.0, 0.0]) + x * [-1.0, 1.0, 1.0] for x in (self.solid.points, self.solid.curved.middles)
+        )
+        image = SolidMesh(points, regions, self.solid.walls, CurvedEdges(self.solid.curved.ends, middles))
+        mirrored = Repetition(image, end - self.edge, end - self.middle, 0, half=self.half)
+        return mirrored.end_piece(half_cells - 1)
+
     def half_cell(self) -> Mesh:
         """The half cell from x = 0 to x = half_pitch, both of which are mirror planes of the body: the faces `clamp`
         and `tip`."""
         cell = _cut(self.solid, "cell")
         points = cell.points - np.array([self.middle, 0.0, 0.0])
         points[:, 0] = _snapped(points[:, 0], (0.0, self.half_pitch))
-        return name_faces(points, cell.tets, cell.walls, _planes(self.half_pitch))
+        middles = cell.curved.middles - np.array([self.middle, 0.0, 0.0])
+        curved = CurvedEdges(cell.curved.ends, middles)
+        return name_faces(points, cell.tets, cell.walls, self._planes(self.half_pitch), curved)
 
     def _joined(self, half_cells: int, length: float, far_end: bool) -> Mesh:
         end = _cut(self.solid, "end")
-        points, tets = [end.points], [end.tets]
+        points, tets, curved = [end.points], [end.tets], [end.curved]
         walls = {name: [triangles] for name, triangles in end.walls.items()}
         count = len(end.points)
         latest = np.full(len(self.solid.points), -1)  # point numbers of the latest copy, by point of the meshed solid
         latest[end.original] = np.arange(count)
-        copies = [(end, -1)] if far_end else []
-        if half_cells:
-            cell = _cut(self.solid, "cell")
-            copies = [(cell, k) for k in range(half_cells)] + copies
-        for region, k in copies:
-            interface = self.edge if k % 2 and k >= 0 else self.middle  # where this copy touches the one before it
+        for region, k, interface in self._copies(end, half_cells, far_end):
             new = np.abs(region.points[:, 0] - interface) > 1e-9 * length
             numbers = latest[region.original]
             numbers[new] = count + np.arange(new.sum())
@@ -90,20 +114,36 @@ class Repetition:
             latest[region.original] = numbers
             points.append(_copied(region.points[new], k, self.middle, self.edge, length))
             tets.append(numbers[region.tets])
+            middles = _copied(region.curved.middles, k, self.middle, self.edge, length)
+            curved.append(CurvedEdges(numbers[region.curved.ends], middles))
             for name, triangles in region.walls.items():
                 walls[name].append(numbers[triangles])
         joined = {name: np.vstack(triangles) for name, triangles in walls.items()}
-        return name_faces(np.vstack(points), np.vstack(tets), joined, _planes(length))
+        every = curved[0].joined(*curved[1:])
+        return name_faces(np.vstack(points), np.vstack(tets), joined, self._planes(length), every)
+
+    def _copies(self, end: _Region, half_cells: int, far_end: bool) -> list[tuple[_Region, int, float]]:
+        """What is joined to the end piece: each region, which copy it is, and the plane x (mm) of the solid where it
+        touches the one before it."""
+        copies: list[tuple[_Region, int, float]] = []
+        if far_end and self.last is None:
+            copies = [(end, -1, self.middle)]
+        elif far_end:  # it is the last half cell as well, shifted as the one before
+            half_cells -= 1
+            copies = [(_cut(self.solid, "far"), half_cells - 1, self.edge)]
+        if not half_cells:
+            return copies
+        cell = _cut(self.solid, "cell")
+        return [(cell, k, self.edge if k % 2 else self.middle) for k in range(half_cells)] + copies
+
+    def _planes(self, length: float) -> dict[str, tuple[int, float]]:
+        return {"clamp": (0, 0.0), "tip": (0, length)} | ({"sym": (2, 0.0)} if self.half else {})
 
 
 def slices(length: float, nominal: float) -> tuple[int, float]:
     """Number and length (mm) of the equal slices of `length` that are closest to `nominal` (mm)."""
     count = max(1, round(length / nominal))
     return count, length / count
-
-
-def _planes(length: float) -> dict[str, tuple[int, float]]:
-    return {"clamp": (0, 0.0), "tip": (0, length), "sym": (2, 0.0)}
 
 
 def _snapped(x: Array, planes: tuple[float, ...]) -> Array:
@@ -136,4 +176,5 @@ def _cut(solid: SolidMesh, region: str) -> _Region:
         local.reshape(tets.shape),
         {name: triangles[(triangles >= 0).all(axis=1)] for name, triangles in walls.items()},
         used,
+        solid.curved.renumbered(new),
     )

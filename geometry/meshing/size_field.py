@@ -79,8 +79,23 @@ def _is_reentrant(model: Any, curve: int, inside: Inside, near: float) -> bool:
     return AROUND / 2 < filled < AROUND
 
 
+def thinnest_wall(gmsh: Any, half: bool = True) -> float:
+    """Thickness of the thinnest wall of the solid in the session, mm; walls thicker than `DEEPEST` are as thick as
+    that."""
+    model = gmsh.model
+    box = np.array(model.getBoundingBox(-1, -1))
+    thickness = _thicknesses(model, *_material_test(model, half, mirrored=False))
+    return min(thickness.values(), default=DEEPEST * float((box[3:] - box[:3]).min()))
+
+
 def _thin_walls(model: Any, inside: Inside, near: float) -> list[int]:
     """Tags of the faces behind which the material is at most THIN times as thick as where it is thinnest."""
+    thickness = _thicknesses(model, inside, near)
+    return [face for face, depth in thickness.items() if depth <= THIN * min(thickness.values())]
+
+
+def _thicknesses(model: Any, inside: Inside, near: float) -> dict[int, float]:
+    """Thickness (mm) of the material behind the middle of each face, by tag; deeper walls are left out."""
     box = np.array(model.getBoundingBox(-1, -1))
     depths = np.linspace(near, DEEPEST * float((box[3:] - box[:3]).min()), STEPS)
     thickness = {}
@@ -95,4 +110,4 @@ def _thin_walls(model: Any, inside: Inside, near: float) -> list[int]:
         through = next((float(depth) for depth in depths if not inside(position + depth * inward)), None)
         if through is not None:
             thickness[int(face)] = through
-    return [face for face, depth in thickness.items() if depth <= THIN * min(thickness.values())]
+    return thickness

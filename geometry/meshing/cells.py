@@ -1,0 +1,270 @@
+"""The cells of a solid from a CAD file: where they lie, and its ends and half a cell meshed to be repeated.
+
+The user names two planes of mirror symmetry, x = start in the middle of a cell and x = stop between two cells. The
+space between them and each of its neighbours must be mirror images of each other; further ones are cells as long as
+they are. In the Gmsh session of `geometry.meshing.solid`.
+"""
+
+from dataclasses import dataclass
+from math import floor, pi
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.curved import CurvedEdges
+from geometry.design import DesignError
+from geometry.grading import Grading
+from geometry.meshing.cad import CadBody, cad_session, keep_material, mesh_session
+from geometry.meshing.mirror import Repetition
+from geometry.meshing.solid import SolidMesh, Volume, collect_mesh, walls_between
+
+#: part of the volume of half a cell by which another one may differ from it
+SAME = 1e-4
+#: smallest length of half a cell over that of the body
+SHORTEST = 1e-3
+
+
+@dataclass(frozen=True)
+class CellPlanes:
+    """Two neighbouring planes of mirror symmetry of the cells of a body."""
+
+    start: float  #: x of the plane in the middle of a cell, mm, as in the file
+    stop: float  #: x of the plane between this cell and the next or the one before, mm
+
+    @property
+    def half_pitch(self) -> float:
+        """Half the length of a cell, mm."""
+        return abs(self.stop - self.start)
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Where equal cells lie in a body; lengths in mm from its clamp."""
+
+    first: float  #: middle of the first cell
+    half_pitch: float
+    half_cells: int  #: between the middles of the first and of the last cell, even
+
+
+def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
+    """All cells that equal the one of the planes. Raises `DesignError` on `cell` for planes that are none of mirror
+    symmetry, with what differs and where."""
+    half_pitch, length = planes.half_pitch, body.tip - body.clamp
+    for key, x in (("from", planes.start), ("to", planes.stop)):
+        if not body.clamp <= x <= body.tip:
+            raise DesignError(
+                f"cell.{key}",
+                f"x = {x:g} mm lies outside the arm, which reaches from {body.clamp:g} to {body.tip:g} mm",
+            )
+    if not half_pitch > SHORTEST * length:
+        raise DesignError("cell", f"the planes are {half_pitch:g} mm apart; give two planes with half a cell between")
+    low = min(planes.start, planes.stop)
+    with cad_session(body) as (gmsh, blocks, _):
+        first, last = _Slots(gmsh, body, blocks, low, half_pitch).equal_to_the_first()
+    odd = int(planes.stop < planes.start)  # of the numbers of the planes in the middle of a cell
+    middles = first + (first + odd) % 2, last - (last + odd) % 2
+    if middles[1] - middles[0] < 2:
+        raise DesignError(
+            "cell",
+            f"the body repeats its cell only from x = {low + first * half_pitch:g} to "
+            f"{low + last * half_pitch:g} mm; two whole cells at least are needed",
+        )
+    return Cells(low - body.clamp + middles[0] * half_pitch, half_pitch, middles[1] - middles[0])
+
+
+def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Repetition:
+    """Both ends of the body and half a cell, meshed with element edges of about `size` mm at most.
+
+    Raises `DesignError` for a cavity that does not go through the cells.
+    """
+    middle, length, h = cells.first, body.tip - body.clamp, cells.half_pitch
+    edge, shift = middle + h, (cells.half_cells - 2) * h
+    windows = {
+        "end": (-length, middle, 0.0),
+        "cell": (middle, edge, 0.0),
+        "far": (edge + shift, 2 * length, shift),
+    }
+    with cad_session(body) as (gmsh, blocks, air):
+        owners = {**dict.fromkeys(blocks, ""), **air}
+        material, cavities = _fragmented(gmsh, body, owners, windows)
+        walls = walls_between(gmsh, material, cavities)
+        keep_material(gmsh, list(material))
+        mesh_session(gmsh, size, grading, body.half)
+        mesh = collect_mesh(gmsh, material, walls, list(windows), list(body.air))
+    points = _in_frame(mesh.points, body, (0.0, middle, edge, length - shift))
+    within = np.unique(mesh.regions["cell"])
+    for name, triangles in mesh.walls.items():
+        if not np.isin(triangles, within).all(axis=1).any():
+            raise DesignError(
+                ("cell", f"air.{name}"),
+                f"the cavity {name} does not go through the cell; equal cells are in the same cavities",
+            )
+    origin = np.array([body.clamp, 0.0, 0.0])
+    last = length - middle - cells.half_cells * h
+    return Repetition(
+        SolidMesh(points, mesh.regions, mesh.walls, CurvedEdges(mesh.curved.ends, mesh.curved.middles - origin)),
+        *(middle, edge, cells.half_cells, last),
+        half=body.half,
+    )
+
+
+def _in_frame(points: Array, body: CadBody, planes: tuple[float, ...]) -> Array:
+    """Points (n, 3), mm, moved so that the clamp is at x = 0; those near a named plane lie in it exactly."""
+    moved = points - [body.clamp, 0, 0]
+    tolerance = 1e-6 * (body.tip - body.clamp)
+    for axis, position in (*((0, x) for x in planes), (1, body.curve), (2, 0.0)):
+        moved[np.abs(moved[:, axis] - position) < tolerance, axis] = position
+    return moved
+
+
+def _fragmented(
+    gmsh: Any, body: CadBody, owners: dict[Volume, str], windows: dict[str, tuple[float, float, float]]
+) -> tuple[dict[Volume, str], dict[Volume, str]]:
+    """Material by region and air by name, cut along x by the windows (low, high, shift in mm from the clamp).
+
+    owners: the name of the air, empty for material. What is in a window is shifted back by its shift.
+    """
+    occ = gmsh.model.occ
+    parts: list[tuple[Volume, str, str]] = []
+    for region, (low, high, shift) in windows.items():
+        for volume, name in owners.items():
+            cut = _between(gmsh, [volume], body.clamp + low, body.clamp + high)
+            if cut and shift:
+                occ.translate(cut, -shift, 0, 0)
+            parts += [(part, region, name) for part in cut]
+    occ.remove(list(owners), recursive=True)
+    _, children = occ.fragment([part for part, _, _ in parts], [])
+    occ.synchronize()
+    material: dict[Volume, str] = {}
+    air: dict[Volume, str] = {}
+    for (_, region, name), pieces in zip(parts, children, strict=True):
+        for piece in pieces:
+            if name:
+                air[piece] = name
+            else:
+                material[piece] = region
+    return material, air
+
+
+def _between(gmsh: Any, volumes: list[Volume], low: float, high: float) -> list[Volume]:
+    """Copies of what the volumes have between x = low and x = high, mm."""
+    occ = gmsh.model.occ
+    (_, y, z), (_, top, far) = _box(gmsh, volumes) + np.array([[-1.0], [1.0]])
+    window = (3, occ.addBox(low, y, z, high - low, top - y, far - z))
+    parts, _ = occ.intersect(occ.copy(volumes), [window])  # a volume within the window would be returned itself
+    return [part for part in parts if part[0] == 3]
+
+
+class _Slots:
+    """Half cells of a body one after the other, number 0 between the planes of the user."""
+
+    def __init__(self, gmsh: Any, body: CadBody, blocks: list[Volume], start: float, half_pitch: float) -> None:
+        self.gmsh = gmsh
+        self.body = body
+        self.start, self.h = start, half_pitch
+        self.slots: dict[int, list[Volume]] = {}
+        for volume in _cut_at(gmsh, blocks, [self._position(number) for number in self._numbers()]):
+            x = gmsh.model.occ.getCenterOfMass(*volume)[0]
+            self.slots.setdefault(floor((x - start) / half_pitch), []).append(volume)
+        self.moments = {number: self._moments(number) for number in self.slots}
+
+    def equal_to_the_first(self) -> tuple[int, int]:
+        """Numbers of the first and the last plane between which all slots equal that of the user.
+
+        Raises `DesignError` where a neighbour of that does not.
+        """
+        ends = []
+        for side in (-1, 1):
+            if not self._is_within(side):
+                raise DesignError(
+                    "cell",
+                    f"beside x = {self._position(max(side, 0)):g} mm the arm has no room for another half cell; give "
+                    "two planes that are farther from its ends",
+                )
+            self._check_neighbour(side)
+            number = side
+            while self._is_within(number + side) and self._is_equal(number + side):
+                number += side
+            ends.append(number)
+        return ends[0], ends[1] + 1
+
+    def _position(self, number: int) -> float:
+        """x of a plane, mm."""
+        return self.start + number * self.h
+
+    def _numbers(self) -> range:
+        """Of the planes within the arm."""
+        before, behind = self.start - self.body.clamp, self.body.tip - self.start
+        return range(-floor(before / self.h), floor(behind / self.h) + 1)
+
+    def _is_within(self, number: int) -> bool:
+        margin = 1e-6 * (self.body.tip - self.body.clamp)
+        low, high = self._position(number), self._position(number + 1)
+        return low >= self.body.clamp - margin and high <= self.body.tip + margin
+
+    def _moments(self, number: int) -> Array:
+        """Volume, first and second moments (10,) of a slot about its own middle, mm to mm5."""
+        occ = self.gmsh.model.occ
+        total = np.zeros((4, 4))
+        for volume in self.slots[number]:
+            mass = float(occ.getMass(*volume))
+            centre = np.array(occ.getCenterOfMass(*volume)) - [self._position(number) + 0.5 * self.h, 0.0, 0.0]
+            inertia = np.array(occ.getMatrixOfInertia(*volume)).reshape(3, 3)
+            total[0, 0] += mass
+            total[0, 1:] += mass * centre
+            total[1:, 1:] += 0.5 * np.trace(inertia) * np.eye(3) - inertia + mass * np.outer(centre, centre)
+        return np.asarray(total[np.triu_indices(4)])
+
+    def _is_equal(self, number: int) -> bool:
+        """Whether a slot has the volume and the moments of the user's, or of its mirror image."""
+        if number not in self.slots:
+            return False
+        sign = np.array([1.0, -1.0, 1.0, 1.0])[:, None] ** (number % 2)
+        expected = self.moments[0] * (sign @ sign.T)[np.triu_indices(4)]
+        size = np.array([1.0, *np.ptp(_box(self.gmsh, self.slots[0]), axis=0)])
+        allowed = SAME * self.moments[0][0] * np.outer(size, size)[np.triu_indices(4)]
+        return bool((np.abs(self.moments[number] - expected) <= allowed).all())
+
+    def _check_neighbour(self, number: int) -> None:
+        """Raise `DesignError` unless a neighbour of the user's slot is its mirror image."""
+        occ = self.gmsh.model.occ
+        x = self._position(max(number, 0))
+        slot, image = self.slots.get(number, []), occ.copy(self.slots[0])
+        occ.mirror(image, 1, 0, 0, -x)
+        rest = []
+        for first, second in ((slot, image), (image, slot)):
+            parts = occ.cut(first, second, removeObject=False, removeTool=False)[0] if slot else first
+            rest += [part for part in parts if part[0] == 3]
+        volumes = [float(occ.getMass(*part)) for part in rest]
+        fraction = sum(volumes) / self.moments[0][0]
+        if fraction > SAME:
+            largest = rest[int(np.argmax(volumes))]
+            place = ", ".join(f"{round(coordinate, 3) + 0.0:g}" for coordinate in occ.getCenterOfMass(*largest))
+            raise DesignError(
+                "cell",
+                f"the body is not symmetric about the plane x = {x:g} mm: the material {self.h:g} mm before and behind "
+                f"it differs by {100 * fraction:.2g} % of its volume, around ({place}) mm; give planes in the middle "
+                "of a cell and between two equal cells, or a length alone",
+            )
+
+
+def _cut_at(gmsh: Any, blocks: list[Volume], positions: list[float]) -> list[Volume]:
+    """The blocks, cut at the planes x = position (mm)."""
+    occ = gmsh.model.occ
+    (_, y, z), (_, top, far) = _box(gmsh, blocks)
+    height, width = 2 * (top - y), 2 * (far - z)
+    planes = []
+    for x in positions:
+        sheet = occ.addRectangle(-width / 2, -height / 2, 0, width, height)
+        occ.rotate([(2, sheet)], 0, 0, 0, 0, 1, 0, pi / 2)  # its sides were along x and y
+        occ.translate([(2, sheet)], x, (y + top) / 2, (z + far) / 2)
+        planes.append((2, sheet))
+    _, children = occ.fragment(blocks, planes)
+    return [part for parts in children[: len(blocks)] for part in parts if part[0] == 3]
+
+
+def _box(gmsh: Any, volumes: list[Volume]) -> Array:
+    """Corners (2, 3) of the box around some volumes, mm."""
+    boxes = np.array([gmsh.model.occ.getBoundingBox(*volume) for volume in volumes])
+    return np.stack([boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)])

@@ -1,0 +1,98 @@
+"""Cells of a body from a STEP file: the pieces are those of the family that draws the same body; lopsided ones."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geometry import CadFile, CellPlanes, DesignError, PneuNet
+from tests.step_bodies import box, pneunet_as_step, save
+
+NET = PneuNet(chambers=3)
+#: in the middle of the second chamber, and of the gap behind it
+PLANES = CellPlanes(16, 21)
+
+
+def design_of(path: Path, planes: CellPlanes = PLANES, **changes: Any) -> CadFile:
+    spec = {"clamp": 0, "tip": NET.length, "curve": NET.curve_y, "air": {"cavity": (6, 4, 0)}, "cell": planes}
+    return CadFile(str(path), **(spec | changes))
+
+
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return pneunet_as_step(tmp_path_factory.mktemp("net") / "net.step", NET)
+
+
+def test_pieces_of_a_step_body_are_those_of_the_family(drawn: Path) -> None:
+    own = design_of(drawn)
+    assert own.cells is not None
+    assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells, own.pitch) == pytest.approx((6, 5, 4, 10))
+    assert own.body(5.0).mesh.volume == pytest.approx(NET.solid_volume / 2, rel=1e-9)
+    assert own.body(5.0).mesh.enclosed_volume("cavity") == pytest.approx(NET.cavity_volume / 2, rel=1e-9)
+    pieces = [(own.half_cell(5.0), NET.half_cell(5.0))]
+    pieces += [(kind(3, 5.0), NET.end_piece(3, 5.0)) for kind in (own.end_piece, own.tip_piece)]
+    for ours, theirs in pieces:
+        assert ours.length == pytest.approx(theirs.length)
+        assert ours.mesh.volume == pytest.approx(theirs.mesh.volume, rel=1e-9)
+        for name in ("clamp", "tip", "cavity", "sym"):
+            assert ours.mesh.area(name) == pytest.approx(theirs.mesh.area(name), rel=1e-9)
+        for name, x in (("clamp", 0.0), ("tip", ours.length)):
+            assert np.ptp(ours.mesh.points[np.unique(ours.mesh.faces[name]), 0] - x) < 1e-9
+
+
+def test_the_far_end_may_be_another_one(tmp_path: Path) -> None:
+    """A block on the last chamber makes the two ends differ; the cells between them have equal meshes."""
+    net = PneuNet(chambers=4)
+    path = pneunet_as_step(tmp_path / "tip.step", net, knob=((33, 17, -2), (35, 19, 2)))
+    own = design_of(path, tip=net.length)
+    assert own.cells is not None
+    assert own.cells.half_cells == 4  # the last chamber with the half gap before it belongs to the far end
+    end, far, body = own.end_piece(1, 6.0).mesh, own.tip_piece(1, 6.0).mesh, own.body(6.0).mesh
+    cell = own.half_cell(6.0).mesh
+    assert len(body.tets) == len(end.tets) + len(far.tets) + 2 * len(cell.tets)
+    assert body.volume == pytest.approx((net.solid_volume + 16) / 2, rel=1e-9)
+    assert far.volume - end.volume == pytest.approx(8 + 2 * cell.volume, rel=1e-9)
+    assert far.points[:, 1].max() == pytest.approx(19)
+
+
+def test_planes_in_either_order_and_a_body_that_is_meshed_on_both_sides(drawn: Path) -> None:
+    own = design_of(drawn, CellPlanes(21, 16), symmetric=False)
+    assert own.cells is not None
+    assert (own.cells.first, own.cells.half_cells) == pytest.approx((11, 2))
+    piece = own.end_piece(1, 6.0)
+    assert not piece.half
+    assert piece.mesh.volume == pytest.approx(2 * NET.end_piece(2, 6.0).mesh.volume, rel=1e-9)
+
+
+REFUSED: list[tuple[CellPlanes, str]] = [
+    (CellPlanes(15, 21), r"not symmetric about the plane x = 15 mm: .* differs by \d+ % of its volume, around \("),
+    (CellPlanes(16, 80), r"cell\.to: x = 80 mm lies outside the arm, which reaches from 0 to 32 mm"),
+    (CellPlanes(16, 16), "the planes are 0 mm apart"),
+    (CellPlanes(1, 6), "beside x = 1 mm the arm has no room for another half cell"),
+]
+
+
+@pytest.mark.parametrize(("planes", "sentence"), REFUSED)
+def test_planes_that_are_not_those_of_a_cell(planes: CellPlanes, sentence: str, drawn: Path) -> None:
+    with pytest.raises(DesignError, match=sentence) as caught:
+        design_of(drawn, planes)
+    assert caught.value.keys[0].startswith("cell")
+
+
+def test_a_lopsided_cell_is_refused_with_what_differs_and_where(tmp_path: Path) -> None:
+    path = pneunet_as_step(tmp_path / "net.step", NET, ((18, 17, -2), (20, 18, 2)))
+    with pytest.raises(DesignError, match=r"plane x = 16 mm: .* differs by 1\.2 % .* around \(\d+, 17\.5, ") as caught:
+        design_of(path)
+    assert caught.value.keys == ("cell",)
+
+
+def test_a_cavity_that_does_not_go_through_the_cells_is_refused(tmp_path: Path) -> None:
+    def draw(occ: Any) -> None:
+        bar = box(occ, (0, 0, -5), (42, 8, 5))
+        occ.cut([bar], [box(occ, (x, 2, -3), (x + 8, 6, 3)) for x in (2, 12, 22, 32)])
+
+    path = save(tmp_path / "closed.step", draw)
+    air = {f"cavity{k}": (6.0 + 10.0 * k, 4.0, 0.0) for k in range(4)}
+    with pytest.raises(DesignError, match="does not go through the cell; equal cells are in the same cavities"):
+        CadFile(str(path), 0, 42, 1, air, cell=PLANES).half_cell(6.0)
