@@ -56,7 +56,9 @@ class Faces:
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Tetrahedra with straight edges, their stress points and their surfaces; a = 10 nodes, 4 in linear elements.
+    """Tetrahedra, their stress points and their surfaces; a = 10 nodes, 4 in linear elements.
+
+    Quadratic elements are isoparametric: where the mesh has curved edges, their middle is a node on the round wall.
 
     The stress points are those of the quadrature rule of the shape functions, and after them the centroid where the
     element evaluates the volumetric part of the law there alone.
@@ -66,7 +68,7 @@ class Discretisation:
     nodes: Index  #: (e, a), vertices then mid-edge nodes (01, 12, 02, 03, 13, 23), sorted by colour and chunk
     chunks: Index  #: (k + 1,) where each chunk begins in `nodes`
     colours: Index  #: (c + 1,) where each colour begins in `chunks`
-    inverse: Array  #: (e, 3, 3) inverse Jacobians d xi / d X, 1/mm
+    inverse: Array  #: (e, q, 3, 3) inverse Jacobians d xi / d X, 1/mm; (e, 1, 3, 3) where all edges are straight
     reference: Array  #: (q, a, 3) reference gradients of the shape functions at the stress points
     vertex_shape: Array  #: (q, 4) linear shape functions of the vertices at the stress points
     weight: Array  #: (e, q) quadrature weights times volume, mm3
@@ -82,19 +84,21 @@ class Discretisation:
         basis = skfem.Basis(grid, skfem.ElementVector(tetrahedron), intorder=element.shape.degree)
         nodes = np.ascontiguousarray(basis.element_dofs[::3].T // 3, dtype=np.int64)
         points = np.ascontiguousarray(basis.doflocs[:, ::3].T)
+        if element.quadratic and len(mesh.curved):
+            points[mesh.points.shape[0] + _edge_numbers(grid, mesh.curved.ends)] = mesh.curved.middles
         nodes, chunks, colours = _in_chunks(nodes, mesh.points)
-        jacobian = np.stack([points[nodes[:, k]] - points[nodes[:, 0]] for k in (1, 2, 3)], axis=2)
-        volume = np.abs(np.linalg.det(jacobian)) / 6.0
         reference, vertex_shape, fraction = _stress_points(basis, tetrahedron, element)
+        curved = element.quadratic and len(mesh.curved) > 0
+        inverse, weight = (_curved if curved else _straight)(points[nodes], reference, fraction)
         return cls(
             points=points,
             nodes=nodes,
             chunks=chunks,
             colours=colours,
-            inverse=np.ascontiguousarray(np.linalg.inv(jacobian)),
+            inverse=inverse,
             reference=reference,
             vertex_shape=vertex_shape,
-            weight=np.ascontiguousarray(volume[:, None] * fraction[None, :]),
+            weight=weight,
             element=element,
             surfaces=_surfaces(mesh, grid if element.quadratic else None),
         )
@@ -124,6 +128,25 @@ class Discretisation:
         if name not in self.surfaces:
             raise ValueError(f"face {name!r} does not exist; the mesh has {', '.join(sorted(self.surfaces))}")
         return self.surfaces[name]
+
+
+def _straight(corners: Array, reference: Array, fraction: Array) -> tuple[Array, Array]:
+    """Inverse Jacobians (e, 1, 3, 3) and weights (e, q) of elements with straight edges and nodes at `corners`
+    (e, a, 3), mm."""
+    jacobian = np.stack([corners[:, k] - corners[:, 0] for k in (1, 2, 3)], axis=2)
+    volume = np.abs(np.linalg.det(jacobian)) / 6.0
+    inverse = np.ascontiguousarray(np.linalg.inv(jacobian))[:, None]
+    return inverse, np.ascontiguousarray(volume[:, None] * fraction[None, :])
+
+
+def _curved(corners: Array, reference: Array, fraction: Array) -> tuple[Array, Array]:
+    """The same, (e, q, 3, 3) and (e, q), of isoparametric elements. The points of the quadrature rule come first; the
+    weight of a centroid after them is the volume of its element."""
+    jacobian = np.einsum("qak,eai->eqik", reference, corners)
+    weight = np.abs(np.linalg.det(jacobian)) / 6.0 * fraction
+    rule = int(np.argmax(np.cumsum(fraction) > 1.0 - 1e-9)) + 1
+    weight[:, rule:] = weight[:, :rule].sum(axis=1, keepdims=True)
+    return np.ascontiguousarray(np.linalg.inv(jacobian)), np.ascontiguousarray(weight)
 
 
 def _in_chunks(nodes: Index, vertices: Array) -> tuple[Index, Index, Index]:
@@ -170,8 +193,13 @@ def _surfaces(mesh: Mesh, grid: skfem.MeshTet | None) -> dict[str, Faces]:
 
 def _edges(grid: skfem.MeshTet, triangles: Index) -> Index:
     """Numbers (f, 3) of the edges 01, 12 and 02 of triangles (f, 3)."""
+    return _edge_numbers(grid, triangles[:, [[0, 1], [1, 2], [0, 2]]])
+
+
+def _edge_numbers(grid: skfem.MeshTet, ends: Index) -> Index:
+    """Numbers (...) of the edges between vertices `ends` (..., 2)."""
     vertices = grid.p.shape[1]
     keys = grid.edges[0].astype(np.int64) * vertices + grid.edges[1]
     order = np.argsort(keys)
-    ends = np.sort(triangles[:, [[0, 1], [1, 2], [0, 2]]], axis=2)
+    ends = np.sort(ends, axis=-1)
     return np.asarray(order[np.searchsorted(keys[order], ends[..., 0] * vertices + ends[..., 1])])

@@ -49,7 +49,7 @@ class Experiment:
         if name not in NAMES:
             raise ValueError(f"experiment {name!r}: allowed are {', '.join(NAMES)}")
         curve = Line(body.mesh.points[body.curve_vertices])
-        edge = Line(_end_edge(body))
+        edge = Line(body.edge("tip"))
         plane = (Fixed("sym", "z"),) if body.half else ()
         supports: dict[str, tuple[Support, ...]] = {
             "I": _against_rigid_motion(curve.vertices, body),
@@ -116,14 +116,6 @@ class Experiment:
         return self.symmetry_factor * float(np.sum(lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]))
 
 
-def _end_edge(body: Body) -> Array:
-    """Vertices (k, 3) of the edge x = l, y = curve_y by increasing z, mm."""
-    tip = np.unique(body.mesh.faces["tip"])
-    points = body.mesh.points[tip]
-    on = points[np.abs(points[:, 1] - body.curve_y) < 1e-7 * body.length]
-    return np.asarray(on[np.argsort(on[:, 2])])
-
-
 def _against_rigid_motion(curve: Array, body: Body) -> tuple[Support, ...]:
     """Three constraints that take the rigid motion of half a body, six that take it of a whole one.
 
@@ -134,6 +126,4 @@ def _against_rigid_motion(curve: Array, body: Body) -> tuple[Support, ...]:
     in_plane: tuple[Support, ...] = (Fixed(curve[middle], "xy"), Fixed(curve[neighbour], "y"))
     if body.half:
         return in_plane
-    in_symmetry_plane = body.mesh.points[np.abs(body.mesh.points[:, 2]) < 1e-9 * body.length]
-    top = in_symmetry_plane[int(np.argmax(in_symmetry_plane[:, 1]))]
-    return (*in_plane, Fixed(curve[middle], "z"), Fixed(curve[neighbour], "z"), Fixed(top, "z"))
+    return (*in_plane, Fixed(curve[middle], "z"), Fixed(curve[neighbour], "z"), Fixed(body.top, "z"))

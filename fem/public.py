@@ -18,7 +18,7 @@ from fem.path.newton import NewtonOptions
 from fem.post.extremes import outside_stable_range, position_text
 from fem.post.fields import element_fields
 from fem.post.recovery import StressError, stress_error
-from fem.post.self_intersection import self_intersection_clause
+from fem.post.self_intersection import crossing_at_rest, self_intersection_clause
 from fem.solution import End, NotConverged, Seconds, Solution, Step, step_from_arrays, step_to_arrays
 from fem.supports import Fixed, Prescribed, SharedPlane, Support, SupportError, Symmetry, Tied
 from fem.warm_up import compile_kernels
@@ -64,6 +64,7 @@ __all__ = [
     "Yeoh",
     "available_solver",
     "compile_kernels",
+    "crossing_at_rest",
     "element_fields",
     "follow",
     "follow_volume",

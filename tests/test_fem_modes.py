@@ -8,7 +8,7 @@ from loads import Traction
 from fem import Fixed, Model, PathObserver, PathOptions, StVenantKirchhoff
 from fem.equations.linear import SingularMatrix
 from fem.path.control import LoadControl
-from fem.path.diagnosis import near_limit_point
+from fem.path.diagnosis import EARLY_LIMITS, near_limit_point
 from fem.path.follower import PathFollower
 from fem.path.modes import stiffness_ratio_mode
 from fem.path.predictor import PathPoint
@@ -43,7 +43,9 @@ def test_a_column_loses_its_stiffness_as_euler_says(column: PathFollower, load: 
 def test_a_singular_tangent_is_a_limit_point_unless_the_body_is_at_rest(column: PathFollower, monkeypatch) -> None:
     """An exactly singular matrix is not met by rounded numbers, so the solver is made to report one."""
     column.advance(0.5)
-    assert near_limit_point(column.system, column.points[-1]) == ""
+    assert near_limit_point(column.system, column.points[-1], law_is_named=True) == ""
+    unexplained = near_limit_point(column.system, column.points[-1])
+    assert "neither the law nor a limit point explains it: the last equilibrium has" in unexplained
 
     def singular(values: np.ndarray) -> None:
         raise SingularMatrix("a pivot is zero")
@@ -56,3 +58,6 @@ def test_a_singular_tangent_is_a_limit_point_unless_the_body_is_at_rest(column: 
         "; the tangent at the last equilibrium is singular: a limit point, beyond which only a prescribed volume or "
         "displacement leads"
     )
+    assert list(EARLY_LIMITS) == ["p2p0"]
+    monkeypatch.setitem(EARLY_LIMITS, column.system.space.element.name, " (early)")
+    assert near_limit_point(column.system, column.points[-1]) == f"{clause} (early)"

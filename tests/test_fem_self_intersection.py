@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from bodies import box, fork, hollow_box
 
-from fem import self_intersection_clause
+from fem import crossing_at_rest, self_intersection_clause
 from fem.discretisation import Discretisation
+from geometry import Mesh
 from geometry.arrays import Array
 
 LENGTH = 24.0
@@ -48,3 +49,18 @@ def test_walls_that_are_close_at_rest_are_not_examined() -> None:
     x = space.points.copy()
     x[x[:, 1] > 1.2, 1] -= 0.6
     assert self_intersection_clause(space, x, half=False) == ""
+
+
+def test_a_boundary_that_crosses_itself_at_rest_is_found_where_it_does() -> None:
+    """A vertex of one prong is pulled through the other one: its elements are stretched, none is turned over."""
+    mesh = fork(0.4)
+    assert crossing_at_rest(mesh) is None
+    points = np.array(mesh.points)
+    tip = points[:, 0].max()
+    lower = points[:, 1] < 1.01
+    moved = int(np.flatnonzero((points[:, 0] == tip) & lower & (points[:, 2] > 0))[-1])
+    points[moved, 1] += 2.5
+    crossing = crossing_at_rest(Mesh(points, mesh.tets, {}))
+    assert crossing is not None
+    assert tip - 2.0 <= crossing[0] <= tip
+    assert crossing[1] > 0.9

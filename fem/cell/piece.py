@@ -34,20 +34,21 @@ from fem.path.control import LoadControl
 from fem.path.newton import NewtonOptions, Start, StepFailed, solve
 from fem.post.extremes import extremes_of, strain_at_stress_points
 from fem.solution import Extremes
-from fem.supports import Fixed, Line, SharedPlane, Support, Tied, nodes_at
+from fem.supports import Fixed, Line, SharedPlane, Support, nodes_at
 from geometry import Body
 from geometry.arrays import Array, Index
 
-#: what holds the start of a piece: it is a plane of mirror symmetry too, it is clamped, it is free, or it is free but
-#: for the edge on the material curve, which is kept straight
-Boundary = Literal["mirror", "clamp", "free", "held"]
+#: what holds the start of a piece: it is a plane of mirror symmetry too, it is clamped, or it is free
+Boundary = Literal["mirror", "clamp", "free"]
 
 #: how often the way between two states is halved where Newton's method does not converge
 MAX_HALVINGS = 6
 #: iterations after which a predicted state is given up
 PREDICTED_ITERATIONS = 8
+#: rad, difference of angles of one and the same state
+SAME_ANGLE = 1e-12
 #: Newton's tolerance, finer than that of a load path: slopes of the moment are taken of the states
-OPTIONS = NewtonOptions(tolerance=1e-8)
+OPTIONS = NewtonOptions(tolerance=1e-6)
 
 
 class PieceFailed(ArithmeticError):
@@ -78,7 +79,7 @@ class BendingPiece:
 
     body: its face `tip` is the plane of mirror symmetry, at rest x = length. pressures: by the name of a cavity, its
     pressure over that of the state. dhat: activation distance of contact on the face `gap` in mm, None for no contact.
-    supports: further ones.
+    supports, effects: further ones.
     """
 
     def __init__(
@@ -90,6 +91,7 @@ class BendingPiece:
         pressures: Mapping[str, float] | None = None,
         dhat: float | None = None,
         supports: Sequence[Support] = (),
+        effects: Sequence[Effect] = (),
     ) -> None:
         self.body = body
         self.material = material
@@ -97,11 +99,11 @@ class BendingPiece:
         self.supports = tuple(supports)
         self.space = Discretisation.of(body.mesh, formulation)
         given = {body.cavities[0]: 1.0} if pressures is None else pressures
-        effects: list[Effect] = [AirPressure(name, value) for name, value in given.items() if value]
+        acting: list[Effect] = [AirPressure(name, value) for name, value in given.items() if value]
         if dhat is not None and "gap" in body.mesh.faces:
-            effects.append(MirrorContact("gap", "tip", dhat))
-            effects.append(SelfContact("gap", dhat, starts_inactive=True))
-        self.terms = tuple(effect.bind(self.space, material) for effect in effects)
+            acting.append(MirrorContact("gap", "tip", dhat))
+            acting.append(SelfContact("gap", dhat, starts_inactive=True))
+        self.terms = tuple(effect.bind(self.space, material) for effect in (*acting, *effects))
         self.factorizations = 0  #: of all states and slopes so far
         self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
@@ -117,6 +119,11 @@ class BendingPiece:
         """What the linear equations took so far: in bending, and in shear where a shear rigidity was computed."""
         systems = (self._system, self._shear_system)
         return tuple(system.solver.times for system in systems if system is not None)
+
+    @property
+    def name(self) -> str:
+        """In sentences."""
+        return _NAMES[self.start]
 
     @property
     def whole(self) -> float:
@@ -156,6 +163,8 @@ class BendingPiece:
         predicted: where Newton's method is tried first, a state that was extrapolated to this pressure and angle.
         Raises `PieceFailed`.
         """
+        if pressure == start.pressure and abs(angle - start.angle) < SAME_ANGLE:
+            return replace(start, factorizations=0)
         if predicted is not None:
             with suppress(StepFailed):
                 return self._solve_directly(pressure, angle, predicted, PREDICTED_ITERATIONS)
@@ -209,29 +218,15 @@ class BendingPiece:
 
     def _supports(self, angle: float) -> list[Support]:
         curve = self.space.points[self.curve]
-        along_z = [Fixed("sym", "z")] if self.body.half else self._against_motion_aside()
+        # of a body meshed on both sides: against motion along z and rotation about x, without force
+        along_z = [Fixed("sym", "z")] if self.body.half else [Fixed(curve[0], "z"), Fixed(self.body.top, "z")]
         plane_z: list[Support] = [*self.supports, *along_z]
         normal = (float(np.cos(angle)), float(np.sin(angle)), 0.0)
         if self.start == "clamp":
             return [*plane_z, Fixed("clamp"), SharedPlane("tip", normal)]
         if self.start == "mirror":
             return [*plane_z, Fixed("clamp", "x"), Fixed(curve[0], "y"), SharedPlane("tip", normal)]
-        edge = self._edge()
-        held: list[Support] = [Tied(edge[1:], edge[0], "y")] if self.start == "held" else []
-        return [*plane_z, Fixed("tip", "x"), Fixed(curve[-1], "y"), *held]
-
-    def _against_motion_aside(self) -> list[Fixed]:
-        """Constraints without force against motion along z and rotation about x, of a body meshed on both sides."""
-        points = self.space.points
-        above = points[np.abs(points[:, 2]) < 1e-9 * self.body.length]
-        top = above[int(np.argmax(above[:, 1]))]
-        return [Fixed(points[self.curve[0]], "z"), Fixed(top, "z")]
-
-    def _edge(self) -> Array:
-        """Nodes (k, 3) at rest of the edge x = 0 on the material curve by increasing z, mm."""
-        points = self.space.points[self.space.surface("clamp").unique_nodes]
-        edge = points[np.abs(points[:, 1] - self.body.curve_y) < 1e-7]
-        return np.asarray(edge[np.argsort(edge[:, 2])])
+        return [*plane_z, Fixed("tip", "x"), Fixed(curve[-1], "y")]
 
     def _constrain(self, angle: float) -> None:
         """Bring the equations to the constraints of an angle in rad."""
@@ -284,12 +279,12 @@ class BendingPiece:
     def _sentence(self, pressure: float, angle: float, cause: str) -> str:
         curvature = 1000.0 * angle / self.body.length
         return (
-            f"no equilibrium of the {_NAMES[self.start]} at {1000.0 * pressure:.4g} kPa and a mean curvature of "
+            f"no equilibrium of the {self.name} at {1000.0 * pressure:.4g} kPa and a mean curvature of "
             f"{curvature:.4g} 1/m: {cause}"
         )
 
 
-_NAMES = {"mirror": "half cell", "clamp": "clamped end", "free": "free end", "held": "held end"}
+_NAMES = {"mirror": "half cell", "clamp": "clamped end", "free": "free end"}
 
 
 def turn(x: Array) -> Array:

@@ -59,8 +59,8 @@ class StrainLimitingLayer(Effect):
     def bind(self, space: Discretisation, material: Material) -> "LayerTerm":
         """The membrane; raises `LayerError` where a triangle is not a face of the mesh."""
         nodes = _nodes(space, self.triangles)
-        gradients, area = _gradients(space.points[self.triangles], space.element.quadratic)
-        weight = np.repeat(self.thickness * area[:, None] / POINTS.shape[0], POINTS.shape[0], axis=1)
+        gradients, area = _gradients(space.points[nodes])
+        weight = self.thickness * area / POINTS.shape[0]
         plane = np.array([[1.0, self.nu, 0.0], [self.nu, 1.0, 0.0], [0.0, 0.0, (1 - self.nu) / 2]])
         arrays, law = MembraneArrays(nodes, gradients, weight), self.E / (1 - self.nu**2) * plane
         a, b = np.triu_indices(nodes.shape[1])
@@ -112,26 +112,23 @@ class LayerTerm(StressCarryingTerm):
         return strain
 
 
-def _gradients(corners: Array, quadratic: bool) -> tuple[Array, Array]:
-    """Gradients (f, q, 6, 2) of the quadratic or (f, q, 3, 2) of the linear shape functions on triangles with corners
-    (f, 3, 3), and areas (f,)."""
-    edge, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    length = np.linalg.norm(edge, axis=1)
-    first = edge / length[:, None]
-    foot = np.einsum("fi,fi->f", other, first)
-    height = np.linalg.norm(other - foot[:, None] * first, axis=1)
-    # gradients of the barycentric coordinates 1 and 2 in the frame (first, across); the three sum up to zero
-    linear = np.zeros((corners.shape[0], 3, 2))
-    linear[:, 2, 1] = 1 / height
-    linear[:, 1] = np.column_stack([1 / length, -foot / (length * height)])
-    linear[:, 0] = -linear[:, 1] - linear[:, 2]
-    area = length * height / 2
-    if not quadratic:
-        return np.repeat(linear[:, None], POINTS.shape[0], axis=1), area
-    vertex = np.einsum("qa,fad->fqad", 4 * POINTS - 1, linear)
-    a, b = np.array([0, 1, 0]), np.array([1, 2, 2])
-    middle = 4 * (POINTS[None, :, a, None] * linear[:, None, b] + POINTS[None, :, b, None] * linear[:, None, a])
-    return np.ascontiguousarray(np.concatenate([vertex, middle], axis=2)), area
+def _gradients(positions: Array) -> tuple[Array, Array]:
+    """Gradients (f, q, a, 2) of the shape functions on flat triangles with a = 6 or 3 nodes at `positions` (f, a, 3),
+    in an orthonormal frame of each, and areas per point (f, q)."""
+    edge, other = positions[:, 1] - positions[:, 0], positions[:, 2] - positions[:, 0]
+    first = edge / np.linalg.norm(edge, axis=1)[:, None]
+    across = other - np.einsum("fi,fi->f", other, first)[:, None] * first
+    frame = np.stack([first, across / np.linalg.norm(across, axis=1)[:, None]], axis=1)
+    linear = np.array([[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]])  # gradients of the barycentric coordinates
+    reference = np.repeat(linear[None], POINTS.shape[0], axis=0)
+    if positions.shape[1] == 6:
+        vertex = (4 * POINTS - 1)[:, :, None] * linear
+        a, b = np.array([0, 1, 0]), np.array([1, 2, 2])
+        middle = 4 * (POINTS[:, a, None] * linear[b] + POINTS[:, b, None] * linear[a])
+        reference = np.concatenate([vertex, middle], axis=1)
+    jacobian = np.einsum("fdi,fai,qak->fqdk", frame, positions, reference)
+    gradients = np.einsum("qak,fqkd->fqad", reference, np.linalg.inv(jacobian))
+    return np.ascontiguousarray(gradients), np.abs(np.linalg.det(jacobian)) / 2
 
 
 def _nodes(space: Discretisation, triangles: Index) -> Index:

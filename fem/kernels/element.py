@@ -29,7 +29,7 @@ class ElementArrays(NamedTuple):
     colours: Index  #: (c + 1,) where each colour begins among the chunks
     chunks: Index  #: (k + 1,) where each chunk begins among the elements
     nodes: Index  #: (e, a)
-    inverse: Array  #: (e, 3, 3) inverse Jacobians d xi / d X, 1/mm
+    inverse: Array  #: (e, q, 3, 3) inverse Jacobians d xi / d X, 1/mm; (e, 1, 3, 3) where all edges are straight
     reference: Array  #: (q, a, 3) reference gradients of the shape functions at the stress points
     weight: Array  #: (e, q) quadrature weights times volume, mm3
 
@@ -99,7 +99,7 @@ def green_lagrange(elements: ElementArrays, u: Array, strain: Array, jacobian: A
         h = np.empty((3, 3))
         at_nodes(nodes[e], u, values)
         for q in range(reference.shape[0]):
-            displacement_gradient(inverse[e], reference[q], values, h)
+            displacement_gradient(inverse[e, q if inverse.shape[1] > 1 else 0], reference[q], values, h)
             for v in range(6):
                 i, j = VOIGT[v, 0], VOIGT[v, 1]
                 value = h[i, j] + h[j, i] + h[0, i] * h[0, j] + h[1, i] * h[1, j] + h[2, i] * h[2, j]
@@ -125,8 +125,9 @@ def linearised_strain(elements: ElementArrays, u: Array, du: Array, strain: Arra
         at_nodes(nodes[e], u, values)
         at_nodes(nodes[e], du, changes)
         for q in range(reference.shape[0]):
-            deformation_gradient(inverse[e], reference[q], values, f)
-            displacement_gradient(inverse[e], reference[q], changes, d)
+            at = inverse[e, q if inverse.shape[1] > 1 else 0]
+            deformation_gradient(at, reference[q], values, f)
+            displacement_gradient(at, reference[q], changes, d)
             for v in range(6):
                 i, j = VOIGT[v, 0], VOIGT[v, 1]
                 value = 0.0
@@ -151,15 +152,16 @@ def internal_force(elements: ElementArrays, u: Array, stress: Array, force: Arra
                 fe[:] = 0.0
                 at_nodes(nodes[e], u, values)
                 for q in range(reference.shape[0]):
-                    deformation_gradient(inverse[e], reference[q], values, f)
+                    at = inverse[e, q if inverse.shape[1] > 1 else 0]
+                    deformation_gradient(at, reference[q], values, f)
                     symmetric(stress[e, q], weight[e, q], s)
                     for i in range(3):
                         for j in range(3):
                             p[i, j] = f[i, 0] * s[0, j] + f[i, 1] * s[1, j] + f[i, 2] * s[2, j]
                     for i in range(3):  # P : grad N_a = (P J^-T) : reference gradient
-                        along0 = p[i, 0] * inverse[e, 0, 0] + p[i, 1] * inverse[e, 0, 1] + p[i, 2] * inverse[e, 0, 2]
-                        along1 = p[i, 0] * inverse[e, 1, 0] + p[i, 1] * inverse[e, 1, 1] + p[i, 2] * inverse[e, 1, 2]
-                        along2 = p[i, 0] * inverse[e, 2, 0] + p[i, 1] * inverse[e, 2, 1] + p[i, 2] * inverse[e, 2, 2]
+                        along0 = p[i, 0] * at[0, 0] + p[i, 1] * at[0, 1] + p[i, 2] * at[0, 2]
+                        along1 = p[i, 0] * at[1, 0] + p[i, 1] * at[1, 1] + p[i, 2] * at[1, 2]
+                        along2 = p[i, 0] * at[2, 0] + p[i, 1] * at[2, 1] + p[i, 2] * at[2, 2]
                         for a in range(nodes.shape[1]):
                             fe[a, i] += (
                                 along0 * reference[q, a, 0] + along1 * reference[q, a, 1] + along2 * reference[q, a, 2]

@@ -39,8 +39,9 @@ def pressure_columns(
                 k[:] = 0.0
                 at_nodes(nodes[e], u, values)
                 for q in range(reference.shape[0]):
-                    gradients(inverse[e], reference[q], g)
-                    deformation_gradient(inverse[e], reference[q], values, f)
+                    at = inverse[e, q if inverse.shape[1] > 1 else 0]
+                    gradients(at, reference[q], g)
+                    deformation_gradient(at, reference[q], values, f)
                     gradient = dilatation[e, q] if dilatation.shape[0] > 1 else dilatation[0, 0]
                     symmetric(gradient, 1.0, s)
                     for a in range(n):

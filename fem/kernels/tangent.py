@@ -110,8 +110,9 @@ def _element_tangent(elements: ElementArrays, law: LawArrays, e: int, u: Array, 
     at_nodes(nodes, u, values)
     for q in range(points):
         w = weight[q]
-        gradients(inverse, reference[q], grad_n)
-        deformation_gradient(inverse, reference[q], values, f)
+        at = inverse[q if inverse.shape[0] > 1 else 0]
+        gradients(at, reference[q], grad_n)
+        deformation_gradient(at, reference[q], values, f)
         _strain_matrix(f, grad_n, b, 6 * q)
         _weighted_tangent_times(tangent[q if tangent.shape[0] > 1 else 0], w, b, 6 * q, cb)
         _transposed(grad_n, g, 3 * q)
@@ -146,8 +147,9 @@ def _isotropic_element_tangent(elements: ElementArrays, law: LawArrays, e: int, 
     for q in range(reference.shape[0]):
         w = weight[q]
         lam, mu = lame[q, 0] * w, lame[q, 1] * w
-        gradients(inverse, reference[q], grad_n)
-        deformation_gradient(inverse, reference[q], values, f)
+        at = inverse[q if inverse.shape[0] > 1 else 0]
+        gradients(at, reference[q], grad_n)
+        deformation_gradient(at, reference[q], values, f)
         _transposed(grad_n, g, 0)
         for i in range(3):
             for a in range(n):

@@ -16,9 +16,9 @@ from fem.equations.linear import LinearSolver
 from fem.equations.system import System
 from fem.path import newton
 from fem.path.active_set import ActiveSet
-from fem.path.control import Control
+from fem.path.control import Control, LoadControl
 from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
-from fem.path.newton import Converged, NewtonOptions, Start, StepFailed
+from fem.path.newton import Converged, NewtonOptions, NotAdmissible, Start, StepFailed
 from fem.path.predictor import PathPoint, Predictor
 from fem.post.extremes import extremes_of, position_text
 from fem.solution import End, Seconds, Solution, Step
@@ -26,6 +26,13 @@ from geometry.arrays import Array
 
 #: iterations of a quick increment, after which the next one is twice as large
 QUICK_ITERATIONS = 8
+#: where an increment to a load has failed, this fraction of it is small enough to try the same load once more
+RETRY = 0.25
+#: fraction of the way to the target above which an increment may not lead from a stable equilibrium to an unstable one:
+#: near a sharp bend of the path a smaller one stays on the stable part
+STABLE_INCREMENT = 1 / 16
+#: largest number of iterations once an increment to the same target has failed: smaller ones converge in fewer
+RETRY_ITERATIONS = 12
 
 
 @dataclass(frozen=True)
@@ -107,6 +114,9 @@ class PathFollower:
         terms = at_constant_fraction(self.active_set.active, 0.0)
         self.points = [PathPoint(control.value, 0.0, self.system.rest_state(), terms=terms)]  #: the last two
         self.predictor = Predictor(self.points[0], control)
+        self.is_stable = True  #: whether the last equilibrium is
+        self.not_followed = ""  #: a clause where the path lost its stability on the way to the target
+        self.has_failed = False  #: whether an increment on the way to the target has failed
         self.predictor_failed = False  #: whether an extrapolated start has failed on the way to the target
         self.iterations = 0  #: of all solutions of the present increment that converged
 
@@ -120,33 +130,46 @@ class PathFollower:
             point = PathPoint(self.control.value_of(step), 1.0, state, touching, terms=terms)
             if step.rate is not None:
                 point = replace(point, rate=self.system.rate(state, self.system.assemble(state, ()), step.rate))
-            self.points = [self.points[-1], point]
+            self.points, self.is_stable = [self.points[-1], point], step.negative_pivots == 0
 
     def advance(self, target: float) -> Step:
         """Equilibrium at `target`, in as few increments as converge; raises `PathEnded`."""
         before, load_step = _Costs.of(self.system), _LoadStep(self.points[-1], target)
         reached, increment, cutbacks, iterations = 0.0, 1.0, 0, 0
-        self.predictor_failed, self.active_set = False, self.active_set.restored()
+        cause = ""  # of the last equilibrium that no body can have
+        failed, distance = np.inf, 0.0  # the lowest fraction that was not reached, and from how far
+        self.has_failed, self.predictor_failed, self.active_set = False, False, self.active_set.restored()
+        self.not_followed = ""
         while True:
             fraction = min(1.0, reached + increment)
             control = load_step.control(self.control, fraction)
             try:
                 converged = self._try_increment(control, target)
+                self._check_stability(converged, fraction - reached)
             except StepFailed as failure:
-                cutbacks += 1
-                increment = (fraction - reached) / 2
+                cutbacks, self.has_failed = cutbacks + 1, True
+                cause = str(failure) if isinstance(failure, NotAdmissible) else cause
+                failed, distance = fraction, fraction - reached
+                increment = distance / 2
                 if increment < self.options.min_increment:
                     last = load_step.control(self.control, reached)
-                    raise PathEnded(self._end(last, target, cutbacks, before, str(failure))) from None
+                    raise PathEnded(self._end(last, target, cutbacks, before, cause or str(failure))) from None
                 continue
             iterations += self.iterations
             point = self._point(control, converged)
+            if self.is_stable and converged.negative_pivots and fraction < 1.0:
+                self.not_followed = _not_followed(reached, fraction)
+            self.is_stable = converged.negative_pivots == 0
             if fraction == 1.0:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
                 return self._step(converged, iterations, cutbacks, before)
             self.points = [self.points[-1], point]
             reached = fraction
             increment *= 2.0 if converged.iterations <= QUICK_ITERATIONS else 1.0
+            if reached >= failed:
+                failed = np.inf
+            elif reached + increment >= failed and failed - reached > RETRY * distance:
+                increment = (failed - reached) / 2
 
     def _try_increment(self, control: Control, target: float) -> Converged:
         """An admissible equilibrium where `control` puts it; raises `StepFailed`.
@@ -163,16 +186,22 @@ class PathFollower:
         while violations := self.active_set.violations(x := self._positions(converged)):
             tightened = self.active_set.tightened(x)
             if tightened is self.active_set:
-                raise StepFailed(violations[0])
+                raise NotAdmissible(violations[0])
             self.active_set = tightened
             start = Start(last if tightened.needs_admissible_start else converged.state, tightened.active)
             converged = self._activate(self._solve(start, control, target), control, target)
         if converged.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
-            raise StepFailed(
+            raise NotAdmissible(
                 f"an element is turned inside out at {position_text(worst.min_J_at)} (J = {worst.min_J:.3g})"
             )
         return converged
+
+    def _check_stability(self, converged: Converged, increment: float) -> None:
+        """Raise `StepFailed` where a large increment of the load lost the stability of the last equilibrium."""
+        follows_load = isinstance(self.control, LoadControl)
+        if follows_load and self.is_stable and converged.negative_pivots and increment > STABLE_INCREMENT:
+            raise StepFailed(f"the equilibrium is unstable ({converged.negative_pivots} negative pivots)")
 
     def _activate(self, converged: Converged, control: Control, target: float) -> Converged:
         """Equilibrium with those contacts too that a state activates; each may activate the next."""
@@ -200,6 +229,8 @@ class PathFollower:
             self.observer.iteration(target, iteration, residual)
 
         start = replace(start, terms=at_constant_fraction(start.terms, control.constant_fraction))
+        if self.has_failed and not self.active_set.needs_admissible_start:
+            start = replace(start, max_iterations=min(RETRY_ITERATIONS, start.max_iterations or RETRY_ITERATIONS))
         converged = newton.solve(start, control, self.options.newton, watch, self.active_set.inactive)
         self.iterations += converged.iterations
         return converged
@@ -216,7 +247,8 @@ class PathFollower:
 
     def _end(self, reached: Control, target: float, cutbacks: int, before: _Costs, failure: str) -> End:
         last = self.points[-1]
-        cause = failure + law_limit_clause(self.system, last.state) + near_limit_point(self.system, last)
+        law = law_limit_clause(self.system, last.state)
+        cause = failure + law + near_limit_point(self.system, last, law_is_named=bool(law))
         factorizations = (_Costs.of(self.system) - before).factorizations
         quantity, fraction = self.control.name, reached.constant_fraction
         return End(quantity, target, reached.value, fraction, cutbacks, factorizations, cause)
@@ -233,9 +265,9 @@ class PathFollower:
             rate=None if rate is None else rate.change,
             gradient=np.where(system.constraints.constrained, converged.assembly.gradient, 0.0),
             extremes=extremes_of(system.space, converged.assembly.strain, converged.assembly.jacobian),
-            min_gap=smallest_gap(system.terms, self._positions(converged)),
+            min_gap=smallest_gap(self.active_set.stiffened, self._positions(converged)),
             negative_pivots=converged.negative_pivots,
-            instability=unstable,
+            instability="; ".join(filter(None, (unstable, self.not_followed))),
             newton_iterations=iterations,
             factorizations=costs.factorizations,
             cutbacks=cutbacks,
@@ -256,3 +288,11 @@ class PathFollower:
             solver=type(self.system.solver).__name__,
             degrees_of_freedom=self.system.size,
         )
+
+
+def _not_followed(stable: float, unstable: float) -> str:
+    """A clause about a path that lost its stability between these two fractions of the way to a target."""
+    return (
+        f"the path was not followed: it lost its stability between {100 * stable:.1f} and {100 * unstable:.1f} % "
+        "of the way to this state; smaller steps there end at a limit point or follow another branch"
+    )

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.effects.effect import Terms, UnilateralTerm, advanced, smallest_gap, step_limit
+from fem.effects.effect import InteriorTerm, Terms, UnilateralTerm, advanced, smallest_gap, step_limit
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, State
@@ -29,6 +29,8 @@ from geometry.arrays import Array
 NEAR = 0.1
 #: relative residual above which terms give a positive semi-definite substitute of their second derivative
 CONVEX_ABOVE = 0.1
+#: relative residual above which a state is far from equilibrium
+FAR = 0.5
 
 #: called after every iteration with its number and the relative residual
 Watch = Callable[[int, float], None]
@@ -42,6 +44,9 @@ class NewtonOptions:
     iterations: int = 30  #: largest number of iterations, one factorization each
     strain: float = 0.14  #: largest change of a strain component, to first order, where the tangent is indefinite
     limited: int = 10  #: largest number of iterations in which the change of strain is limited
+    #: largest number of iterations far from equilibrium (`FAR`): where the method wanders longer, it finds nothing, or
+    #: an equilibrium to which the path does not lead
+    far: int = 8
 
 
 @dataclass(frozen=True)
@@ -74,6 +79,10 @@ class StepFailed(ArithmeticError):
     """An attempt at an increment ended without equilibrium; the sentence says where and why."""
 
 
+class NotAdmissible(StepFailed):
+    """An attempt ended with an equilibrium that no body can have: the sentence names its cause."""
+
+
 def solve(
     start: Start, control: Control, options: NewtonOptions, watch: Watch, inactive: tuple[UnilateralTerm, ...] = ()
 ) -> Converged:
@@ -86,7 +95,8 @@ def solve(
     max_iterations = min(options.iterations, start.max_iterations or options.iterations)
     max_limited = 0 if start.trial else options.limited
     linearised: Linearised | None = None
-    relative, limited = np.inf, 0
+    max_far = max_iterations if any(isinstance(term, InteriorTerm) for term in terms) else options.far
+    relative, limited, far = np.inf, 0, 0
     for iteration in range(max_iterations + 1):
         assembly = system.assemble(state, terms)
         correction = system.constraints.correction(state.displacement, control.prescribed)
@@ -103,6 +113,9 @@ def solve(
             return Converged(state, assembly, iteration, relative, linearised)
         if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
+        far += relative > FAR
+        if far > max_far + 1:  # the first one is the start
+            raise StepFailed(f"no equilibrium near after {iteration} iterations (relative residual {relative:.1e})")
         if linearised is not None and limited > max_limited:
             raise StepFailed(f"the tangent stays indefinite ({linearised.negative_pivots} negative pivots)")
         if iteration < max_iterations:

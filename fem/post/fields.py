@@ -33,5 +33,9 @@ def element_fields(step: Step, material: Material) -> dict[str, Array]:
 def _mean_deformation_gradient(step: Step) -> Array:
     """(e, 3, 3), mean over the points of the quadrature rule."""
     space = step.space
-    gradients = np.einsum("ak,eki->eai", space.reference[space.shear_points].mean(axis=0), space.inverse)
+    reference, inverse = space.reference[space.shear_points], space.inverse[:, space.shear_points]
+    if inverse.shape[1] == 1:
+        gradients = np.einsum("ak,eki->eai", reference.mean(axis=0), inverse[:, 0])
+    else:
+        gradients = np.einsum("qak,eqki->eai", reference, inverse) / reference.shape[0]
     return np.eye(3) + np.einsum("eai,eaj->eij", step.displacement[space.nodes], gradients)

@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 from fem.discretisation import Discretisation
 from fem.effects.contact import triangles_cross
 from fem.post.extremes import position_text
+from geometry import Mesh
 from geometry.arrays import Array
 
 #: search radius over the longest edge of the surface: where two triangles cross, it contains a node of each
@@ -36,3 +37,24 @@ def self_intersection_clause(space: Discretisation, x: Array, half: bool) -> str
         return ""
     distance = np.linalg.norm(current[pairs[:, 0]] - current[pairs[:, 1]], axis=1)
     return f"passes through itself near {position_text(current[pairs[int(np.argmin(distance)), 0]])}"
+
+
+def crossing_at_rest(mesh: Mesh) -> tuple[float, float, float] | None:
+    """A position (mm) at which the boundary of a mesh passes through itself; None where it does not.
+
+    The triangles are ordered along x; the fewest of the first ones that cross end with one of those that do.
+    """
+    nodes, local = np.unique(mesh.boundary, return_inverse=True)
+    points, triangles = mesh.points[nodes], local.reshape(mesh.boundary.shape)
+    triangles = triangles[np.argsort(points[triangles, 0].max(axis=1), kind="stable")]
+    if not triangles_cross(points, points, triangles):
+        return None
+    apart, crossing = 0, len(triangles)
+    while crossing - apart > 1:
+        middle = (apart + crossing) // 2
+        if triangles_cross(points, points, triangles[:middle]):
+            crossing = middle
+        else:
+            apart = middle
+    x, y, z = (float(coordinate) for coordinate in points[triangles[crossing - 1]].mean(axis=0))
+    return x, y, z

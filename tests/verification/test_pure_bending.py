@@ -11,7 +11,7 @@ import pytest
 from bodies import box, named, on_plane
 from laws import LAWS
 
-from fem import Fixed, NeoHooke, StVenantKirchhoff
+from fem import Fixed, NeoHooke, StrainLimitingLayer, StVenantKirchhoff
 from fem.cell.axis import axis_of
 from fem.cell.piece import BendingPiece
 from fem.cell.response import shear_rigidity, slopes
@@ -46,6 +46,20 @@ def test_a_beam_of_every_law_has_the_rigidity_of_beam_theory(formulation: str, l
     assert known.moment_by_angle * LENGTH == pytest.approx(youngs * inertia, rel=error)
     assert at.moment * LENGTH / at.angle == pytest.approx(youngs * inertia, rel=1e-3)
     assert LENGTH / known.distance_by_force == pytest.approx(youngs * area, rel=1e-3)
+
+
+def test_a_layer_stiffens_a_beam_as_a_composite_section() -> None:
+    """A sheet of E t per width at the middle of the height adds to EA alone, one at the bottom also to EI:
+    EI + (EA EA_sheet / (EA + EA_sheet)) e^2 with the distance e of the sheet from the middle (Gere and Timoshenko)."""
+    material, stiffness = StVenantKirchhoff(E=1.2, nu=0.0), 1.2 * HEIGHT  # N/mm, of sheet and beam alike
+    axial, bending = 2 * WIDTH * stiffness, 2 * WIDTH * 1.2 * HEIGHT**3 / 12
+    for y, added in ((HEIGHT / 2, 0.0), (0.0, axial / 2 * (HEIGHT / 2) ** 2)):
+        body = beam((2, 6, 4))
+        layer = StrainLimitingLayer(body.mesh.plane(1, y), 0.1, stiffness / 0.1, 0.0)
+        piece = BendingPiece(body, material, "mirror", "p2", pressures={}, effects=[layer])
+        known = slopes(piece, piece.solve(0.0, 1e-6, piece.rest()))
+        assert known.moment_by_angle * LENGTH == pytest.approx(bending + added, rel=1e-4)
+    assert known.moment_by_angle * LENGTH > 2 * bending
 
 
 def test_the_shear_rigidity_of_a_rectangle() -> None:
