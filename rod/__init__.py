@@ -1,78 +1,26 @@
-"""The actuator as a rod: curvature, the five-parameter law, identification, the rod in equilibrium."""
+"""The actuator as a rod: curvature, the five-parameter law, identification, the rod in equilibrium.
 
-from rod.arm_law.law import ArmLaw, LawRod
-from rod.arm_law.record import law_from_record, law_record
-from rod.curves.cell_average import cell_averaged
-from rod.curves.closure import Closure, end_displacement_closure
-from rod.curves.curve import Curvature, Moment, moment_from_load, without_stretch
-from rod.curves.extension import Extension, extension
-from rod.curves.gaussian_process import Smoothing, gaussian_process, shared_smoothing
-from rod.curves.uncertainty import Bootstrap, Interval
-from rod.export.formats import EXPORTS, Arm, export
-from rod.identification.alternatives import Candidate, Observation, compare_laws, simplest
-from rod.identification.estimate import ParameterEstimate
-from rod.identification.moment_range import MomentRange
-from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, rest_curvature
-from rod.identification.single_line import LineFit
-from rod.identification.two_lines import Identification, identify, shortest_break
-from rod.law import PARAMETER_NAMES, FiveParameters, RodError
-from rod.load import Load
-from rod.mechanics.equilibrium import Rod
-from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness
-from rod.pressurised_rod import PressurisedRod
-from rod.scaling import ReferenceArm, ScaledArm, scaled_arm
-from rod.solution import RodSolution
+The names of `rod.public` are loaded when the first of them is used. So `pneurod rod` imports what it needs from the
+modules of this room, without scipy.
+"""
 
-__all__ = [
-    "EXPORTS",
-    "PARAMETER_NAMES",
-    "Arm",
-    "ArmLaw",
-    "Bootstrap",
-    "Candidate",
-    "Closure",
-    "Curvature",
-    "Extension",
-    "FiveParameters",
-    "Identification",
-    "Interval",
-    "LawRod",
-    "LineFit",
-    "LinearRange",
-    "Load",
-    "LoadedShape",
-    "Moment",
-    "MomentRange",
-    "Observation",
-    "ParameterEstimate",
-    "PressurisedRod",
-    "Quantity",
-    "ReferenceArm",
-    "Rod",
-    "RodError",
-    "RodFit",
-    "RodSolution",
-    "ScaledArm",
-    "Smoothing",
-    "Straightness",
-    "cell_averaged",
-    "compare_laws",
-    "end_displacement_closure",
-    "export",
-    "extension",
-    "fit_rod",
-    "gaussian_process",
-    "identify",
-    "law_from_record",
-    "law_record",
-    "linear_range",
-    "moment_from_load",
-    "next_pressure",
-    "rest_curvature",
-    "scaled_arm",
-    "shared_smoothing",
-    "shortest_break",
-    "simplest",
-    "straightness",
-    "without_stretch",
-]
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rod.public import *  # noqa: F403  type checkers find the names where they are defined
+else:
+
+    def __getattr__(name: str) -> Any:
+        """The name of `rod.public`; raises AttributeError where there is none."""
+        if name == "__all__" or not name.startswith("_"):
+            import rod.public as public
+
+            if name in (*public.__all__, "__all__"):
+                return getattr(public, name)
+        raise AttributeError(f"module 'rod' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    import rod.public as public
+
+    return public.__all__

@@ -16,7 +16,9 @@ follows the lines. A finite `fade` (N mm) makes the law continuous for loads tha
 """
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
+from typing import final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,17 +35,14 @@ PARAMETER_NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
 
 
 @dataclass(frozen=True)
-class FiveParameters:
-    """The five parameters of one pressure (paper, equations (4) and (8)).
+class _TwoLines(ABC):
+    """Two lines between moment and curvature, one before and one beyond d."""
 
-    Raises `RodError` when a number is not finite, a rigidity is not positive or d is not positive.
-    """
-
-    alpha1: float  #: N mm2, flexural rigidity between the clamp and d
-    alpha2: float  #: N mm2, flexural rigidity beyond d
+    alpha1: float  #: N mm2, slope between the clamp and d
+    alpha2: float  #: N mm2, slope beyond d
     m01: float  #: N mm, intercept between the clamp and d
     m02: float  #: N mm, intercept beyond d
-    d: float  #: mm, rest arc length at which the rigidity changes
+    d: float  #: mm, rest arc length at which the slope changes
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -52,10 +51,14 @@ class FiveParameters:
                 raise RodError(f"{field.name} must be a finite number, not {value}.")
             object.__setattr__(self, field.name, float(value))
         for name in ("alpha1", "alpha2"):
-            if getattr(self, name) <= 0.0:
-                raise RodError(f"{name} is a rigidity and must be positive, not {getattr(self, name):g} N mm2.")
+            self._check_slope(name, getattr(self, name))
         if self.d <= 0.0:
             raise RodError(f"d is measured from the clamp and must be positive, not {self.d:g} mm.")
+
+    @staticmethod
+    @abstractmethod
+    def _check_slope(name: str, slope: float) -> None:
+        """Raise `RodError` for a slope that the law cannot have."""
 
     def rigidity(self, s: ArrayLike) -> Array:
         """alpha at s (mm), N mm2; s = d belongs to the second piece."""
@@ -79,3 +82,32 @@ class FiveParameters:
         M = alpha (kappa - kappa_0) + m0 is alpha (kappa - kappa_rest); loaded rods only (see the module's docstring).
         """
         return np.asarray(kappa_0, float) - self.intercept(s) / self.rigidity(s)
+
+
+@final
+@dataclass(frozen=True)
+class FiveParameters(_TwoLines):
+    """The five parameters of one pressure (paper, equations (4) and (8)).
+
+    Raises `RodError` when a number is not finite, a rigidity is not positive or d is not positive.
+    """
+
+    @staticmethod
+    def _check_slope(name: str, slope: float) -> None:
+        if slope <= 0.0:
+            raise RodError(f"{name} is a rigidity and must be positive, not {slope:g} N mm2.")
+
+
+@final
+@dataclass(frozen=True)
+class TwoSlopes(_TwoLines):
+    """Two lines whose slopes may be negative, as some estimators of the paper's kind give them.
+
+    A negative slope is no rigidity: the rod bends towards the side from which the moment pushes. Raises `RodError` when
+    a number is not finite, a slope is zero or d is not positive.
+    """
+
+    @staticmethod
+    def _check_slope(name: str, slope: float) -> None:
+        if slope == 0.0:
+            raise RodError(f"{name} is the slope of a line and must not be zero.")

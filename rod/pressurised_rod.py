@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from geometry.arrays import Array
+from rod.cubics import cubic, monotone_slopes
 from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
@@ -95,11 +95,11 @@ class PressurisedRod:
         if not p[0] < pressure < p[-1]:
             return (1.0 - t) * v[i] + t * v[j]
         if without_pressure is None:
-            return PchipInterpolator(p, v)(pressure)
+            return cubic(p, v, monotone_slopes(p, v), pressure)
         if p[0] > 0.0:
             p, v = np.append(0.0, p), np.concatenate([np.full_like(v[:1], without_pressure), v])
         slopes = np.gradient(v, p, axis=0, edge_order=2 if len(p) > 2 else 1)
-        return CubicHermiteSpline(p, v, slopes)(pressure)
+        return cubic(p, v, slopes, pressure)
 
     def moment_range_at(self, pressure: float, *, extrapolate: bool = False) -> MomentRange | None:
         """The range of moments behind the rod at a pressure (kPa), None where it is not given. Raises as `at`."""

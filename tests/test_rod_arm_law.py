@@ -51,18 +51,29 @@ def straight_law(
         moment,
         0 * ones,
         0 * ones,
+        0 * ones,
         np.zeros((9, 2)),
         np.zeros((9, 2)),
         np.array([0.0, 10.0]),
         np.zeros((9, 2, 2)),
     )
-    tip = TipCurve(pressure, 0.0, 0.0, np.array([-10.0, 0.0]), np.zeros((2, 2)))
+    nothing = np.zeros((2, 2))
+    tip = TipCurve(
+        pressure,
+        np.array([-10.0, 0.0]),
+        nothing,
+        np.zeros(2),
+        np.zeros(4),
+        np.zeros((4, 2)),
+        np.zeros((4, 2, 2)),
+        nothing,
+    )
     return cell, clamp, tip
 
 
 def law_of(*parts: tuple[CellCurve, ClampCurve, TipCurve]) -> ArmLaw:
     cells, clamps, tips = zip(*parts, strict=True)
-    return ArmLaw(PITCH, 5.0, LENGTH, cells, clamps, tips, tips)
+    return ArmLaw(PITCH, 5.0, LENGTH, cells, clamps, tips)
 
 
 @pytest.mark.parametrize(
@@ -115,6 +126,30 @@ def test_a_held_end_of_an_arm_that_curls_by_five_radians_is_reached_as_in_experi
         np.testing.assert_allclose(first.positions(second.s), np.column_stack([second.x, second.y]), atol=2e-4)
 
 
+def test_the_support_of_a_turned_tip_is_a_couple_on_the_end() -> None:
+    """Its couple and the point in which its force acts follow the turn; also where the end turns by more than pi."""
+    for kappa_0 in (-0.3 / LENGTH, -5.0 / LENGTH):
+        cell, clamp, tip = straight_law(45.0, kappa_0)
+        turns = np.linspace(-np.pi, np.pi, 24, endpoint=False)
+        points = 0.3 * np.column_stack([np.cos(turns), -np.sin(turns)])  # along x
+        tip = replace(tip, couple=0.2 * np.cos(2.0 * turns), acts_at=points, beside_held=np.zeros((24, 2, 2)))
+        shape = law_of((cell, clamp, tip)).at(45.0).solve(end_y=5.0)
+        couple = 0.2 * np.cos(2.0 * shape.theta[-1]) + 0.3 * shape.force[1]
+        assert shape.moment[-1] == pytest.approx(couple, rel=1e-3)
+        plain = law_of(straight_law(45.0, kappa_0)).at(45.0).solve(end_y=5.0, moment=couple)
+        assert shape.force[1] == pytest.approx(plain.force[1], rel=1e-3)
+
+
+def test_a_dead_force_acts_in_the_middle_of_the_edge() -> None:
+    cell, clamp, tip = straight_law(0.0)
+    offset = np.array([0.5, -1.5])
+    shape = law_of((cell, clamp, replace(tip, edge=offset))).at(0.0).solve((0.01, 0.1))
+    cosine, sine = np.cos(shape.theta[-1]), np.sin(shape.theta[-1])
+    lever = np.array([[cosine, -sine], [sine, cosine]]) @ offset
+    assert shape.moment[-1] == pytest.approx(lever[0] * 0.1 - lever[1] * 0.01, rel=1e-9)
+    np.testing.assert_allclose(shape.positions(shape.s[-1:])[0], [shape.x[-1], shape.y[-1]])
+
+
 def test_a_couple_bends_a_rod_with_an_eccentric_axis_to_a_circle() -> None:
     eccentricity, moment = 1.5, 4.0
     shape = law_of(straight_law(0.0, eccentricity=eccentricity)).at(0.0).solve(moment=moment)
@@ -144,6 +179,24 @@ def test_between_pressures_the_cubic_takes_the_slopes_of_both() -> None:
         assert section_at(law.cells, pressure).kappa_0 == pytest.approx(-a * pressure**2, rel=1e-9)
     with pytest.raises(RodError, match="The law goes from 0 to 40 kPa; 41 kPa is outside"):
         law.at(41.0)
+
+
+def test_between_pressures_the_rotation_of_the_clamped_end_takes_the_slopes_of_both() -> None:
+    """rotation = -b p^2 + c M: the cubic in p is exact."""
+    b, c, kappa_0_rate = 2e-5, 3e-3, -2e-4
+
+    def part(p: float) -> tuple[CellCurve, ClampCurve, TipCurve]:
+        cell, clamp, tip = straight_law(p, kappa_0_rate * p)
+        ones = np.ones(len(clamp.moment))
+        cell = replace(cell, moment_by_pressure=-EI * kappa_0_rate * ones)
+        rotation = c * clamp.moment - b * p**2
+        clamp = replace(clamp, rotation=rotation, rotation_by_moment=c * ones, rotation_by_pressure=-2.0 * b * p * ones)
+        return cell, clamp, tip
+
+    law = law_of(part(0.0), part(20.0), part(40.0))
+    for pressure in (7.0, 20.0, 33.0):
+        clamp = law.at(pressure).clamp
+        np.testing.assert_allclose(clamp.rotation, c * clamp.moment - b * pressure**2, atol=1e-9)
 
 
 def test_where_the_moment_leaves_the_law_it_is_said() -> None:
@@ -179,7 +232,7 @@ def test_the_record_comes_back() -> None:
     again = law_from_record(record)
     assert law_record(again) == record
     assert again.at(12.0).solve(end_y=3.0).force[1] == law.at(12.0).solve(end_y=3.0).force[1]
-    with pytest.raises(RodError, match="This is no law of an arm in format 1"):
+    with pytest.raises(RodError, match="This is no law of an arm in format 2"):
         law_from_record({})
     with pytest.raises(RodError, match="lacks the key 'tip'"):
         law_from_record({key: value for key, value in record.items() if key != "tip"})

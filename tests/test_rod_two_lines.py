@@ -1,6 +1,7 @@
 """Identification of the five parameters from two curves and a force of a rod with known parameters."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -20,7 +21,9 @@ from rod import (
     moment_from_load,
     shared_smoothing,
     shortest_break,
+    too_few_pitches,
 )
+from rod.identification.observed import Observed
 
 #: Delta continuous at d, as the lines of the paper's Fig. 9 meet
 MEETING = FiveParameters(55.0, 400.0, -5.2, 0.1, 14.0)
@@ -145,7 +148,7 @@ DATA = by_cells(SyntheticArm(STEP))
         (lambda f, b, m: identify(f, b, m, breaks=(0.01, 0.02)), r"No d below 0\.02 of the length"),
         (
             lambda f, b, m: identify(dataclasses.replace(f, pitch=20.0), dataclasses.replace(b, pitch=20.0), m),
-            r"Five numbers need six cells",
+            r"Five parameters need a length of at least 6.5 pitches; this arm of 112 mm has 5.6 of 20 mm",
         ),
     ],
 )
@@ -158,6 +161,24 @@ def test_the_range_of_the_break_begins_in_the_first_cell() -> None:
     assert shortest_break(112.0, 10.0) == pytest.approx(5.6)
     assert shortest_break(72.0, 10.0) == pytest.approx(5.0)  # half a pitch
     assert shortest_break(202.0, 10.0) == pytest.approx(6.0)  # not 0.05 of a long arm
+
+
+@pytest.mark.parametrize(("length", "identified"), [(64.0, False), (65.0, True)])
+def test_the_length_that_five_parameters_need_is_known_before_the_curves(length: float, identified: bool) -> None:
+    assert (too_few_pitches(length, 10.0) == "") is identified
+    arm = SyntheticArm(FiveParameters(190.0, 380.0, 0.0, 0.0, 8.0), length=length, node_spacing=0.5)
+    if identified:
+        assert identify(*by_cells(arm), bootstrap=Bootstrap(20)).law.alpha2 == pytest.approx(380.0, rel=0.05)
+        return
+    with pytest.raises(RodError, match=re.escape(too_few_pitches(length, 10.0))):
+        identify(*by_cells(arm))
+
+
+def test_a_line_that_explains_less_than_the_mean_explains_nothing() -> None:
+    observed = Observed.of(*DATA, None)
+    assert observed.r_squared(observed.delta) == 1.0
+    assert observed.r_squared(np.full_like(observed.delta, observed.delta.mean())) == pytest.approx(0.0, abs=1e-12)
+    assert observed.r_squared(-observed.delta) == 0.0
 
 
 def test_an_arm_of_seven_cells_gives_its_numbers() -> None:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from geometry.arrays import Array, Mask
+from rod.cubics import cubic, periodic_slopes
 from rod.law import RodError
 
 
@@ -53,11 +53,19 @@ class CellCurve:
                 value = getattr(self, name)[falls[0]]
                 raise RodError(f"The {name} of a cell does not rise at {self.pressure:g} kPa beyond {value:g} {unit}.")
 
+    @property
+    def onset(self) -> float | None:
+        """Curvature beyond which walls touch up to the end of the curve, 1/mm: halfway between two states; None where
+        they touch nowhere or everywhere."""
+        free = np.flatnonzero(~self.contact)
+        if not self.contact[-1] or not free.size:
+            return None
+        return float(self.kappa[free[-1] : free[-1] + 2].mean())
+
     def on(self, moment: Array) -> tuple[Array, Array]:
         """Curvature (n,) in 1/mm and stretch (n,) at moments (n,) in N mm, by the cubics of both."""
-        kappa = CubicHermiteSpline(self.moment, self.kappa, 1.0 / self.rigidity)
-        stretch = CubicHermiteSpline(self.moment, self.stretch, self.stretch_by_kappa / self.rigidity)
-        return np.asarray(kappa(moment)), np.asarray(stretch(moment))
+        kappa = cubic(self.moment, self.kappa, 1.0 / self.rigidity, moment)
+        return kappa, cubic(self.moment, self.stretch, self.stretch_by_kappa / self.rigidity, moment)
 
     def at(self, moment: float) -> tuple[float, float, Array]:
         """Curvature (1/mm), stretch, and the material curve beside the axis (2,) mm at the end of the cell."""
@@ -78,6 +86,7 @@ class ClampCurve:
     moment: Array  #: (k,) N mm
     rotation: Array  #: (k,) rad
     rotation_by_moment: Array  #: (k,) rad/(N mm)
+    rotation_by_pressure: Array  #: (k,) at fixed moment, rad/kPa
     offset: Array  #: (k, 2) mm, of the axis at s = 0 from the clamped end of the material curve
     offset_by_moment: Array  #: (k, 2) 1/N
     s: Array  #: (m,) rest positions of the nodes of the material curve in the piece, mm
@@ -104,20 +113,72 @@ class ClampCurve:
     def at(self, moment: float) -> tuple[float, Array]:
         """Rotation (rad) and offset (2,) mm at a moment, by the cubics of both; the ends outside."""
         m = float(np.clip(moment, self.moment[0], self.moment[-1]))
-        rotation = CubicHermiteSpline(self.moment, self.rotation, self.rotation_by_moment)(m)
-        return float(rotation), np.asarray(CubicHermiteSpline(self.moment, self.offset, self.offset_by_moment)(m))
+        rotation = cubic(self.moment, self.rotation, self.rotation_by_moment, m)
+        return float(rotation), cubic(self.moment, self.offset, self.offset_by_moment, m)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
 class TipCurve:
-    """The end of the arm at one pressure, without moment, beside cells continued to s = l. Arrays are read-only."""
+    """The end of the arm at one pressure, without moment, beside cells continued to s = l.
+
+    It is free, or a support keeps all nodes of its edge at one height as in experiment III, or in one point. What the
+    support at a height does depends on the turn of the end, the angle of the axis at s = l. Turns are equally spaced
+    over a full turn from -pi on. Positions are relative to the axis, along and normal to it; arrays are read-only.
+    """
 
     pressure: float  #: kPa
-    rotation: float  #: rad, of the end beyond that of the cells
-    couple: float  #: N mm, that the support of the end exerts; zero at a free end
     s: Array  #: (m,) rest positions of the nodes of the material curve before the end s = 0, rising to 0, mm
-    beside: Array  #: (m, 2) of the nodes beside the axis, along and normal to it, mm
+    beside: Array  #: (m, 2) of the nodes where the end is free, mm
+    edge: Array  #: (2,) of the middle of the free edge, where a force acts that is spread evenly over it, mm
+    couple: Array  #: (n,) N mm, of the support at a height without a resultant force, by turn
+    acts_at: Array  #: (n, 2) of the point in which a resultant force of that support acts, by turn, mm
+    beside_held: Array  #: (n, m, 2) of the nodes where the edge is held at a height, by turn, mm
+    beside_pinned: Array  #: (m, 2) of the nodes where the edge is held in one point, mm
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "s", _frozen(self.s))
-        object.__setattr__(self, "beside", _frozen(self.beside))
+        for field in fields(self):
+            if field.name != "pressure":
+                object.__setattr__(self, field.name, _frozen(getattr(self, field.name)))
+
+    @property
+    def free(self) -> "TipState":
+        """The end without a support."""
+        return TipState(self.s, np.zeros(1), self.edge[None], self.beside[None])
+
+    @property
+    def held(self) -> "TipState":
+        """The end whose edge is held at a height."""
+        return TipState(self.s, self.couple, self.acts_at, self.beside_held)
+
+    @property
+    def pinned(self) -> "TipState":
+        """The end whose edge is held in one point: forces there have no couple."""
+        return TipState(self.s, np.zeros(1), self.beside_pinned[None, -1], self.beside_pinned[None])
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class TipState:
+    """The end of the arm as its conditions leave it, by turn as in `TipCurve`; one row where the turn does not matter.
+
+    Positions are relative to the axis, along and normal to it.
+    """
+
+    s: Array  #: (m,) rest positions of the nodes of the material curve before the end s = 0, rising to 0, mm
+    couple: Array  #: (n,) N mm, of the support without a resultant force
+    acts_at: Array  #: (n, 2) of the point in which a force acts, mm
+    beside: Array  #: (n, m, 2) of the nodes of the material curve, mm
+
+    @property
+    def turns(self) -> Array:
+        """(n + 1,) rad, of the rows and of the first one again after a full turn."""
+        return np.linspace(-np.pi, np.pi, len(self.couple) + 1)
+
+    def beside_at(self, turn: float) -> Array:
+        """(m, 2) mm: the nodes of the material curve at a turn in rad."""
+        values, slopes = self.over_turns(self.beside)
+        return cubic(self.turns, values, slopes, (turn + np.pi) % (2.0 * np.pi) - np.pi)
+
+    def over_turns(self, rows: Array) -> tuple[Array, Array]:
+        """Rows (n, ...) and their slopes per rad at the turns, (n + 1, ...) each, of a smooth periodic curve."""
+        values = np.concatenate([rows, rows[:1]])
+        return values, periodic_slopes(values, 2.0 * np.pi / len(rows))

@@ -110,9 +110,10 @@ class EndArrays(NamedTuple):
     offset: Array  #: (k, 2) mm
     offset_slope: Array  #: (k, 2)
     position: float  #: s of the deciding moment, mm
-    along: float  #: mm, from the end of the axis to that of the material curve
-    normal: float  #: mm
-    couple: float  #: N mm, of the support of the tip
+    #: (n + 1, 5) over equally spaced turns of the tip from -pi to pi: couple of its support, N mm; from the end of the
+    #: axis to the point in which a force acts and to the end of the material curve, along and normal to the axis, mm
+    tip: Array
+    tip_slope: Array  #: (n + 1, 5) per rad
 
 
 class EndLoad(NamedTuple):
@@ -140,6 +141,24 @@ def _clamp(ends: EndArrays, moment: float, offset: Array) -> tuple[float, float]
 
 
 @numba.njit(cache=True)
+def tip_levers(ends: EndArrays, turn: float) -> tuple[Array, Array, float]:
+    """At a turn of the tip in rad: from the end of the axis to the end of the material curve, and to the point in which
+    a force acts, (2,) mm each; and the couple of the support, N mm."""
+    last = len(ends.tip) - 1
+    step = 2.0 * math.pi / last
+    position = (turn + math.pi) / step
+    position -= last * math.floor(position / last)
+    i = min(math.floor(position), last - 1)
+    values = np.empty(5)
+    for k in range(5):
+        values[k] = _cubic(ends.tip[:, k], ends.tip_slope[:, k], i, position - i, step)[0]
+    cosine, sine = math.cos(turn), math.sin(turn)
+    force = np.array([values[1] * cosine - values[2] * sine, values[1] * sine + values[2] * cosine])
+    end = np.array([values[3] * cosine - values[4] * sine, values[3] * sine + values[4] * cosine])
+    return end, force, values[0]
+
+
+@numba.njit(cache=True)
 def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, states: Array, missed: Array) -> float:
     """Integrate for unknowns (3,) = (angle of the axis at the end, F_x, F_y); fills states (n + 1, 4), shifted to the
     clamp, and missed (3,): the angle at the clamp (rad), and prescribed coordinates of the end over the length.
@@ -149,9 +168,8 @@ def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, st
     force, offset = np.empty(2), np.empty(2)
     for k in range(2):
         force[k] = unknowns[1 + k] if load.held[k] else load.force[k]
-    cosine, sine = math.cos(unknowns[0]), math.sin(unknowns[0])
-    lever = np.array([ends.along * cosine - ends.normal * sine, ends.along * sine + ends.normal * cosine])
-    couple = ends.couple + load.couple + lever[0] * force[1] - lever[1] * force[0]
+    to_end, lever, of_support = tip_levers(ends, unknowns[0])
+    couple = of_support + load.couple + lever[0] * force[1] - lever[1] * force[0]
     outside = integrate(law, load.length, force, np.array([unknowns[0], couple, 0.0, 0.0]), states)
     n = len(states) - 1
     position = ends.position / load.length * n
@@ -164,7 +182,7 @@ def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, st
         states[row, 3] += shift[1]
     missed[0] = states[0, 0] - rotation
     for k in range(2):
-        missed[1 + k] = (states[n, 2 + k] + lever[k] - load.target[k]) / load.length if load.held[k] else 0.0
+        missed[1 + k] = (states[n, 2 + k] + to_end[k] - load.target[k]) / load.length if load.held[k] else 0.0
     return max(outside, beyond)
 
 

@@ -29,14 +29,12 @@ class ArmLaw:
     length: float  #: mm, of the arm whose pieces were solved
     cells: tuple[CellCurve, ...]
     clamps: tuple[ClampCurve, ...]
-    free_tips: tuple[TipCurve, ...]
-    held_tips: tuple[TipCurve, ...]
+    tips: tuple[TipCurve, ...]
 
     def __post_init__(self) -> None:
-        parts = [[curve.pressure for curve in curves] for curves in (self.cells, self.clamps, self.free_tips)]
-        parts.append([curve.pressure for curve in self.held_tips])
+        parts = [[curve.pressure for curve in curves] for curves in (self.cells, self.clamps, self.tips)]
         if not parts[0] or any(part != parts[0] for part in parts) or np.any(np.diff(parts[0]) <= 0.0):
-            raise RodError("A law has a cell, a clamped end and two tips at each of its pressures, which rise.")
+            raise RodError("A law has a cell, a clamped end and a tip at each of its pressures, which rise.")
 
     @property
     def pressures(self) -> tuple[float, ...]:
@@ -50,9 +48,8 @@ class ArmLaw:
         """
         return LawRod(
             section_at(self.cells, pressure),
-            clamp_at(self.clamps, pressure),
-            tip_at(self.free_tips, pressure),
-            tip_at(self.held_tips, pressure),
+            clamp_at(self.clamps, self.cells, pressure),
+            tip_at(self.tips, pressure),
             self.pitch,
             self.first_middle,
             self.length if length is None else length,
@@ -65,14 +62,13 @@ class LawRod:
 
     section: SectionLaw
     clamp: ClampCurve
-    free_tip: TipCurve
-    held_tip: TipCurve
+    tip: TipCurve
     pitch: float  #: mm
     first_middle: float  #: mm
     length: float  #: mm
 
     def __post_init__(self) -> None:
-        ends = float(self.clamp.s[-1] - self.free_tip.s[0])
+        ends = float(self.clamp.s[-1] - self.tip.s[0])
         if not (math.isfinite(self.length) and self.length >= ends * (1 - 1e-9)):
             raise RodError(
                 f"An arm of {self.length:g} mm is shorter than its two disturbed ends, {ends:g} mm; "
@@ -81,7 +77,7 @@ class LawRod:
 
     @cached_property
     def _pieces(self) -> Pieces:
-        return Pieces(self.section, self.clamp, self.free_tip, self.held_tip, self.pitch, self.length)
+        return Pieces(self.section, self.clamp, self.tip, self.pitch, self.length)
 
     def solve(
         self,
@@ -116,23 +112,25 @@ class LawRod:
     def _equilibrium(self, conditions: EndConditions) -> RodSolution:
         solution = equilibrium(self._pieces, conditions)
         at_clamp = float(np.interp(self.clamp.position, solution.s, solution.moment))
-        tip = self.held_tip if conditions.is_held else self.free_tip
+        tip = conditions.tip_state(self.tip)
 
         def beside(s: Array) -> Array:
-            return self._beside(s, np.interp(s, solution.s, solution.moment), at_clamp, tip)
+            at_tip = tip.beside_at(float(solution.theta[-1]))
+            return self._beside(s, np.interp(s, solution.s, solution.moment), at_clamp, at_tip)
 
         return replace(solution, beside=beside)
 
-    def _beside(self, s: Array, moment: Array, at_clamp: float, tip: TipCurve) -> Array:
+    def _beside(self, s: Array, moment: Array, at_clamp: float, at_tip: Array) -> Array:
         """(m, 2) mm: the material curve beside the axis at s (m,) mm, along and normal to it.
 
-        moment: (m,) N mm there; at_clamp: N mm, the moment that decides on the clamped end.
+        moment: (m,) N mm there; at_clamp: N mm, the moment that decides on the clamped end; at_tip: (k, 2) mm, the
+        nodes of the tip beside the axis.
         """
         cycle = (s - self.first_middle) / self.pitch
         result = ripple(self.section, (cycle - np.round(cycle)) * self.pitch, moment)
-        clamped, last = s <= self.clamp.s[-1], s - self.length >= tip.s[0]
+        clamped, last = s <= self.clamp.s[-1], s - self.length >= self.tip.s[0]
         rows = row_at(self.clamp.moment, self.clamp.beside, at_clamp)
         for k in range(2):
             result[clamped, k] = np.interp(s[clamped], self.clamp.s, rows[:, k])
-            result[last, k] = np.interp(s[last] - self.length, tip.s, tip.beside[:, k])
+            result[last, k] = np.interp(s[last] - self.length, self.tip.s, at_tip[:, k])
         return result

@@ -1,6 +1,6 @@
 """The arm's own law as the numbers of law.json, and back."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ from rod.arm_law.law import ArmLaw
 from rod.law import RodError
 
 #: of the file; raised when a key changes its meaning
-FORMAT = 1
+FORMAT = 2
 
 #: key of the file and name of the value, curve by curve
 CELL_KEYS = {
@@ -34,6 +34,7 @@ CLAMP_KEYS = {
     "moment_N_mm": "moment",
     "rotation_rad": "rotation",
     "rotation_by_moment_rad_per_N_mm": "rotation_by_moment",
+    "rotation_by_pressure_rad_per_kPa": "rotation_by_pressure",
     "offset_mm": "offset",
     "offset_by_moment_per_N": "offset_by_moment",
     "s_mm": "s",
@@ -41,10 +42,13 @@ CLAMP_KEYS = {
 }
 TIP_KEYS = {
     "pressure_kPa": "pressure",
-    "rotation_rad": "rotation",
-    "couple_N_mm": "couple",
     "s_mm": "s",
     "beside_mm": "beside",
+    "edge_mm": "edge",
+    "couple_by_turn_N_mm": "couple",
+    "acts_at_by_turn_mm": "acts_at",
+    "beside_by_turn_mm": "beside_held",
+    "beside_pinned_mm": "beside_pinned",
 }
 
 
@@ -58,10 +62,7 @@ def law_record(law: ArmLaw) -> dict[str, Any]:
         "pressures_kPa": list(law.pressures),
         "curves": [curve_row(curve, CELL_KEYS) for curve in law.cells],
         "clamp": {"curves": [curve_row(curve, CLAMP_KEYS) for curve in law.clamps]},
-        "tip": {
-            "free": [curve_row(curve, TIP_KEYS) for curve in law.free_tips],
-            "held": [curve_row(curve, TIP_KEYS) for curve in law.held_tips],
-        },
+        "tip": {"curves": [curve_row(curve, TIP_KEYS) for curve in law.tips]},
     }
 
 
@@ -76,15 +77,10 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
             length=float(record["length_mm"]),
             cells=tuple(CellCurve(**curve_values(row, CELL_KEYS)) for row in record["curves"]),
             clamps=tuple(ClampCurve(**curve_values(row, CLAMP_KEYS)) for row in record["clamp"]["curves"]),
-            free_tips=_tips(record["tip"]["free"]),
-            held_tips=_tips(record["tip"]["held"]),
+            tips=tuple(TipCurve(**curve_values(row, TIP_KEYS)) for row in record["tip"]["curves"]),
         )
     except KeyError as missing:
         raise RodError(f"The law of an arm lacks the key {missing}; write it anew with `pneurod cell`.") from None
-
-
-def _tips(rows: Sequence[Mapping[str, Any]]) -> tuple[TipCurve, ...]:
-    return tuple(TipCurve(**curve_values(row, TIP_KEYS)) for row in rows)
 
 
 def curve_row(curve: object, keys: Mapping[str, str]) -> dict[str, Any]:

@@ -1,25 +1,27 @@
 """The law at one pressure, tabulated over the moment as the integrator reads it.
 
 Along a curve of one pressure kappa(M) and stretch(M) are joined by cubics with the exact slopes of the cell (Hermite).
-Between two pressures both are joined likewise at equal moments, with the exact slopes by the pressure,
-
-    dkappa/dp at fixed M = -(dM/dp) / (dM/dkappa),
-
-and rigidities by straight lines. Nothing is extrapolated: the table ends where one of the two curves ends.
+Between two pressures the states that belong together are joined (`rod.arm_law.between`), rigidities by straight lines.
+Nothing is extrapolated.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
 
 from geometry.arrays import Array
+from rod.arm_law.between import columns, hermite, joined
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.cubics import cubic, cubic_slope
 from rod.law import RodError
 
 #: moments of the table
 POINTS = 257
+#: moments of the clamped end between two pressures
+CLAMP_POINTS = 65
+#: of a tip, interpolated between pressures
+TIP_VALUES = ("beside", "edge", "couple", "acts_at", "beside_held", "beside_pinned")
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -42,27 +44,28 @@ class SectionLaw:
         """Curvature without moment, 1/mm; raises `RodError` where the law does not reach it."""
         if not self.moment[0] <= 0.0 <= self.moment[-1]:
             raise RodError(f"The law at {self.pressure:g} kPa has no point without moment.")
-        return float(CubicHermiteSpline(self.moment, self.kappa, self.kappa_slope)(0.0))
+        return float(cubic(self.moment, self.kappa, self.kappa_slope, 0.0))
 
 
 def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
-    """The law at a pressure in kPa; raises `RodError` outside the pressures of the curves."""
-    lower, upper, t = bracket([curve.pressure for curve in curves], pressure)
+    """The law at a pressure in kPa; raises `RodError` outside the pressures of the curves, and for curves that have no
+    curvature in common."""
+    lower, upper, _ = bracket([curve.pressure for curve in curves], pressure)
+    if lower == upper:
+        return _along(curves[lower])
     first, second = curves[lower], curves[upper]
-    low, high = max(first.moment[0], second.moment[0]), min(first.moment[-1], second.moment[-1])
-    if not low < high:
-        raise RodError(f"The curves of {first.pressure:g} and {second.pressure:g} kPa have no moment in common.")
-    moment = np.linspace(low, high, POINTS)
-    step = second.pressure - first.pressure
-    ends = [_resampled(curve, moment) for curve in (first, second)]
-    values = {}
-    for name in ("kappa", "stretch"):
-        (a, da), (b, db) = ((end[name], end[f"{name}_by_pressure"]) for end in ends)
-        values[name] = hermite(t, a, b, step * da, step * db)
-    linear = {name: (1 - t) * ends[0][name] + t * ends[1][name] for name in ("axial", "shear", "ripple")}
-    slopes = {name: (1 - t) * ends[0][f"{name}_slope"] + t * ends[1][f"{name}_slope"] for name in ("kappa", "stretch")}
-    if lower != upper:  # the slopes of the joined values themselves
-        slopes = {name: np.gradient(values[name], moment, edge_order=2) for name in values}
+    pairs = joined(first, second, pressure)
+    moment = np.linspace(pairs.moment[0], pairs.moment[-1], POINTS)
+    values = {
+        name: cubic(pairs.moment, column, np.gradient(column, pairs.moment, edge_order=2), moment)
+        for name, column in (("kappa", pairs.kappa), ("stretch", pairs.stretch))
+    }
+    slopes = {name: np.gradient(column, moment, edge_order=2) for name, column in values.items()}
+
+    def straight(name: str) -> Array:
+        column = pairs.straight((getattr(first, name), getattr(second, name)), (first.moment, second.moment))
+        return columns(moment, pairs.moment, column)
+
     return SectionLaw(
         pressure,
         moment,
@@ -70,10 +73,29 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
         slopes["kappa"],
         values["stretch"],
         slopes["stretch"],
-        linear["axial"],
-        linear["shear"],
+        straight("axial_rigidity"),
+        straight("shear_rigidity"),
         first.s,
-        linear["ripple"],
+        straight("ripple"),
+    )
+
+
+def _along(curve: CellCurve) -> SectionLaw:
+    """The law at the pressure of a curve."""
+    moment = np.linspace(curve.moment[0], curve.moment[-1], POINTS)
+    kappa = (curve.moment, curve.kappa, 1.0 / curve.rigidity)
+    stretch = (curve.moment, curve.stretch, curve.stretch_by_kappa / curve.rigidity)
+    return SectionLaw(
+        curve.pressure,
+        moment,
+        cubic(*kappa, moment),
+        cubic_slope(*kappa, moment),
+        cubic(*stretch, moment),
+        cubic_slope(*stretch, moment),
+        columns(moment, curve.moment, curve.axial_rigidity),
+        columns(moment, curve.moment, curve.shear_rigidity),
+        curve.s,
+        columns(moment, curve.moment, curve.ripple),
     )
 
 
@@ -90,64 +112,51 @@ def bracket(pressures: Sequence[float], pressure: float) -> tuple[int, int, floa
     return upper - 1, upper, float((pressure - p[upper - 1]) / (p[upper] - p[upper - 1]))
 
 
-def hermite(t: float, a: Array, b: Array, da: Array, db: Array) -> Array:
-    """The cubic at t between a (t = 0) and b (t = 1) with the slopes da and db per unit of t."""
-    h00, h10 = (1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2
-    h01, h11 = t**2 * (3 - 2 * t), t**2 * (t - 1)
-    return np.asarray(h00 * a + h10 * da + h01 * b + h11 * db)
+def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure: float) -> ClampCurve:
+    """The clamped end at a pressure in kPa, from the states that belong together in the cells.
 
-
-def _resampled(curve: CellCurve, moment: Array) -> dict[str, Array]:
-    """Values of one curve at moments (n,) within it, and their slopes by moment and by pressure at fixed moment."""
-    kappa = CubicHermiteSpline(curve.moment, curve.kappa, 1.0 / curve.rigidity)
-    stretch = CubicHermiteSpline(curve.moment, curve.stretch, curve.stretch_by_kappa / curve.rigidity)
-    kappa_by_pressure = -curve.moment_by_pressure / curve.rigidity
-    stretch_by_pressure = curve.stretch_by_pressure + curve.stretch_by_kappa * kappa_by_pressure
-    nodes = curve.moment
-    flat = curve.ripple.reshape(len(nodes), -1)
-    ripple = np.stack([np.interp(moment, nodes, column) for column in flat.T], axis=1)
-    return {
-        "kappa": kappa(moment),
-        "kappa_slope": kappa(moment, 1),
-        "kappa_by_pressure": np.interp(moment, nodes, kappa_by_pressure),
-        "stretch": stretch(moment),
-        "stretch_slope": stretch(moment, 1),
-        "stretch_by_pressure": np.interp(moment, nodes, stretch_by_pressure),
-        "axial": np.interp(moment, nodes, curve.axial_rigidity),
-        "shear": np.interp(moment, nodes, curve.shear_rigidity),
-        "ripple": ripple.reshape(len(moment), *curve.ripple.shape[1:]),
-    }
-
-
-def clamp_at(curves: Sequence[ClampCurve], pressure: float) -> ClampCurve:
-    """The clamped end at a pressure in kPa: straight lines in p at equal moments."""
-    lower, upper, t = bracket([curve.pressure for curve in curves], pressure)
-    first, second = curves[lower], curves[upper]
+    Its rotation is a cubic in p with the slopes of both curves, all else follows straight lines.
+    Raises `RodError` as `section_at` does.
+    """
+    lower, upper, _ = bracket([curve.pressure for curve in clamps], pressure)
+    first, second = clamps[lower], clamps[upper]
     if lower == upper:
         return first
-    low, high = max(first.moment[0], second.moment[0]), min(first.moment[-1], second.moment[-1])
-    if not low < high:
-        raise RodError(f"The ends at {first.pressure:g} and {second.pressure:g} kPa have no moment in common.")
-    moment = np.linspace(low, high, 41)
+    pairs = joined(cells[lower], cells[upper], pressure)
+    nodes = first.moment, second.moment
+    known = (pairs.first >= nodes[0][0]) & (pairs.first <= nodes[0][-1])
+    known &= (pairs.second >= nodes[1][0]) & (pairs.second <= nodes[1][-1])
+    if known.sum() < 2:
+        raise RodError(f"The ends at {first.pressure:g} and {second.pressure:g} kPa have no state in common.")
+    range_known = pairs.moment[known]
+    moment = np.linspace(range_known[0], range_known[-1], CLAMP_POINTS)
 
-    def joined(name: str) -> Array:
-        parts = []
-        for curve in (first, second):
-            values = getattr(curve, name)
-            flat = values.reshape(len(curve.moment), -1)
-            columns = [np.interp(moment, curve.moment, column) for column in flat.T]
-            parts.append(np.stack(columns, axis=1).reshape(len(moment), *values.shape[1:]))
-        return np.asarray((1 - t) * parts[0] + t * parts[1])
+    def straight(name: str) -> Array:
+        column = pairs.straight((getattr(first, name), getattr(second, name)), nodes)
+        return columns(moment, pairs.moment, column)
 
+    def rotations(curve: ClampCurve, at: Array, slope: Array) -> tuple[Array, Array]:
+        """Of one curve at moments (n,), and their changes along the lines for the whole step of the pressure."""
+        names = ("rotation", "rotation_by_moment", "rotation_by_pressure")
+        value, by_moment, by_pressure = (np.interp(at, curve.moment, getattr(curve, name)) for name in names)
+        return value, by_pressure * (second.pressure - first.pressure) + by_moment * slope
+
+    (low, low_slope), (high, high_slope) = (
+        rotations(first, pairs.first, pairs.first_slope),
+        rotations(second, pairs.second, pairs.second_slope),
+    )
+    rotation = columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
+    offset = straight("offset")
     return ClampCurve(
         pressure=pressure,
         moment=moment,
-        rotation=joined("rotation"),
-        rotation_by_moment=joined("rotation_by_moment"),
-        offset=joined("offset"),
-        offset_by_moment=joined("offset_by_moment"),
+        rotation=rotation,
+        rotation_by_moment=np.gradient(rotation, moment, edge_order=2),
+        rotation_by_pressure=straight("rotation_by_pressure"),
+        offset=offset,
+        offset_by_moment=np.gradient(offset, moment, axis=0, edge_order=2),
         s=first.s,
-        beside=joined("beside"),
+        beside=straight("beside"),
     )
 
 
@@ -157,8 +166,6 @@ def tip_at(curves: Sequence[TipCurve], pressure: float) -> TipCurve:
     a, b = curves[lower], curves[upper]
     return TipCurve(
         pressure,
-        (1 - t) * a.rotation + t * b.rotation,
-        (1 - t) * a.couple + t * b.couple,
         a.s,
-        (1 - t) * a.beside + t * b.beside,
+        *((1 - t) * getattr(a, name) + t * getattr(b, name) for name in TIP_VALUES),
     )

@@ -8,15 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.curves import ClampCurve, TipCurve
-from rod.arm_law.integration import EndArrays, EndLoad, LawArrays, converge
+from rod.arm_law.curves import ClampCurve, TipCurve, TipState
+from rod.arm_law.integration import EndArrays, EndLoad, LawArrays, converge, tip_levers
 from rod.arm_law.section import SectionLaw
 from rod.law import RodError
 from rod.load import Load
 from rod.solution import RodSolution
 
 #: longest step of the integration, mm over the pitch
-STEP = 0.1
+STEP = 0.2
 #: smallest part of the load in one step
 SMALLEST_STEP = 1e-3
 #: rad, largest change of the end's angle in one step of the load
@@ -35,8 +35,7 @@ class Pieces:
 
     section: SectionLaw
     clamp: ClampCurve
-    free_tip: TipCurve
-    held_tip: TipCurve
+    tip: TipCurve
     pitch: float  #: mm
     length: float  #: mm
 
@@ -50,8 +49,8 @@ class Pieces:
             *(np.ascontiguousarray(getattr(law, name)) for name in _TABLES),
         )
 
-    def ends(self, tip: TipCurve) -> EndArrays:
-        """The clamped end and one of the tips as the integrator reads them."""
+    def ends(self, tip: TipState) -> EndArrays:
+        """The clamped end and the tip as the integrator reads them."""
         clamp = self.clamp
         return EndArrays(
             clamp.moment,
@@ -60,9 +59,7 @@ class Pieces:
             clamp.offset,
             clamp.offset_by_moment,
             clamp.position,
-            float(tip.beside[-1, 0]),
-            float(tip.beside[-1, 1]),
-            tip.couple,
+            *tip.over_turns(np.column_stack([tip.couple, tip.acts_at, tip.beside[:, -1]])),
         )
 
 
@@ -72,10 +69,11 @@ class EndConditions(NamedTuple):
     load: Load
     position: tuple[float | None, float | None]  #: mm, prescribed x and y of the end
 
-    @property
-    def is_held(self) -> bool:
-        """Whether a support holds the end by its edge."""
-        return self.position != (None, None)
+    def tip_state(self, tip: TipCurve) -> TipState:
+        """The tip under these conditions: free, held at a height, or with x prescribed as well in one point."""
+        if self.position == (None, None):
+            return tip.free
+        return tip.held if self.position[0] is None else tip.pinned
 
 
 class _Shooting:
@@ -85,7 +83,7 @@ class _Shooting:
         self.pieces = pieces
         self.load = conditions.load
         self.held = np.array([value is not None for value in conditions.position])
-        self.ends = pieces.ends(pieces.held_tip if conditions.is_held else pieces.free_tip)
+        self.ends = pieces.ends(conditions.tip_state(pieces.tip))
         self.states = np.empty((math.ceil(pieces.length / (STEP * pieces.pitch)) + 1, 4))
         slope = pieces.section.kappa_slope[len(pieces.section.kappa_slope) // 2]
         # a force that turns the end by about one radian
@@ -109,9 +107,8 @@ class _Shooting:
 
     def end(self, unknowns: Array) -> Array:
         """(2,) mm, of the material curve in the state last solved."""
-        cosine, sine = math.cos(unknowns[0]), math.sin(unknowns[0])
-        along, normal = self.ends.along, self.ends.normal
-        return np.asarray(self.states[-1, 2:] + [along * cosine - normal * sine, along * sine + normal * cosine])
+        lever, _, _ = tip_levers(self.ends, unknowns[0])
+        return np.asarray(self.states[-1, 2:] + lever)
 
 
 def equilibrium(pieces: Pieces, conditions: EndConditions) -> RodSolution:

@@ -14,7 +14,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from geometry import Centreline
 from geometry.arrays import Array
@@ -69,6 +68,8 @@ def extension(free: Centreline, loaded: Centreline, pitch: float) -> Extension:
     as cells.
     Raises `RodError` as `cell_averaged` does, and where nothing bends.
     """
+    from scipy.interpolate import CubicSpline  # inside, because it would delay `pneurod rod` by its import
+
     s = free.s - free.s[0]
     lengths = [np.concatenate([[0.0], np.cumsum(stretches(c) * np.diff(s))]) for c in (free, loaded)]
     rest = CubicSpline(s, lengths[0])(s, 1)

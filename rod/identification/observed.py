@@ -21,8 +21,9 @@ from rod.law import RodError
 HARMONICS = 2
 #: fraction of the moment's range that may be run through backwards
 REVERSAL = 0.05
-#: cells that five parameters need
-MIN_CELLS = 6
+#: length over the pitch that five parameters need: six averages over different cells, the first of which ends one pitch
+#: from the clamp, and the last half a pitch before the end
+FEWEST_PITCHES = 6.5
 
 
 def harmonics(s: Array, pitch: float) -> list[Array]:
@@ -62,7 +63,7 @@ class Observed:
         """From the intrinsic and the loaded curvature, the moment and the closure of one curve at one pressure.
 
         Of both resolutions the mean is right to second order in Delta. Raises `RodError` where they do not belong
-        together, where there is no moment or it is not monotone, and for fewer than MIN_CELLS cells.
+        together, where there is no moment or it is not monotone, and for arms of fewer than FEWEST_PITCHES pitches.
         """
         _check_consistent(kappa_0, kappa, moment)
         grid, delta = fine_grid(kappa.length), kappa.kappa - kappa_0.kappa
@@ -108,8 +109,22 @@ class Observed:
         return float(np.sqrt(np.mean((self.delta - fitted) ** 2)))
 
     def r_squared(self, fitted: Array) -> float:
-        """Fraction of the variance of Delta that fitted (n,) explains."""
-        return 1.0 - float(np.sum((self.delta - fitted) ** 2) / np.sum((self.delta - self.delta.mean()) ** 2))
+        """Fraction of the variance of Delta that fitted (n,) explains, 0 where its mean explains as much.
+
+        A line that passes the origin and closes the curve may be further from Delta than the mean of Delta is.
+        """
+        unexplained = np.sum((self.delta - fitted) ** 2) / np.sum((self.delta - self.delta.mean()) ** 2)
+        return max(0.0, 1.0 - float(unexplained))
+
+
+def too_few_pitches(length: float, pitch: float) -> str:
+    """Why an arm (mm) with cells of `pitch` (mm) is too short for five parameters; empty where it is not."""
+    if length >= (FEWEST_PITCHES - 1e-9) * pitch:
+        return ""
+    return (
+        f"Five parameters need a length of at least {FEWEST_PITCHES:g} pitches; this arm of {length:g} mm has "
+        f"{length / pitch:.3g} of {pitch:g} mm."
+    )
 
 
 def _check_consistent(kappa_0: Curvature, kappa: Curvature, moment: Moment) -> None:
@@ -129,8 +144,8 @@ def _check_consistent(kappa_0: Curvature, kappa: Curvature, moment: Moment) -> N
             f"The moment does not fall steadily from one end to the other: it turns back between "
             f"s = {reversed_at[0]:.3g} and {reversed_at[-1]:.3g} mm; take a load that bends the whole arm one way."
         )
-    if np.ptp(kappa.s) < (MIN_CELLS - 1.0) * kappa.pitch:
-        raise RodError(f"Five numbers need six cells; this curvature covers {np.ptp(kappa.s) / kappa.pitch + 1:.1f}.")
+    if sentence := too_few_pitches(length, kappa.pitch):
+        raise RodError(sentence)
 
 
 def _cumulative(parts: Array, axis: int) -> Array:

@@ -72,8 +72,8 @@ def identify(
     Both curvatures come from the same estimator at the same points. closure: displacement of the end, which the
     parameters have to reproduce. breaks: range of d over the length, by default `default_breaks`.
 
-    Raises `RodError` when the curvatures do not belong together, when the rod carries no moment, when there are fewer
-    cells than parameters, when breaks leaves the rod, and when curvature falls where the moment grows.
+    Raises `RodError` when the curvatures do not belong together, when the rod carries no moment, when the arm is too
+    short (`observed.FEWEST_PITCHES`), when breaks leaves the rod, and when curvature falls where the moment grows.
     """
     observed = Observed.of(kappa_0, kappa, moment, closure)
     grid = _break_grid(observed, breaks)
@@ -103,6 +103,11 @@ def identify(
 def shortest_break(length: float, pitch: float) -> float:
     """Lower end of the default range of d, mm: a d found there means "at most that"."""
     return max(min(BREAKS[0] * length, FIRST_CELL * pitch), MIN_BREAK * pitch)
+
+
+def longest_break(length: float) -> float:
+    """Upper end of the default range of d, mm: a d found there means "at least that"."""
+    return BREAKS[1] * length
 
 
 def default_breaks(length: float, pitch: float) -> tuple[float, float]:

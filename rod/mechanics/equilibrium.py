@@ -21,7 +21,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.law import LawRod
 from rod.curves.extension import Extension
-from rod.law import FiveParameters, RodError
+from rod.law import FiveParameters, RodError, TwoSlopes
 from rod.load import Load, pair
 from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
@@ -37,7 +37,7 @@ def _no_law() -> FiveParameters:
 
 @dataclass(frozen=True)
 class Rod:
-    """A clamped planar rod with the five-parameter law, or with the arm's own law at one pressure.
+    """A clamped planar rod with the five-parameter law, two lines of any slope, or the arm's own law at one pressure.
 
     kappa_0 (1/mm) is a number, an array (n,) of values at equally spaced points from 0 to length, an array (n, 2) of
     columns s and kappa_0, or a function of s; samples are joined by straight lines. The arm's own law,
@@ -48,7 +48,7 @@ class Rod:
 
     length: float  #: mm
     kappa_0: Profile | None = None  #: 1/mm; None with the arm's own law
-    law: FiveParameters | LawRod = field(default_factory=_no_law)
+    law: FiveParameters | TwoSlopes | LawRod = field(default_factory=_no_law)
     theta0: float = 0.0  #: rad, tangent angle at the clamp
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     fade: float = 0.0  #: N mm, below this |M| the intercepts fade to zero (see `law`)
@@ -79,14 +79,21 @@ class Rod:
         """The steps of the integration. Raises `RodError` for a kappa_0 that does not fit and for the arm's own law."""
         if self.kappa_0 is None:
             raise RodError("A rod with five parameters needs kappa_0, its curvature without load.")
-        return cut_into_steps(self.length, self.kappa_0, self.five)
+        return cut_into_steps(self.length, self.kappa_0, self.lines)
 
     @property
     def five(self) -> FiveParameters:
-        """The five parameters. Raises `RodError` for a rod with the arm's own law."""
+        """The five parameters. Raises `RodError` for a rod with another law."""
+        if isinstance(self.law, TwoSlopes):
+            raise RodError("The slopes of this rod may be negative, and are not the five parameters of a rod.")
         if isinstance(self.law, LawRod):
             raise RodError("This rod follows the arm's own law and has no five parameters.")
         return self.law
+
+    @property
+    def lines(self) -> FiveParameters | TwoSlopes:
+        """The two lines of its law. Raises `RodError` for a rod with the arm's own law."""
+        return self.law if isinstance(self.law, TwoSlopes) else self.five
 
     def solve(
         self,
@@ -143,7 +150,7 @@ class Rod:
         refinement = _refinement(self, solution, case.load)
         if refinement > 1.0:
             assert self.kappa_0 is not None  # `steps` has refused it
-            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.five, refinement), case)
+            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.lines, refinement), case)
         return solution
 
     def _solved(self, steps: Steps, case: "_LoadCase") -> RodSolution:
@@ -187,16 +194,16 @@ def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, lo
 
 def _refinement(rod: Rod, solution: RodSolution, load: Load) -> float:
     """How much finer than the usual the steps must be: at large forces errors grow like exp(s sqrt(F/alpha))."""
-    softest = min(rod.five.alpha1, rod.five.alpha2)
+    softest = min(abs(rod.lines.alpha1), abs(rod.lines.alpha2))
     force = np.hypot(*solution.force) + rod.length * math.hypot(*load.weight)
     growth = rod.length * math.sqrt(force / softest)
     return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
 
 
 def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
-    """The loads on the rod in units of its length l and rigidity B = alpha2: moments B/l, forces B/l^2."""
-    law, length = rod.five, rod.length
-    base = law.alpha2
+    """The loads on the rod in units of its length l and rigidity B = |alpha2|: moments B/l, forces B/l^2."""
+    law, length = rod.lines, rod.length
+    base = abs(law.alpha2)
     end = [0.0 if p is None else (p - rod.start[i]) / length for i, p in enumerate(case.end)]
     reach = math.hypot(*end)
     if not reach < 1.0 and rod.extension is None:
@@ -210,7 +217,7 @@ def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
         steps=steps,
         stretch=np.ones(stages.shape) if extension is None else extension.at(stages * length),
         eccentricity=0.0 if extension is None else extension.eccentricity / length,
-        alpha=np.where(steps.first, law.alpha1 / base, 1.0),
+        alpha=np.where(steps.first, law.alpha1, law.alpha2) / base,
         m0=np.where(steps.first, law.m01, law.m02) * (length / base),
         fade=rod.fade * length / base,
         theta0=rod.theta0,
@@ -225,8 +232,9 @@ def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
 
 def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSolution:
     """The dimensionless point in mm and N."""
-    law, steps, length = rod.five, problem.steps, rod.length
-    moment = point.states[:, 1] * (law.alpha2 / length)
+    law, steps, length = rod.lines, problem.steps, rod.length
+    base = abs(law.alpha2)
+    moment = point.states[:, 1] * (base / length)
     intercept_factor = np.full(len(moment), 1.0 if count else 0.0)
     if rod.fade > 0.0:
         intercept_factor *= np.minimum(1.0, np.abs(moment) / rod.fade)
@@ -242,7 +250,7 @@ def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSo
         "kappa": kappa_0 + deviation,
         "moment": moment,
         "stretch": _stretch(rod, steps.s * length, deviation),
-        "force": np.where(problem.free[1:], point.unknowns[1:], problem.force) * (law.alpha2 / length**2),
+        "force": np.where(problem.free[1:], point.unknowns[1:], problem.force) * (base / length**2),
     }
     for array in arrays.values():
         array.setflags(write=False)

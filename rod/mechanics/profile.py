@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array, Mask
-from rod.law import FiveParameters, RodError
+from rod.law import FiveParameters, RodError, TwoSlopes
 from rod.mechanics.shooting import ABSCISSAE
 
 Profile = float | Array | Callable[[Array], Array]
@@ -26,7 +26,7 @@ class Steps:
     first: Mask  #: (n,), the steps before d
 
 
-def cut_into_steps(length: float, kappa_0: Profile, law: FiveParameters, refinement: float = 1.0) -> Steps:
+def cut_into_steps(length: float, kappa_0: Profile, law: FiveParameters | TwoSlopes, refinement: float = 1.0) -> Steps:
     """Steps whose boundaries are d and the samples of kappa_0; `refinement` divides the longest step allowed.
 
     kappa_0 (1/mm): a number; an array (n,) of values at n equally spaced points from s = 0 to s = length; an array

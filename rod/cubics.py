@@ -1,0 +1,79 @@
+"""Cubics through points with given slopes, and the slopes of a monotone and of a periodic curve.
+
+scipy.interpolate has them. They are written out here because its import takes longer than all other work of
+`pneurod rod` together; `tests/test_rod_cubics.py` compares them with scipy.
+"""
+
+import numpy as np
+
+from geometry.arrays import Array
+
+
+def cubic(x: Array, y: Array, slopes: Array, at: Array | float) -> Array:
+    """Values at `at` (k,) of the cubics through y (n, ...) over rising x (n,) with the slopes dy/dx (n, ...).
+
+    Outside x the first and the last cubic are continued. A number `at` gives the shape of one y.
+    """
+    inside, (c0, c1, c2, c3) = _coefficients(x, y, slopes, at)
+    return c0 + inside * (c1 + inside * (c2 + inside * c3))
+
+
+def cubic_slope(x: Array, y: Array, slopes: Array, at: Array | float) -> Array:
+    """Derivatives at `at` of the curve of `cubic`."""
+    inside, (_, c1, c2, c3) = _coefficients(x, y, slopes, at)
+    return c1 + inside * (2.0 * c2 + inside * (3.0 * c3))
+
+
+def _coefficients(x: Array, y: Array, slopes: Array, at: Array | float) -> tuple[Array, tuple[Array, ...]]:
+    """Distance of every point from the beginning of its interval, and the four coefficients of its cubic."""
+    x, y, slopes, point = (np.asarray(values, float) for values in (x, y, slopes, at))
+    i = np.clip(np.searchsorted(x, point, side="right") - 1, 0, len(x) - 2)
+    across = (*np.shape(i), *(1,) * (y.ndim - 1))
+    step, inside = (np.reshape(values, across) for values in (x[i + 1] - x[i], point - x[i]))
+    secant = (y[i + 1] - y[i]) / step
+    third = (slopes[i] + slopes[i + 1] - 2.0 * secant) / step
+    return inside, (y[i], slopes[i], (secant - slopes[i]) / step - third, third / step)
+
+
+def monotone_slopes(x: Array, y: Array) -> Array:
+    """(n, ...) slopes of the monotone cubics (PCHIP) through y (n, ...) over rising x (n,), at least two points.
+
+    Inside, the weighted harmonic mean of the two neighbouring secants, zero where these have different signs; at the
+    ends a one-sided parabola, limited so that the curve stays monotone. F. N. Fritsch, J. Butland, SIAM J. Sci. Stat.
+    Comput. 5 (1984).
+    """
+    y = np.asarray(y, float)
+    steps = np.diff(np.asarray(x, float)).reshape(-1, *(1,) * (y.ndim - 1))
+    secants = np.diff(y, axis=0) / steps
+    if len(secants) == 1:
+        return np.concatenate([secants, secants])
+    before, after = 2.0 * steps[1:] + steps[:-1], steps[1:] + 2.0 * steps[:-1]
+    same = secants[:-1] * secants[1:] > 0.0
+    safe = np.where(same, secants[:-1], 1.0), np.where(same, secants[1:], 1.0)
+    inner = np.where(same, (before + after) / (before / safe[0] + after / safe[1]), 0.0)
+    first = _end_slope(steps[:2], secants[:2])
+    last = _end_slope(steps[:-3:-1], secants[:-3:-1])
+    return np.concatenate([first[None], inner, last[None]])
+
+
+def periodic_slopes(y: Array, step: float) -> Array:
+    """(n + 1, ...) slopes at equally spaced points of the periodic cubic spline through y (n + 1, ...).
+
+    Its second derivative is continuous; the last point is the first one again, one period later.
+    """
+    n = len(y) - 1
+    turned = np.arange(n)
+    matrix = 4.0 * np.eye(n)
+    for neighbour in (-1, 1):
+        np.add.at(matrix, (turned, (turned + neighbour) % n), 1.0)
+    right = 3.0 / step * (np.roll(y[:-1], -1, axis=0) - np.roll(y[:-1], 1, axis=0))
+    slopes = np.linalg.solve(matrix, right.reshape(n, -1)).reshape(right.shape)
+    return np.concatenate([slopes, slopes[:1]])
+
+
+def _end_slope(steps: Array, secants: Array) -> Array:
+    """The slope at an end from the two steps and secants (2, ...) beside it, nearest first."""
+    slope = ((2.0 * steps[0] + steps[1]) * secants[0] - steps[0] * secants[1]) / (steps[0] + steps[1])
+    turned = (np.sign(secants[0]) != np.sign(secants[1])) & (np.abs(slope) > 3.0 * np.abs(secants[0]))
+    slope = np.where(turned, 3.0 * secants[0], slope)
+    return np.where(np.sign(slope) != np.sign(secants[0]), 0.0, slope)

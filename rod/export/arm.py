@@ -1,0 +1,92 @@
+"""A rod over its pressures, with what the programs of other authors need beside it."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.law import RodError
+from rod.mechanics.equilibrium import Rod
+
+
+@dataclass(frozen=True)
+class Arm:
+    """A rod at one or several pressures with the data of its dynamics.
+
+    Raises `RodError` for a number that is not positive and for pressures that do not rise from above 0.
+    """
+
+    pressures: tuple[float, ...]  #: kPa
+    rods: tuple[Rod, ...]  #: with five parameters, one per pressure
+    mass: float | None  #: g; None where it is not known, for tables without dynamics
+    radius: (
+        float | None
+    )  #: mm, of a round section of about the arm's area: it only sets how stiff stretch and shear are
+    modulus: float = 1.2  #: MPa, for stretch and shear
+    elements: int = 60  #: pieces of the chain
+    #: standard deviations by PARAMETER_NAMES, one per pressure; empty: not known
+    deviations: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    smooth: tuple[Array, ...] = ()  #: (m, 2) columns s and kappa_0 averaged over a cell, per pressure; empty: not known
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "radius", "modulus"):
+            if getattr(self, name) is not None and not (
+                math.isfinite(getattr(self, name)) and getattr(self, name) > 0.0
+            ):
+                raise RodError(f"{name} must be positive, not {getattr(self, name)}.")
+        if self.elements < 4:
+            raise RodError(f"A chain of {self.elements} elements is too coarse; take at least 4.")
+        rise = np.diff([0.0, *self.pressures])
+        if not self.pressures or len(self.rods) != len(self.pressures) or np.any(rise <= 0.0):
+            raise RodError("The pressures of an arm rise from above 0, and each has its rod.")
+
+    @property
+    def length(self) -> float:
+        """mm."""
+        return self.rods[0].length
+
+    @property
+    def piece(self) -> float:
+        """mm, length of one element."""
+        return self.length / self.elements
+
+    @property
+    def dynamics(self) -> tuple[float, float]:
+        """Mass in kg and radius in m. Raises `RodError` where they are not known."""
+        if self.mass is None or self.radius is None:
+            raise RodError("This format needs the mass of the arm; give material.density in the configuration.")
+        return 1e-3 * self.mass, 1e-3 * self.radius
+
+    @property
+    def label(self) -> str:
+        """The pressures in the name of a file: 17kPa, or 17_to_37kPa."""
+        ends = dict.fromkeys(f"{pressure:g}" for pressure in (self.pressures[0], self.pressures[-1]))
+        return "_to_".join(ends) + "kPa"
+
+    def smoothed(self) -> "Arm":
+        """The same with the averaged kappa_0 and the same rotation of the end. Raises `RodError` without one."""
+        if not self.smooth:
+            raise RodError("The file has no rest curvature averaged over the cells.")
+        rods = tuple(_with_curve(rod, curve) for rod, curve in zip(self.rods, self.smooth, strict=True))
+        return replace(self, rods=rods)
+
+    def single(self, index: int) -> "Arm":
+        """The same at one of its pressures."""
+        return replace(
+            self,
+            pressures=self.pressures[index : index + 1],
+            rods=self.rods[index : index + 1],
+            deviations={name: values[index : index + 1] for name, values in self.deviations.items()},
+            smooth=self.smooth[index : index + 1],
+        )
+
+
+def _with_curve(rod: Rod, curve: Array) -> Rod:
+    """The rod with kappa_0 (m, 2) that ends short of both ends; constant there, and shifted to the same rotation."""
+    s = np.concatenate([[0.0], curve[:, 0], [rod.length]])
+    kappa = np.concatenate([curve[:1, 1], curve[:, 1], curve[-1:, 1]])
+    free = rod.solve()
+    missing = free.theta[-1] - free.theta[0] - np.trapezoid(kappa, s)
+    return replace(rod, kappa_0=np.column_stack([s, kappa + missing / rod.length]))

@@ -1,0 +1,102 @@
+"""The five parameters and kappa_0(s) over the pressures as tables: CSV, JSON, and a .mat file for SoRoSim."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from rod.export.arm import Arm
+from rod.law import PARAMETER_NAMES
+from rod.mechanics.equilibrium import Rod
+
+#: with the unit, as in parameters.json
+COLUMNS = dict(zip(PARAMETER_NAMES, ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm"), strict=True))
+
+
+def table(rod: Rod, points: int = 225) -> dict[str, Array]:
+    """Columns, (points,) each: s_mm, kappa_0_per_mm, alpha_N_mm2, m0_N_mm, kappa_rest_per_mm."""
+    s, rest = np.linspace(0.0, rod.length, points), rod.solve()
+    kappa_0 = np.interp(s, rest.s, rest.kappa)
+    return {
+        "s_mm": s,
+        "kappa_0_per_mm": kappa_0,
+        "alpha_N_mm2": rod.five.rigidity(s),
+        "m0_N_mm": rod.five.intercept(s),
+        "kappa_rest_per_mm": rod.five.kappa_rest(s, kappa_0),
+    }
+
+
+def arm_table(arm: Arm, points: int = 225) -> dict[str, Array]:
+    """`table` of all pressures one below the other, with the pressure, standard deviations and the smooth kappa_0."""
+    smooth = arm.smoothed().rods if arm.smooth else ()
+    parts: list[dict[str, Array]] = []
+    for index, (pressure, rod) in enumerate(zip(arm.pressures, arm.rods, strict=True)):
+        part = {"pressure_kPa": np.full(points, pressure), **table(rod, points)}
+        if smooth:
+            part["kappa_0_smooth_per_mm"] = table(smooth[index], points)["kappa_0_per_mm"]
+        first = part["s_mm"] < rod.five.d
+        for name, pair in {"alpha_N_mm2": ("alpha1", "alpha2"), "m0_N_mm": ("m01", "m02")}.items():
+            if arm.deviations:
+                low, high = (arm.deviations[parameter][index] for parameter in pair)
+                part[f"{name}_std"] = np.where(first, low, high)
+        parts.append(part)
+    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+
+def write_csv(arm: Arm, path: Path) -> None:
+    """`arm_table` as comma-separated values."""
+    columns = arm_table(arm)
+    rows = [",".join(columns), *(",".join(f"{v:.12g}" for v in row) for row in zip(*columns.values(), strict=True))]
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+def write_json(arm: Arm, path: Path) -> None:
+    """The five parameters with their standard deviations, the clamp and the curves over the pressures."""
+    tables = [table(rod) for rod in arm.rods]
+    content: dict[str, Any] = {
+        "length_mm": arm.length,
+        "mass_g": arm.mass,
+        "pressures_kPa": list(arm.pressures),
+        "theta0_rad": [rod.theta0 for rod in arm.rods],
+    }
+    for name, column in COLUMNS.items():
+        content[column] = [getattr(rod.five, name) for rod in arm.rods]
+        if arm.deviations:
+            content[f"{column}_std"] = list(arm.deviations[name])
+    content["s_mm"] = tables[0]["s_mm"].tolist()
+    for name in ("kappa_0_per_mm", "kappa_rest_per_mm"):
+        content[name] = [columns[name].tolist() for columns in tables]
+    if arm.smooth:
+        smooth = [table(rod)["kappa_0_per_mm"].tolist() for rod in arm.smoothed().rods]
+        content["kappa_0_smooth_per_mm"] = smooth
+    path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
+
+
+def write_sorosim(arm: Arm, path: Path) -> None:
+    """A .mat file for SoRoSim: reference strain and rigidity over X = s/L and the pressure, SI units.
+
+    The order of the strains is that of SoRoSim: torsion, bending about y and z, stretch, shear along y and z. X goes
+    from 0 to 1, as in the `xi_starfn` of a SorosimRod; docs/how_to/robots.md has the lines that put the values there.
+    """
+    from scipy.io import savemat
+
+    mass, radius = arm.dynamics
+    tables = [table(rod) for rod in arm.rods]
+    xi = np.zeros((6, len(tables[0]["s_mm"]), len(arm.rods)))
+    for k, columns in enumerate(tables):
+        xi[2, :, k], xi[3, :, k] = 1e3 * columns["kappa_rest_per_mm"], 1.0
+    content: dict[str, Any] = {
+        "pressures_kPa": np.array(arm.pressures),
+        "L": 1e-3 * arm.length,
+        "mass": mass,
+        "r": radius,
+        "E": 1e6 * arm.modulus,
+        "theta0": np.array([rod.theta0 for rod in arm.rods]),
+        "X": tables[0]["s_mm"] / arm.length,
+        "xi_star": xi,
+        "EI": 1e-6 * np.column_stack([columns["alpha_N_mm2"] for columns in tables]),
+        **{f"{COLUMNS[name]}_std": np.array(values) for name, values in arm.deviations.items()},
+    }
+    savemat(path, {"rod": content}, oned_as="row")
