@@ -264,9 +264,9 @@ def of_the_mesh() -> st.SearchStrategy[dict[str, Any]]:
     return st.fixed_dictionaries(
         {},
         optional={
-            "formulation": st.sampled_from([*ELEMENTS]),
-            "grading": st.sampled_from([*GRADINGS, False]),
-            "coarser": st.floats(0.9, 3.0),
+            "formulation": st.sampled_from([*ELEMENTS, "auto"]),
+            "grading": st.sampled_from([*GRADINGS, False, "auto"]),
+            "coarser": st.floats(0.9, 3.0) | st.sampled_from(["auto", False]),
         },
     )
 

@@ -22,10 +22,11 @@ from pipeline.simulation.scene import Scene
 def refusal(path: Path, *overrides: str) -> str:
     with pytest.raises(InputError) as refused:
         load_config(path, overrides)
-    sentence = str(refused.value)
-    assert "\n" not in sentence
-    assert "pydantic" not in sentence
-    return sentence
+    sentences = refused.value.sentences
+    assert str(refused.value).split("\n") == list(sentences)
+    assert "pydantic" not in str(refused.value)
+    assert all(sentence.startswith((f"{path}: ", "--set ")) for sentence in sentences)
+    return sentences[0]
 
 
 @pytest.fixture
@@ -58,7 +59,7 @@ def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
 
 def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> None:
     record = load_config(configs / "pneunet_coarse.yaml", ["effects.self_contact={dhat: 0.1 mm}"]).record()
-    keys = ["name", "geometry", "material", "pressures_kPa", "end", "added_pressures", "validation"]
+    keys = ["name", "geometry", "material", "pressures_kPa", "experiments", "end", "added_pressures", "validation"]
     assert list(record) == [*keys, "law", "mesh", "newton", "accuracy", "effects"]
     assert record["end"] == {"y_mm": 0.0}
     assert record["mesh"] == {"size_mm": 4.0, "formulation": "p2p0", "coarser": None, "grading": "off"}
@@ -68,6 +69,14 @@ def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> 
     assert effects["self_contact"] == {"state": "on", "dhat_mm": 0.1, "faces": None}
     assert effects["gravity"] == {"state": "auto", "acceleration_mm_s2": [0.0, -9810.0, 0.0]}
     assert effects["pressure"] == {"state": "auto", "cavities": {"cavity": {"fraction": 1.0, "constant_kPa": 0.0}}}
+
+
+def test_experiment_one_may_be_left_out_and_the_others_may_not(written: Path) -> None:
+    assert load_config(written).experiments == ("I", "II", "III")
+    assert load_config(written, ["experiments=[III, II]"]).experiments == ("II", "III")
+    assert load_config(written, ["experiments=[III, II]"]).hash == load_config(written, ["experiments=[II, III]"]).hash
+    for wrong in ("[II]", "II", "[I, II, III, IV]", "[II, II, III]", "[]"):
+        assert "allowed: [I, II, III] or [II, III]" in refusal(written, f"experiments={wrong}")
 
 
 def test_a_mesh_size_to_be_planned_is_no_number(configs: Path) -> None:
@@ -136,14 +145,24 @@ SPOILT = [
     ("name: pneunet_coarse", "", "name", "is missing; for example 'name: pneunet'"),
     ("name: pneunet_coarse", "name: a/b", "name", "letters"),
     ("name: pneunet_coarse", "name: 12", "name", "is not a text"),
-    ("name: pneunet_coarse", "name: x\ncolour: red", "colour", "unknown key; allowed here: name, pressures, end"),
+    (
+        "name: pneunet_coarse",
+        "name: x\ncolour: red",
+        "colour",
+        "unknown key; allowed here: name, pressures, experiments, end",
+    ),
     ("width: 15 mm", "width: 15", "geometry.width", "15 has no unit"),
     ("width: 15 mm", "widht: 15 mm", "geometry.widht", "did you mean 'width'?"),
     ("width: 15 mm", "width: -15 mm", "geometry.width", "must be a positive length"),
     ("wall: 1 mm  ", "wall: 5 mm  ", "geometry.wall", "less than half of chamber_length"),
     ("chambers: 11 ", "chambers: 11 mm ", "geometry.chambers", "is not a whole number"),
     ("chambers: 11 ", "chambers: 1.5 ", "geometry.chambers", "is not a whole number"),
-    ("family: pneunet", "family: pneu", "geometry.family", "'pneu' is not known; allowed: pneunet"),
+    (
+        "family: pneunet",
+        "family: pneu",
+        "geometry.family",
+        "'pneu' is not known; did you mean 'pneunet'? allowed: pneunet",
+    ),
     ("nu: 0.495", "nu: 0.5", "material.nu", "allowed: above -1 and below 0.5"),
     ("nu: 0.495", "nu: 0.6", "material.nu", "allowed: above -1 and below 0.5"),
     ("nu: 0.495", "nu: -1", "material.nu", "allowed: above -1 and below 0.5"),
@@ -214,9 +233,77 @@ def test_a_sentence_stays_short_whatever_it_quotes(written: Path) -> None:
         assert len(refusal(written, f"mesh.size={value}")) < 400
 
 
-def test_several_mistakes_are_counted(written: Path) -> None:
-    spoil(spoil(written, "nu: 0.495", "nu: 0.7"), "size: 4 mm", "size: 4")
-    assert refusal(written).endswith("(and 1 more)")
+def refusals(path: Path, *overrides: str) -> list[str]:
+    with pytest.raises(InputError) as refused:
+        load_config(path, overrides)
+    return [sentence.removeprefix(f"{path}: ") for sentence in refused.value.sentences]
+
+
+def test_all_mistakes_of_the_keys_are_named_at_once(written: Path) -> None:
+    for old, new in [("nu: 0.495", "nu: 0.7"), ("size: 4 mm", "sise: 4 mm"), ("family: pneunet", "family: pneunett")]:
+        spoil(written, old, new)
+    named = refusals(written, "colour=red")
+    assert [sentence.partition(": ")[0] for sentence in named] == [
+        *("geometry.family", "mesh.sise", "--set colour", "material.nu")
+    ]
+    assert "did you mean 'pneunet'?" in named[0]
+    assert "did you mean 'size'?" in named[1]
+    assert not any("mesh.size: is missing" in sentence for sentence in named)
+
+
+def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:
+    spoil(spoil(written, "wall: 1 mm  ", "wall: 5 mm  "), "[17 kPa, 37 kPa]", "[17 kPa, 37 MPa]")
+    named = refusals(written, "mesh.formulation=p2", "effects.incompressibility=on")
+    assert len(named) == 3
+    assert named[0].startswith("pressures: 37000 kPa is 30.8 E")
+    assert "contradict each other" in named[1]
+    assert named[2].startswith("geometry.wall: ")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("size: 4 mm", "size: 4,5 mm", "mesh.size: '4,5 mm' has a decimal comma; did you mean '4.5 mm'?"),
+        ("nu: 0.495", "nu: 0,495", "material.nu: '0,495' has a decimal comma; did you mean 0.495?"),
+        ("[17 kPa, 37 kPa]", "[17 MPa]", "pressures: 17000 kPa is 14.2 E, with Young's modulus E = 1.2 MPa"),
+        ("[17 kPa, 37 kPa]", "[17 MPa]", "did you mean kPa?"),
+        ("E: 1.2 MPa", "E: 1.2 kPa", "did you mean MPa for the material?"),
+        ("E: 1.2 MPa", "E: 1.2 GPa", "material.E: with 1.2 GPa the highest pressure is 3.1e-05 E"),
+        ("E: 1.2 MPa", "E: 1.2 GPa", "did you mean 1.2 MPa?"),
+        ("law: svk", "law: neo_hooke", "material.E: unknown key; the law has no E; its initial shear modulus is"),
+        ("law: svk", "law: SVK", "did you mean 'svk'?"),
+        ("formulation: p2p0", "formulation: p2po", "did you mean 'p2p0'?"),
+    ],
+)
+def test_a_likely_mistake_gets_a_suggestion(written: Path, old: str, new: str, complaint: str) -> None:
+    assert any(complaint in sentence for sentence in refusals(spoil(written, old, new)))
+
+
+def test_a_decimal_comma_in_braces_is_recognised(written: Path) -> None:
+    assert "a comma separates two values here" in refusal(written, "mesh={size: 4,5 mm}")
+
+
+def test_a_rubber_law_takes_nu_instead_of_kappa(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    for constants in (
+        "neo_hooke, mu: 0.4 MPa",
+        "mooney_rivlin, c10: 0.15 MPa, c01: 0.05 MPa",
+        "yeoh, c10: 0.2 MPa, c20: 0 MPa, c30: 0 MPa",
+    ):
+        config = load_config(coarse, [f"material={{law: {constants}, nu: 0.49}}"])
+        assert config.material.built().poisson_ratio == pytest.approx(0.49, rel=1e-12)
+        assert config.material.constants["kappa"] == pytest.approx(2 * 0.4 * 1.49 / (3 * 0.02))
+        assert "give nu or kappa, not both" in refusal(
+            coarse, f"material={{law: {constants}, nu: 0.49, kappa: 20 MPa}}"
+        )
+        assert "material.kappa: is missing" in refusal(coarse, f"material={{law: {constants}}}")
+
+
+def test_only_gravity_needs_the_density(configs: Path) -> None:
+    material = "material={law: svk, E: 1.2 MPa, nu: 0.495}"
+    config = load_config(configs / "pneunet_coarse.yaml", [material])
+    assert config.material.density_tonne_mm3 is None
+    assert "gravity needs it" in refusal(configs / "pneunet_coarse.yaml", material, "effects.gravity=on")
 
 
 @pytest.mark.parametrize(
@@ -342,3 +429,12 @@ def test_validation_loads_are_read(configs: Path) -> None:
 )
 def test_validation_loads_that_make_no_sense_are_refused(configs: Path, override: str, said: str) -> None:
     assert said in refusal(configs / "pneunet_coarse.yaml", override)
+
+
+@pytest.mark.parametrize("number", ["1e-6", "1.0e-6", "0.000001", "1E-6"])
+def test_a_number_with_an_exponent_needs_no_decimal_point(written: Path, number: str) -> None:
+    """YAML 1.1 reads 1e-6 as a text."""
+    assert load_config(written, [f"newton.tolerance={number}"]).newton.tolerance == 1e-6
+    with written.open("a", encoding="utf-8") as file:
+        file.write(f"\nnewton: {{tolerance: {number}}}\n")
+    assert load_config(written).newton.tolerance == 1e-6

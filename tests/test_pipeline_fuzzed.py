@@ -58,6 +58,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
+def check_sentences(sentences: tuple[str, ...]) -> None:
+    assert sentences
+    for sentence in sentences:
+        assert sentence.isprintable()
+        assert len(sentence) < LONGEST_SENTENCE
+
+
 def first_stage(folder: Path, written: Written, largest: int) -> str:
     """How it ended; bodies of more than `largest` elements are not meshed here."""
     path = folder / "arm.yaml"
@@ -71,9 +78,7 @@ def first_stage(folder: Path, written: Written, largest: int) -> str:
             return "accepted, too large to be meshed here"
         body = Scene.meshed(config).body
     except InputError as refused:
-        sentence = str(refused)
-        assert sentence.isprintable()
-        assert len(sentence) < LONGEST_SENTENCE
+        check_sentences(refused.sentences)
         return "refused"
     assert body.mesh.volume > 0
     return "meshed"
@@ -93,7 +98,7 @@ def test_every_configuration_is_read_or_refused_in_one_sentence(
 
 
 def test_both_endings_were_seen(seen: Counter[str]) -> None:
-    assert min(seen["refused"], seen["meshed"]) >= 20
+    assert min(seen["refused"], seen["meshed"]) >= 10  # most keys may be left out, so most configurations are valid
 
 
 @pytest.mark.slow

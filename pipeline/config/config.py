@@ -7,7 +7,7 @@ import hashlib
 import json
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass, replace
+from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from pathlib import Path
 from typing import Any, Literal, final, get_args
@@ -15,7 +15,7 @@ from typing import Any, Literal, final, get_args
 import fem.materials
 from fem.elements import automatic_element
 from fem.materials import LAWS
-from geometry import CadFile, Design, MeshFile
+from geometry import CadFile, CellPlanes, Design, MeshFile
 from pipeline.store.json_values import Json, JsonObject
 
 #: whether an effect acts; auto leaves it to the program
@@ -41,7 +41,7 @@ class Material:
 
     law: str  #: as in the YAML: svk
     constants: Mapping[str, float]  #: stresses in MPa
-    density_tonne_mm3: float
+    density_tonne_mm3: float | None  #: None where it is not given; only gravity and the mass of the arm need it
 
     def built(self) -> fem.materials.Material:
         """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
@@ -73,6 +73,8 @@ class MeshSettings:
     formulation: str  #: one of fem.elements.ELEMENTS
     coarser: float | None = None  #: size of a second mesh over size_mm, for the mesh error of the parameters
     grading: str = "off"  #: one of geometry.GRADINGS
+    #: why, by key, for what was left to the program
+    chosen: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def element_size_mm(self) -> float:
@@ -154,7 +156,8 @@ class Gravity(RequestedEffect):
         x, y, z = (component / 1000 for component in self.acceleration_mm_s2)
         return (
             f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod has no weight, so the moment of the weight is an "
-            "error of the five parameters"
+            "error of the five parameters; experiment I is not simulated, because nothing holds the weight of a "
+            "free body"
         )
 
     @property
@@ -208,6 +211,7 @@ class Config:
     design: Design
     material: Material
     pressures_kPa: tuple[float, ...]  #: ascending
+    experiments: tuple[str, ...]  #: II, III, and I where it is solved
     end: End
     added_pressures: int  #: how many may be added where alpha(p) or kappa_0(p) is not straight
     validation: Validation
@@ -229,13 +233,20 @@ class Config:
             },
         }
         sections = {key: _record(getattr(self, key)) for key in _SECTIONS}
-        return {"name": self.name, **special, **sections}
+        mesh = {key: value for key, value in asdict(self.mesh).items() if key != "chosen"}
+        return {"name": self.name, **special, **sections, "mesh": _record(mesh)}
 
     @property
     def hash(self) -> str:
         """sha256 of the record: equal for equal values, however they were written."""
         canonical = json.dumps(self.record(), sort_keys=True, separators=(",", ":"))
         return hashlib.sha256(canonical.encode()).hexdigest()
+
+    @property
+    def mass_tonne(self) -> float | None:
+        """Mass of the solid; None without a density."""
+        density = self.material.density_tonne_mm3
+        return None if density is None else density * self.design.solid_volume
 
     def with_effect(self, effect: str, state: State) -> "Config":
         """The same with one effect switched; the element follows incompressibility."""
@@ -244,7 +255,8 @@ class Config:
         if effect != "incompressibility":
             return config
         element = automatic_element(self.material.built().poisson_ratio, None if state == "auto" else state == "on")
-        return replace(config, mesh=replace(self.mesh, formulation=element.name))
+        chosen = {key: why for key, why in self.mesh.chosen.items() if key != "formulation"}
+        return replace(config, mesh=replace(self.mesh, formulation=element.name, chosen=chosen))
 
     def with_contact_distance(self, dhat_mm: float | None) -> "Config":
         """The same with another activation distance of contact; None for the default."""
@@ -279,4 +291,6 @@ def _dimensions(design: Any) -> dict[str, Json]:
         values |= {"file": Path(design.file).name, "sha256": design.digest}
     if "air" in values:
         values["air"] = {name: list(point) for name, point in values["air"].items()}
+    if isinstance(cell := values.get("cell"), CellPlanes):
+        values["cell"] = {"from": cell.start, "to": cell.stop}
     return values

@@ -1,17 +1,26 @@
 """Kinds of values in a configuration: what may be written for each, with its unit, and how it is refused."""
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
 from fem.elements import ELEMENTS
-from geometry import GRADINGS
+from geometry import GRADINGS, CellPlanes
 from pipeline.config.config import LAW_CHOICES, CavityPressure
-from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert
+from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert, with_point
 from pipeline.errors import quoted
+
+
+@dataclass(frozen=True)
+class Written:
+    """How a kind of value is written, for the reference: its unit and what is allowed."""
+
+    unit: str
+    allowed: str
 
 
 def _in(dimension: Dimension) -> BeforeValidator:
@@ -19,6 +28,8 @@ def _in(dimension: Dimension) -> BeforeValidator:
 
 
 def _number(value: Any) -> float:
+    if isinstance(value, str) and (meant := with_point(value)):
+        raise ValueError(f"{quoted(value)} has a decimal comma; did you mean {meant}? Write decimals with a point")
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{quoted(value)} is not a plain number; write it without a unit, for example 0.495")
     return float(value)
@@ -42,10 +53,14 @@ def _above_zero(value: float) -> float:
     return value
 
 
-def _above_one(value: float) -> float:
-    if not value > 1.0:
-        raise ValueError(f"{value:g} is not coarser; allowed: above 1, for example 1.5")
-    return value
+def _coarser(value: Any) -> Any:
+    """auto, off (YAML 1.1 reads a bare off as false) or a number above 1."""
+    if value is False or value in ("auto", "off"):
+        return value or "off"
+    factor = _number(value)
+    if not factor > 1.0:
+        raise ValueError(f"{factor:g} is not coarser; allowed: above 1, for example 1.5")
+    return factor
 
 
 def _poisson_ratio(value: float) -> float:
@@ -72,6 +87,16 @@ def _three(example: str) -> Callable[[tuple[float, ...]], tuple[float, ...]]:
         return values
 
     return check
+
+
+def _experiments(value: Any) -> tuple[str, ...]:
+    names = tuple(value) if isinstance(value, list) else (value,)
+    if sorted(map(str, names)) not in (["I", "II", "III"], ["II", "III"]):
+        raise ValueError(
+            f"{quoted(value)} is not allowed; allowed: [I, II, III] or [II, III], for the parameters need II and III; "
+            "other choices are for `pneurod sweep`"
+        )
+    return tuple(sorted(names))
 
 
 def _pair(values: tuple[float, ...]) -> tuple[float, ...]:
@@ -121,8 +146,13 @@ def _fraction_or_pressure(value: Any) -> CavityPressure:
 
 
 def _grading(value: Any) -> Any:
-    """A name of a grading; YAML 1.1 reads a bare off as false."""
-    return "off" if value is False else value
+    """A name of a grading, None for auto; YAML 1.1 reads a bare off as false."""
+    return "off" if value is False else _or_auto(value)
+
+
+def _or_auto(value: Any) -> Any:
+    """None for auto, which leaves the choice to the program."""
+    return None if value == "auto" else value
 
 
 def _small(value: float) -> float:
@@ -139,47 +169,135 @@ def _percentage(value: Any) -> Any:
     return float(matched[1]) / 100.0
 
 
+def _one_of(names: Sequence[str]) -> Written:
+    return Written("", ", ".join(f"`{name}`" for name in names))
+
+
+def _cell(value: Any) -> float | CellPlanes:
+    """The length of a cell, or its two planes of mirror symmetry."""
+    if not isinstance(value, Mapping):
+        return convert(value, LENGTH)
+    if set(value) != {"from", "to"}:
+        listed = ", ".join(map(str, value))
+        raise ValueError(f"has the keys {quoted(listed)}; write two planes, for example {{from: 40 mm, to: 44 mm}}")
+    return CellPlanes(convert(value["from"], LENGTH), convert(value["to"], LENGTH))
+
+
 def _size(value: Any) -> Any:
     return None if value == "auto" else _above_zero(convert(value, LENGTH))
 
 
-Length = Annotated[float, _in(LENGTH), Field(examples=[LENGTH.example])]
-PositiveLength = Annotated[Length, AfterValidator(_above_zero)]
-Stress = Annotated[float, _in(STRESS), Field(examples=[STRESS.example])]
-PositiveStress = Annotated[float, _in(STRESS), AfterValidator(_above_zero), Field(examples=[STRESS.example])]
-PositiveDensity = Annotated[float, _in(DENSITY), AfterValidator(_above_zero), Field(examples=[DENSITY.example])]
+Length = Annotated[float, _in(LENGTH), Field(examples=[LENGTH.example]), Written("mm", "any")]
+PositiveLength = Annotated[Length, AfterValidator(_above_zero), Written("mm", "above 0")]
+ActivationDistance = Annotated[PositiveLength, Field(examples=["0.04 mm"])]
+Stress = Annotated[float, _in(STRESS), Field(examples=[STRESS.example]), Written("MPa", "any")]
+PositiveStress = Annotated[Stress, AfterValidator(_above_zero), Written("MPa", "above 0")]
+PositiveDensity = Annotated[
+    float,
+    _in(DENSITY),
+    AfterValidator(_above_zero),
+    Field(examples=[DENSITY.example]),
+    Written("kg/m³", "above 0"),
+]
 Pressure = Annotated[float, _in(PRESSURE)]
-Pressures = Annotated[tuple[Pressure, ...], AfterValidator(_ascending), Field(strict=False)]
+Pressures = Annotated[
+    tuple[Pressure, ...],
+    AfterValidator(_ascending),
+    Field(strict=False, examples=["[17 kPa, 37 kPa]"]),
+    Written("kPa", "above 0, ascending"),
+]
 Acceleration = Annotated[
     tuple[Annotated[float, _in(ACCELERATION)], ...],
     AfterValidator(_three("[0 m/s^2, -9.81 m/s^2, 0 m/s^2]")),
-    Field(strict=False),
+    Field(strict=False, examples=["[0 m/s^2, -9.81 m/s^2, 0 m/s^2]"]),
+    Written("m/s²", "x, y and z"),
 ]
 Point = Annotated[
     tuple[Length, ...], AfterValidator(_three("[56 mm, 8 mm, 0 mm]")), Field(strict=False, examples=["[56 mm, ...]"])
 ]
 Force = Annotated[tuple[Annotated[float, _in(FORCE)], ...], AfterValidator(_pair), Field(strict=False)]
-Points = Annotated[dict[str, Point], Field(examples=["{cavity: [56 mm, 8 mm, 0 mm]}"])]
-Coarser = Annotated[float, BeforeValidator(_number), AfterValidator(_above_one), Field(examples=["1.5"])]
-PoissonRatio = Annotated[float, BeforeValidator(_number), AfterValidator(_poisson_ratio), Field(examples=["0.495"])]
-Count = Annotated[int, BeforeValidator(_count), Field(examples=["11"])]
-YesNo = Annotated[bool, BeforeValidator(_yes_or_no), Field(examples=["true"])]
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", examples=["pneunet"])]
-Text = Annotated[str, Field(min_length=1)]
-FaceNames = Annotated[tuple[Text, ...], BeforeValidator(_names), Field(strict=False, examples=["[gap, cavity]"])]
-State = Annotated[Literal[STATES], BeforeValidator(_state)]  # type: ignore[valid-type]
+#: of the validation loads
+PressuresBetween = Annotated[Pressures, Field(strict=False, examples=["[24 kPa]"])]
+Ends = Annotated[tuple[Length, ...], Field(strict=False, examples=["[10 mm, -10 mm]"]), Written("mm", "list")]
+Forces = Annotated[
+    tuple[Force, ...], Field(strict=False, examples=["[[0 N, 0.05 N]]"]), Written("N", "list of pairs of x and y")
+]
+Cell = Annotated[
+    Any, BeforeValidator(_cell), Field(examples=["8 mm"]), Written("mm", "a length, or two planes `{from, to}`")
+]
+Points = Annotated[
+    dict[str, Point], Field(examples=["{cavity: [40 mm, 7 mm, 0 mm]}"]), Written("mm", "a point for each cavity")
+]
+Coarser = Annotated[
+    float | Literal["auto", "off"],
+    BeforeValidator(_coarser),
+    Field(examples=["1.5"]),
+    Written("1", "above 1, `auto` or `off`"),
+]
+PoissonRatio = Annotated[
+    float,
+    BeforeValidator(_number),
+    AfterValidator(_poisson_ratio),
+    Field(examples=["0.495"]),
+    Written("1", "above -1, below 0.5"),
+]
+Count = Annotated[int, BeforeValidator(_count), Field(examples=["11"]), Written("", "1 to 10000")]
+YesNo = Annotated[bool, BeforeValidator(_yes_or_no), Field(examples=["true"]), Written("", "`true` or `false`")]
+Name = Annotated[
+    str,
+    Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", examples=["pneunet"]),
+    Written("", "letters, digits, `_`, `-` and `.`"),
+]
+Text = Annotated[str, Field(min_length=1), Written("", "a text")]
+FaceNames = Annotated[
+    tuple[Text, ...],
+    BeforeValidator(_names),
+    Field(strict=False, examples=["[gap, cavity]"]),
+    Written("", "names of faces"),
+]
+State = Annotated[Literal[STATES], BeforeValidator(_state), Written("", "`auto`, `on` or `off`")]  # type: ignore[valid-type]
 OneCavity = Annotated[Any, BeforeValidator(_fraction_or_pressure)]
+Cavities = Annotated[
+    dict[str, OneCavity], Field(examples=["{cavity: 1}"]), Written("1 or kPa", "a number or a pressure for each")
+]
 
 #: a mesh size, None for auto
-MeshSize = Annotated[float | None, BeforeValidator(_size), Field(examples=[LENGTH.example])]
+MeshSize = Annotated[
+    float | None, BeforeValidator(_size), Field(examples=[LENGTH.example]), Written("mm", "above 0, or `auto`")
+]
 _GRADINGS, _FORMULATIONS = tuple(GRADINGS), tuple(ELEMENTS)
-Grading = Annotated[Literal[_GRADINGS], BeforeValidator(_grading), Field(examples=["walls"])]  # type: ignore[valid-type]
-Formulation = Annotated[Literal[_FORMULATIONS], Field(examples=["p2p0"])]  # type: ignore[valid-type]
-CountFromZero = Annotated[Count, AfterValidator(_not_below_zero)]
-Tolerance = Annotated[float, BeforeValidator(_number), AfterValidator(_small), Field(examples=["0.000001"])]
+Grading = Annotated[
+    Literal[_GRADINGS] | None,  # type: ignore[valid-type]
+    BeforeValidator(_grading),
+    Field(examples=["walls"]),
+    _one_of((*_GRADINGS, "auto")),
+]
+Formulation = Annotated[
+    Literal[_FORMULATIONS] | None,  # type: ignore[valid-type]
+    BeforeValidator(_or_auto),
+    Field(examples=["mixed"]),
+    _one_of((*_FORMULATIONS, "auto")),
+]
+CountFromZero = Annotated[Count, AfterValidator(_not_below_zero), Written("", "0 or more")]
+Tolerance = Annotated[
+    float,
+    BeforeValidator(_number),
+    AfterValidator(_small),
+    Field(examples=["0.000001"]),
+    Written("1", "above 0, at most 0.01"),
+]
 #: an accuracy in per cent as a number
-Percentage = Annotated[float | None, BeforeValidator(_percentage), Field(examples=["2 %"])]
+Percentage = Annotated[
+    float | None, BeforeValidator(_percentage), Field(examples=["2 %"]), Written("%", "above 0, at most 20")
+]
+#: the experiments of a run
+Experiments = Annotated[
+    tuple[str, ...],
+    BeforeValidator(_experiments),
+    Field(examples=["[II, III]"]),
+    Written("", "`[I, II, III]` or `[II, III]`"),
+]
 #: which laws a rod is made with
-LawChoice = Annotated[Literal[LAW_CHOICES], Field(examples=["five"])]  # type: ignore[valid-type]
+LawChoice = Annotated[Literal[LAW_CHOICES], Field(examples=["five"]), _one_of(LAW_CHOICES)]  # type: ignore[valid-type]
 #: for the section of an effect, which may be written as its state alone
 FROM_STATE = BeforeValidator(_effect)

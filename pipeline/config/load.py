@@ -1,22 +1,20 @@
 """A configuration read from a YAML file with units, checked.
 
-Every refusal is one sentence: `FILE: key: what is wrong; what is allowed`.
+A refusal is one sentence for each thing that is wrong: `FILE: key: what is wrong; what is allowed`.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
-import fem.materials
-from fem.elements import ELEMENTS, automatic_element
-from fem.materials import LAWS
+from fem.elements import ELEMENTS
 from geometry import FAMILIES, CadFile, Design, DesignError, MeshFile
 from geometry.design import check_size
+from pipeline.config.automatic_mesh import COARSER, COARSEST, GivenMesh, chosen_mesh
 from pipeline.config.config import (
     AUTO,
-    Auto,
     CavityPressure,
     Config,
     Effects,
@@ -29,44 +27,67 @@ from pipeline.config.config import (
 )
 from pipeline.config.document import Document, read_document
 from pipeline.config.schema import OWN, checked
+from pipeline.config.solid import check_stiffness, solid
 from pipeline.errors import InputError
 
-#: size over the smallest side of the body with which the number of elements is checked where the size is AUTO
-COARSE = 0.4
 #: units at the end of the names of values; the keys of the YAML have none
 UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N")
 
 Section = TypeVar("Section")
+Result = TypeVar("Result")
 
 
 def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
     """The configuration in the YAML file `path` with `overrides` ("mesh.size=4 mm") applied.
 
-    Raises InputError with one sentence that names the file (or the override), the key and what is allowed.
+    Raises InputError with a sentence for each thing that is wrong, which names the file (or the override), the key and
+    what is allowed.
     """
-    document = read_document(Path(path), overrides)
+    return config_of(read_document(Path(path), overrides))
+
+
+def config_of(document: Document) -> Config:
+    """The configuration that a document describes. Raises InputError as `load_config`."""
     content, family, law = checked(document)
-    design, size = _design(document, content, family)
-    constants = {name: getattr(content.material, name) for name in LAWS[law].constants()}
-    material = Material(law, constants, content.material.density)
-    _check_together(document, content)
-    state = content.effects.incompressibility.state
+    refusals: list[str] = []
+    material = _attempt(refusals, solid, document, content, law)
+    if material is not None:
+        _attempt(refusals, check_stiffness, document, material, content.pressures)
+    _attempt(refusals, _check_together, document, content)
+    design = _attempt(refusals, _design, document, content, family)
+    if design is None or material is None:
+        raise InputError(*refusals)
+    mesh = _attempt(refusals, _mesh, document, content, design, material)
+    effects = _attempt(refusals, _effects, document, design, content.effects)
+    validation = _attempt(refusals, _validation, document, content, design.length)
+    if mesh is None or effects is None or validation is None or refusals:
+        raise InputError(*refusals)
     return Config(
         name=content.name,
         family=family,
         design=design,
         material=material,
         pressures_kPa=content.pressures,
+        experiments=content.experiments,
         end=_section(End, content.end),
         added_pressures=content.added_pressures,
-        validation=_validation(document, content, design.length),
+        validation=validation,
         law=content.law,
-        mesh=_mesh(content, size, state, _poisson_ratio(document, material)),
+        mesh=mesh,
         newton=_section(Newton, content.newton),
         accuracy=content.accuracy,
-        effects=_effects(document, design, content.effects),
+        effects=effects,
         source=str(document.path),
     )
+
+
+def _attempt(refusals: list[str], check: Callable[..., Result], *values: Any) -> Result | None:
+    """What a check returns; where it refuses, None and its sentences at the end of `refusals`."""
+    try:
+        return check(*values)
+    except InputError as failure:
+        refusals += failure.sentences
+        return None
 
 
 def _section(kind: type[Section], content: Any) -> Section:
@@ -84,9 +105,8 @@ def _effects(document: Document, design: Design, content: Any) -> Effects:
     return Effects(pressure, **{name: _section(kind, getattr(content, name)) for name, kind in others.items()})
 
 
-def _design(document: Document, content: Any, family: str) -> tuple[Design, float | Auto]:
-    """The design and the size of its elements, mm."""
-    values = content.geometry.model_dump(exclude={"family"})
+def _design(document: Document, content: Any, family: str) -> Design:
+    values = {key: value for key, value in content.geometry if key != "family"}
     try:
         if family == OWN:
             values["file"] = str(document.path.parent / values["file"])
@@ -94,23 +114,17 @@ def _design(document: Document, content: Any, family: str) -> tuple[Design, floa
             design: Design = own(**values)
         else:
             design = FAMILIES[family](**values)
-        if isinstance(design, MeshFile):
-            if content.accuracy is not None:
-                raise document.wrong(
-                    ("accuracy",), "a ready mesh cannot be made finer; leave it out, or give a drawing"
-                )
-            return design, design.fixed_body.mesh.quality.longest_edge
-        if content.mesh.size is None and content.accuracy is None:
-            raise document.wrong(
-                ("mesh", "size"), "is auto, but no accuracy is requested; give --accuracy 2%, or a size such as 4 mm"
-            )
-        size = COARSE * min(design.extent) if content.mesh.size is None else content.mesh.size
-        check_size(size, design.extent, design.solid_volume / 2)
-        return design, AUTO if content.mesh.size is None else size
     except DesignError as refused:
-        parts = [tuple(key.split(".")) for key in refused.keys]
-        keys = tuple(("geometry", *key) if key[0] in values else key for key in parts)
-        raise document.wrong_together(keys, refused.sentence) from None
+        raise _refused(document, refused, values) from None
+    if isinstance(design, MeshFile) and content.accuracy is not None:
+        raise document.wrong(("accuracy",), "a ready mesh cannot be made finer; leave it out, or give a drawing")
+    return design
+
+
+def _refused(document: Document, refused: DesignError, dimensions: Iterable[str] = ()) -> InputError:
+    parts = [tuple(key.split(".")) for key in refused.keys]
+    keys = tuple(("geometry", *key) if key[0] in dimensions else key for key in parts)
+    return document.wrong_together(keys, refused.sentence)
 
 
 #: how far the end of the load that is part of every run lies from that of experiment III, over the length
@@ -179,24 +193,30 @@ def _check_together(document: Document, content: Any) -> None:
         )
 
 
-def _mesh(content: Any, size: float | Auto, state: str, nu: float) -> MeshSettings:
-    """The mesh with its element; a ready mesh has fewer keys, the others keep their defaults."""
-    keys = {field.name: _without_unit(field.name) for field in fields(MeshSettings)}
-    given = {name: getattr(content.mesh, key) for name, key in keys.items() if hasattr(content.mesh, key)}
-    formulation = _formulation(content.mesh.formulation, state, nu)
-    return MeshSettings(**{**given, "size_mm": size, "formulation": formulation})
-
-
-def _formulation(given: str | None, state: str, nu: float) -> str:
-    """The elements: as given, else by the state of the effect and Poisson's ratio."""
-    if given is not None:
-        return given
-    return automatic_element(nu, None if state == "auto" else state == "on").name
-
-
-def _poisson_ratio(document: Document, material: Material) -> float:
-    """Poisson's ratio of the law at small strain. Raises InputError for constants that it cannot have together."""
+def _mesh(document: Document, content: Any, design: Design, material: Material) -> MeshSettings:
+    """The mesh as given, and as the program chooses it where it is not; AUTO where an accuracy decides the size."""
+    keys, accuracy = content.mesh, content.accuracy is not None
+    if isinstance(design, MeshFile):
+        given = GivenMesh(design.fixed_body.mesh.quality.longest_edge, keys.formulation, None)
+        accuracy, coarser = False, "off"
+    else:
+        given, coarser = GivenMesh(keys.size, keys.formulation, keys.grading), keys.coarser
+    state = content.effects.incompressibility.state
+    nu = material.built().poisson_ratio
     try:
-        return material.built().poisson_ratio
-    except fem.materials.MaterialError as failure:
-        raise InputError(f"{document.path}: material: {failure}") from None
+        chosen = chosen_mesh(design, material.law, nu, None if state == "auto" else state == "on", given)
+        planned = accuracy and given.size_mm is None
+        size = COARSEST * min(design.extent) if planned else chosen.size_mm
+        if not isinstance(design, MeshFile):
+            check_size(size, design.extent, design.solid_volume / 2)
+    except DesignError as refused:
+        raise _refused(document, refused) from None
+    by_program = "size" in chosen.reasons and not accuracy
+    usual = COARSER if by_program and coarser == "auto" else None
+    return MeshSettings(
+        size_mm=AUTO if planned else size,
+        formulation=chosen.formulation,
+        coarser=usual if isinstance(coarser, str) else coarser,
+        grading=chosen.grading,
+        chosen={} if planned else chosen.reasons,
+    )

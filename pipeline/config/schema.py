@@ -4,26 +4,30 @@ from dataclasses import MISSING, fields
 from typing import Annotated, Any, get_type_hints
 
 import pydantic
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict
 
 from fem.materials import LAWS, Constant
-from geometry import FAMILIES, CadFile, MeshFile
+from geometry import FAMILIES, CadFile, CellPlanes, MeshFile
 from pipeline.config.document import Document
 from pipeline.config.kinds import (
     FROM_STATE,
     Acceleration,
+    ActivationDistance,
+    Cavities,
+    Cell,
     Coarser,
     Count,
     CountFromZero,
+    Ends,
+    Experiments,
     FaceNames,
-    Force,
+    Forces,
     Formulation,
     Grading,
     LawChoice,
     Length,
     MeshSize,
     Name,
-    OneCavity,
     Percentage,
     Points,
     PoissonRatio,
@@ -31,12 +35,14 @@ from pipeline.config.kinds import (
     PositiveLength,
     PositiveStress,
     Pressures,
+    PressuresBetween,
     State,
     Stress,
     Text,
     Tolerance,
     YesNo,
 )
+from pipeline.errors import InputError
 
 #: how the constants of a law are written
 CONSTANTS: dict[Constant, Any] = {
@@ -44,6 +50,8 @@ CONSTANTS: dict[Constant, Any] = {
     Constant.POSITIVE_STRESS: PositiveStress,
     Constant.POISSON_RATIO: PoissonRatio,
 }
+#: the constant of a rubber law for which Poisson's ratio may be given
+BULK = "kappa"
 #: The family of a body that the user has drawn.
 OWN = "own"
 
@@ -53,47 +61,47 @@ class _Section(pydantic.BaseModel):
 
 
 class _Mesh(_Section):
-    size: MeshSize
-    formulation: Formulation | None = None
-    grading: Grading = "off"
-    coarser: Coarser | None = None
+    size: MeshSize = None  #: edge that Gmsh aims at; `auto`: from the drawing, or for a requested accuracy
+    formulation: Formulation = None  #: [elements](theory.md#elements), `auto` [chooses](#the-mesh)
+    grading: Grading = None  #: where elements are [smaller](accuracy.md#graded-meshes), `auto` is `walls`
+    coarser: Coarser = "auto"  #: size of a second mesh over `size`, for the [error](identification.md#mesh-error)
 
 
 class _ReadyMesh(_Section):
-    formulation: Formulation | None = None
+    formulation: Formulation = None  #: [elements](theory.md#elements), the only key with a mesh file
 
 
 class _End(_Section):
-    y: Length = 0.0
+    y: Length = 0.0  #: experiment III: prescribed change of the height of the end relative to rest
 
 
 class _Switch(_Section):
-    state: State = "auto"
+    state: State = "auto"  #: whether it is simulated; `auto`: the program decides
 
 
 class _Validation(_Switch):
-    pressures: Annotated[Pressures | None, Field(examples=["[24 kPa]"])] = None
-    end_y: Annotated[tuple[Length, ...], Field(strict=False, examples=["[10 mm, -10 mm]"])] = ()
-    forces: Annotated[tuple[Force, ...], Field(strict=False, examples=["[[0 N, 0.05 N]]"])] = ()
+    pressures: PressuresBetween | None = None  #: within those of the run; II and III are solved at them too
+    end_y: Ends = ()  #: other heights of the end than `end.y`
+    forces: Forces = ()  #: dead forces on the end
 
 
 class _SelfContact(_Switch):
-    dhat: PositiveLength | None = None
-    faces: FaceNames | None = None
+    dhat: ActivationDistance | None = None  #: activation distance; a fiftieth of the smallest gap
+    faces: FaceNames | None = None  #: faces that can meet; those named `gap`
 
 
 class _Gravity(_Switch):
-    acceleration: Acceleration = (0.0, -9810.0, 0.0)
+    acceleration: Acceleration = (0.0, -9810.0, 0.0)  #: acceleration of gravity
 
 
 class _Layer(_Switch):
-    thickness: PositiveLength = 0.1
-    E: PositiveStress = 6500.0
-    nu: PoissonRatio = 0.2
+    thickness: PositiveLength = 0.1  #: thickness of the layer
+    E: PositiveStress = 6500.0  #: Young's modulus of the layer
+    nu: PoissonRatio = 0.2  #: Poisson's ratio of the layer
 
 
 class _Pressure(_Switch):
-    cavities: dict[str, OneCavity] = {}
+    cavities: Cavities = {}  #: fractions of the pressure of the run, or constant pressures, by cavity
 
 
 class _Effects(_Section):
@@ -109,18 +117,19 @@ EFFECTS = tuple(_Effects.model_fields)
 
 
 class _Newton(_Section):
-    tolerance: Tolerance = 1e-6
+    tolerance: Tolerance = 1e-6  #: largest relative residual of an equilibrium
 
 
 class _Document(_Section):
-    name: Name
-    pressures: Pressures = (5.0, 17.0, 31.0, 45.0)
+    name: Name  #: name of the design
+    pressures: Pressures = (5.0, 17.0, 31.0, 45.0)  #: pressures of the run
+    experiments: Experiments = ("I", "II", "III")  #: II and III give the parameters; I, the free body, may be left out
     end: _End = _End()
-    added_pressures: CountFromZero = 0
+    added_pressures: CountFromZero = 0  #: how many may be [added](identification.md#linearity-in-the-pressure)
     validation: Annotated[_Validation, FROM_STATE] = _Validation()
-    law: LawChoice = "both"
+    law: LawChoice = "both"  #: law of the rod: five parameters, the [arm's own law](cell.md), or both
     newton: _Newton = _Newton()
-    accuracy: Percentage = None
+    accuracy: Percentage = None  #: [requested accuracy](accuracy.md#requested-accuracy), also the option `--accuracy`
     effects: _Effects = _Effects()
 
 
@@ -129,13 +138,26 @@ def checked(document: Document) -> tuple[Any, str, str]:
 
     Raises InputError.
     """
-    family = document.choice(("geometry", "family"), (*FAMILIES, OWN))
-    law = document.choice(("material", "law"), tuple(LAWS))
-    model = _model(_design(family, document), law)
+    refusals: list[str] = []
+    family = _choice(document, ("geometry", "family"), (*FAMILIES, OWN), refusals)
+    law = _choice(document, ("material", "law"), tuple(LAWS), refusals)
+    model = _model(None if family is None else _design(family, document), law)
     try:
-        return model.model_validate(document.content), family, law
+        content = model.model_validate(document.content)
+        if family is not None and law is not None:
+            return content, family, law
     except pydantic.ValidationError as refused:
-        raise document.refusal(refused.errors(), model) from None
+        refusals += document.refusal(refused.errors(), model).sentences
+    raise InputError(*refusals)
+
+
+def _choice(document: Document, key: tuple[str, str], allowed: tuple[str, ...], refusals: list[str]) -> str | None:
+    """The name at a key; where it is none of those allowed, None and one more refusal."""
+    try:
+        return document.choice(key, allowed)
+    except InputError as failure:
+        refusals += failure.sentences
+        return None
 
 
 def _design(family: str, document: Document) -> Any:
@@ -146,26 +168,35 @@ def _design(family: str, document: Document) -> Any:
     return MeshFile if str(file).lower().endswith(".msh") else CadFile
 
 
-def _model(design: Any, law: str) -> type[pydantic.BaseModel]:
-    """The shape of a document about a body of the class `design` made of a solid that obeys `law`."""
-    geometry: Any = pydantic.create_model("Geometry", __base__=_Section, family=(str, ...), **_geometry_fields(design))
+def _model(design: Any, law: str | None) -> type[pydantic.BaseModel]:
+    """The shape of a document about a body of the class `design` made of a solid that obeys `law`.
+
+    Where one of them is None, anything may stand in its section.
+    """
+    geometry: Any = (Any, None) if design is None else (geometry_model(design), ...)
+    material: Any = (Any, None) if law is None else (material_model(law), ...)
+    mesh: Any = (_ReadyMesh, _ReadyMesh()) if design is MeshFile else (_Mesh, _Mesh())
+    return pydantic.create_model("Document", __base__=_Document, geometry=geometry, material=material, mesh=mesh)
+
+
+def geometry_model(design: Any) -> Any:
+    """The keys of the geometry of a class of designs."""
+    return pydantic.create_model("Geometry", __base__=_Section, family=(str, ...), **_geometry_fields(design))
+
+
+def material_model(law: str) -> Any:
+    """The keys of a material that obeys `law`; instead of its bulk modulus kappa nu may be given."""
     constants: dict[str, Any] = {name: (CONSTANTS[kind], ...) for name, kind in LAWS[law].constants().items()}
-    material: Any = pydantic.create_model(
-        "Material",
-        __base__=_Section,
-        law=(str, ...),
-        density=(PositiveDensity, ...),
-        **constants,
-    )
-    mesh: Any = (_ReadyMesh, _ReadyMesh()) if design is MeshFile else (_Mesh, ...)
+    if BULK in constants:
+        constants |= {BULK: (PositiveStress | None, None), "nu": (PoissonRatio | None, None)}
     return pydantic.create_model(
-        "Document", __base__=_Document, geometry=(geometry, ...), material=(material, ...), mesh=mesh
+        "Material", __base__=_Section, law=(str, ...), **constants, density=(PositiveDensity | None, None)
     )
 
 
 def _geometry_fields(design: Any) -> dict[str, Any]:
     """The fields of a design as pydantic takes them: counts are plain numbers, floats are lengths."""
-    kinds = {int: Count, float: Length, str: Text, bool: YesNo}
+    kinds = {int: Count, float: Length, str: Text, bool: YesNo, float | CellPlanes: Cell}
     types = get_type_hints(design)
     optional = {field.name: ... if field.default is MISSING else field.default for field in fields(design)}
     return {name: (kinds.get(types[name], Points), default) for name, default in optional.items()}

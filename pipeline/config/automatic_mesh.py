@@ -1,0 +1,95 @@
+"""Elements, grading and size of a mesh where the configuration leaves them to the program, each with its reason.
+
+The constants are measured (docs/accuracy.md, "Elements chosen by the program").
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import floor, log10, sqrt
+
+from fem.elements import MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
+from geometry import Design, MeshFile
+from geometry.design import expected_tets
+
+#: size over the square root of the thinnest wall times half the smallest side of the body: walls bend over lengths
+#: proportional to that root
+SIZE_FACTOR = 1.2
+#: largest size over the smallest side of the body
+COARSEST = 0.4
+#: most elements of a chosen mesh, about 500 000 unknowns: minutes per pressure
+MOST_CHOSEN_TETS = 100_000
+#: size of the second mesh over that of the first, by which the error of a chosen mesh is estimated
+COARSER = 1.5
+
+
+@dataclass(frozen=True)
+class GivenMesh:
+    """What a configuration says about its mesh; None is left to the program."""
+
+    size_mm: float | None
+    formulation: str | None
+    grading: str | None
+
+
+@dataclass(frozen=True)
+class ChosenMesh:
+    """The mesh to make, and why for everything that was left to the program."""
+
+    size_mm: float
+    formulation: str
+    grading: str
+    reasons: Mapping[str, str]  #: by key of the configuration
+
+
+def chosen_mesh(design: Design, law: str, nu: float, against_locking: bool | None, given: GivenMesh) -> ChosenMesh:
+    """The mesh of a design of a solid with the named law and Poisson's ratio `nu`.
+
+    against_locking: whether an element that does not lock was requested; None decides by nu. A size of a mesh file is
+    that of its elements and has to be given.
+    """
+    reasons: dict[str, str] = {}
+    formulation, grading, size = given.formulation, given.grading, given.size_mm
+    if formulation is None:
+        formulation, reasons["formulation"] = _formulation(design, law, nu, against_locking)
+    if grading is None:
+        grading = "off" if isinstance(design, MeshFile) else "walls"
+        if grading == "walls":
+            reasons["grading"] = "most of the error of the mesh arises where thin walls bend"
+    if size is None:
+        size, reasons["size"] = _size(design)
+    return ChosenMesh(size, formulation, grading, reasons)
+
+
+def _formulation(design: Design, law: str, nu: float, against_locking: bool | None) -> tuple[str, str]:
+    """The element and why."""
+    if against_locking is False:
+        return "p2", "effects.incompressibility is off"
+    if against_locking is None and nu < NEARLY_INCOMPRESSIBLE:
+        return "p2", f"with a Poisson ratio of {nu:.3g} nothing locks"
+    if law == "svk" and design.outer_corners:
+        return "p2p0", (
+            "mixed elements, which are more accurate, end early at the sharp corners of the gaps: the St. "
+            "Venant-Kirchhoff law has no solution where these are compressed (other laws have one)"
+        )
+    return MOST_ACCURATE, f"it does not lock at a Poisson ratio of {nu:.3g} and its error falls fastest with the mesh"
+
+
+def _size(design: Design) -> tuple[float, str]:
+    """The size (mm) and why."""
+    wall, side = design.thinnest_wall, min(design.extent)
+    size = min(SIZE_FACTOR * sqrt(wall * side / 2), COARSEST * side)
+    why = f"walls of {wall:.3g} mm in a body {side:.3g} mm across"
+    suits = size
+    while expected_tets(size, design.extent, design.solid_volume / 2) > MOST_CHOSEN_TETS:
+        size *= 1.05
+    if size > suits:
+        why += f" need {suits:.2g} mm, but the body would then have more than {MOST_CHOSEN_TETS} elements"
+    else:
+        why += " need it"
+    return _two_digits(size), why
+
+
+def _two_digits(value: float) -> float:
+    """Rounded down to two digits."""
+    digits = 1 - floor(log10(value))
+    return round(floor(value * 10**digits + 1e-9) / 10**digits, digits)

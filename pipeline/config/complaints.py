@@ -1,0 +1,99 @@
+"""What is wrong with one key of a configuration, in the words of a user."""
+
+import re
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+from pipeline.errors import quoted
+
+Key = tuple[str | int, ...]
+
+#: the second half of a value that was written with a decimal comma in { } or [ ]
+_AFTER_COMMA = re.compile(r"\d+(\s*[A-Za-z%].*)?")
+#: what to write instead of a key that belongs to other laws or is a common mistake
+_INSTEAD: dict[tuple[str, ...], str] = {
+    ("material", "E"): "the law has no E; its initial shear modulus is E / (2 (1 + nu)); ",
+    ("material", "mu"): "the law has no mu; E = 2 mu (1 + nu); ",
+}
+
+
+def close_to(text: Any, allowed: Sequence[str]) -> str:
+    """The question whether another text was meant, with a space behind it; empty where none is similar."""
+    near = get_close_matches(str(text).lower(), allowed, n=1)
+    return f"did you mean '{near[0]}'? " if near else ""
+
+
+def not_known(value: Any, allowed: Sequence[str]) -> str:
+    """The complaint about a name that is not among those allowed."""
+    return f"{quoted(value)} is not known; {close_to(value, allowed)}allowed: {', '.join(allowed)}"
+
+
+def complaints(errors: Sequence[Mapping[str, Any]], model: Any) -> list[tuple[Key, str]]:
+    """Keys and complaints of pydantic's errors about `model`, unknown keys first.
+
+    A key that is missing because it is misspelt is named once.
+    """
+    unknown = [error for error in errors if _is_unknown(error)]
+    meant = {(*error["loc"][:-1], _meant(error["loc"], model)) for error in unknown}
+    others = [e for e in errors if not _is_unknown(e) and not (e["type"] == "missing" and e["loc"] in meant)]
+    return [(error["loc"], _complaint(error, model)) for error in [*unknown, *others]]
+
+
+def _is_unknown(error: Mapping[str, Any]) -> bool:
+    return error["type"] in ("extra_forbidden", "invalid_key")
+
+
+def _meant(key: Key, model: Any) -> str | None:
+    """The allowed key that an unknown one resembles most."""
+    return next(iter(get_close_matches(str(key[-1]), list(keys_below(model, key[:-1])), n=1)), None)
+
+
+def _complaint(error: Mapping[str, Any], model: Any) -> str:
+    kind, key = error["type"], error["loc"]
+    if _is_unknown(error):
+        return _unknown(key, model)
+    if kind == "missing":
+        return f"is missing; for example '{key[-1]}: {_example(model, key)}'"
+    if kind == "value_error":
+        return str(error["ctx"]["error"])
+    if kind == "literal_error":
+        allowed = str(error["ctx"]["expected"]).replace("'", "")
+        meant = close_to(error["input"], re.split(", | or ", allowed))
+        return f"{quoted(error['input'])} is not allowed; {meant}allowed: {allowed}"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return f"must hold keys; allowed here: {', '.join(keys_below(model, key))}"
+    if kind in ("tuple_type", "list_type"):
+        return "must be a list, for example [17 kPa, 37 kPa]"
+    if kind in ("string_type", "string_too_short"):
+        return f"{quoted(error['input'])} is not a text; for example '{_example(model, key)}'"
+    if kind == "string_pattern_mismatch":
+        return f"{quoted(error['input'])} is not a name; allowed: letters, digits, '_', '-' and '.'"
+    return f"{error['msg']}; given: {quoted(error['input'])}"
+
+
+def _unknown(key: Key, model: Any) -> str:
+    allowed = list(keys_below(model, key[:-1]))
+    near = _meant(key, model)
+    if near is None and _AFTER_COMMA.fullmatch(str(key[-1])):
+        return "unknown key; a comma separates two values here: write decimals with a point, for example 4.5 mm"
+    instead = _INSTEAD.get(tuple(map(str, key)), "")
+    hint = f"did you mean '{near}'? " if near else ""
+    return f"unknown key; {instead}{hint}allowed here: {', '.join(allowed)}"
+
+
+def keys_below(model: Any, key: Key) -> Mapping[str, Any]:
+    """The fields allowed below `key`."""
+    keys: Mapping[str, Any] = model.model_fields
+    for name in key:
+        keys = getattr(keys[str(name)].annotation, "model_fields", {})
+    return keys
+
+
+def _example(model: Any, key: Key) -> str:
+    field = keys_below(model, key[:-1])[str(key[-1])]
+    if field.examples:
+        return str(field.examples[0])
+    if hasattr(field.annotation, "model_fields"):
+        return "{" + ", ".join(f"{name}: ..." for name in field.annotation.model_fields) + "}"
+    return "..."

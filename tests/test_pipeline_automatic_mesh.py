@@ -1,0 +1,92 @@
+"""Elements, grading and size where a configuration leaves them to the program, and what the report says of them."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from geometry import GRADINGS, PneuNet, Semicircular
+from geometry.design import expected_tets
+from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, GivenMesh, chosen_mesh
+from pipeline.config.load import load_config
+from pipeline.report.mesh import mesh_sentences
+from pipeline.report.results import read_results
+from pipeline.simulation.mesh_record import MeshRecord
+from pipeline.simulation.scene import Scene
+
+NOTHING = GivenMesh(None, None, None)
+SEMICIRCULAR = """
+name: arm
+geometry: {family: semicircular, chambers: 2}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+"""
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Path:
+    path = tmp_path / "arm.yaml"
+    path.write_text(SEMICIRCULAR, encoding="utf-8")
+    return path
+
+
+def test_elements_follow_from_law_and_drawing() -> None:
+    def element(design: PneuNet | Semicircular, law: str, nu: float, against_locking: bool | None = None) -> str:
+        return chosen_mesh(design, law, nu, against_locking, NOTHING).formulation
+
+    assert element(Semicircular(), "svk", 0.495) == "mixed"
+    assert element(PneuNet(), "neo_hooke", 0.495) == "mixed"
+    assert element(PneuNet(), "svk", 0.495) == "p2p0"
+    assert element(PneuNet(), "svk", 0.3) == "p2"
+    assert element(PneuNet(), "svk", 0.3, against_locking=True) == "p2p0"
+    assert element(Semicircular(), "svk", 0.495, against_locking=False) == "p2"
+
+
+def test_sizes_follow_from_the_walls_and_end_where_memory_does() -> None:
+    usual, thin = (chosen_mesh(Semicircular(wall=w), "svk", 0.495, None, NOTHING) for w in (1.0, 0.25))
+    assert thin.size_mm == pytest.approx(usual.size_mm / 2, rel=0.05)
+    assert "0.25 mm" in thin.reasons["size"]
+    design = Semicircular(chambers=800)
+    long = chosen_mesh(design, "svk", 0.495, None, NOTHING)
+    assert long.size_mm > usual.size_mm
+    assert expected_tets(long.size_mm, design.extent, design.solid_volume / 2) < 1.2 * MOST_CHOSEN_TETS
+    assert "but the body would then have more than 100000 elements" in long.reasons["size"]
+
+
+def test_given_keys_are_kept_and_have_no_reason(written: Path) -> None:
+    mesh = load_config(written, ["mesh={size: 4 mm, formulation: p2p0, grading: off}"]).mesh
+    assert (mesh.size_mm, mesh.formulation, mesh.grading, mesh.coarser, mesh.chosen) == (4.0, "p2p0", "off", None, {})
+    mesh = load_config(written, ["mesh={size: 4 mm}"]).mesh
+    assert (mesh.size_mm, mesh.formulation, mesh.grading, mesh.coarser) == (4.0, "mixed", "walls", None)
+    assert set(mesh.chosen) == {"formulation", "grading"}
+
+
+@pytest.mark.parametrize("override", [(), ("mesh={size: auto, formulation: auto, grading: auto, coarser: auto}",)])
+def test_without_keys_the_mesh_and_a_second_one_are_chosen(written: Path, override: tuple[str, ...]) -> None:
+    config = load_config(written, override)
+    assert (config.mesh.formulation, config.mesh.grading, config.mesh.coarser) == ("mixed", "walls", 1.5)
+    assert set(config.mesh.chosen) == {"formulation", "grading", "size"}
+    assert load_config(written, ["mesh.coarser=off"]).mesh.coarser is None
+    given = [f"mesh={{size: {config.mesh.size_mm} mm, formulation: mixed, grading: walls, coarser: 1.5}}"]
+    assert load_config(written, given).hash == config.hash
+
+
+def test_the_report_tells_what_was_chosen_and_how_long_the_edges_are(written: Path, tmp_path: Path) -> None:
+    scene = Scene.meshed(load_config(written, ["mesh.size=6 mm"]))
+    record = MeshRecord.of(scene).record
+    assert record["longest_edge_mm"] == pytest.approx(scene.body.mesh.quality.longest_edge)
+    assert 0.0 < float(str(record["mean_edge_mm"])) < 6.0
+    (tmp_path / "run.json").write_text(json.dumps({"mesh": record}), encoding="utf-8")
+    said = " ".join(mesh_sentences(read_results(tmp_path)))
+    assert "mixed elements, smaller at the walls; mesh.size is 6 mm, the edges are " in said
+    assert "Chosen by the program: elements mixed, because it does not lock at a Poisson ratio of 0.495" in said
+    assert "Chosen by the program: size" not in said
+    assert "volume" not in said
+    (tmp_path / "run.json").write_text(json.dumps({"mesh": {**record, "volume_over_drawing": 0.99}}), encoding="utf-8")
+    assert "The volume of the mesh differs from that of the drawing by -1 %." in mesh_sentences(read_results(tmp_path))
+
+
+def test_the_thinnest_wall_of_a_drawing_is_measured_in_a_cad_file(configs: Path) -> None:
+    config = load_config(configs / "finger.yaml", ["mesh={}"])
+    # between the corner of the cavity, 1.5 mm from two sides, and the round edge of 3 mm beside it
+    assert config.design.thinnest_wall == pytest.approx(3.0 - 1.5 * 2**0.5, rel=0.06)
+    assert config.mesh.grading in GRADINGS

@@ -1,0 +1,124 @@
+"""Sentences about designs that are possible but unusual, and pressures without parameters that do not end a run."""
+
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from pipeline.config.load import load_config
+from pipeline.context import RunContext
+from pipeline.identification import added_pressures
+from pipeline.identification.added_pressures import identify_run
+from pipeline.plausibility import Solved, after_solving, before_solving
+from pipeline.progress import Silent
+from pipeline.report.page import render_report
+from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.scene import Scene
+
+CONFIGS = Path(__file__).resolve().parent.parent / "configs"
+PRESSURES = "pressures=[10 kPa, 20 kPa, 30 kPa]"
+
+
+def said(*settings: str, config: str = "pneunet_coarse") -> str:
+    return "; ".join(before_solving(load_config(CONFIGS / f"{config}.yaml", settings)))
+
+
+@pytest.mark.parametrize("config", ["pneunet", "semicircular", "semicircular_single", "bisected_circle", "finger"])
+def test_the_shipped_designs_are_plausible(config: str) -> None:
+    sentences = said(config=config)
+    assert not any(word in sentences for word in ("hardly", "balloons", "pitches")), sentences
+
+
+@pytest.mark.parametrize(
+    ("setting", "sentence"),
+    [
+        ("pressures=[0.1 MPa, 0.2 MPa, 0.4 MPa]", "inflate like balloons; check the units (kPa, MPa), or begin with"),
+        ("pressures=[10 Pa, 20 Pa, 30 Pa]", "will hardly bend the arm; check the units (kPa, MPa, GPa), or give"),
+        ("material.E=300 MPa", "will hardly bend the arm"),
+        (
+            "geometry.chambers=6",
+            "6.5 pitches; this arm of 62 mm has 6.2 of 10 mm; give more geometry.chambers",
+        ),
+        ("pressures=[20 kPa]", "with one pressure nothing tests how the parameters change with it; give three or more"),
+        ("pressures=[10 kPa, 20 kPa]", "with two pressures nothing tests whether they are linear in it; give three"),
+    ],
+)
+def test_what_is_unusual_is_said_before_anything_is_solved(setting: str, sentence: str) -> None:
+    assert sentence in said(PRESSURES, setting)
+
+
+def test_nothing_is_said_of_a_usual_design() -> None:
+    assert said(PRESSURES) == ""
+    assert said(PRESSURES, "geometry.chambers=6", "law=cell") == ""
+    assert said("pressures=[10 kPa, 20 kPa]", "added_pressures=1") == ""
+
+
+def solved(min_J: float, stretches: tuple[float, float], kappa_0: float, *settings: str) -> Any:
+    extremes = SimpleNamespace(
+        min_J=min_J, min_J_at=(1.0, 2.0, 3.0), min_stretch=stretches[0], max_stretch=stretches[1]
+    )
+    record = SimpleNamespace(summary=SimpleNamespace(experiment="II", pressure_kPa=20.0, extremes=extremes))
+    parameters = SimpleNamespace(pressure_kPa=20.0, kappa_0_middle=kappa_0, kappa_0=SimpleNamespace(length=100.0))
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
+    return Solved(config, SimpleNamespace(records=(record,)), (parameters,))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("states", "settings", "sentence"),
+    [
+        ((0.6, (0.95, 1.05), 0.01), (), "loses up to 40 % of its volume at (1.0, 2.0, 3.0) mm (II, 20 kPa)"),
+        ((0.9, (0.95, 1.3), 0.01), (), "stretched by 0.95 to 1.30 (at 20 kPa), and St. Venant-Kirchhoff"),
+        ((0.9, (0.8, 1.05), 0.01), (), "stretched by 0.80 to 1.05"),
+        ((0.9, (0.95, 1.05), 1e-4), (), "hardly bends: at 20 kPa its curvature adds up to 0.01 rad"),
+    ],
+)
+def test_unusual_states_are_named(states: tuple[Any, ...], settings: tuple[str, ...], sentence: str) -> None:
+    (said,) = after_solving(solved(*states, *settings))
+    assert sentence in said
+
+
+def test_usual_states_are_not_named() -> None:
+    assert after_solving(solved(0.9, (0.95, 1.05), 0.01)) == ()
+    assert after_solving(solved(0.6, (0.95, 1.05), 0.01, "mesh.formulation=mixed")) == ()
+    rubber = "material={law: neo_hooke, mu: 0.4 MPa, kappa: 20 MPa, density: 1130 kg/m^3}"
+    assert after_solving(solved(0.9, (0.7, 1.5), 0.01, rubber)) == ()
+
+
+@pytest.fixture
+def arm(monkeypatch: pytest.MonkeyPatch) -> Scene:
+    """A scene of the right length whose identification refuses the lowest pressure."""
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", [PRESSURES])
+    body: Any = SimpleNamespace(length=112.0, pitch=10.0)
+    return Scene(config, body)
+
+
+CONTEXT = RunContext(None, 1, Silent())  # type: ignore[arg-type]
+NONE = Outcomes({})
+
+
+@pytest.mark.parametrize(
+    ("identified", "other_rod", "fails"), [(("parameters",), False, False), ((), True, False), ((), False, True)]
+)
+def test_a_pressure_without_parameters_fails_a_run_only_where_it_leaves_no_rod(
+    monkeypatch: pytest.MonkeyPatch, arm: Scene, identified: tuple[str, ...], other_rod: bool, fails: bool
+) -> None:
+    reason = "no five parameters at 10 kPa: the rod carries no moment"
+    monkeypatch.setattr(added_pressures, "identify_all", lambda outcomes, pitch: (identified, (reason,)))
+    found = identify_run(arm, CONTEXT, NONE, other_rod)
+    assert (found.failures, found.remarks) == (((reason,), ()) if fails else ((), (reason,)))
+    assert found.parameters == identified
+
+
+def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scene, tmp_path: Path) -> None:
+    body: Any = SimpleNamespace(length=62.0, pitch=10.0)
+    (reason,) = identify_run(replace(arm, body=body), CONTEXT, NONE).failures
+    assert reason == (
+        "no five parameters: Five parameters need a length of at least 6.5 pitches; this arm of 62 mm has 6.2 of 10 mm"
+    )
+    assert reason.partition(": ")[2] in said(PRESSURES, "geometry.chambers=6")
+    (tmp_path / "run.json").write_text(f'{{"remarks": ["{reason}"]}}', encoding="utf-8")
+    page = render_report(tmp_path)
+    assert f"They were not identified: {reason}." in page
+    assert f"Note: {reason}." in page

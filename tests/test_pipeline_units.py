@@ -1,0 +1,21 @@
+"""The factors of the usual units, which are converted without pint, against those of pint."""
+
+import pint
+import pytest
+
+from pipeline.config.units import _USUAL, PRESSURE, convert
+
+
+def test_usual_units_have_the_factors_of_pint() -> None:
+    registry = pint.UnitRegistry()
+    checked = 0
+    for internal, units in _USUAL.items():
+        for unit, factor in units.items():
+            assert registry.Quantity(1.0, unit).to(internal).magnitude == pytest.approx(factor, rel=1e-12), unit
+            checked += 1
+    assert checked > 15
+
+
+@pytest.mark.parametrize("text", ["17 kPa", "0.017 MPa", "17000 Pa", "0.17 bar", "17 kilopascal", "17 kN/m^2"])
+def test_equal_pressures_are_equal_numbers(text: str) -> None:
+    assert convert(text, PRESSURE) == 17.0
