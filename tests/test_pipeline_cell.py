@@ -10,15 +10,18 @@ from typer.testing import CliRunner
 
 import pneurod
 from fem.cell.piece import BendingPiece, PieceFailed
-from pipeline.cell import ahead, curves
+from pipeline.cell import ahead, curves, refinement
 from pipeline.cell.mesh_error import NUMBERS
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.cell.refinement import refined_mesh
 from pipeline.cell.saved import SavedLaw
 from pipeline.cell.study import LawReport, measure_law
 from pipeline.cli import app
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
+from pipeline.context import RunContext
 from pipeline.progress import Silent
+from pipeline.store.store import open_store
 from rod import RodError
 from rod.arm_law.record import law_from_record
 
@@ -100,6 +103,30 @@ def test_an_interrupted_measurement_continues_with_equal_numbers(
         assert np.array_equal(clamp.offset, other.offset)
 
 
+def test_the_mesh_of_the_cell_is_refined_until_its_error_is_small_enough(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = arm(*ARM, "mesh.size=6 mm")
+    pieces = ArmPieces(config, 0.04)
+    with open_store(tmp_path, config, fresh=False) as store:
+        context = RunContext(store, 1, Silent())
+        taken = refined_mesh(pieces, context, 0.1)
+        assert taken.is_reached
+        assert len(taken.meshes) >= 3
+        sizes = [mesh.size_mm for mesh in taken.meshes]
+        assert sizes == pytest.approx([6.0 / refinement.RATIO**k for k in range(len(sizes))])
+        assert f"{taken.size_mm:.3g} mm was taken" in taken.sentence
+        before_last = taken.meshes[-2].degrees_of_freedom
+        monkeypatch.setattr(refinement, "MOST_UNKNOWNS", before_last * refinement.RATIO**2)
+        limited = refined_mesh(pieces, context, 1e-6)  # the same meshes, from the folder
+        assert limited.meshes == taken.meshes
+        assert not limited.is_reached
+        assert "not reached: a finer mesh has more than" in limited.sentence
+        monkeypatch.setattr(refinement, "MOST_UNKNOWNS", 1)
+        with pytest.raises(pneurod.RunFailed, match="fewer than 3 meshes"):
+            refined_mesh(pieces, context, 0.1)
+
+
 def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     shutil.copytree(report.directory, tmp_path / "again")
     for pattern in ("cell_6kPa*", "cell_9kPa*"):
@@ -149,10 +176,13 @@ def test_the_section_law_is_exported_as_a_table(report: LawReport, tmp_path: Pat
     shutil.copy(report.directory / "law.json", tmp_path)
     for target in ("csv", "json"):
         assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", target]).exit_code == 0
-    rows = np.genfromtxt(tmp_path / "rod.csv", delimiter=",", names=True)
-    content = json.loads((tmp_path / "rod.json").read_text(encoding="utf-8"))
-    assert content["pressure_kPa"] == 9.0
-    assert rows["kappa_per_mm"] == pytest.approx(content["kappa_per_mm"])
+    (table,), (text,) = tmp_path.glob("law_*kPa.csv"), tmp_path.glob("law_*kPa.json")
+    rows, content = np.genfromtxt(table, delimiter=",", names=True), json.loads(text.read_text(encoding="utf-8"))
+    assert content["pressures_kPa"][-1] == 9.0
+    last = rows[rows["pressure_kPa"] == 9.0]
+    assert last["kappa_per_mm"] == pytest.approx(content["kappa_per_mm"][-1])
+    assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", "csv", "--pressure", "8 kPa"]).exit_code == 0
+    assert (tmp_path / "law_8kPa.csv").is_file()
     refused = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "mujoco"])
     assert refused.exit_code == 2
     assert "csv, json" in refused.stderr
@@ -163,7 +193,8 @@ def test_the_section_law_is_exported_as_a_table(report: LawReport, tmp_path: Pat
     [
         ("pneunet_coarse", ["geometry.chambers=1"], "no inner cell"),
         ("pneunet_coarse", ["effects.gravity=on"], "weight"),
-        ("finger", [], "own families"),
+        ("finger", ["geometry.cell=8 mm"], "not known where the cells of this body lie"),
+        ("pneunet_coarse", ["effects.self_contact={faces: [gap, outer]}"], "contact on one outer face alone"),
     ],
 )
 def test_an_arm_without_such_a_law_is_refused_in_one_sentence(name: str, settings: list[str], sentence: str) -> None:

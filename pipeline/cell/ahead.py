@@ -27,14 +27,12 @@ class _Worker:
     curves: PieceCurves
 
 
-def cells_ahead(
-    curves: PieceCurves, context: RunContext, pressures: Sequence[tuple[float, float | None]]
-) -> set[float]:
-    """Measure cells at pressures (kPa, with the following ones), `context.jobs` at a time; those that were measured.
+def cells_ahead(curves: PieceCurves, context: RunContext, pressures: Sequence[float]) -> set[float]:
+    """Measure cells at pressures in kPa, `context.jobs` at a time; those that were measured.
 
     Empty where processes do not pay. A cell that fails is left to the caller, who meets the same failure.
     """
-    missing = [case for case in pressures if not curves.has_cell(*case)]
+    missing = [(pressure,) for pressure in pressures if not curves.has_cell(pressure)]
     return _ahead(curves.pieces, context, _cell, missing)
 
 
@@ -70,9 +68,9 @@ def _start(queue: Any, config: Config, dhat: float | None, store: Store) -> None
     _Worker.curves = PieceCurves(ArmPieces(config, dhat), store)
 
 
-def _cell(pressure: float, following: float | None) -> float | None:
+def _cell(pressure: float) -> float | None:
     try:
-        cell = _Worker.curves.cell(pressure, following)
+        cell = _Worker.curves.cell(pressure)
     except (PieceFailed, RodError):
         return None
     return _reported("cell", pressure, cell.seconds, cell.is_stored)

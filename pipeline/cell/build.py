@@ -1,31 +1,29 @@
 """The arm's own law of a configuration: a cell at every pressure, pressures between, and the two ends."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from time import perf_counter
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from fem.cell.piece import BendingPiece, PieceFailed
+from fem.cell.piece import PieceFailed
 from pipeline.cell.ahead import cells_ahead, ends_ahead
 from pipeline.cell.curves import PieceCurves
 from pipeline.cell.kept import Measured
+from pipeline.cell.mesh_error import MeshError, mesh_error
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
-from pipeline.simulation.scene import Scene
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
-from rod.arm_law.section import SectionLaw, section_at
 
 #: largest error of the curvature between two pressures, over the largest curvature of the law
 BETWEEN = 2e-3
-#: moments at which a pressure between is checked, and how many pressures are added at most
-CHECKS, MOST_ADDED = 5, 4
+#: how many pressures are added at most
+MOST_ADDED = 12
 #: largest displacement of the arm's end, over its length, by which end pieces that differ by a cell may differ
 DECAY = 5e-4
 #: the same beyond which the arm is said to have no undisturbed cells
@@ -42,6 +40,7 @@ class MeasuredLaw:
     error_along: float  #: of the curvature between two moments of a curve, over the largest curvature of the law
     error_between: float  #: of the curvature between two pressures, where it was checked; over the same
     error_ends: float  #: of the arm's end by cells that the end pieces still disturb, over the length
+    mesh_error: MeshError  #: of the cell
     limits: tuple[str, ...]  #: sentences: where the law ends before the loads that it was made for, and why
     failures: tuple[str, ...]  #: sentences: pressures that the pieces do not bear
     factorizations: Mapping[str, int] = field(repr=False)  #: by part of the work
@@ -50,14 +49,14 @@ class MeasuredLaw:
     unknowns: Mapping[str, int] = field(repr=False)  #: displacement components by piece
 
 
-def build_law(scene: Scene, context: RunContext) -> MeasuredLaw:
-    """Measure the arm's own law at the pressures of the configuration, at rest, and between where that is needed.
+def build_law(pieces: ArmPieces, context: RunContext) -> MeasuredLaw:
+    """Measure the law of an arm at the pressures of its configuration, at rest, and between where that is needed.
 
     Curves that an earlier run has left in the store are not measured again. Raises `NoArmLaw` for an arm or effects
     that such a law does not describe, InputError for pieces that cannot be meshed, and RunFailed where not even the
     lowest pressure is borne.
     """
-    return _Builder(ArmPieces.of(scene), context).law()
+    return _Builder(pieces, context).law()
 
 
 class _Builder:
@@ -71,6 +70,8 @@ class _Builder:
         self.failures: list[str] = []
         self.factorizations = dict.fromkeys(("cell", "between", "ends"), 0)
         self.seconds = dict.fromkeys(self.factorizations, 0.0)
+        self.errors: dict[tuple[float, float], float] = {}  #: 1/mm, in the middle between two pressures in kPa
+        self.not_borne: set[float] = set()  #: kPa, between those of the configuration
         self.error_between = 0.0
         self.error_ends = 0.0
 
@@ -82,7 +83,7 @@ class _Builder:
         cells = self._cells(sorted({0.0, *requested}))
         cells, added = self._with_pressures_between(cells)
         half_cells = self._half_cells(cells[-1].curve)
-        clamps, free, held = self._ends(cells, half_cells)
+        clamps, tips = self._ends(cells, half_cells)
         cells = cells[: len(clamps)]
         if len(cells) < 2:
             raise RunFailed(f"the law of a cell has fewer than two pressures: {'; '.join(self.failures)}")
@@ -93,8 +94,7 @@ class _Builder:
             length=self.pieces.design.length,
             cells=tuple(cell.curve for cell in cells),
             clamps=tuple(clamps),
-            free_tips=tuple(free),
-            held_tips=tuple(held),
+            tips=tuple(tips),
         )
         return MeasuredLaw(
             law=law,
@@ -103,6 +103,7 @@ class _Builder:
             error_along=_error_along(cells),
             error_between=self.error_between,
             error_ends=self.error_ends,
+            mesh_error=mesh_error(self.pieces, law.cells, self.context),
             limits=tuple(dict.fromkeys(self.limits)),
             failures=tuple(self.failures),
             factorizations=MappingProxyType(self.factorizations),
@@ -113,53 +114,57 @@ class _Builder:
 
     def _cells(self, pressures: Sequence[float]) -> list[Measured[CellCurve]]:
         """Cells by rising pressure, up to the last one that is borne."""
-        progress = self.context.progress
-        progress.experiment("cell", pressures)
         cells: list[Measured[CellCurve]] = []
-        pairs: list[tuple[float, float | None]] = [*pairwise(pressures), (pressures[-1], None)]
-        reported = cells_ahead(self.curves, self.context, pairs)
-        for pressure, following in pairs:
-            try:
-                cells.append(self._cell(pressure, following))
-            except (PieceFailed, RodError) as failure:
-                self.failures.append(str(failure).rstrip("."))
+        for cell in self._measured_cells(pressures):
+            if isinstance(cell, str):
+                self.failures.append(cell)
                 break
-            if pressure not in reported:
-                progress.step_done("cell", pressure, 0.0 if cells[-1].is_stored else cells[-1].seconds)
+            cells.append(cell)
         if len(cells) < 2:
             raise RunFailed(f"the law of a cell has fewer than two pressures: {'; '.join(self.failures)}")
         return cells
 
-    def _cell(self, pressure: float, following: float | None) -> Measured[CellCurve]:
-        measured = self.curves.cell(pressure, following)
-        self._count("cell", measured)
-        return measured
+    def _measured_cells(self, pressures: Sequence[float]) -> Iterator[Measured[CellCurve] | str]:
+        """Cells at rising pressures; a sentence for one that is not borne."""
+        progress = self.context.progress
+        progress.experiment("cell", pressures)
+        reported = cells_ahead(self.curves, self.context, pressures)
+        for pressure in pressures:
+            try:
+                cell = self.curves.cell(pressure)
+            except (PieceFailed, RodError) as failure:
+                yield str(failure).rstrip(".")
+                continue
+            self._count("cell", cell)
+            if pressure not in reported:
+                progress.step_done("cell", pressure, 0.0 if cell.is_stored else cell.seconds)
+            yield cell
 
     def _with_pressures_between(
         self, cells: list[Measured[CellCurve]]
     ) -> tuple[list[Measured[CellCurve]], tuple[float, ...]]:
         """The cells with those at pressures between, where the interpolation was wrong by more than BETWEEN."""
         added: list[float] = []
-        largest = max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
-        errors = [self._error_between(*pair) for pair in pairwise(cells)]
-        while max(errors) > BETWEEN * largest and len(added) < MOST_ADDED:
-            i = int(np.argmax(errors))
-            middle = 0.5 * (cells[i].curve.pressure + cells[i + 1].curve.pressure)
-            self.context.progress.experiment("cell", [middle])
-            try:
-                cell = self._cell(middle, cells[i + 1].curve.pressure)
-            except (PieceFailed, RodError) as failure:
-                self.limits.append(str(failure).rstrip("."))
+        allowed = BETWEEN * max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
+        while True:
+            errors = {pair: self._error_between(*pair) for pair in pairwise(cells)}
+            self.error_between = max(errors.values()) / allowed * BETWEEN
+            worst = sorted((pair for pair in errors if errors[pair] > allowed), key=lambda pair: -errors[pair])
+            middles = [0.5 * (lower.curve.pressure + upper.curve.pressure) for lower, upper in worst]
+            more = sorted(p for p in middles[: MOST_ADDED - len(added)] if p not in self.not_borne)
+            if not more:
                 break
-            self.context.progress.step_done("cell", middle, 0.0 if cell.is_stored else cell.seconds)
-            added.append(middle)
-            cells.insert(i + 1, cell)
-            errors[i : i + 1] = [self._error_between(*pair) for pair in ((cells[i], cell), (cell, cells[i + 2]))]
-        self.error_between = max(errors) / largest
-        if len(added) == MOST_ADDED and self.error_between > BETWEEN:
+            for pressure, cell in zip(more, self._measured_cells(more), strict=True):
+                if isinstance(cell, str):
+                    self.not_borne.add(pressure)
+                    self.limits.append(cell)
+                else:
+                    added.append(pressure)
+                    cells = sorted([*cells, cell], key=lambda measured: measured.curve.pressure)
+        if self.error_between > BETWEEN:
             self.limits.append(
                 f"between two pressures the curvature is interpolated to {100 * self.error_between:.2g} % of the "
-                f"largest one; {MOST_ADDED} pressures were added and no more are"
+                f"largest one; at most {MOST_ADDED} pressures are added"
             )
         return cells, tuple(sorted(added))
 
@@ -168,26 +173,17 @@ class _Builder:
 
         Zero, and a sentence among the limits, where it cannot be found.
         """
-        first, second = lower.curve, upper.curve
-        pressure = 0.5 * (first.pressure + second.pressure)
-        name = f"between_{first.pressure:.12g}kPa_{second.pressure:.12g}kPa"
-        store = self.context.store
-        kept = store.read_json(f"law/{name}.json")
-        if kept is None or kept["key"] != store.numbers_key:
-            piece = self.pieces.cell
-            begin, before = perf_counter(), piece.factorizations
+        pair = (lower.curve.pressure, upper.curve.pressure)
+        if pair not in self.errors:
             try:
-                error = largest_error(piece, section_at((first, second), pressure))
+                found = self.curves.between(lower.curve, upper.curve)
+                self._count("between", found)
+                self.errors[pair] = found.curve.kappa
             except (PieceFailed, RodError) as failure:
                 reason = str(failure).rstrip(".")
-                self.limits.append(f"the interpolation at {pressure:g} kPa could not be checked: {reason}")
-                return 0.0
-            kept = {"key": store.numbers_key, "error_per_mm": error, "seconds": perf_counter() - begin}
-            kept["factorizations"] = piece.factorizations - before
-            store.save_json(f"law/{name}.json", kept)
-        self.factorizations["between"] += kept["factorizations"]
-        self.seconds["between"] += kept["seconds"]
-        return float(kept["error_per_mm"])
+                self.limits.append(f"the interpolation at {0.5 * sum(pair):g} kPa could not be checked: {reason}")
+                self.errors[pair] = 0.0
+        return self.errors[pair]
 
     def _half_cells(self, cell: CellCurve) -> int:
         """Half cells of the end pieces, so many that two more change the arm's end by less than DECAY."""
@@ -214,16 +210,13 @@ class _Builder:
         )
         return half_cells
 
-    def _ends(
-        self, cells: Sequence[Measured[CellCurve]], half_cells: int
-    ) -> tuple[list[ClampCurve], list[TipCurve], list[TipCurve]]:
-        """The clamped end and both tips by rising pressure, up to the last one that is borne."""
+    def _ends(self, cells: Sequence[Measured[CellCurve]], half_cells: int) -> tuple[list[ClampCurve], list[TipCurve]]:
+        """The clamped end and the tip by rising pressure, up to the last one that is borne."""
         progress = self.context.progress
         progress.experiment("ends", [cell.curve.pressure for cell in cells])
         reported = ends_ahead(self.curves, self.context, [(cell.curve, half_cells) for cell in cells])
         clamps: list[ClampCurve] = []
-        free: list[TipCurve] = []
-        held: list[TipCurve] = []
+        tips: list[TipCurve] = []
         for cell in cells:
             try:
                 parts = self.curves.ends(cell.curve, half_cells)
@@ -231,8 +224,7 @@ class _Builder:
                 self.failures.append(str(failure).rstrip("."))
                 break
             clamps.append(parts[0].curve)
-            free.append(parts[1].curve)
-            held.append(parts[2].curve)
+            tips.append(parts[1].curve)
             if cell.curve.pressure not in reported:
                 stored = all(part.is_stored for part in parts)
                 progress.step_done("ends", cell.curve.pressure, 0.0 if stored else sum(part.seconds for part in parts))
@@ -240,7 +232,7 @@ class _Builder:
             for part in parts:
                 self.limits += part.limits
                 self._count("ends", part)
-        return clamps, free, held
+        return clamps, tips
 
     def _count(self, part: str, measured: Measured[Any]) -> None:
         self.factorizations[part] += measured.factorizations
@@ -258,20 +250,6 @@ def _error_along(cells: Sequence[Measured[CellCurve]]) -> float:
     """Largest error of the curvature between two states of a cell, over the largest curvature of all."""
     largest = [float(np.abs(cell.curve.kappa).max()) for cell in cells]
     return max(cell.error * own for cell, own in zip(cells, largest, strict=True)) / max(largest)
-
-
-def largest_error(piece: BendingPiece, section: SectionLaw) -> float:
-    """Largest error of the curvature of a section at one pressure against the cell itself, at CHECKS moments, 1/mm.
-
-    Raises `PieceFailed` where the cell does not reach a curvature of the section.
-    """
-    rows = np.linspace(0, len(section.moment) - 1, CHECKS + 2).round().astype(int)[1:-1]
-    state = piece.rest()
-    error = 0.0
-    for row in rows[np.argsort(np.abs(section.moment[rows]), kind="stable")]:
-        state = piece.solve(section.pressure / 1000.0, float(section.kappa[row]) * piece.body.length, state)
-        error = max(error, abs((state.moment - section.moment[row]) * float(section.kappa_slope[row])))
-    return error
 
 
 def difference(first: ClampCurve, second: ClampCurve, cell: CellCurve, length: float) -> float:

@@ -1,9 +1,8 @@
 """The curves of the pieces of an arm, each measured once and kept in the result folder."""
 
-from typing import Literal
-
 import numpy as np
 
+from pipeline.cell.deviation import DEVIATION_KEYS, Deviation, largest_deviation
 from pipeline.cell.kept import KeptCurves, Measured
 from pipeline.cell.measure import Reach, sweep_cell
 from pipeline.cell.measure_ends import CLAMP_INTERVALS, clamp_curve, tip_curve
@@ -25,22 +24,34 @@ class PieceCurves:
         self._cells = KeptCurves(store, CellCurve, CELL_KEYS)
         self._clamps = KeptCurves(store, ClampCurve, CLAMP_KEYS)
         self._tips = KeptCurves(store, TipCurve, TIP_KEYS)
+        self._deviations = KeptCurves(store, Deviation, DEVIATION_KEYS)
 
-    def cell(self, pressure: float, following: float | None) -> Measured[CellCurve]:
-        """The cell at a pressure in kPa; following: the next one of the law, None at the highest."""
+    def cell(self, pressure: float) -> Measured[CellCurve]:
+        """The cell at a pressure in kPa."""
 
         def measure() -> Measured[CellCurve]:
             piece = self.pieces.cell
             before = piece.factorizations
-            sweep = sweep_cell(piece, pressure, Reach(self.pieces.design.length, np.inf, following))
+            sweep = sweep_cell(piece, pressure, Reach(self.pieces.design.length, np.inf))
             limits = tuple(sweep.limits)
             return Measured(sweep.curve(piece.body.length), limits, sweep.error, piece.factorizations - before)
 
-        return self._cells.get(_cell_name(pressure, following), measure)
+        return self._cells.get(_cell_name(pressure), measure)
 
-    def has_cell(self, pressure: float, following: float | None) -> bool:
+    def has_cell(self, pressure: float) -> bool:
         """Whether an earlier run has left this cell."""
-        return self._cells.read(_cell_name(pressure, following)) is not None
+        return self._cells.read(_cell_name(pressure)) is not None
+
+    def between(self, lower: CellCurve, upper: CellCurve) -> Measured[Deviation]:
+        """How far the law that is interpolated halfway between two pressures is from the cell there."""
+
+        def measure() -> Measured[Deviation]:
+            piece = self.pieces.cell
+            before = piece.factorizations
+            deviation = largest_deviation(piece, lower, upper)
+            return Measured(deviation, factorizations=piece.factorizations - before)
+
+        return self._deviations.get(f"between_{lower.pressure:.12g}kPa_{upper.pressure:.12g}kPa", measure)
 
     def clamp(self, cell: CellCurve, half_cells: int, intervals: int = CLAMP_INTERVALS) -> Measured[ClampCurve]:
         """The clamped end with that many half cells; intervals: of the moments, 0 for the one without moment alone."""
@@ -53,36 +64,29 @@ class PieceCurves:
 
         return self._clamps.get(_end_name("clamp" if intervals else "decay", half_cells, cell), measure)
 
-    def tip(self, cell: CellCurve, half_cells: int, start: Literal["free", "held"]) -> Measured[TipCurve]:
-        """The tip with that many half cells, free or held by its edge."""
+    def tip(self, cell: CellCurve, half_cells: int) -> Measured[TipCurve]:
+        """The tip with that many half cells."""
 
         def measure() -> Measured[TipCurve]:
-            piece = self.pieces.end(half_cells, start)
+            piece = self.pieces.end(half_cells, "free")
             before = piece.factorizations
             curve = tip_curve(piece, cell)
             return Measured(curve, (), 0.0, piece.factorizations - before)
 
-        return self._tips.get(_end_name(start, half_cells, cell), measure)
+        return self._tips.get(_end_name("tip", half_cells, cell), measure)
 
-    def ends(
-        self, cell: CellCurve, half_cells: int
-    ) -> tuple[Measured[ClampCurve], Measured[TipCurve], Measured[TipCurve]]:
-        """The clamped end, the free tip and the held one."""
-        return (
-            self.clamp(cell, half_cells),
-            self.tip(cell, half_cells, "free"),
-            self.tip(cell, half_cells, "held"),
-        )
+    def ends(self, cell: CellCurve, half_cells: int) -> tuple[Measured[ClampCurve], Measured[TipCurve]]:
+        """The clamped end and the tip."""
+        return self.clamp(cell, half_cells), self.tip(cell, half_cells)
 
     def has_ends(self, cell: CellCurve, half_cells: int) -> bool:
-        """Whether an earlier run has left all of them."""
+        """Whether an earlier run has left both of them."""
         clamp = self._clamps.read(_end_name("clamp", half_cells, cell))
-        tips = [self._tips.read(_end_name(start, half_cells, cell)) for start in ("free", "held")]
-        return all(kept is not None for kept in (clamp, *tips))
+        return clamp is not None and self._tips.read(_end_name("tip", half_cells, cell)) is not None
 
 
-def _cell_name(pressure: float, following: float | None) -> str:
-    return f"cell_{pressure:.12g}kPa" + ("" if following is None else f"_to_{following:.12g}kPa")
+def _cell_name(pressure: float) -> str:
+    return f"cell_{pressure:.12g}kPa"
 
 
 def _end_name(kind: str, half_cells: int, cell: CellCurve) -> str:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
-from pipeline.plots import COLOURS, GREY, GRID, INK, four_panels, standalone_page
+from pipeline.drawing.plots import COLOURS, GREY, GRID, INK, four_panels, standalone_page
 from rod.arm_law.curves import CellCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.section import section_at

@@ -7,47 +7,40 @@ import numpy as np
 
 from fem.cell.axis import Axis, axis_of
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import Slopes, shear_rigidity, slopes
-from fem.equations.linear import SingularMatrix
+from fem.cell.response import shear_rigidity, slopes
 from fem.equations.state import State
-from fem.path.predictor import PathPoint, extrapolate
+from fem.path.predictor import extrapolate
+from pipeline.cell.point import PiecePoint, stable, without_moment
 from rod.arm_law.curves import CellCurve
 
 #: the moments of a law go beyond zero, and beyond the moment that straightens the arm, by that of a given force on the
 #: end at the distance l, but to no more than this many times EI/l
 REACH = 3.0
-#: intervals of the first sweep to either side, and how often one is halved where its cubic is not good enough
-INTERVALS, HALVINGS = 3, 4
+#: intervals of the first sweep to either side, and how often one is divided where its cubic is not good enough
+INTERVALS, DIVISIONS = 3, 6
+#: smallest part into which an interval is divided
+NEAREST = 0.15
 #: a sweep ends where the rigidity of the cell falls below this part of that at rest: near the largest moment that
 #: the cell bears its curvature depends on the pressure too strongly to be interpolated
 SOFTENED = 0.3
-#: how often a step is halved that changes the moment by far more than the last slope said
-MAX_HALVINGS = 4
+#: change of the moment over what the last slope said beyond which a step is shortened, and how often
+FARTHEST, MAX_RETRIES = 1.5, 4
 #: largest error of the cubic between two states, over the largest curvature of the law
-TOLERANCE = 1e-3
-#: Newton's method for the angle without moment: largest moment left over EI times an angle of one
-STRAIGHT, MAX_ITERATIONS = 1e-8, 12
+TOLERANCE = 1.5e-3
 
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside
-class CellPoint:
-    """One state of a half cell with its slopes."""
+class CellPoint(PiecePoint):
+    """One state of a half cell with its slopes and its axis."""
 
-    state: PieceState
-    slopes: Slopes
     axis: Axis
-    shear: float  #: GA, N
 
-    @property
-    def moment(self) -> float:
-        """N mm."""
-        return self.state.moment
-
-    @property
-    def path_point(self) -> PathPoint:
-        """The state and its tangent, on the path of the angle."""
-        return PathPoint(self.state.angle, 1.0, self.state.state, self.state.touches, self.slopes.angle_rate)
+    @classmethod
+    def of(cls, piece: BendingPiece, state: PieceState) -> "CellPoint":
+        """One factorization. Raises `PieceFailed` where the cell is not stable."""
+        point = PiecePoint.of(piece, state)
+        return CellPoint(state, point.slopes, axis_of(piece, state, point.slopes))
 
 
 @dataclass
@@ -58,8 +51,13 @@ class CellSweep:
     points: list[CellPoint] = field(default_factory=list)  #: by increasing curvature
     #: why the curve ends, a sentence each: at the largest moment (1) and at the smallest (-1), unless it was reached
     ends: dict[int, str] = field(default_factory=dict)
+    shear: list[tuple[float, float]] = field(default_factory=list)  #: moments in N mm with GA in N, in any order
     #: intervals with the error of their cubics where it was measured, rad
     errors: list[tuple[CellPoint, CellPoint, float]] = field(default_factory=list)
+
+    def outermost(self, side: int) -> CellPoint:
+        """The point of the largest moment (side = 1) or of the smallest (-1)."""
+        return self.points[-1 if side > 0 else 0]
 
     @property
     def limits(self) -> list[str]:
@@ -87,7 +85,7 @@ class CellSweep:
             stretch_by_kappa=np.array([p.axis.stretch_by_angle * h for p in points]),
             stretch_by_pressure=np.array([p.axis.stretch_by_pressure / 1000.0 for p in points]),
             axial_rigidity=np.array([h / p.slopes.distance_by_force for p in points]),
-            shear_rigidity=np.array([p.shear for p in points]),
+            shear_rigidity=np.interp([p.moment for p in points], *np.array(sorted(self.shear)).T),
             contact=np.array([p.state.touches for p in points]),
             min_J=np.array([p.state.extremes.min_J for p in points]),
             s=points[0].axis.s,
@@ -101,7 +99,6 @@ class Reach:
 
     length: float  #: mm, of the arm
     force: float  #: N, on its end
-    next_pressure: float | None = None  #: kPa; the moment that straightens the arm there is within the law, too
 
 
 def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: PieceState | None = None) -> CellSweep:
@@ -111,12 +108,10 @@ def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: Pi
     """
     h = piece.body.length
     middle = cell_without_moment(piece, pressure_kPa / 1000.0, start)
-    sweep = CellSweep(pressure_kPa, [middle])
+    sweep = CellSweep(pressure_kPa, [middle], shear=[(middle.moment, _shear(piece, middle))])
     rigidity = middle.slopes.moment_by_angle * h
     beyond = min(REACH * rigidity / reach.length, reach.force * reach.length)
     straight = -middle.state.angle / h * rigidity
-    if reach.next_pressure is not None:
-        straight += middle.slopes.moment_by_pressure / 1000.0 * (reach.next_pressure - pressure_kPa)
     softest = SOFTENED * slopes(piece, piece.rest()).moment_by_angle
     _sweep_to(piece, sweep, max(straight, 0.0) + beyond, softest)
     _sweep_to(piece, sweep, min(straight, 0.0) - beyond, softest)
@@ -132,26 +127,7 @@ def cell_without_moment(piece: BendingPiece, pressure: float, start: PieceState 
     """
     start = piece.rest() if start is None else start
     state = start if start.pressure == pressure else piece.solve(pressure, start.angle, start)
-    for _ in range(MAX_ITERATIONS):
-        point = _point(piece, state)
-        correction = -point.moment / point.slopes.moment_by_angle
-        if abs(correction) < STRAIGHT:
-            return point
-        angle = state.angle + float(np.clip(correction, -0.2, 0.2))
-        state = piece.solve(pressure, angle, state, _predicted(None, point, angle))
-    raise PieceFailed(f"the half cell at {1000.0 * pressure:.4g} kPa has no state without moment near the last one")
-
-
-def _point(piece: BendingPiece, state: PieceState) -> CellPoint:
-    try:
-        known = slopes(piece, state)
-        shear = shear_rigidity(piece, state, known)
-    except SingularMatrix as failure:
-        curvature = 1000.0 * state.angle / piece.body.length
-        raise PieceFailed(
-            f"the half cell is not stable at {1000.0 * state.pressure:.4g} kPa and {curvature:.4g} 1/m: {failure}"
-        ) from None
-    return CellPoint(state, known, axis_of(piece, state, known), shear)
+    return without_moment(piece, state, CellPoint.of)
 
 
 def _predicted(before: CellPoint | None, last: CellPoint, angle: float) -> State | None:
@@ -160,65 +136,94 @@ def _predicted(before: CellPoint | None, last: CellPoint, angle: float) -> State
 
 
 def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float, softest: float) -> None:
-    """States until the moment is passed, or until there is none; each step changes the moment by a part of it.
+    """States until the moment is passed, or until there is none; each step changes the moment by a part of it, and by
+    less where a cell bears no step of that size.
 
     softest: N mm, slope of the moment by the angle below which the sweep ends.
     """
-    outward = 1 if moment > 0 else -1
-    interval, halvings = abs(moment) / INTERVALS, 0
-    while True:
-        last = sweep.points[-1 if outward > 0 else 0]
-        if outward * (last.moment - moment) >= 0.0:
-            return
-        before = None
-        if len(sweep.points) > 1:
-            before = sweep.points[-2 if outward > 0 else 1]
-        angle = last.state.angle + outward * interval / last.slopes.moment_by_angle / 2**halvings
+    outward, change = 1 if moment > 0 else -1, moment / INTERVALS
+    first, shortest = sweep.outermost(outward), abs(change) / 2**MAX_RETRIES
+    while outward * (sweep.outermost(outward).moment - moment) < 0.0:
+        last = sweep.outermost(outward)
         try:
-            point = _point(piece, piece.solve(last.state.pressure, angle, last.state, _predicted(before, last, angle)))
+            point = _next_point(piece, sweep, change)
+            if outward * (point.moment - last.moment) <= 0.0:
+                raise PieceFailed(f"the moment of the cell falls {_beyond(piece, sweep, last)}")
+            sweep.shear.append((point.moment, _shear(piece, point)))
         except PieceFailed as failure:
+            if last is first and abs(change) > shortest:
+                change /= 2.0
+                continue
             sweep.ends[outward] = str(failure)
             return
-        change = outward * (point.moment - last.moment)
-        if change <= 0.0:
-            curvature = 1000.0 * last.state.angle / piece.body.length
-            sweep.ends[outward] = (
-                f"the moment of the cell falls at {sweep.pressure:g} kPa beyond a curvature of {curvature:.4g} 1/m"
-            )
-            return
-        if change > 2.0 * interval and halvings < MAX_HALVINGS:  # walls met on the way
-            halvings += 1
-            continue
         sweep.points.insert(len(sweep.points) if outward > 0 else 0, point)
         if point.slopes.moment_by_angle < softest:
-            curvature = 1000.0 * point.state.angle / piece.body.length
             sweep.ends[outward] = (
-                f"the cell at {sweep.pressure:g} kPa has less than {SOFTENED:g} of its rigidity at rest beyond a "
-                f"curvature of {curvature:.4g} 1/m, and the law ends there"
+                f"the cell has less than {SOFTENED:g} of its rigidity at rest {_beyond(piece, sweep, point)}, and the "
+                "law ends there"
             )
             return
+
+
+def _next_point(piece: BendingPiece, sweep: CellSweep, change: float) -> CellPoint:
+    """The state beside the outermost one whose moment differs by `change` or not much more. Raises `PieceFailed`."""
+    outward = 1 if change > 0.0 else -1
+    last, before = sweep.outermost(outward), None
+    if len(sweep.points) > 1:
+        before = sweep.points[-2 if outward > 0 else 1]
+    angle = last.state.angle + change / last.slopes.moment_by_angle
+    for _ in range(MAX_RETRIES):
+        predicted = _predicted(before, last, angle)
+        point = CellPoint.of(piece, piece.solve(last.state.pressure, angle, last.state, predicted))
+        if abs(point.moment - last.moment) <= FARTHEST * abs(change) or outward * (point.moment - last.moment) <= 0.0:
+            break
+        # walls met on the way: along the tangent of the last state to where it meets that of this one, and on
+        turn = last.state.angle + _division(last, point) * (angle - last.state.angle)
+        rest = change - (turn - last.state.angle) * last.slopes.moment_by_angle
+        angle = turn + max(outward * rest, 0.0) * outward / point.slopes.moment_by_angle
+    return point
+
+
+def _shear(piece: BendingPiece, point: CellPoint) -> float:
+    """GA in N. Raises `PieceFailed`."""
+    with stable(piece, point.state):
+        return shear_rigidity(piece, point.state, point.slopes)
+
+
+def _beyond(piece: BendingPiece, sweep: CellSweep, point: CellPoint) -> str:
+    return f"at {sweep.pressure:g} kPa beyond a curvature of {1000.0 * point.state.angle / piece.body.length:.4g} 1/m"
 
 
 def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
-    """Halve the intervals of the angle until their cubics are right to TOLERANCE in the middle."""
+    """Divide the intervals of the angle until their cubics are right to TOLERANCE where they are divided."""
     scale = max(abs(point.state.angle) for point in sweep.points)
-    pending = [(a, b, HALVINGS) for a, b in zip(sweep.points[:-1], sweep.points[1:], strict=True)]
+    pending = [(a, b, DIVISIONS) for a, b in zip(sweep.points[:-1], sweep.points[1:], strict=True)]
     while pending:
-        first, second, halvings = pending.pop()
-        angle = 0.5 * (first.state.angle + second.state.angle)
+        first, second, divisions = pending.pop()
+        angle = first.state.angle + _division(first, second) * (second.state.angle - first.state.angle)
         try:
             predicted = _predicted(first, second, angle)
-            middle = _point(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
+            middle = CellPoint.of(piece, piece.solve(first.state.pressure, angle, first.state, predicted))
         except PieceFailed as failure:
             _cut(sweep, first, second, str(failure))
             pending = [interval for interval in pending if interval[0] in sweep.points and interval[1] in sweep.points]
             continue
         error = _cubic_error(first, second, middle)
         sweep.points.insert(sweep.points.index(second), middle)
-        if error > TOLERANCE * scale and halvings:
-            pending += [(first, middle, halvings - 1), (middle, second, halvings - 1)]
+        if error > TOLERANCE * scale and divisions:
+            pending += [(first, middle, divisions - 1), (middle, second, divisions - 1)]
         else:  # the error of the whole interval: walls that meet in a half make a kink there
             sweep.errors.append((first, second, error))
+
+
+def _division(first: CellPoint, second: CellPoint) -> float:
+    """Part of the way from one point to another at which the tangents of both meet: at a kink between straight lines,
+    in the middle of a parabola. The middle where they do not meet in between."""
+    length = second.state.angle - first.state.angle
+    change = first.slopes.moment_by_angle - second.slopes.moment_by_angle
+    across = second.moment - first.moment - second.slopes.moment_by_angle * length
+    part = across / (change * length) if abs(change) > 1e-6 * abs(second.slopes.moment_by_angle) else 0.5
+    return float(np.clip(part, NEAREST, 1.0 - NEAREST)) if 0.0 < part < 1.0 else 0.5
 
 
 def _keep_rising(sweep: CellSweep, middle: CellPoint, half_pitch: float) -> None:

@@ -3,8 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from fem.cell.piece import PieceFailed
 from pipeline.cell.measure import cell_without_moment
 from pipeline.cell.pieces import ArmPieces
@@ -22,7 +20,11 @@ NUMBERS = ("kappa_0_per_mm", "rigidity_N_mm2", "moment_N_mm")
 
 @dataclass(frozen=True)
 class MeshError:
-    """Estimated errors of kappa_0, of the rigidity there and of the moment at half of kappa_0, by pressure."""
+    """Estimated errors of kappa_0, of the rigidity from there on and of the moment at half of kappa_0, by pressure.
+
+    The rigidity is the mean over a change of the curvature by one over the length of the arm: where walls touch node by
+    node, the slope at a point says more about the node than about the mesh.
+    """
 
     size_mm: float
     coarser_mm: float
@@ -45,20 +47,21 @@ class MeshError:
 
 
 def mesh_error(pieces: ArmPieces, cells: Sequence[CellCurve], context: RunContext) -> MeshError:
-    """The errors at the pressures above zero of the cells of a law that has been measured.
+    """The errors at those pressures of the configuration at which the law of a cell has been measured.
 
     The moment is that at half of kappa_0. A coarser mesh that cannot be made or does not bear a pressure says so.
     """
     mesh = pieces.config.mesh
     factor = mesh.coarser or COARSER
     size, coarser = mesh.element_size_mm, factor * mesh.element_size_mm
-    pressurised = [cell for cell in cells if cell.pressure > 0.0]
+    pressurised = [cell for cell in cells if cell.pressure in pieces.config.pressures_kPa]
+    change = 1.0 / pieces.design.length
     rows: list[tuple[tuple[float, ...], tuple[float, ...]]] = []
     reason = ""
     try:
         second = pieces.with_mesh_size(coarser)
         for cell in pressurised:
-            rows.append((_numbers(cell), _coarse_numbers(second, cell, context)))
+            rows.append((_numbers(cell, change), _coarse_numbers(second, cell, context, change)))
     except (PieceFailed, InputError) as failure:
         reason = f"on the mesh {factor:g} times as coarse: {failure}"
     estimates = [
@@ -74,10 +77,10 @@ def mesh_error(pieces: ArmPieces, cells: Sequence[CellCurve], context: RunContex
     )
 
 
-def _numbers(cell: CellCurve) -> tuple[float, ...]:
+def _numbers(cell: CellCurve, change: float) -> tuple[float, ...]:
+    """change: of the curvature, 1/mm."""
     kappa_0, _, _ = cell.at(0.0)
-    rigidity = float(np.interp(0.0, cell.moment, cell.rigidity))
-    return kappa_0, rigidity, _moment_at(cell, 0.5 * kappa_0)
+    return kappa_0, _moment_at(cell, kappa_0 + change) / change, _moment_at(cell, 0.5 * kappa_0)
 
 
 def _moment_at(cell: CellCurve, kappa: float) -> float:
@@ -89,7 +92,7 @@ def _moment_at(cell: CellCurve, kappa: float) -> float:
     return 0.5 * (low + high)
 
 
-def _coarse_numbers(pieces: ArmPieces, cell: CellCurve, context: RunContext) -> tuple[float, ...]:
+def _coarse_numbers(pieces: ArmPieces, cell: CellCurve, context: RunContext, change: float) -> tuple[float, ...]:
     """The same numbers of the cell on the coarser mesh, the moment at the same curvature."""
     store, name = context.store, f"law/coarser_{cell.pressure:.12g}kPa.json"
     kept = store.read_json(name)
@@ -97,8 +100,11 @@ def _coarse_numbers(pieces: ArmPieces, cell: CellCurve, context: RunContext) -> 
         piece = pieces.cell
         middle = cell_without_moment(piece, cell.pressure / 1000.0)
         h = piece.body.length
-        state = piece.solve(middle.state.pressure, 0.5 * cell.at(0.0)[0] * h, middle.state)
-        numbers = [middle.state.angle / h, middle.slopes.moment_by_angle * h, state.moment]
+        at = middle.state
+        bent, half = (
+            piece.solve(at.pressure, angle, at) for angle in (at.angle + change * h, 0.5 * cell.at(0.0)[0] * h)
+        )
+        numbers = [at.angle / h, (bent.moment - at.moment) / change, half.moment]
         kept = {"key": store.numbers_key, "numbers": numbers}
         store.save_json(name, kept)
     return tuple(kept["numbers"])

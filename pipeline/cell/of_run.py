@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from pipeline.cell.build import MeasuredLaw, build_law
-from pipeline.cell.pieces import NoArmLaw
+from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.study import save_law
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
@@ -29,7 +29,7 @@ class LawOfRun:
     def save(self, store: Store) -> None:
         """Write law.json where there is a law."""
         if self.measured is not None:
-            save_law(store, self.measured, None)
+            save_law(store, self.measured)
 
     @property
     def effect(self) -> EffectState:
@@ -43,14 +43,15 @@ def law_of_run(scene: Scene, context: RunContext) -> LawOfRun:
     if choice == "five":
         return LawOfRun(None, "switched off in the config", ())
     try:
-        measured = build_law(scene, context)
+        measured = build_law(ArmPieces.of(scene), context)
     except (NoArmLaw, InputError, RunFailed) as failure:
         reason = str(failure).rstrip(".")
         return LawOfRun(None, reason, (f"no law of the arm: {reason}",) if choice == "cell" else ())
     law = measured.law
     reason = (
         f"moment, stretch and rigidities of one cell from {law.pressures[0]:g} to {law.pressures[-1]:g} kPa, "
-        f"and of both ends; nothing is fitted to the arm as a whole"
+        f"and of both ends; nothing is fitted to the arm as a whole; between pressures the curvature is interpolated "
+        f"to {100 * measured.error_between:.2g} % of the largest one"
     )
     remarks = "; ".join((*measured.failures, *measured.limits))
     return LawOfRun(

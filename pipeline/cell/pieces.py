@@ -3,13 +3,14 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 
+from fem import ContactError, SelfContact
+from fem.cell.mirror_contact import MirrorContact
 from fem.cell.piece import BendingPiece, Boundary
-from geometry import GRADINGS, Body, DesignError, MeshError
-from geometry.design import SymmetricDesign
+from geometry import GRADINGS, Body, Design, DesignError, MeshError, MeshFile
 from geometry.meshing.mirror import Repetition
 from pipeline.config.config import Config
 from pipeline.errors import InputError
-from pipeline.simulation.scene import GAP, Scene, material_of
+from pipeline.simulation.scene import GAP, Scene, layer_in, material_of
 
 
 class NoArmLaw(Exception):
@@ -40,12 +41,9 @@ class ArmPieces:
         return ArmPieces(self.config.with_mesh_size(size_mm), self.dhat)
 
     @property
-    def design(self) -> SymmetricDesign:
+    def design(self) -> Design:
         """The arm."""
-        design = self.config.design
-        if not isinstance(design, SymmetricDesign):  # refused before
-            raise TypeError(f"{type(design).__name__} has no half cell")
-        return design
+        return self.config.design
 
     @property
     def fractions(self) -> dict[str, float]:
@@ -60,7 +58,7 @@ class ArmPieces:
             repetition = self.design.repetition(mesh.element_size_mm, GRADINGS[mesh.grading])
         except (DesignError, MeshError) as failure:
             raise InputError(f"{self.config.source}: {failure}") from None
-        ends = 2.0 * (repetition.middle + repetition.half_pitch)
+        ends = repetition.middle + repetition.beyond + 2.0 * repetition.half_pitch
         if repetition.half_cells == 0:
             raise NoArmLaw("the arm has no inner cell; its own law needs two cells at least")
         if ends > self.design.length * (1.0 + 1e-9):
@@ -82,37 +80,53 @@ class ArmPieces:
     def _piece(self, half_cells: int, start: Boundary) -> BendingPiece:
         key = (half_cells, start)
         if key not in self._pieces:
-            formulation = self.config.mesh.formulation
-            body = self._body(half_cells, start)
-            self._pieces[key] = BendingPiece(
-                body, material_of(self.config), start, formulation, self.fractions, self.dhat
-            )
+            config, body = self.config, self._body(half_cells, start)
+            walls = _contact_walls(config)
+            effects, dhat = layer_in(body, config), self.dhat if walls == GAP else None
+            if walls != GAP and self.dhat is not None:
+                effects += [MirrorContact(walls, "tip", self.dhat), SelfContact(walls, self.dhat, starts_inactive=True)]
+            try:
+                self._pieces[key] = BendingPiece(
+                    *(body, material_of(config), start, config.mesh.formulation, self.fractions, dhat), effects=effects
+                )
+            except ContactError as failure:
+                raise NoArmLaw(f"{failure} between two cells; leave effects.self_contact.faces out") from None
         return self._pieces[key]
 
     def _body(self, half_cells: int, start: Boundary) -> Body:
         _ = self.repetition  # refuses arms without cells
         size, grading = self.config.mesh.element_size_mm, GRADINGS[self.config.mesh.grading]
-        for (meshed, _), piece in self._pieces.items():
-            if meshed == half_cells and start != "mirror":
-                return piece.body
         if start == "mirror":
             return self.design.half_cell(size, grading)
-        return self.design.end_piece(half_cells, size, grading)
+        is_clamp = start == "clamp"
+        for (meshed, other), piece in self._pieces.items():
+            if meshed == half_cells and other != "mirror" and (other == "clamp") == is_clamp:
+                return piece.body
+        return (self.design.end_piece if is_clamp else self.design.tip_piece)(half_cells, size, grading)
 
 
 def _check(config: Config) -> None:
     """Raise `NoArmLaw` for what the pieces do not describe."""
-    if not isinstance(config.design, SymmetricDesign):
-        raise NoArmLaw(f"the law of a cell needs a body of the program's own families; {config.family} is none of them")
+    if isinstance(config.design, MeshFile):
+        raise NoArmLaw("the law of a cell needs a drawing that can be cut between its cells; this body is a ready mesh")
+    if not config.design.repeats:
+        raise NoArmLaw(
+            "it is not known where the cells of this body lie; name the planes of one, for example "
+            "geometry.cell: {from: 40 mm, to: 44 mm}, in the middle of a cell and between two cells"
+        )
     effects = config.effects
     if effects.gravity.on:
         raise NoArmLaw("the weight loads every cell differently, so there is no law of one cell with effects.gravity")
-    if effects.strain_limiting_layer.on:
-        raise NoArmLaw("the strain-limiting layer is not part of the law of a cell")
     cavities = effects.pressure.cavities
     if any(cavity.constant_kPa for cavity in cavities.values()):
         raise NoArmLaw("a cavity has a constant pressure, and the law of a cell has one pressure that all follow")
     if effects.pressure.off or not any(cavity.fraction for cavity in cavities.values()):
         raise NoArmLaw("no cavity is pressurised, so the law of a cell has nothing to depend on")
-    if not effects.self_contact.off and any(name != GAP for name in effects.self_contact.faces or ()):
-        raise NoArmLaw(f"the law of a cell has contact on the faces '{GAP}' alone, not on those the user names")
+    several = len(effects.self_contact.faces or ()) > 1
+    if not effects.self_contact.off and (several or _contact_walls(config) in cavities):
+        raise NoArmLaw("the law of a cell has contact on one outer face alone, not on all those the user names")
+
+
+def _contact_walls(config: Config) -> str:
+    """Name of the outer faces that may meet."""
+    return next(iter(config.effects.self_contact.faces or (GAP,)))

@@ -11,8 +11,10 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.errors import InputError
 from pipeline.store.atomic_file import write_atomic
-from rod import ArmLaw, Rod, RodError
+from rod.arm_law.law import ArmLaw
 from rod.arm_law.record import law_from_record
+from rod.law import RodError
+from rod.mechanics.equilibrium import Rod
 
 #: formats that take the law itself; others take a straight line between moment and curvature
 TARGETS = ("csv", "json")
@@ -49,27 +51,35 @@ class SavedLaw:
         """The rod at a pressure, clamped as the material curve begins. Raises `RodError` outside the law."""
         return Rod(self.law.length, law=self.law.at(pressure_kPa))
 
-    def export(self, target: str, folder: Path, pressure_kPa: float | None = None) -> Path:
-        """Write the section law at a pressure, the highest unless given, as rod.csv or rod.json.
-
-        Raises InputError for a format that takes no curved law, and `RodError` for a pressure outside the law.
-        """
+    def file_name(self, target: str, pressure_kPa: float | None = None) -> str:
+        """The name of the exported file. Raises InputError for a format that takes no curved law."""
         if target not in TARGETS:
             raise InputError(
                 f"--to {target}: takes a straight line between moment and curvature, and the arm's own law is none; "
                 f"allowed for it are {', '.join(TARGETS)}"
             )
-        pressure = self.law.pressures[-1] if pressure_kPa is None else pressure_kPa
-        columns = self.table(pressure)
+        ends = (self.law.pressures[0], self.law.pressures[-1]) if pressure_kPa is None else (pressure_kPa,)
+        return f"law_{'_to_'.join(f'{pressure:g}' for pressure in ends)}kPa.{target}"
+
+    def export(self, target: str, path: Path, pressure_kPa: float | None = None) -> None:
+        """Write the section law at a pressure, or at all of its pressures, as CSV or JSON.
+
+        Raises `RodError` for a pressure outside the law.
+        """
+        pressures = tuple(self.law.pressures) if pressure_kPa is None else (pressure_kPa,)
+        tables = [self.table(pressure) for pressure in pressures]
         if target == "csv":
-            lines = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns.values(), strict=True)]
-            text = "\n".join([",".join(columns), *lines])
+            rows = [
+                ",".join(f"{value:.12g}" for value in (pressure, *row))
+                for pressure, columns in zip(pressures, tables, strict=True)
+                for row in zip(*columns.values(), strict=True)
+            ]
+            text = "\n".join([",".join(["pressure_kPa", *tables[0]]), *rows])
         else:
-            head = {"pressure_kPa": pressure, "length_mm": self.law.length, "pitch_mm": self.law.pitch}
-            text = json.dumps({**head, **{name: column.tolist() for name, column in columns.items()}}, indent=1)
-        path = folder / f"rod.{target}"
+            head = {"pressures_kPa": list(pressures), "length_mm": self.law.length, "pitch_mm": self.law.pitch}
+            columns = {name: [table[name].tolist() for table in tables] for name in tables[0]}
+            text = json.dumps({**head, **columns}, indent=1)
         write_atomic(path, (text + "\n").encode())
-        return path
 
     def table(self, pressure_kPa: float) -> dict[str, Array]:
         """Columns (n,) over equally spaced moments at a pressure, units in their names. Raises `RodError`."""

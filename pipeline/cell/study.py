@@ -7,9 +7,9 @@ from time import perf_counter
 from fem import compile_kernels
 from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.figure import html_page, svg_picture
-from pipeline.cell.mesh_error import MeshError, mesh_error
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
-from pipeline.config.config import Config
+from pipeline.cell.refinement import RefinedMesh, refined_mesh
+from pipeline.config.config import AUTO, Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Progress
@@ -20,6 +20,9 @@ from pipeline.store.provenance import provenance
 from pipeline.store.store import Store, open_store
 from rod.arm_law.record import law_record
 
+#: coarsest mesh that is tried where `mesh.size` is auto, over the smallest side of the arm
+COARSEST = 0.27
+
 
 @dataclass(frozen=True, eq=False)  # arrays inside
 class LawReport:
@@ -28,7 +31,7 @@ class LawReport:
     directory: Path
     config: Config
     measured: MeasuredLaw
-    mesh_error: MeshError
+    refined: RefinedMesh | None  #: the mesh for a requested accuracy
     seconds: float  #: wall time of this call
 
     def raise_if_failed(self) -> None:
@@ -54,6 +57,8 @@ class LawReport:
 def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> LawReport:
     """From a configuration to `out`/law.json; curves that `out` already holds are not measured again.
 
+    With a requested accuracy the mesh of the configuration is the coarsest that is tried (`pipeline.cell.refinement`).
+
     A pressure that is not reached is named in the report; the law of those below it is in `out` then. Raises InputError
     for an arm without such a law, a body that cannot be meshed and a folder that cannot be used, and RunFailed where
     not even the lowest pressure is borne.
@@ -63,29 +68,36 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
         context = RunContext(store, jobs, progress)
         progress.stage("mesh")
         try:
-            scene = Scene.meshed(config)
+            sized = config.with_mesh_size(_first_size(config))
+            pieces, refined = ArmPieces.of(Scene.meshed(sized)), None
             progress.stage("kernels (compiled once)")
             compile_kernels(config.mesh.formulation)
+            if config.accuracy is not None:
+                refined = refined_mesh(pieces, context, config.accuracy)
+                pieces = pieces.with_mesh_size(refined.size_mm)
             progress.stage("cell and ends")
-            measured = build_law(scene, context)
-            progress.stage("coarser mesh")
-            error = mesh_error(ArmPieces.of(scene), measured.law.cells, context)
+            measured = build_law(pieces, context)
         except NoArmLaw as refusal:
             raise InputError(f"{config.source}: {refusal}") from None
-        report = LawReport(out, config, measured, error, perf_counter() - begin)
-        save_law(store, measured, error)
+        report = LawReport(out, config, measured, refined, perf_counter() - begin)
+        save_law(store, measured, refined)
         store.save_json("run.json", report.record())
         store.save_text("law.html", html_page(config.name, measured.law))
         store.save_text("law.svg", svg_picture(config.name, measured.law))
     return report
 
 
-def save_law(store: Store, measured: MeasuredLaw, error: MeshError | None) -> None:
+def _first_size(config: Config) -> float:
+    """Mesh size of the configuration in mm; where it is to be chosen, the coarsest that is tried."""
+    return COARSEST * min(config.design.extent) if config.mesh.size_mm is AUTO else config.mesh.element_size_mm
+
+
+def save_law(store: Store, measured: MeasuredLaw, refined: RefinedMesh | None = None) -> None:
     """Write law.json."""
-    store.save_json("law.json", law_content(measured, error))
+    store.save_json("law.json", law_content(measured, refined))
 
 
-def law_content(measured: MeasuredLaw, error: MeshError | None) -> JsonObject:
+def law_content(measured: MeasuredLaw, refined: RefinedMesh | None) -> JsonObject:
     """The content of law.json: the law, its errors, and where it ends."""
     return {
         **law_record(measured.law),
@@ -96,7 +108,8 @@ def law_content(measured: MeasuredLaw, error: MeshError | None) -> JsonObject:
             "between_pressures": measured.error_between,
             "ends_over_length": measured.error_ends,
         },
-        "mesh_error": {} if error is None else error.record(),
+        "mesh_error": measured.mesh_error.record(),
+        "accuracy": None if refined is None else refined.record(),
         "limits": measured.limits,
         "failures": measured.failures,
         "factorizations": measured.factorizations,

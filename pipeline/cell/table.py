@@ -56,7 +56,8 @@ def _contact(cell: CellCurve) -> str:
 
 def law_sentences(report: LawReport) -> list[str]:
     """How the law was interpolated, how far its mesh is off, and where it ends."""
-    measured, error = report.measured, report.mesh_error
+    measured = report.measured
+    error = measured.mesh_error
     cells = f"end pieces of {measured.half_cells} half {'cell' if measured.half_cells == 1 else 'cells'}"
     sentences = [
         "κ₀: curvature without moment; dM/dκ, EA, GA: rigidities there against bending, stretching and shear",
@@ -68,14 +69,14 @@ def law_sentences(report: LawReport) -> list[str]:
         f"{100 * measured.error_between:.2g} % between pressures",
     ]
     for i, pressure in enumerate(error.pressures_kPa):
-        if pressure in measured.added_kPa:
-            continue
         kappa_0, rigidity, moment = (error.deviations[name][i] for name in NUMBERS)
         rigidity /= error.values["rigidity_N_mm2"][i]
         sentences.append(
-            f"standard deviations due to the mesh at {pressure:g} kPa: κ₀ {1000.0 * kappa_0:.2g} 1/m, dM/dκ "
-            f"{100 * rigidity:.2g} %, M at κ₀/2 {moment:.2g} N mm"
+            f"standard deviations due to the mesh at {pressure:g} kPa: κ₀ {1000.0 * kappa_0:.2g} 1/m, mean dM/dκ from "
+            f"there on {100 * rigidity:.2g} %, M at κ₀/2 {moment:.2g} N mm"
         )
+    if report.refined is not None:
+        sentences.append(report.refined.sentence)
     sentences += [sentence for sentence in (error.reason, *measured.limits) if sentence]
     return sentences
 

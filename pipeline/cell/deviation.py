@@ -1,0 +1,48 @@
+"""How far the law interpolated halfway between two pressures is from the cell itself."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem.cell.piece import BendingPiece
+from geometry.arrays import Index
+from rod.arm_law.between import doubts
+from rod.arm_law.curves import CellCurve
+from rod.arm_law.section import SectionLaw, section_at
+
+#: states of the cell that are solved
+CHECKS = 5
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """Largest deviation of the curvature at equal moments, 1/mm."""
+
+    kappa: float
+
+
+#: of the file that keeps it
+DEVIATION_KEYS = {"kappa_per_mm": "kappa"}
+
+
+def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -> Deviation:
+    """The deviation at CHECKS states of the cell halfway between two pressures.
+
+    Raises `PieceFailed` where the cell does not reach a curvature of the law, and `RodError` where there is no law.
+    """
+    section = section_at((lower, upper), 0.5 * (lower.pressure + upper.pressure))
+    state, largest = piece.rest(), 0.0
+    for row in _doubtful(section, lower, upper):
+        state = piece.solve(section.pressure / 1000.0, float(section.kappa[row]) * piece.body.length, state)
+        difference = (state.moment - section.moment[row]) * section.kappa_slope[row]
+        largest = max(largest, abs(float(difference)))
+    return Deviation(largest)
+
+
+def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:
+    """Rows (CHECKS,) of the law, by rising amount of the moment: one in each of as many equal ranges of the moment,
+    where what the slopes of both curves predict differs most."""
+    difference = np.interp(section.kappa, *doubts(lower, upper))
+    ranges = np.array_split(np.arange(len(section.moment)), CHECKS)
+    rows = np.array([own[int(np.argmax(difference[own]))] for own in ranges])
+    return np.asarray(rows[np.argsort(np.abs(section.moment[rows]), kind="stable")])

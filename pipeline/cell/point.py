@@ -1,0 +1,76 @@
+"""States of a piece with their slopes, and the one without moment."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
+from fem.cell.response import Slopes, slopes
+from fem.equations.linear import SingularMatrix
+from fem.path.predictor import PathPoint, extrapolate
+
+#: Newton's method for the angle without moment: largest moment left over EI times an angle of one
+STRAIGHT, MAX_ITERATIONS = 1e-8, 12
+#: rad, largest change of the angle in one iteration
+LARGEST_TURN = 0.2
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class PiecePoint:
+    """One state of a piece with its slopes."""
+
+    state: PieceState
+    slopes: Slopes
+
+    @classmethod
+    def of(cls, piece: BendingPiece, state: PieceState) -> "PiecePoint":
+        """One factorization. Raises `PieceFailed` where the piece is not stable."""
+        with stable(piece, state):
+            return PiecePoint(state, slopes(piece, state))
+
+    @property
+    def moment(self) -> float:
+        """N mm."""
+        return self.state.moment
+
+    @property
+    def path_point(self) -> PathPoint:
+        """The state and its tangent, on the path of the angle."""
+        return PathPoint(self.state.angle, 1.0, self.state.state, self.state.touches, self.slopes.angle_rate)
+
+
+Point = TypeVar("Point", bound=PiecePoint)
+
+
+def without_moment(
+    piece: BendingPiece, state: PieceState, point_of: Callable[[BendingPiece, PieceState], Point]
+) -> Point:
+    """The piece without moment at the pressure of a state, by Newton's method for the angle from that state.
+
+    point_of: makes a point of a state. Raises `PieceFailed`.
+    """
+    for _ in range(MAX_ITERATIONS):
+        point = point_of(piece, state)
+        correction = -point.moment / point.slopes.moment_by_angle
+        if abs(correction) < STRAIGHT:
+            return point
+        angle = state.angle + float(np.clip(correction, -LARGEST_TURN, LARGEST_TURN))
+        state = piece.solve(state.pressure, angle, state, extrapolate(None, point.path_point, angle))
+    raise PieceFailed(
+        f"the {piece.name} at {1000.0 * state.pressure:.4g} kPa has no state without moment near the last one"
+    )
+
+
+@contextmanager
+def stable(piece: BendingPiece, state: PieceState) -> Iterator[None]:
+    """A singular tangent of a state becomes a `PieceFailed` that names it."""
+    try:
+        yield
+    except SingularMatrix as failure:
+        curvature = 1000.0 * state.angle / piece.body.length
+        raise PieceFailed(
+            f"the {piece.name} is not stable at {1000.0 * state.pressure:.4g} kPa and {curvature:.4g} 1/m: {failure}"
+        ) from None

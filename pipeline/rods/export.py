@@ -1,0 +1,88 @@
+"""The rod of a result folder in the files of other rod codes."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.cell.saved import SavedLaw
+from pipeline.config.units import PRESSURE
+from pipeline.errors import InputError, RunFailed
+from pipeline.rods.saved import SavedRod, option_value
+from rod import EXPORTS, Arm, RodError, export_arm
+from rod.export.formats import export_files
+
+#: the laws of a result folder that can be exported
+LAWS = ("five", "cell")
+
+
+@dataclass(frozen=True)
+class ExportOptions:
+    """What `pneurod export` was asked for beside the folder and the format."""
+
+    pressure: str | None = None  #: with its unit; None for all identified pressures
+    law: str | None = None  #: one of LAWS; None for the five parameters, or for the only law there is
+    out: Path | None = None  #: folder of the files; None for the result folder
+    smooth: bool = False  #: kappa_0 averaged over a cell instead of that with its ripple
+    extrapolate: bool = False  #: beyond the identified pressures
+    force: bool = False  #: replace files that exist
+
+
+def exported(folder: Path, target: str | None, options: ExportOptions) -> list[Path]:
+    """Write the rod of a result folder for another code and return the files.
+
+    Raises InputError for an unknown target, which it answers with the known ones, for other options that do not fit and
+    for files that exist, and RunFailed where the target cannot take the rod.
+    """
+    if target not in EXPORTS:
+        raise InputError(f"--to{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}")
+    if options.law not in (None, *LAWS):
+        raise InputError(f"--law {options.law}: allowed are {', '.join(LAWS)}")
+    into = options.out or folder
+    into.mkdir(parents=True, exist_ok=True)
+    only_law = not (folder / "parameters.json").is_file() and (folder / "law.json").is_file()
+    if options.law == "cell" or (options.law is None and only_law):
+        return [_law_table(folder / "law.json", target, into, options)]
+    try:
+        arm = _arm(folder / "parameters.json", options)
+        arm = arm.smoothed() if options.smooth else arm
+        for path in export_files(arm, target, into):
+            _refuse_existing(path, options)
+        return export_arm(arm, target, into)
+    except RodError as failure:
+        raise RunFailed(str(failure)) from None
+
+
+def _arm(path: Path, options: ExportOptions) -> Arm:
+    """The inextensible rod of a parameters.json: no format takes a stretch that follows the curvature."""
+    saved = SavedRod.read(path, extensible=False)
+    if options.pressure is None:
+        pressures = tuple(float(pressure) for pressure in saved.rods.pressures)
+        rods = tuple(saved.rods.at(pressure) for pressure in pressures)
+        deviations: Mapping[str, tuple[float, ...]] = saved.deviations
+    else:
+        pressures = (option_value("--pressure", options.pressure, PRESSURE),)
+        rods, deviations = (saved.at(options.pressure, options.extrapolate).rod,), {}
+    radius = None if saved.area_mm2 is None else math.sqrt(saved.area_mm2 / math.pi)
+    smooth = saved.smooth(pressures)
+    return Arm(pressures, rods, saved.mass_g, radius, saved.modulus_MPa, deviations=deviations, smooth=smooth)
+
+
+def _law_table(path: Path, target: str, into: Path, options: ExportOptions) -> Path:
+    """The arm's own law as a table."""
+    if options.extrapolate or options.smooth:
+        raise InputError("--extrapolate, --smooth: are for the five parameters; the arm's own law takes neither")
+    saved = SavedLaw.read(path)
+    value = None if options.pressure is None else option_value("--pressure", options.pressure, PRESSURE)
+    try:
+        file = into / saved.file_name(target, value)
+        _refuse_existing(file, options)
+        saved.export(target, file, value)
+    except RodError as failure:
+        raise InputError(f"--pressure {options.pressure}: {failure}") from None
+    return file
+
+
+def _refuse_existing(path: Path, options: ExportOptions) -> None:
+    if path.exists() and not options.force:
+        raise InputError(f"{path}: exists; give another --out, or --force to replace it")

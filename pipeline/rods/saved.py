@@ -1,0 +1,220 @@
+"""The rod alone: from parameters.json or law.json to shapes under loads."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from pipeline.cell.saved import SavedLaw, is_law
+from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
+from pipeline.errors import InputError, RunFailed
+from pipeline.store.atomic_file import write_atomic
+from pipeline.store.formats import with_present_keys
+from rod.curves.extension import Extension
+from rod.identification.moment_range import MomentRange
+from rod.law import PARAMETER_NAMES, FiveParameters, RodError
+from rod.mechanics.equilibrium import Rod
+from rod.pressurised_rod import PressurisedRod
+from rod.solution import RodSolution
+
+_LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+
+
+@dataclass(frozen=True)
+class SavedRod:
+    """The identified rod of a parameters.json over its pressures, and the arm it belongs to."""
+
+    rods: PressurisedRod
+    mass_g: float | None  #: None where the configuration has no density
+    modulus_MPa: float  #: Young's modulus of the material, 1 where its law has none
+    area_mm2: float | None  #: of the solid, averaged along the arm; None likewise
+    deviations: Mapping[str, tuple[float, ...]]  #: standard deviations by PARAMETER_NAMES; empty: not in the file
+    averaged: tuple[Array, Array] | None  #: s (m,) in mm and kappa_0 (n, m) averaged over a cell; None likewise
+
+    @staticmethod
+    def read(path: Path, extensible: bool | None = None) -> "SavedRod":
+        """The inextensible or the extensible rod of a file, also of an earlier format. Raises InputError.
+
+        extensible: None for the rod that stretches where the arm does, see `PressurisedRod.stretches`.
+        """
+        try:
+            content = with_present_keys(json.loads(path.read_text(encoding="utf-8")))
+            material = content["material"]
+            mass = None if content["mass_g"] is None else float(content["mass_g"])
+            return SavedRod(
+                default_rod(content) if extensible is None else pressurised_rod(content, extensible),
+                mass,
+                float(material.get("E", 1.0)),
+                None if mass is None else mass / (1e6 * float(material["density_tonne_mm3"]) * content["length_mm"]),
+                _deviations(content),
+                _averaged(content["kappa_0"]),
+            )
+        except OSError as failure:
+            reason = f"cannot be read ({failure.strerror}); give the parameters.json of a run"
+            raise InputError(f"{path}: {reason}") from None
+        except (AttributeError, KeyError, TypeError, ValueError) as failure:
+            problem = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
+            raise InputError(f"{path}: is not the parameters.json of a finished run: {problem}") from None
+
+    def at(self, pressure: str, extrapolate: bool = False) -> "RodAtPressure":
+        """The rod at a pressure written with its unit, clamped as the material curve begins. Raises InputError."""
+        value = option_value("--pressure", pressure, PRESSURE)
+        try:
+            rod = self.rods.at(value, extrapolate=extrapolate)
+        except RodError as failure:
+            raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
+        return RodAtPressure(rod, self.rods.moment_range_at(value, extrapolate=extrapolate))
+
+    def smooth(self, pressures: Sequence[float]) -> tuple[Array, ...]:
+        """Columns (m, 2) of s and the averaged kappa_0 at pressures (kPa), straight lines between; empty without it."""
+        if self.averaged is None:
+            return ()
+        s, kappa = self.averaged
+        known = np.append(0.0, self.rods.pressures)
+        over = np.vstack([np.zeros_like(kappa[:1]), kappa])
+        columns = [[float(np.interp(pressure, known, values)) for values in over.T] for pressure in pressures]
+        return tuple(np.column_stack([s, column]) for column in columns)
+
+
+def _deviations(content: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:
+    """The standard deviations of a parameters.json by PARAMETER_NAMES; empty where one is not there."""
+    columns = {name: content.get(f"{column}_std", []) for name, column in zip(PARAMETER_NAMES, _LAW, strict=True)}
+    if any(not column or None in column for column in columns.values()):
+        return {}
+    return {name: tuple(float(value) for value in column) for name, column in columns.items()}
+
+
+def _averaged(profile: Mapping[str, Any]) -> tuple[Array, Array] | None:
+    if "cell_averaged_per_mm" not in profile:
+        return None
+    return np.array(profile["cell_s_mm"], float), np.array(profile["cell_averaged_per_mm"], float)
+
+
+@dataclass(frozen=True)
+class RodAtPressure:
+    """The rod of a file at one pressure."""
+
+    rod: Rod
+    moment_range: MomentRange | None  #: of the identification, None where the file has none
+
+    def warning(self, shape: RodSolution) -> str:
+        """A sentence where the moments of a shape leave the range of the identification; empty elsewhere."""
+        return self.moment_range.warning(shape) if self.moment_range is not None else ""
+
+
+def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool | None) -> RodAtPressure:
+    """The rod of a parameters.json or of a law.json at a pressure written with its unit. Raises InputError."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        content = None  # the sentence is that of the parameters
+    if not is_law(content):
+        return SavedRod.read(path, extensible).at(pressure, extrapolate)
+    if extrapolate:
+        raise InputError("--extrapolate: the arm's own law is not extrapolated; measure it at more pressures")
+    try:
+        return RodAtPressure(SavedLaw.of(path, content).rod(option_value("--pressure", pressure, PRESSURE)), None)
+    except RodError as failure:
+        raise InputError(f"--pressure {pressure}: {failure}") from None
+
+
+@dataclass(frozen=True)
+class EndLoads:
+    """Loads on the end of a rod, positions relative to the clamp; None for what is not prescribed."""
+
+    force: tuple[float, float] | None  #: N
+    moment: float  #: N mm
+    end_y: float | None  #: mm
+    end: tuple[float, float] | None  #: mm
+
+    @staticmethod
+    def read(force: str | None, moment: str, end_y: str | None, end: str | None) -> "EndLoads":
+        """From the options of the command line, written with units. Raises InputError."""
+        return EndLoads(
+            None if force is None else _pair("--force", force, FORCE),
+            option_value("--moment", moment, MOMENT),
+            None if end_y is None else option_value("--end-y", end_y, LENGTH),
+            None if end is None else _pair("--end", end, LENGTH),
+        )
+
+    def shape(self, rod: Rod) -> RodSolution:
+        """The equilibrium of a rod under these loads. Raises RunFailed where there is none."""
+        try:
+            return rod.solve(force=self.force, moment=self.moment, end_y=self.end_y, end=self.end)
+        except RodError as failure:
+            raise RunFailed(str(failure)) from None
+
+
+def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> PressurisedRod:
+    """The rod of the content of a parameters.json. Raises KeyError, TypeError or ValueError for one that has none."""
+    profile = content["kappa_0"]
+    of_rod = content["eccentricity"] if extensible else content
+    stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
+    return PressurisedRod(
+        length=float(content["length_mm"]),
+        pressures=np.array(content["pressures_kPa"], dtype=float),
+        laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in _LAW), strict=True)),
+        s=np.array(profile["s_mm"], dtype=float),
+        kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
+        theta0=np.array(profile["theta0_rad"], dtype=float),
+        extensions=tuple(Extension(np.array(profile["s_mm"]), np.array(rest), e) for rest, e in stretches),
+        moment_ranges=tuple(MomentRange(*ends) for ends in content.get("moment_range_N_mm", ())),
+    )
+
+
+def default_rod(content: Mapping[str, Any]) -> PressurisedRod:
+    """The rod of the content of a parameters.json that stretches if the arm does, else the inextensible one.
+
+    Raises as `pressurised_rod`.
+    """
+    if content.get("eccentricity"):
+        extensible = pressurised_rod(content, extensible=True)
+        if extensible.stretches:
+            return extensible
+    return pressurised_rod(content)
+
+
+def end_lines(shape: RodSolution) -> list[str]:
+    """Position, angle and force of the end, and the moment at the clamp, one line each."""
+    x, y = _material_curve(shape)
+    lines = {
+        "end": f"x = {x[-1]:.3f} mm, y = {y[-1]:.3f} mm from the clamp",
+        "end angle": f"{shape.theta[-1]:.4f} rad",
+        "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
+        "moment at the clamp": f"{shape.moment[0]:.5g} N mm",
+    }
+    width = max(map(len, lines))
+    return [f"{name:<{width}}  {value}" for name, value in lines.items()]
+
+
+def write_shape(shape: RodSolution, file: Path) -> None:
+    """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm."""
+    columns = (shape.s, *_material_curve(shape), shape.theta, shape.kappa, shape.moment)
+    rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
+    write_atomic(file, ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode())
+
+
+def _material_curve(shape: RodSolution) -> tuple[Array, Array]:
+    """x (n,) and y (n,) of the material curve at the positions of a shape, mm."""
+    if shape.beside is None:
+        return shape.x, shape.y
+    x, y = shape.positions(shape.s).T
+    return x, y
+
+
+def option_value(option: str, text: str, dimension: Dimension) -> float:
+    try:
+        return convert(text, dimension)
+    except ValueError as failure:
+        raise InputError(f"{option}: {failure}") from None
+
+
+def _pair(option: str, text: str, dimension: Dimension) -> tuple[float, float]:
+    values = text.strip().removeprefix("[").removesuffix("]").split(",")
+    if len(values) != 2:
+        raise InputError(f"{option}: '{text}' is not a pair; write it as [{dimension.example}, {dimension.example}]")
+    return option_value(option, values[0], dimension), option_value(option, values[1], dimension)
