@@ -1,0 +1,130 @@
+"""The numbers of a point for the table of a sweep: one row per pressure, names with units."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from pipeline.cell.build import MeasuredLaw
+from pipeline.config.config import Config
+from pipeline.identification.parameters import Parameters
+from pipeline.run_report import RunReport
+from pipeline.simulation.outcome import Outcomes, Record
+from pipeline.store.json_values import Json
+from pipeline.validation.compare import Comparison
+from rod import RodError, RodSolution, cell_averaged
+from rod.arm_law.curves import CellCurve
+
+#: the numbers of a point at one pressure by column
+Row = dict[str, Json]
+#: columns of the five parameters
+FIVE = {"alpha1": "alpha1_N_mm2", "alpha2": "alpha2_N_mm2", "m01": "m01_N_mm", "m02": "m02_N_mm", "d": "d_mm"}
+
+
+def rows_of_run(report: RunReport) -> list[Row]:
+    """Experiments, five parameters, how far the rods are from the finite elements, and the cell without moment."""
+    outcomes, pitch = report.outcomes, report.config.design.pitch
+    pressures = sorted({record.pressure_kPa for record in outcomes.records} | set(report.config.pressures_kPa))
+    rows = {pressure: {**_arm(report.config), "pressure_kPa": pressure} for pressure in pressures}
+    for pressure, row in rows.items():
+        row |= _states(outcomes, pressure, pitch)
+        for parameters in report.parameters:
+            if parameters.pressure_kPa == pressure:
+                row |= _five(parameters)
+        row |= _errors(c for c in report.comparisons if c.state.in_sample and c.record.pressure_kPa == pressure)
+    return _merged(list(rows.values()), rows_of_law(report.config, report.arm.measured))
+
+
+def rows_of_experiments(config: Config, outcomes: Outcomes) -> list[Row]:
+    """The states of some of the experiments."""
+    return [
+        {**_arm(config), "pressure_kPa": pressure, **_states(outcomes, pressure, config.design.pitch)}
+        for pressure in config.pressures_kPa
+    ]
+
+
+def rows_of_law(config: Config, measured: MeasuredLaw | None) -> list[Row]:
+    """The cell without moment at the pressures of the configuration; no numbers where there is no law."""
+    cells = {} if measured is None else {cell.pressure: cell for cell in measured.law.cells}
+    return [
+        {**_arm(config), "pressure_kPa": pressure, **(_cell(cells[pressure]) if pressure in cells else {})}
+        for pressure in config.pressures_kPa
+    ]
+
+
+def _merged(first: Sequence[Row], second: Sequence[Row]) -> list[Row]:
+    """Rows with the numbers of both; those of `second` belong to pressures of `first`."""
+    more = {row["pressure_kPa"]: row for row in second}
+    return [{**row, **more.get(row["pressure_kPa"], {})} for row in first]
+
+
+def _arm(config: Config) -> Row:
+    mass = config.mass_tonne
+    return {"length_mm": config.design.length, "mass_g": None if mass is None else 1e6 * mass}
+
+
+def _states(outcomes: Outcomes, pressure: float, pitch: float) -> Row:
+    row: Row = {}
+    for outcome in outcomes:
+        record = outcome.at(pressure)
+        if record is not None:
+            row |= {f"{outcome.name}_{name}": value for name, value in _state(record, pitch).items()}
+    return row
+
+
+def _state(record: Record, pitch: float) -> Row:
+    summary = record.summary
+    force: Row = {"force_x_N": summary.reaction_N[0], "force_y_N": summary.reaction_N[1]}
+    return {
+        "end_x_mm": summary.end_mm[0],
+        "end_y_mm": summary.end_mm[1],
+        "end_angle_rad": float(np.unwrap(record.centreline.angle)[-1]),
+        "kappa_middle_per_mm": _middle(record, pitch),
+        **(force if record.experiment == "III" else {}),
+        "cavity_volume_mm3": summary.cavity_volume_mm3,
+        "stretch_of_curve": summary.stretch_of_curve,
+        "min_J": summary.extremes.min_J,
+        "max_stretch": summary.extremes.max_stretch,
+        "min_gap_mm": summary.min_gap_mm,
+        "stress_error": summary.stress_error,
+    }
+
+
+def _middle(record: Record, pitch: float) -> float | None:
+    """The cell-averaged curvature in the middle, 1/mm; None for an arm of one or two cells."""
+    try:
+        curvature = cell_averaged(record.centreline, pitch)
+    except RodError:
+        return None
+    return float(np.interp(curvature.length / 2, curvature.s, curvature.kappa))
+
+
+def _five(parameters: Parameters) -> Row:
+    row: Row = {"kappa_0_middle_per_mm": parameters.kappa_0_middle}
+    for name, column in FIVE.items():
+        number = parameters.numbers[name]
+        row |= {column: number.value, f"{column}_std": number.std}
+    return {**row, "two_lines": bool(parameters.by_cells.two_lines)}
+
+
+def _errors(comparisons: Iterable[Comparison]) -> Row:
+    """Largest distance of each rod over the length and the error of its end force, by experiment and rod."""
+    row: Row = {}
+    for comparison in comparisons:
+        for rod, of_rod in zip(comparison.rods, comparison.rows(), strict=True):
+            if isinstance(rod.solution, RodSolution):
+                name = f"{comparison.record.experiment}_{rod.rod}"
+                row[f"{name}_distance_over_length"] = of_rod["distance_over_length"]
+                if of_rod["force_error"] is not None:
+                    row[f"{name}_force_error"] = of_rod["force_error"]
+    return row
+
+
+def _cell(cell: CellCurve) -> Row:
+    kappa, stretch, _ = cell.at(0.0)
+    rigidities = {
+        "rigidity_N_mm2": cell.rigidity,
+        "axial_rigidity_N": cell.axial_rigidity,
+        "shear_rigidity_N": cell.shear_rigidity,
+    }
+    at_rest = {name: float(np.interp(0.0, cell.moment, values)) for name, values in rigidities.items()}
+    return {f"cell_{name}": value for name, value in {"kappa_0_per_mm": kappa, "stretch": stretch, **at_rest}.items()}

@@ -1,0 +1,97 @@
+"""The points of a sweep: their values, their folders, and their configurations or why these are refused."""
+
+import hashlib
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipeline.config.config import Config
+from pipeline.config.load import config_of
+from pipeline.config.schema import checked
+from pipeline.errors import InputError
+from pipeline.sweep.axes import Setting
+from pipeline.sweep.spec import Sweep, base_document
+
+#: characters of the values in the name of a folder
+LONGEST_NAME = 60
+
+
+@dataclass(frozen=True)
+class Point:
+    """A design of a sweep."""
+
+    number: int  #: from 1 on, in the order of the axes
+    setting: Setting  #: the values of the axes
+    config: Config
+
+    @property
+    def name(self) -> str:
+        """The name of its folder: its values, and a part of the hash of its configuration.
+
+        It does not depend on the other points, so that a sweep with more points keeps the folders of the earlier ones.
+        """
+        values = "_".join(f"{key.rpartition('.')[2]}={value}" for key, value in self.setting.items())
+        readable = re.sub(r"[^A-Za-z0-9.=+_-]", "", values)[:LONGEST_NAME]
+        return f"{readable}_{self.config.hash[:8]}"
+
+
+@dataclass(frozen=True)
+class RefusedPoint:
+    """A point whose configuration is refused."""
+
+    number: int
+    setting: Setting
+    reason: str  #: one sentence
+
+
+def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
+    """All points in the order of the axes.
+
+    Raises InputError where a value of an axis is refused at every point that has it, as an unknown key or a wrong unit
+    is, and where no point at all is left.
+    """
+    refused: dict[int, InputError] = {}
+    points: list[Point | RefusedPoint] = []
+    for number, setting in enumerate(sweep.settings, start=1):
+        try:
+            document = base_document(sweep, setting)
+            try:
+                checked(document)
+            except InputError as failure:
+                refused[number] = failure
+                raise
+            points.append(Point(number, setting, config_of(document)))
+        except InputError as failure:
+            points.append(RefusedPoint(number, setting, "; ".join(failure.sentences)))
+    _refuse_axes(sweep, refused)
+    if not any(isinstance(point, Point) for point in points):
+        first = points[0]
+        raise InputError(f"every point of {sweep.source} is refused; the first one: {_reason(first)}")
+    return points
+
+
+def _reason(point: Point | RefusedPoint) -> str:
+    return point.reason if isinstance(point, RefusedPoint) else ""
+
+
+def _refuse_axes(sweep: Sweep, refused: dict[int, InputError]) -> None:
+    """Raise the refusal of a value of an axis that no point can have."""
+    for axis in sweep.axes:
+        for value in axis.settings:
+            having = _numbers(sweep.settings, value)
+            if all(number in refused for number in having):
+                raise refused[having[0]]
+
+
+def _numbers(settings: Sequence[Setting], value: Setting) -> list[int]:
+    """The numbers of the points with this value."""
+    return [
+        number
+        for number, setting in enumerate(settings, start=1)
+        if all(setting[key] == entry for key, entry in value.items())
+    ]
+
+
+def work_key(sources_key: str, config: Config, run: Sequence[str]) -> str:
+    """sha256 of what decides the result of a point: sources and packages, configuration, and what is run."""
+    return hashlib.sha256("|".join((sources_key, config.hash, *run)).encode()).hexdigest()

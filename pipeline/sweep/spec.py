@@ -1,0 +1,125 @@
+"""The file of a sweep: a base configuration, what is run on every point, and the axes."""
+
+from dataclasses import dataclass
+from json import dumps
+from pathlib import Path
+from typing import Annotated, Any
+
+import pydantic
+from pydantic import BeforeValidator, ConfigDict, Field
+
+from pipeline.config.document import Document, read_document
+from pipeline.config.kinds import Count, CountFromZero, Name, Text
+from pipeline.errors import InputError, quoted
+from pipeline.sweep.axes import Axis, Setting, axis_of, combined, latin_hypercube
+
+#: what may be run on a point: the whole run, the arm's own law, or some of the experiments
+WHOLE, CELL = "whole", "cell"
+EXPERIMENTS = ("I", "II", "III")
+#: one of the two words, or names of experiments
+Run = tuple[str, ...]
+
+
+def _run(value: Any) -> Run:
+    names = tuple(value) if isinstance(value, list) and value else (value,)
+    if names in ((WHOLE,), (CELL,)) or (set(names) <= set(EXPERIMENTS) and len(set(names)) == len(names)):
+        return names
+    raise ValueError(f"{quoted(value)} is not allowed; allowed: whole, cell, I, II, III, or a list such as [II, III]")
+
+
+class _Section(pydantic.BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class _Hypercube(_Section):
+    points: Count
+    seed: CountFromZero
+    axes: Annotated[dict[str, Any], Field(examples=["{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}"])]
+
+
+class _File(_Section):
+    name: Name
+    base: Annotated[Text, Field(examples=["pneunet_coarse.yaml"])]
+    run: Annotated[Run, BeforeValidator(_run)] = (WHOLE,)
+    set: dict[str, Any] = {}
+    axes: Annotated[tuple[dict[str, Any], ...], Field(strict=False)] = ()
+    latin_hypercube: _Hypercube | None = None
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """What a file of a sweep says."""
+
+    source: Path  #: the file
+    name: str
+    base: Path  #: the configuration that every point begins with
+    run: Run
+    common: Setting  #: values that replace those of the base at every point
+    axes: tuple[Axis, ...]
+    settings: tuple[Setting, ...]  #: the values of the axes at every point
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The dotted keys of the axes."""
+        return tuple(key for axis in self.axes for key in axis.keys)
+
+
+def read_sweep(path: Path) -> Sweep:
+    """The sweep in a YAML file.
+
+    Raises InputError with one sentence that names the file, the key and what is allowed.
+    """
+    document = read_document(path)
+    try:
+        content = _File.model_validate(document.content)
+    except pydantic.ValidationError as refused:
+        raise document.refusal(refused.errors(), _File) from None
+    axes = tuple(_axes(document, content))
+    if not axes:
+        raise document.wrong(("axes",), "holds no points; for example 'axes: [geometry.wall: [1 mm, 1.5 mm]]'")
+    common = {str(key): value for key, value in content.set.items()}
+    doubled = sorted(set(common) & {key for axis in axes for key in axis.keys})
+    if doubled:
+        raise document.wrong(("set", doubled[0]), "is on an axis too; leave it out of one of them")
+    try:
+        settings = combined(axes)
+    except ValueError as refused:
+        raise document.wrong(("axes",), str(refused)) from None
+    return Sweep(path, content.name, path.parent / content.base, content.run, common, axes, tuple(settings))
+
+
+def _axes(document: Document, content: _File) -> list[Axis]:
+    axes: list[Axis] = []
+    for number, entry in enumerate(content.axes):
+        try:
+            if not entry:
+                raise ValueError("holds no key; for example 'geometry.wall: [1 mm, 1.5 mm]'")
+            axes.append(axis_of(entry))
+        except ValueError as refused:
+            raise document.wrong(("axes", number), str(refused)) from None
+    cube = content.latin_hypercube
+    if cube is not None:
+        axes.append(_hypercube(document, cube))
+    return axes
+
+
+def _hypercube(document: Document, cube: _Hypercube) -> Axis:
+    section = "latin_hypercube"
+    if cube.points < 1 or not cube.axes:
+        raise document.wrong((section,), "holds no points; give points above 0 and at least one key in its axes")
+    try:
+        return latin_hypercube(cube.points, cube.seed, cube.axes)
+    except ValueError as refused:
+        raise document.wrong((section, "axes"), str(refused)) from None
+
+
+def base_document(sweep: Sweep, setting: Setting) -> Document:
+    """The base configuration with the values of one point put in. Raises InputError where it cannot be read."""
+    values = {**sweep.common, **setting}
+    try:
+        texts = [f"{key}={dumps(value)}" for key, value in values.items()]
+    except TypeError:
+        raise InputError(
+            f"{sweep.source}: a date or a set is no value of a configuration; write it in quotes"
+        ) from None
+    return read_document(sweep.base, texts, f"{sweep.source}:")

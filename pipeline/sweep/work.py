@@ -1,0 +1,113 @@
+"""The work on one point of a sweep: a whole run, the arm's own law, or some of the experiments, in one process."""
+
+import threading
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+
+from fem import compile_kernels
+from pipeline.cell.study import measure_law
+from pipeline.context import RunContext
+from pipeline.errors import InputError, RunFailed
+from pipeline.progress import Silent
+from pipeline.run import run
+from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import simulate
+from pipeline.store.result_folder import ResultFolder, open_folder
+from pipeline.store.state_key import NUMBER_SOURCES, result_key
+from pipeline.store.store import locked, open_store
+from pipeline.sweep.numbers import Row, rows_of_experiments, rows_of_law, rows_of_run
+from pipeline.sweep.record import FAILED, FINISHED, INCOMPLETE, INTERRUPTED, REFUSED, PointRecord, kept_record
+from pipeline.sweep.spec import CELL, WHOLE
+from pipeline.sweep.task import PointTask
+from pipeline.validation.compare import CURVE_COLUMNS, curve_rows
+
+#: seconds that a point waits for the end of a run in its folder, such as that of a worker that is being killed
+PATIENCE = 60.0
+#: a process works on one point at a time, however many threads its worker has
+_ONE_POINT = threading.Lock()
+
+
+def work_on(task: PointTask) -> PointRecord:
+    """The record of a point: that in its folder, or that of the work, which goes on from the states in the folder.
+
+    Raises OSError where the folder cannot be written.
+    """
+    with _ONE_POINT:
+        folder = open_folder(task.folder)
+        _wait_for(task.folder)
+        kept = kept_record(folder, task.key)
+        if kept is not None:
+            return kept
+        if result_key("", NUMBER_SOURCES) != task.sources_key:
+            return PointRecord(INTERRUPTED, "its worker has another version of pneurod or of a package")
+        begin = perf_counter()
+        record = replace(_ended(task, folder), seconds=perf_counter() - begin)
+        if record.is_final:
+            record.save(folder, task.key)
+        return kept_record(folder, task.key) or record
+
+
+def _wait_for(folder: Path) -> None:
+    """Return when no run is at work in a folder, or after `PATIENCE` seconds."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        with suppress(InputError), locked(folder):
+            return
+        time.sleep(0.2)
+
+
+def _ended(task: PointTask, folder: ResultFolder) -> PointRecord:
+    """How the work ended. Whatever stops one point becomes its record, so that the others go on.
+
+    Raises OSError where the folder cannot be written.
+    """
+    try:
+        rows, failures = _WORK.get(task.run, _experiments)(task)
+    except InputError as refused:
+        return PointRecord(REFUSED, "; ".join(refused.sentences))
+    except RunFailed as failed:
+        return PointRecord(FAILED, str(failed))
+    except MemoryError:
+        return PointRecord(
+            INTERRUPTED, "the memory of its worker did not suffice; give fewer --jobs, or a coarser mesh"
+        )
+    except OSError:
+        raise
+    except Exception as error:
+        folder.save_text("error.txt", traceback.format_exc())
+        return PointRecord(FAILED, f"an error of the program ({type(error).__name__}: {error}); error.txt says where")
+    return PointRecord(INCOMPLETE if failures else FINISHED, "; ".join(failures), tuple(rows))
+
+
+def _whole(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
+    report = run(task.config, task.folder, 1, False, Silent())
+    return rows_of_run(report), report.failures
+
+
+def _cell(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
+    report = measure_law(task.config, task.folder, 1, False, Silent())
+    return rows_of_law(task.config, report.measured), report.measured.failures
+
+
+def _experiments(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
+    """The experiments alone: their states, experiments.json and curves.csv."""
+    config = task.config
+    with open_store(task.folder, config) as store:
+        scene = Scene.meshed(config)
+        compile_kernels(config.mesh.formulation)
+        outcomes = simulate(scene, RunContext(store, 1, Silent()), task.run)
+        store.save_json("experiments.json", outcomes.rows())
+        store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, (), scene.body.pitch))
+    return rows_of_experiments(config, outcomes), outcomes.failures
+
+
+#: what is run -> the rows of the table and a sentence for everything that was not reached; else experiments
+_WORK: dict[tuple[str, ...], Callable[[PointTask], tuple[Sequence[Row], Sequence[str]]]] = {
+    (WHOLE,): _whole,
+    (CELL,): _cell,
+}

@@ -1,0 +1,123 @@
+"""Workers for the points of a sweep: processes on this machine, or those of a Dask scheduler. The only door to Dask."""
+
+import logging
+from collections.abc import Iterator, Sequence
+from concurrent.futures import CancelledError
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from dask.utils import parse_bytes
+from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
+from distributed.comm import CommClosedError
+from distributed.system import MEMORY_LIMIT
+
+from pipeline.errors import InputError, RunFailed
+from pipeline.processes import THREADS
+from pipeline.sweep.record import INTERRUPTED, PointRecord
+from pipeline.sweep.task import PointTask, solve
+
+#: how long a scheduler may take to answer, seconds
+PATIENCE = 10
+
+
+@dataclass(frozen=True)
+class LocalWorkers:
+    """Processes on this machine, each with one thread."""
+
+    jobs: int
+    memory: int  #: bytes that each may use before it is ended
+
+    @staticmethod
+    def of(jobs: int, memory: str | None) -> "LocalWorkers":
+        """memory: of each worker with its unit, or None for equal parts of that of the machine. Raises InputError."""
+        try:
+            each = MEMORY_LIMIT // jobs if memory is None else parse_bytes(memory)
+        except ValueError:
+            raise InputError(f"--memory {memory}: is no amount of memory; for example --memory '4 GB'") from None
+        return LocalWorkers(jobs, each)
+
+
+@dataclass(frozen=True)
+class RemoteScheduler:
+    """A Dask scheduler with workers of its own."""
+
+    address: str
+
+
+@dataclass(frozen=True)
+class Connected:
+    """Workers that are ready."""
+
+    client: Client
+    sentence: str  #: who they are, and where they can be watched
+
+    def records(self, tasks: Sequence[PointTask]) -> Iterator[tuple[PointTask, PointRecord]]:
+        """The records of the tasks as they end; a worker that is ended from outside is replaced, and its point goes on.
+
+        Raises OSError where a folder cannot be written, and RunFailed where the scheduler ends or has workers without
+        pneurod.
+        """
+        futures = {self.client.submit(solve, task, key=f"{task.folder.name}-{task.key}"): task for task in tasks}
+        try:
+            for future in as_completed(futures):
+                yield futures[future], _record(future)
+        finally:
+            self.client.cancel(list(futures))
+
+
+@contextmanager
+def connected(workers: LocalWorkers | RemoteScheduler) -> Iterator[Connected]:
+    """Workers until the block ends. Raises InputError for a scheduler that cannot be reached."""
+    if isinstance(workers, RemoteScheduler):
+        with _client(workers.address) as client:
+            number = len(client.scheduler_info(n_workers=-1)["workers"])
+            waiting = "" if number else "; the sweep begins when the first one is there"
+            yield Connected(
+                client, f"scheduler {workers.address}: {number} workers{waiting}; dashboard: {client.dashboard_link}"
+            )
+        return
+    with (
+        LocalCluster(
+            n_workers=workers.jobs,
+            threads_per_worker=1,
+            processes=True,
+            memory_limit=workers.memory,
+            dashboard_address="127.0.0.1:0",
+            silence_logs=logging.CRITICAL,
+            env=dict.fromkeys(THREADS, "1"),
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        each = f"each a process with one thread and at most {workers.memory / 1e9:.3g} GB of memory"
+        yield Connected(client, f"{workers.jobs} workers, {each}; dashboard: {cluster.dashboard_link}")
+
+
+@contextmanager
+def _client(address: str) -> Iterator[Client]:
+    try:
+        client = Client(address, timeout=PATIENCE)
+    except (OSError, ValueError) as failure:
+        raise InputError(
+            f"--scheduler {address}: no scheduler answers there ({failure}); start one with `dask scheduler` and give "
+            "the address that it prints, such as tcp://127.0.0.1:8786"
+        ) from None
+    with client:
+        yield client
+
+
+def _record(future: Future) -> PointRecord:
+    try:
+        record: PointRecord = future.result()
+    except KilledWorker:
+        return PointRecord(
+            INTERRUPTED,
+            "its workers were ended from outside again and again, as happens when memory runs out; the same command "
+            "continues this point",
+        )
+    except (CancelledError, CommClosedError):
+        raise RunFailed(
+            "the scheduler ended before the sweep; finished points are kept, and the same command continues"
+        ) from None
+    except ImportError as failure:
+        raise RunFailed(f"a worker cannot import what a point needs ({failure}); install pneurod for it") from None
+    return record

@@ -1,0 +1,173 @@
+"""Sweeps on workers: processes of this machine, workers that were started by hand, and what remains when some end."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from pipeline.errors import InputError
+from pipeline.sweep import study, workers
+from pipeline.sweep.spec import Sweep, read_sweep
+from pipeline.sweep.study import Course, SweepReport, run_sweep
+from pipeline.sweep.workers import LocalWorkers, RemoteScheduler
+
+HERE = Path(__file__).resolve().parent.parent
+BASE = """
+name: tiny
+geometry: {family: pneunet, chambers: 3}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [2 kPa, 4 kPa]
+mesh: {size: 8 mm, formulation: p2p0, grading: off}
+"""
+SWEEP = """
+name: tiny_walls
+base: base.yaml
+run: II
+axes:
+  - geometry.wall: [1 mm, 4.5 mm]         # 4.5 mm leave no cavity in a chamber of 8 mm
+  - geometry.chamber_length: [8 mm, 12 mm]
+"""
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("sweep")
+    (folder / "base.yaml").write_text(BASE, encoding="utf-8")
+    (folder / "sweep.yaml").write_text(SWEEP, encoding="utf-8")
+    return folder / "sweep.yaml"
+
+
+@pytest.fixture(scope="module")
+def sweep(file: Path) -> Sweep:
+    return read_sweep(file)
+
+
+def solved(sweep: Sweep, out: Path, on: LocalWorkers | RemoteScheduler, said: list[str] | None = None) -> SweepReport:
+    return run_sweep(sweep, out, Course(on, False, False, (said if said is not None else []).append))
+
+
+@pytest.fixture(scope="module")
+def results(sweep: Sweep, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("results")
+    solved(sweep, out, LocalWorkers.of(2, "4 GB"))
+    return out
+
+
+def table(out: Path) -> bytes:
+    return (out / "sweep.csv").read_bytes() + (out / "sweep.parquet").read_bytes() + (out / "sweep.svg").read_bytes()
+
+
+def test_every_point_is_a_row_per_pressure_and_a_refused_one_a_row_with_its_reason(results: Path) -> None:
+    lines = (results / "sweep.csv").read_text().splitlines()
+    assert lines[0].startswith("point,geometry.wall_mm,geometry.chamber_length_mm,pressure_kPa,status,reason,folder,")
+    rows = [line.split(",")[:5] for line in lines[1:]]
+    finished = [[str(n), wall, length, p, "finished"] for n, wall, length in _FINISHED for p in ("2.0", "4.0")]
+    assert rows == [*finished[:4], ["3", "4.5", "8.0", "", "refused"], *finished[4:]]
+    assert "geometry.wall" in lines[5]
+    assert "II_end_y_mm" in lines[0]
+    content = json.loads((results / "sweep.json").read_text())
+    assert [point["status"] for point in content["points"]] == ["finished", "finished", "refused", "finished"]
+    for point in content["points"]:
+        assert not point["folder"] or (results / point["folder"] / "states" / "II_4kPa.npz").is_file()
+
+
+_FINISHED = (("1", "1.0", "8.0"), ("2", "1.0", "12.0"), ("4", "4.5", "12.0"))
+
+
+def test_finished_points_are_not_solved_again(sweep: Sweep, results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def none_needed(_: object) -> None:
+        raise AssertionError("workers were started though nothing was left to do")
+
+    before, said = table(results), []
+    monkeypatch.setattr(study, "connected", none_needed)
+    report = solved(sweep, results, LocalWorkers(2, 1), said)
+    assert said == ["3 points, 3 of them kept from earlier"]
+    assert table(results) == before
+    with pytest.raises(Exception, match="1 of 4 points did not finish"):
+        report.raise_if_failed()
+
+
+def test_a_killed_sweep_continues_without_its_finished_points(file: Path, results: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "pipeline", "sweep", str(file), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    with subprocess.Popen(command, cwd=HERE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if line.startswith("1 of 3: "):
+                process.kill()
+                break
+    ended = subprocess.run(command, cwd=HERE, capture_output=True, text=True)
+    first, *_ = ended.stdout.splitlines()
+    assert first in ("3 points, 1 of them kept from earlier", "3 points, 2 of them kept from earlier")
+    assert ended.returncode == 1
+    assert "1 of 4 points did not finish" in ended.stderr
+    assert "Traceback" not in ended.stderr
+    assert table(tmp_path / "out") == table(results)
+
+
+@contextmanager
+def started(*commands: Sequence[str]) -> Iterator[list[subprocess.Popen]]:
+    processes: list[subprocess.Popen] = []
+    try:
+        for command in commands:
+            processes.append(
+                subprocess.Popen(
+                    [sys.executable, "-m", *command], cwd=HERE, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+                )
+            )
+        yield processes
+    finally:
+        for process in processes:
+            process.kill()
+            process.wait()
+
+
+def until(condition) -> None:
+    end = time.monotonic() + 300.0
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.1)
+
+
+def test_two_workers_started_by_hand_give_the_same_table_though_one_is_killed(
+    sweep: Sweep, results: Path, tmp_path: Path
+) -> None:
+    place, out = tmp_path / "scheduler.json", tmp_path / "out"
+    scheduler = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+    worker = ["distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+    worker += ["--local-directory", str(tmp_path), "--scheduler-file", str(place)]
+    with started([*scheduler, "--scheduler-file", str(place)], worker, worker) as (_, doomed, _):
+
+        class KillAtFirst(list[str]):
+            def append(self, sentence: str) -> None:
+                if sentence.startswith("1 of 3: "):
+                    os.kill(doomed.pid, signal.SIGKILL)
+                super().append(sentence)
+
+        until(place.is_file)
+        said = KillAtFirst()
+        solved(sweep, out, RemoteScheduler(json.loads(place.read_text())["address"]), said)
+    assert doomed.returncode == -signal.SIGKILL
+    assert said[1].startswith("scheduler tcp://127.0.0.1:")
+    assert table(out) == table(results)
+
+
+def test_a_scheduler_that_does_not_answer_is_named(
+    sweep: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(workers, "PATIENCE", 0.2)
+    for address in ("tcp://127.0.0.1:1", "nonsense://x", "a b"):
+        with pytest.raises(InputError, match=r"--scheduler .*: no scheduler answers there") as refused:
+            solved(sweep, tmp_path, RemoteScheduler(address))
+        assert "\n" not in str(refused.value)
+
+
+def test_a_wrong_amount_of_memory_is_refused() -> None:
+    with pytest.raises(InputError, match="--memory much: is no amount of memory"):
+        LocalWorkers.of(2, "much")
