@@ -1,12 +1,14 @@
 """The figures of the report: the rod beside the finite elements, and shapes in a suitable scale."""
 
 import csv
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from pipeline.report.figures import curvatures, shapes, validation_shapes
+from pipeline.report.chart import Chart, Marks, ticks
+from pipeline.report.figures import of_experiment, validation_shapes
 from pipeline.report.results import Results, read_results
 from pipeline.validation.compare import CURVE_COLUMNS
 
@@ -35,13 +37,58 @@ def results(folder: Path, droop: float) -> Results:
 @pytest.mark.parametrize(("droop", "alike"), [(60.0, True), (4.0, False)])
 def test_nearly_straight_arms_get_a_larger_scale_for_y(tmp_path: Path, droop: float, alike: bool) -> None:
     found = results(tmp_path, droop)
-    for figure in (shapes(found), validation_shapes(found)):
-        assert (figure.layout.yaxis.scaleanchor == "x") == alike
-        assert figure.layout.yaxis.title.text.endswith("not to scale") != alike
+    for figure in (of_experiment(found, "III"), validation_shapes(found)):
+        assert figure is not None
+        shape = figure.charts[0]
+        assert shape.to_scale == alike
+        assert ("not to scale" in shape.svg()) != alike
+        left, right, low, high = map(float, re.findall(r'data-range="([^"]*)"', shape.svg())[0].split())
+        _, _, width, height = map(float, re.findall(r'data-plot="([^"]*)"', shape.svg())[0].split())
+        assert ((right - left) / width == pytest.approx((high - low) / height, rel=1e-4)) == alike
 
 
 def test_the_curvature_of_the_rod_stands_beside_that_of_the_loaded_arm(tmp_path: Path) -> None:
-    drawn = [trace for trace in curvatures(results(tmp_path, 4.0)).data if trace.name == "rod, 20 kPa"]
+    figure = of_experiment(results(tmp_path, 4.0), "III")
+    assert figure is not None
+    drawn = [marks for marks in figure.charts[1].marks if marks.name == "rod, 20 kPa"]
     assert len(drawn) == 1
-    assert np.allclose(np.asarray(drawn[0].y, dtype=float), 0.02)
-    assert drawn[0].line.dash == "dash"
+    assert np.allclose(drawn[0].y, 0.02)
+    assert (drawn[0].style, drawn[0].pressure) == ("rod", 20.0)
+    assert of_experiment(results(tmp_path, 4.0), "I") is None
+
+
+def points(svg: str, name: str) -> list[tuple[float, float]]:
+    """The points of the path with this name, in the units of the axes."""
+    left, right, low, high = map(float, re.findall(r'data-range="([^"]*)"', svg)[0].split())
+    x0, y0, width, height = map(float, re.findall(r'data-plot="([^"]*)"', svg)[0].split())
+    path = re.findall(rf'data-name="{name}" d="([^"]*)"', svg)[0]
+    pairs = [tuple(map(float, pair.split())) for pair in re.split(r"[ML]", path.replace("h0", ""))[1:]]
+    return [(left + (x - x0) / width * (right - left), high - (y - y0) / height * (high - low)) for x, y in pairs]
+
+
+def test_a_chart_draws_its_numbers() -> None:
+    x, y = np.linspace(0.0, 10.0, 11), np.linspace(-3.0, 4.0, 11)
+    y[4] = np.nan
+    svg = Chart("t", "x", "y", (Marks(x, y, "a line"), Marks(x, y, "dots", "dots"))).svg()
+    finite = np.isfinite(y)
+    for name in ("a line", "dots"):
+        assert np.allclose(points(svg, name), np.column_stack([x, y])[finite], atol=0.02)
+    assert svg.count("M") > svg.count("nan")
+    assert re.findall(r'data-name="a line" d="([^"]*)"', svg)[0].count("M") == 2  # interrupted at the gap
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "texts"),
+    [
+        (-1.0, 111.0, ["0", "25", "50", "75", "100"]),
+        (0.1, 0.9, ["0.2", "0.4", "0.6", "0.8"]),
+        (-0.03, 0.01, ["-0.03", "-0.02", "-0.01", "0.00", "0.01"]),
+        (0.0, 12.0, ["0.0", "2.5", "5.0", "7.5", "10.0"]),
+    ],
+)
+def test_ticks_are_round_numbers(low: float, high: float, texts: list[str]) -> None:
+    assert [text for _, text in ticks(low, high)] == texts
+
+
+def test_a_chart_without_a_finite_number_is_empty() -> None:
+    assert '<path class="line"' not in Chart("t", "x", "y", (Marks(S, S * np.nan, "nothing"),)).svg()

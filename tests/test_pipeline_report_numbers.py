@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.report.numbers import Cell, eccentricity, estimators, linear_range, observations, with_spread
+from pipeline.report.numbers import Cell, eccentricity, estimators, linear_range, observations
+from pipeline.report.page import render_report
 from pipeline.report.results import Results, read_results
 from pipeline.report.validation import (
     beyond_identified,
@@ -35,16 +36,25 @@ def columns(d_at_most: bool) -> dict[str, object]:
 def test_estimators_stand_side_by_side(tmp_path: Path) -> None:
     none = {name: [None] for name in columns(False)}
     listed = {"cell_averaged": columns(True), "rod_fit": columns(False), "gaussian_process": none}
-    rows = estimators(results(tmp_path, parameters={"pressures_kPa": [17.0], "estimators": listed}))
+    rows = estimators(results(tmp_path, parameters={"pressures_kPa": [17.0], **columns(True), "estimators": listed}))
     assert [(row[0], row[1]) for row in rows] == [
         ("17", "cell averages"),
         ("17", "rod fit"),
         ("17", "Gaussian process"),
     ]
-    assert rows[0][2][0] == Cell("190.00 ± 0.50", "189.00 … 191.00")
+    assert rows[0][2][0] == Cell("190.0 ± 0.5", "189.0 … 191.0")
     assert rows[0][2][4] == Cell("at most 5.6", "6.6 with 95 %")
-    assert rows[1][2][4] == Cell("5.60 ± 0.50", "4.60 … 6.60")
+    assert rows[1][2][4] == Cell("5.6 ± 0.5", "4.6 … 6.6")
     assert rows[2][2][0] == Cell("-", "")
+
+
+def test_a_break_at_the_upper_end_of_its_range_is_marked(tmp_path: Path) -> None:
+    """As in files: at most, at least, neither; files of earlier versions have no mark of the upper end."""
+    marked = {**columns(False), "d_is_at_least": [True]}
+    parameters = {"pressures_kPa": [17.0], "length_mm": 16.0, **marked, "estimators": {"cell_averaged": marked}}
+    read = results(tmp_path, parameters=parameters)
+    assert estimators(read)[0][2][4] == Cell("at least 5.6", "4.6 with 95 %")
+    assert "at least 5.6" in render_report(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -54,7 +64,7 @@ def test_estimators_stand_side_by_side(tmp_path: Path) -> None:
         ({"linear_range_kPa": [10.0, 30.0]}, "This is not tested"),
         (
             {"linear_range_kPa": [10.0, 30.0], "linear_range_tested": True},
-            "α₂ departs from its straight line by -8.0 % at 45 kPa.",
+            "α₂ departs from its straight line by -8 % at 45 kPa.",
         ),
     ],
 )
@@ -63,14 +73,13 @@ def test_the_linear_range_in_words(tmp_path: Path, parameters: dict, sentence: s
     given = {"pressures_kPa": [10.0, 30.0, 45.0], "straightness": rows, **parameters}
     sentences = linear_range(results(tmp_path, parameters=given))
     assert sentence in " ".join(sentences)
-    assert not any("+3.0 %" in text and parameters["linear_range_kPa"] for text in sentences)
+    assert not any("+3 %" in text and parameters["linear_range_kPa"] for text in sentences)
 
 
 def test_one_pressure_has_no_range(tmp_path: Path) -> None:
     given = results(tmp_path, parameters={"pressures_kPa": [10.0], "observations": [19.54]})
     assert linear_range(given) == []
     assert observations(given).endswith("each pressure gives 20 independent observations.")
-    assert with_spread(None, 1.0) == "-"
 
 
 def row(sample: str, distance: float, force: float | None, load: str = "") -> dict[str, object]:
@@ -136,10 +145,9 @@ def test_a_load_beyond_the_identified_moments_is_named(tmp_path: Path) -> None:
 
 def test_the_eccentricity_stands_with_the_five_parameters_that_go_with_it(tmp_path: Path) -> None:
     extensible = {**columns(False), "eccentricity_mm": [1.3], "eccentricity_mm_std": [0.05]}
-    rows = eccentricity(results(tmp_path, parameters={"pressures_kPa": [17.0], "eccentricity": extensible}))
-    assert rows == [
-        ("17", ["1.300 ± 0.050", "190.00 ± 0.50", "400.00 ± 0.50", "0.00 ± 0.50", "-0.50 ± 0.50", "5.60 ± 0.50"])
-    ]
+    given = {"pressures_kPa": [17.0], **columns(False), "eccentricity": extensible}
+    rows = eccentricity(results(tmp_path, parameters=given))
+    assert rows == [("17", ["1.30 ± 0.05", "190.0 ± 0.5", "400.0 ± 0.5", "0.0 ± 0.5", "-0.5 ± 0.5", "5.6 ± 0.5"])]
     assert eccentricity(results(tmp_path, parameters={"pressures_kPa": [17.0]})) == []
 
 

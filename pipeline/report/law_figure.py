@@ -1,69 +1,61 @@
 """The figure of the arm's own law beside the lines of the five parameters."""
 
+from typing import Any
+
 import numpy as np
 
-from pipeline.plots import GREY, INK, Figure, Stroke, legend_only, single_panel, styled
-from pipeline.report.figures import shade
+from pipeline.report.chart import Chart, Marks
+from pipeline.report.figures import Entry, Figure, colour
 from pipeline.report.results import Results
 
 
-def arm_law(results: Results) -> Figure:
+def arm_law(results: Results) -> Figure | None:
     """Moment over curvature: the curves of a cell, the lines of the five parameters, and the finite elements.
 
     The lines are those beyond s = d with kappa_0 in the middle of the arm, over the moments of experiment III; dots are
     cell averages of experiment III beyond d.
     """
-    figure = single_panel("κ (1/mm)", "M (N mm)")
     requested = set(results.pressures)
-    for curve in results.arm_law["curves"]:
-        pressure = float(curve["pressure_kPa"])
-        if pressure not in requested:
-            continue
-        label = f"{pressure:g} kPa"
-        figure.add_scatter(
-            x=curve["kappa_per_mm"], y=curve["moment_N_mm"], mode="lines",
-            line=Stroke(shade(results, pressure)).plotly, name=label, legendgroup=label,
-        )  # fmt: skip
-        _contact(figure, curve, label)
-        _five_parameters(figure, results, pressure)
-        _finite_elements(figure, results, pressure)
-    legend_only(figure, "law of a cell", Stroke(INK))
-    legend_only(figure, "five parameters", Stroke(GREY, "dash"))
-    return styled(figure, 480)
+    curves = [curve for curve in results.arm_law.get("curves", ()) if float(curve["pressure_kPa"]) in requested]
+    if not curves:
+        return None
+    marks = [mark for curve in curves for mark in _of_pressure(results, curve)]
+    pressures = tuple(float(curve["pressure_kPa"]) for curve in curves)
+    entries = [Entry(f"line p{colour(results, pressure)}", f"{pressure:g} kPa") for pressure in pressures]
+    entries += [Entry("line", "law of a cell"), Entry("rod", "five parameters, s > d")]
+    entries += [Entry("dots", "finite elements, III"), Entry("touch", "walls touch")]
+    chart = Chart("Moment of a cell over its curvature", "κ (1/mm)", "M (N mm)", tuple(marks))
+    return Figure((chart,), tuple(entries), pressures)
 
 
-def _contact(figure: Figure, curve: dict[str, list[float]], label: str) -> None:
-    """Rings where walls touch."""
-    rows = [k for k, touches in enumerate(curve["contact"]) if touches]
-    figure.add_scatter(
-        x=[curve["kappa_per_mm"][k] for k in rows], y=[curve["moment_N_mm"][k] for k in rows], mode="markers",
-        marker={"color": INK, "size": 6, "symbol": "circle-open"}, name="walls touch", legendgroup=label,
-        showlegend=False,
-    )  # fmt: skip
+def _of_pressure(results: Results, curve: dict[str, Any]) -> list[Marks]:
+    pressure = float(curve["pressure_kPa"])
+    number, label = colour(results, pressure), f"{pressure:g} kPa"
+    kappa, moment = (np.array(curve[key], dtype=float) for key in ("kappa_per_mm", "moment_N_mm"))
+    touching = np.array(curve["contact"], dtype=bool)
+    marks = [Marks(kappa, moment, f"law of a cell, {label}", "line", number, pressure)]
+    if touching.any():
+        marks.append(Marks(kappa[touching], moment[touching], f"walls touch, {label}", "touch", None, pressure))
+    return [*marks, *_five_parameters(results, pressure), *_finite_elements(results, pressure)]
 
 
-def _five_parameters(figure: Figure, results: Results, pressure: float) -> None:
+def _five_parameters(results: Results, pressure: float) -> list[Marks]:
     alpha, m0 = results.at("alpha2_N_mm2", pressure), results.at("m02_N_mm", pressure)
     middles = results.parameters.get("kappa_0", {}).get("middle_per_mm")
     ranges = results.parameters.get("moment_range_N_mm")
     if alpha is None or m0 is None or middles is None or ranges is None:
-        return
+        return []
     row = results.identified_pressures.index(pressure)
     moment = np.array(ranges[row])
-    figure.add_scatter(
-        x=middles[row] + (moment - m0) / alpha, y=moment, mode="lines", line=Stroke(GREY, "dash").plotly,
-        legendgroup=f"{pressure:g} kPa", showlegend=False, hoverinfo="skip",
-    )  # fmt: skip
+    kappa = middles[row] + (moment - m0) / alpha
+    return [Marks(kappa, moment, f"five parameters, {pressure:g} kPa", "rod", None, pressure)]
 
 
-def _finite_elements(figure: Figure, results: Results, pressure: float) -> None:
+def _finite_elements(results: Results, pressure: float) -> list[Marks]:
     loaded = results.curve("III", pressure)
     if loaded is None or not loaded.has("moment_N_mm"):
-        return
-    d = results.at("d_mm", pressure) or 0.0
-    inner = (loaded["s_mm"] > d) & np.isfinite(loaded["kappa_per_mm"])
-    figure.add_scatter(
-        x=loaded["kappa_per_mm"][inner], y=loaded["moment_N_mm"][inner], mode="markers",
-        marker={"color": shade(results, pressure), "size": 4, "opacity": 0.5}, legendgroup=f"{pressure:g} kPa",
-        showlegend=False, customdata=loaded["s_mm"][inner], hovertemplate="s = %{customdata:.1f} mm",
-    )  # fmt: skip
+        return []
+    inner = (loaded["s_mm"] > (results.at("d_mm", pressure) or 0.0)) & np.isfinite(loaded["kappa_per_mm"])
+    name = f"finite elements, {pressure:g} kPa"
+    kappa, moment = loaded["kappa_per_mm"][inner], loaded["moment_N_mm"][inner]
+    return [Marks(kappa, moment, name, "dots", colour(results, pressure), pressure)]

@@ -1,16 +1,15 @@
 """What the report says about the five parameters: three estimators, the error of the mesh, the linear range."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
+from pipeline.report.formatting import decimals_of, fixed, interval, listed, percent, seconds, with_spread
 from pipeline.report.results import Results
-from pipeline.saved_rod import pressurised_rod
+from pipeline.rods.saved import pressurised_rod
 from rod.pressurised_rod import STRETCHES
 
-#: key in parameters.json, symbol, unit
+#: key in parameters.json, symbol, unit: the five parameters
 NUMBERS = (
     ("alpha1_N_mm2", "α₁", "N mm²"),
     ("alpha2_N_mm2", "α₂", "N mm²"),
@@ -24,6 +23,12 @@ _TITLES = {
     "rod_fit": "rod fit",
     "arm_law": "cell averages of the rod with the arm's own law",
 }
+#: of `mesh_error` in law.json
+_LAW_QUANTITIES = {
+    "kappa_0_per_mm": "κ₀",
+    "rigidity_N_mm2": "the bending rigidity of a cell",
+    "moment_N_mm": "its moment at half of κ₀",
+}
 _QUANTITIES = {"alpha1": "α₁", "alpha2": "α₂", "kappa_0": "κ₀(l/2)"}
 #: relative departure from the straight line from which on it is reported
 _REPORTED_DEPARTURE = 0.02
@@ -31,20 +36,36 @@ _REPORTED_DEPARTURE = 0.02
 
 @dataclass(frozen=True)
 class Cell:
-    """A number of one estimator."""
+    """A parameter in a table."""
 
     value: str  #: with its standard deviation
     interval: str  #: the 95 % interval; empty where there is none
 
 
+def decimals(results: Results) -> dict[str, int]:
+    """The decimals of each of the five parameters: the same at every pressure, by every estimator, everywhere."""
+    columns = results.parameters
+    return {key: decimals_of(columns.get(key) or (), columns.get(f"{key}_std") or ()) for key, _, _ in NUMBERS}
+
+
+def five_parameters(results: Results) -> list[tuple[str, list[Cell]]]:
+    """Rows by pressure: p, the five parameters of the rod with their intervals."""
+    places = decimals(results)
+    return [
+        (f"{pressure:g}", [_cell(results.parameters, key, index, places[key]) for key, _, _ in NUMBERS])
+        for index, pressure in enumerate(results.identified_pressures)
+    ]
+
+
 def estimators(results: Results) -> list[tuple[str, str, list[Cell]]]:
     """Rows by pressure and estimator: p, name, the five parameters."""
     rows = []
+    places = decimals(results)
     for index, pressure in enumerate(results.identified_pressures):
         predicted = results.parameters.get("predicted_by_arm_law")
         listed = {**(results.parameters.get("estimators") or {}), **({"arm_law": predicted} if predicted else {})}
         for name, columns in listed.items():
-            cells = [_cell(columns, key, index) for key, _, _ in NUMBERS]
+            cells = [_cell(columns, key, index, places[key]) for key, _, _ in NUMBERS]
             rows.append((f"{pressure:g}", _TITLES.get(name, name), cells))
     return rows
 
@@ -63,6 +84,8 @@ def stretch_of_rod(results: Results) -> str:
 
 def mesh_error(results: Results) -> str:
     """Whether the standard deviations contain the error of the mesh, and how large that is."""
+    if not results.parameters:
+        return ""
     error = results.parameters.get("mesh_error")
     if not error:
         coarser = (results.run.get("config", {}).get("mesh") or {}).get("coarser")
@@ -71,19 +94,44 @@ def mesh_error(results: Results) -> str:
             if coarser
             else "mesh.coarser in the configuration adds it"
         )
-        return f"The standard deviations do not contain the error of the mesh: {why}."
-    sizes = " and ".join(f"{size:g}" for size in error["sizes_mm"])
+        return f"Mesh error: not estimated. The standard deviations do not contain the error of the mesh: {why}."
+    sizes = listed([f"{size:g}" for size in error["sizes_mm"]])
     parts = []
     for key, symbol, unit in NUMBERS:
         stds = [std for std in error[f"{key}_std"] if std]
         if stds:
-            parts.append(f"{max(stds):.2g} {unit} of {symbol}")
-    seconds = (results.run.get("seconds") or {}).get("coarser mesh")
-    cost = "" if seconds is None else f" (the coarser one took {seconds:.0f} s)"
+            parts.append(f"{fixed(max(stds), decimals_of([], [max(stds)]))} {unit} of {symbol}")
+    spent = (results.run.get("seconds") or {}).get("coarser mesh")
+    cost = "" if spent is None else f" (the coarser one took {seconds(spent)})"
     return (
-        f"The standard deviations contain the error of the mesh, estimated from mesh sizes of {sizes} mm{cost}: "
-        f"at most {', '.join(parts)}."
+        f"Mesh error: {_relative(error)}estimated from mesh sizes of {sizes} mm{cost} and contained in the standard "
+        f"deviations: at most {', '.join(parts)}."
     )
+
+
+def _relative(error: Mapping[str, Any]) -> str:
+    """The largest relative errors over the pressures, as the beginning of a sentence; empty in older files."""
+    symbols = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
+    largest = {name: [e for e in error.get(f"{name}_relative") or () if e is not None] for name in symbols}
+    parts = [f"{100 * max(errors):.1f} % in {symbols[name]}" for name, errors in largest.items() if errors]
+    return f"at most {listed(parts)}, " if parts else ""
+
+
+def law_mesh_error(results: Results) -> str:
+    """The error of the mesh in the arm's own law; empty where there is no law, a sentence where it is not known."""
+    if not results.arm_law:
+        return ""
+    error = results.arm_law.get("mesh_error") or {}
+    parts = []
+    for key, symbol in _LAW_QUANTITIES.items():
+        pairs = zip(error.get(key) or (), error.get(f"{key}_std") or (), strict=False)
+        errors = [abs(std / value) for value, std in pairs if value and std is not None]
+        if errors:
+            parts.append(f"{percent(max(errors))} of {symbol}")
+    if not parts:
+        return "Mesh error of the arm's own law: not estimated."
+    why = f"; {error['reason']}" if error.get("reason") else ""
+    return f"Mesh error of the arm's own law: at most {listed(parts)}, one standard deviation{why}."
 
 
 def eccentricity(results: Results) -> list[tuple[str, list[str]]]:
@@ -91,14 +139,15 @@ def eccentricity(results: Results) -> list[tuple[str, list[str]]]:
     columns = results.parameters.get("eccentricity")
     if not columns:
         return []
-    rows = []
-    for index, pressure in enumerate(results.identified_pressures):
-        cells = [
-            with_spread(columns[key][index], columns[f"{key}_std"][index], f"{columns[key][index]:.2f}")
-            for key in ("eccentricity_mm", *(key for key, _, _ in NUMBERS))
-        ]
-        rows.append((f"{pressure:g}", cells))
-    return rows
+    places = {"eccentricity_mm": decimals_of(columns["eccentricity_mm"], columns["eccentricity_mm_std"])}
+    places |= decimals(results)
+    return [
+        (
+            f"{pressure:g}",
+            [with_spread(columns[key][index], columns[f"{key}_std"][index], n) for key, n in places.items()],
+        )
+        for index, pressure in enumerate(results.identified_pressures)
+    ]
 
 
 def observations(results: Results) -> str:
@@ -126,7 +175,7 @@ def linear_range(results: Results) -> list[str]:
             sentences.append("This is not tested: two pressures always lie on a straight line.")
     for row in rows:
         departures = [
-            f"{100 * value:+.1f} % at {pressure:g} kPa"
+            f"{'+' if value > 0.0 else ''}{percent(value)} at {pressure:g} kPa"
             for pressure, value in zip(pressures, row["off_the_line"], strict=True)
             if value is not None
             and abs(value) > _REPORTED_DEPARTURE
@@ -138,27 +187,25 @@ def linear_range(results: Results) -> list[str]:
     return sentences
 
 
-def with_spread(value: float | None, spread: float | None, bare: str = "-") -> str:
-    """A number with its standard deviation, with as many digits as the deviation justifies."""
-    if value is None or not np.isfinite(value):
-        return "-"
-    if spread is None or not np.isfinite(spread) or spread <= 0.0:
-        return bare
-    digits = _digits(spread)
-    return f"{value:.{digits}f} ± {spread:.{digits}f}"
+def slopes(results: Results) -> list[str]:
+    """The slopes of the two rigidities over the pressure, one equation each; empty where there are none."""
+    sentences = []
+    for which, symbol in ((1, "β₁"), (2, "β₂")):
+        value, spread = (results.parameters.get(f"beta{which}_N_mm2_per_kPa{ending}") for ending in ("", "_std"))
+        if value is not None:
+            sentences.append(f"{symbol} = {with_spread(value, spread, decimals_of([value], [spread]))} N mm²/kPa")
+    return sentences
 
 
-def _digits(spread: float) -> int:
-    return max(0, 1 - int(np.floor(np.log10(spread))))
-
-
-def _cell(columns: Mapping[str, Sequence[Any]], key: str, index: int) -> Cell:
-    value, spread = columns[key][index], columns[f"{key}_std"][index]
+def _cell(columns: Mapping[str, Any], key: str, index: int, places: int) -> Cell:
+    value, spread = columns[key][index], (columns.get(f"{key}_std") or {index: None})[index]
     bounds = (columns.get(f"{key}_95") or {index: None})[index]
     if value is None:
         return Cell("-", "")
     if key == "d_mm" and (columns.get("d_is_at_most") or {index: False})[index]:
-        return Cell(f"at most {value:.1f}", f"{bounds[1]:.1f} with 95 %" if bounds else "")
-    digits = _digits(spread) if spread else 2
-    interval = f"{bounds[0]:.{digits}f} … {bounds[1]:.{digits}f}" if bounds else ""
-    return Cell(with_spread(value, spread, f"{value:.2f}"), interval)
+        upper = interval(bounds, places).rpartition(" ")[2]
+        return Cell(f"at most {with_spread(value, None, places)}", f"{upper} with 95 %" if upper else "")
+    if key == "d_mm" and (columns.get("d_is_at_least") or {index: False})[index]:
+        lower = interval(bounds, places).partition(" ")[0]
+        return Cell(f"at least {with_spread(value, None, places)}", f"{lower} with 95 %" if lower else "")
+    return Cell(with_spread(value, spread, places), interval(bounds, places))

@@ -1,32 +1,24 @@
 """The report: one HTML file that opens offline, made from the result files of a run alone."""
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import jinja2
 
-from pipeline.plots import Figure, plotly_script
 from pipeline.report import figures
+from pipeline.report.body_view import body_view
+from pipeline.report.formatting import number, percent, seconds
 from pipeline.report.law_figure import arm_law
-from pipeline.report.numbers import (
-    NUMBERS,
-    eccentricity,
-    estimators,
-    linear_range,
-    mesh_error,
-    observations,
-    stretch_of_rod,
-    with_spread,
-)
+from pipeline.report.numbers import eccentricity, estimators, linear_range, observations, slopes, stretch_of_rod
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import (
     agreement_of_rod,
     difference_of_rest_curvatures,
     lines_needed,
-    number,
+    not_identified,
     opening,
     remarks,
     time_of_factorization,
@@ -36,13 +28,15 @@ from pipeline.report.validation import (
     law_rows,
     out_of_sample,
     rod_table,
-    rod_to_take,
     simplest_laws,
     validation_rows,
 )
+from pipeline.report.verdict import verdict_of
 
+#: what the page is made of
+TEMPLATES = Path(__file__).parent / "templates"
 _EXPERIMENT_COLUMNS = (
-    ("experiment", ""),
+    ("experiment", "experiment"),
     ("pressure_kPa", "p (kPa)"),
     ("end_x_mm", "end x (mm)"),
     ("end_y_mm", "end y (mm)"),
@@ -65,6 +59,13 @@ _SOLVER_PARTS = {
     "factorization": "numeric factorization",
     "solve": "triangular solves",
 }
+_EXPERIMENTS = {
+    "I": "Experiment I: free under pressure",
+    "II": "Experiment II: clamped, under pressure",
+    "III": "Experiment III: clamped, under pressure, height of the end held",
+}
+#: colours of a field on the body, from its smallest to its largest value
+_RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
 
 
 @dataclass(frozen=True)
@@ -74,57 +75,77 @@ class _Picture:
 
 
 def render_report(directory: Path) -> str:
-    """The report on the result files in `directory`, as HTML. It names the files that are missing."""
+    """The report on the result files in `directory`, as HTML. It names what a failed run did not reach."""
     results = read_results(directory)
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
+        loader=jinja2.FileSystemLoader(TEMPLATES),
         autoescape=True,
         undefined=jinja2.ChainableUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     return environment.get_template("report.html.j2").render(
-        name=results.run.get("config", {}).get("name", directory.name),
         opening=opening(results),
-        failures=results.failures,
+        verdict=verdict_of(results),
+        not_identified=not_identified(results),
+        **_body(results),
         **_identification(results),
         **_validation(results),
-        body=[_picture(results, name, title) for name, title in _BODY if name in results.pictures],
-        deformed=_deformed(results),
-        figures=_figures(results),
+        tests=[(name, title, figure) for name, title in _EXPERIMENTS.items()
+               if (figure := figures.of_experiment(results, name))],
+        figures={
+            "moments": figures.moments(results),
+            "rigidities": figures.rigidities(results),
+            "validation": figures.validation_shapes(results),
+            "forces": figures.end_forces(results),
+            "arm_law": arm_law(results),
+        },
         rest_curvatures=difference_of_rest_curvatures(results),
         experiment_titles=[title for _, title in _EXPERIMENT_COLUMNS],
         experiments=[[_cell(getattr(row, name)) for name, _ in _EXPERIMENT_COLUMNS] for row in results.experiments],
-        stages=results.run.get("seconds", {}),
-        factorization=time_of_factorization(results),
         effects=results.effects,
         remarks=remarks(results),
+        **_cost(results),
         run=results.run,
         number=number,
-        plotly=plotly_script(),
-    )
+        percent=percent,
+        seconds=seconds,
+    )  # fmt: skip
+
+
+def _body(results: Results) -> dict[str, object]:
+    """What the template needs about the body at rest and deformed."""
+    view = body_view(results.directory)
+    states: Any = view.get("states", ())
+    return {
+        "body": _pictures(results, {"body": "At rest", "body_open": "At rest, cut open at z = 0"}),
+        "dimensions": _dimensions(results.run),
+        "view": {name: _plain(value) for name, value in view.items()},
+        "view_experiments": sorted({state["experiment"] for state in states}),
+        "ramp": [[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
+        "gradient": ", ".join(_RAMP),
+        "deformed": _pictures(results, {f"{name}_{p:g}kPa": f"Experiment {name}, {p:g} kPa" for name in _EXPERIMENTS
+                                        for p in results.pressures[-1:]}),
+    }  # fmt: skip
 
 
 def _identification(results: Results) -> dict[str, object]:
     """What the template needs about the five parameters."""
     return {
-        "five": _five_numbers(results),
-        "betas": _betas(results),
+        "betas": slopes(results),
         "lines": lines_needed(results),
         "linear_range": linear_range(results),
         "estimators": estimators(results),
         "observations": observations(results),
-        "mesh_error": mesh_error(results),
         "eccentricity": eccentricity(results),
         "stretch_of_rod": stretch_of_rod(results),
     }
 
 
 def _validation(results: Results) -> dict[str, object]:
-    """What the template needs about the rod against the finite elements."""
+    """What the template needs about the rods against the finite elements."""
     return {
         "agreement": [*agreement_of_rod(results), *out_of_sample(results)],
-        "rod_to_take": rod_to_take(results),
         "rods": rod_table(results),
         "validation": validation_rows(results),
         "beyond": beyond_identified(results),
@@ -133,77 +154,45 @@ def _validation(results: Results) -> dict[str, object]:
     }
 
 
-_BODY = (("body", "at rest"), ("body_open", "cut open at z = 0"))
-
-
-def _five_numbers(results: Results) -> list[list[str]]:
-    rows = []
-    for pressure in results.identified_pressures:
-        cells = [f"{pressure:g}"]
-        for key, _, _ in NUMBERS:
-            cells.append(_with_spread(results.at(key, pressure), results.at(f"{key}_std", pressure)))
-        if results.at("d_is_at_most", pressure):
-            cells[-1] = f"at most {number(results.at('d_mm', pressure))}"
-        d = results.at("d_mm", pressure)
-        cells.append("" if d is None else f"{d / results.length:.3f}")
-        rows.append(cells)
-    return rows
-
-
-def _betas(results: Results) -> list[str]:
-    sentences = []
-    for which, symbol in ((1, "β₁"), (2, "β₂")):
-        key = f"beta{which}_N_mm2_per_kPa"
-        if results.parameters.get(key) is not None:
-            spread = results.parameters.get(f"{key}_std")
-            sentences.append(f"{symbol} = {_with_spread(results.parameters[key], spread)} N mm²/kPa")
-    return sentences
-
-
-def _figures(results: Results) -> dict[str, str]:
-    """The figures that have data, as HTML."""
-    drawn: dict[str, Figure] = {}
-    if any(curve.experiment in ("II", "III") for curve in results.curves):
-        drawn["shapes"] = figures.shapes(results)
-    if results.curves:
-        drawn["curvatures"] = figures.curvatures(results)
-    if any(curve.experiment == "III" for curve in results.curves):
-        drawn["moments"] = figures.moments(results)
-    if results.validation_curves:
-        drawn["validation"] = figures.validation_shapes(results)
-    if any(row.force_N is not None for row in results.validation):
-        drawn["forces"] = figures.end_forces(results)
-    if results.arm_law:
-        drawn["arm_law"] = arm_law(results)
-    if results.parameters.get("alpha1_N_mm2"):
-        drawn["alphas"] = figures.alphas_over_pressure(results)
+def _cost(results: Results) -> dict[str, object]:
+    """What the template needs about computing time."""
     parts = results.run.get("solver_seconds") or {}
-    if parts:
-        drawn["times"] = figures.times([(title, parts[key]) for key, title in _SOLVER_PARTS.items() if key in parts])
-    options = {"displaylogo": False, "responsive": True, "modeBarButtonsToRemove": ["select2d", "lasso2d"]}
     return {
-        name: figure.to_html(full_html=False, include_plotlyjs=False, config=options, div_id=f"figure-{name}")
-        for name, figure in drawn.items()
+        "stages": results.run.get("seconds", {}),
+        "solver_parts": [(title, parts[key]) for key, title in _SOLVER_PARTS.items() if key in parts],
+        "factorization": time_of_factorization(results),
     }
 
 
-def _deformed(results: Results) -> list[tuple[str, list[_Picture]]]:
-    """The pictures of I, II and III by pressure."""
-    rows = []
-    for pressure in results.pressures:
-        names = [(f"{experiment}_{pressure:g}kPa", experiment) for experiment in ("I", "II", "III")]
-        pictures = [_picture(results, name, title) for name, title in names if name in results.pictures]
-        if pictures:
-            rows.append((f"{pressure:g} kPa", pictures))
-    return rows
+def _dimensions(run: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Rows of the table of the design: name and value with its unit."""
+    config = run.get("config") or {}
+    geometry, material, mesh = (config.get(name) or {} for name in ("geometry", "material", "mesh"))
+    rows = [(name, value) for name, value in geometry.items() if not isinstance(value, float)]
+    lengths = [f"{name.replace('_', ' ')} {number(v)}" for name, v in geometry.items() if isinstance(v, float)]
+    rows += [("dimensions (mm)", ", ".join(lengths))] if lengths else []
+    constants = [
+        f"{name} = {number(v)}" for name, v in material.items() if isinstance(v, float) and "density" not in name
+    ]
+    rows += (
+        [("material", f"law {material.get('law')}, {', '.join(constants)} (MPa; nu without unit)")] if material else []
+    )
+    unknowns = max((run.get("degrees_of_freedom") or {"": 0}).values())
+    size = f"{number(mesh['size_mm'])} mm, " if isinstance(mesh.get("size_mm"), float) else ""
+    rows += [("mesh", f"{size}elements {mesh.get('formulation')}, {unknowns} unknowns")] if mesh else []
+    return [(name, str(value)) for name, value in rows if value is not None]
 
 
-def _picture(results: Results, name: str, title: str) -> _Picture:
-    return _Picture(title, base64.b64encode(results.pictures[name].read_bytes()).decode())
+def _pictures(results: Results, titles: Mapping[str, str]) -> list[_Picture]:
+    """The pictures of these names that there are."""
+    there = {name: title for name, title in titles.items() if name in results.pictures}
+    return [
+        _Picture(title, base64.b64encode(results.pictures[name].read_bytes()).decode()) for name, title in there.items()
+    ]
 
 
-def _with_spread(value: float | None, spread: float | None) -> str:
-    return with_spread(value, spread, number(value))
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def _cell(value: Any) -> str:

@@ -1,23 +1,12 @@
 """The sentences of the report."""
 
 from collections.abc import Iterable
-from typing import Any
 
 import numpy as np
 
+from pipeline.report.formatting import number, percent, seconds
 from pipeline.report.results import Results, ValidationRow
 from pipeline.validation.rods import EXTENSIBLE, FIVE
-
-
-def number(value: Any) -> str:
-    """A number in four digits, without an exponent between 1e-4 and 1e5."""
-    if value is None:
-        return "-"
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return str(value)
-    if value == 0 or 1e-4 <= abs(value) < 1e5:
-        return np.format_float_positional(value, precision=4, fractional=False, trim="-", unique=False)
-    return f"{value:.3e}"
 
 
 def opening(results: Results) -> str:
@@ -25,12 +14,18 @@ def opening(results: Results) -> str:
     pressures = ", ".join(f"{pressure:g}" for pressure in results.pressures)
     if not results.curves and not results.experiments:
         return "No pressure was reached; the report shows the configuration only."
-    body = f"A body {number(results.length)} mm long, solved at {pressures} kPa"
+    body = f"A body {number(results.length)} mm long was simulated at {pressures} kPa"
     if not results.parameters:
         return f"{body}. The five parameters were not identified."
-    return (
-        f"{body}, as a rod with five parameters: M = α (κ - κ₀) + m₀, with α₁ and m₀₁ up to s = d, α₂ and m₀₂ beyond."
-    )
+    return f"{body}, and rods were made that replace it in design and control. The verdict comes first."
+
+
+def not_identified(results: Results) -> str:
+    """Why there are no five parameters, for the same reason as at the end of the run."""
+    told = [*(results.run.get("failures") or ()), *(results.run.get("remarks") or ())]
+    reasons = [sentence for sentence in told if sentence.startswith("no five parameters")]
+    why = "; ".join(reasons) if reasons else "the identification needs II and III at the same pressure"
+    return f"They were not identified: {why}."
 
 
 def agreement_of_rod(results: Results) -> list[str]:
@@ -76,7 +71,7 @@ def _largest(rows: Iterable[ValidationRow], name: str, scale: float, sentence: s
     return f"{sentence.format(value=f'{value:.2g}')} (at {pressure:g} kPa)"
 
 
-def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str]]:
+def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str, str]]:
     """Per pressure: p, kappa_0 at half the length in I and II, and the relative difference of the two profiles."""
     rows = []
     for pressure in results.pressures:
@@ -88,7 +83,7 @@ def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str]
         middle = [np.interp(results.length / 2, clamped["s_mm"], kappa) for kappa in (first, second)]
         inner = np.abs(clamped["s_mm"] / results.length - 0.5) < 0.4
         difference = np.sqrt(np.mean((first - second)[inner] ** 2) / np.mean(second[inner] ** 2))
-        rows.append((f"{pressure:g}", f"{middle[0]:.5f}, {middle[1]:.5f}", f"{100 * difference:.2g} %"))
+        rows.append((f"{pressure:g}", number(middle[0]), number(middle[1]), percent(difference)))
     return rows
 
 
@@ -99,8 +94,8 @@ def time_of_factorization(results: Results) -> str:
     if not total or "factorization" not in parts:
         return ""
     count = sum(row.factorizations or 0 for row in results.experiments)
-    per_cent = 100 * parts["factorization"] / total
-    return f"Numeric factorization took {per_cent:.0f} % of {number(total)} s; there were {count} factorizations."
+    fraction = parts["factorization"] / total
+    return f"Numeric factorization took {percent(fraction)} of {seconds(total)}; there were {count} factorizations."
 
 
 def remarks(results: Results) -> list[str]:

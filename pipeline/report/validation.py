@@ -4,8 +4,9 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pipeline.report.formatting import number, percent
 from pipeline.report.results import Results, ValidationRow
-from pipeline.report.sentences import number
+from pipeline.store.json_values import JsonObject
 from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
 
 #: the rods in words
@@ -47,14 +48,28 @@ class RodErrors:
         """Largest distance over the length or relative error of the force, of all loads."""
         return max((value for value in (*self.distance, *self.force) if value is not None), default=math.inf)
 
+    def record(self) -> JsonObject:
+        """The largest errors as `pneurod run --json` writes them."""
+        (inside, outside), (force_inside, force_outside) = self.distance, self.force
+        return {
+            "rod": self.rod,
+            "loads_in_sample": self.loads[0],
+            "loads_out_of_sample": self.loads[1],
+            "distance_over_length_in_sample": inside,
+            "distance_over_length_out_of_sample": outside,
+            "force_error_in_sample": force_inside,
+            "force_error_out_of_sample": force_outside,
+            "loads_without_solution": self.missing,
+        }
+
     def sentence(self) -> str:
         """How wrong the rod is, in and out of sample."""
         parts = []
         for k, sample in enumerate(("in sample", "under loads that nothing was fitted to")):
             distance, force = self.distance[k], self.force[k]
             if distance is not None:
-                of_force = "" if force is None else f", the force by at most {_percent(force)}"
-                parts.append(f"{sample} the shape is wrong by at most {_percent(distance)} of l{of_force}")
+                of_force = "" if force is None else f", the force by at most {percent(force)}"
+                parts.append(f"{sample} the shape is wrong by at most {percent(distance)} of l{of_force}")
         if self.missing:
             parts.append(f"under {_count(self.missing)} it gives no answer")
         return f"{_sentence_case(TITLES[self.rod])}: {'; '.join(parts)}."
@@ -81,7 +96,7 @@ def rod_to_take(results: Results) -> list[str]:
     first = f"Take {TITLES[best.rod]} ({best.rod})"
     if len(ordered) > 1:
         loads = sum(best.loads)
-        first += f": its largest error over {loads} loads and pressures is the smallest, {_percent(best.largest)}"
+        first += f": its largest error over {loads} loads and pressures is the smallest, {percent(best.largest)}"
     return [f"{first}.", *(errors.sentence() for errors in ordered)]
 
 
@@ -93,7 +108,7 @@ def rod_table(results: Results) -> list[list[str]]:
             *(
                 cell
                 for k in (0, 1)
-                for cell in (str(errors.loads[k]), _percent(errors.distance[k]), _percent(errors.force[k]))
+                for cell in (str(errors.loads[k]), percent(errors.distance[k]), percent(errors.force[k]))
             ),
             str(errors.missing),
         ]
@@ -109,11 +124,11 @@ def validation_rows(results: Results) -> list[list[str]]:
             TITLES[row.rod],
             row.sample,
             number(row.pressure_kPa),
-            _percent(row.distance_over_length),
-            _percent(row.distance_over_length_without_stretch),
+            percent(row.distance_over_length),
+            percent(row.distance_over_length_without_stretch),
             number(row.end_angle_error_rad),
-            _percent(row.force_error),
-            _percent(row.curvature_error),
+            percent(row.force_error),
+            percent(row.curvature_error),
             number(row.curvature_error_at_s_mm),
         ]
         for row in sorted(results.validation, key=lambda row: (row.title, row.pressure_kPa, row.sample))
@@ -129,13 +144,13 @@ def out_of_sample(results: Results) -> list[str]:
         distance, worst = max(compared, key=lambda pair: pair[0])
         sentences.append(
             f"Under {_count(len(compared))} that the parameters were not fitted to, the largest distance between the "
-            f"curves is {_percent(distance)} of l ({worst.location}, at s = {number(worst.distance_at_s_mm)} mm)."
+            f"curves is {percent(distance)} of l ({worst.location}, at s = {number(worst.distance_at_s_mm)} mm)."
         )
         rows = [row for _, row in compared]
         forces = [(abs(row.force_error), row) for row in rows if row.force_error is not None]
         if forces:
             error, worst = max(forces, key=lambda pair: pair[0])
-            sentences.append(f"The largest error of the end force is {_percent(error)} ({worst.location}).")
+            sentences.append(f"The largest error of the end force is {percent(error)} ({worst.location}).")
         sentences.append(_beyond_the_limits(rows))
     sentences += [f"No rod for {row.location}: {row.reason}" for row in rows_of_rod if row.reason]
     others = [row for row in results.validation if row.rod != FIVE and row.reason]
@@ -166,7 +181,7 @@ def _beyond_the_limits(rows: Sequence[ValidationRow]) -> str:
 def law_rows(results: Results) -> list[list[str]]:
     """Rows of the table of laws: p, law, numbers, errors in and out of sample."""
     return [
-        [f"{row.pressure_kPa:g}", row.law, str(row.numbers), _percent(row.in_sample), _percent(row.out_of_sample)]
+        [f"{row.pressure_kPa:g}", row.law, str(row.numbers), percent(row.in_sample), percent(row.out_of_sample)]
         for row in results.laws
     ]
 
@@ -187,7 +202,3 @@ def _count(loads: int) -> str:
 
 def _sentence_case(text: str) -> str:
     return text[:1].upper() + text[1:]
-
-
-def _percent(value: float | None) -> str:
-    return "-" if value is None else f"{number(float(f'{100 * value:.2g}'))} %"

@@ -1,18 +1,16 @@
-"""What the plotly figures of report, material and accuracy share: style, colours, lines, panels. The only
-door to plotly.."""
+"""The plotly figures of material, accuracy and cell: style, colours, lines, panels. Only here is plotly imported."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import plotly.graph_objects as go
-from plotly.colors import qualitative, sample_colorscale
-from plotly.offline import get_plotlyjs
+from plotly.colors import qualitative
 from plotly.subplots import make_subplots
 
 from geometry.arrays import Array
 
-#: text and the rod; what stands for all pressures; grid lines
+#: text; what stands for all pressures; grid lines
 INK, GREY, GRID = "#1f2933", "#7b8794", "#eceff2"
 #: of series, for plotly and matplotlib
 COLOURS: tuple[str, ...] = tuple(qualitative.D3)
@@ -48,18 +46,6 @@ class Panel:
             row=1, col=self.column,
         )  # fmt: skip
 
-    def band(self, x: Array, y: Array, half_width: Array, colour: str) -> None:
-        """Shade y - half_width to y + half_width, all (n,)."""
-        self.figure.add_scatter(
-            x=[*x, *x[::-1]], y=[*(y + half_width), *(y - half_width)[::-1]],
-            fill="toself", fillcolor=colour, opacity=0.15, line={"width": 0}, hoverinfo="skip", showlegend=False,
-            row=1, col=self.column,
-        )  # fmt: skip
-
-    def title_y(self, title: str) -> None:
-        """Replace the title of the y axis."""
-        self.figure.update_yaxes(title=title, row=1, col=self.column)
-
 
 def two_panels(titles: tuple[str, str], x: str, y: str) -> tuple[Panel, Panel]:
     """An empty figure with two pairs of axes in one row; x and y are the titles of the axes, y on the left only."""
@@ -83,19 +69,9 @@ def four_panels(titles: Sequence[str]) -> Figure:
     return styled(make_subplots(2, 2, subplot_titles=titles, horizontal_spacing=0.09, vertical_spacing=0.14), 820)
 
 
-def legend_only(figure: Figure, name: str, stroke: Stroke) -> None:
-    """Add an entry to the legend that explains a kind of line rather than a single one."""
-    figure.add_scatter(x=[None], y=[None], mode="lines", line=stroke.plotly, name=name)
-
-
 def series_colour(number: int) -> str:
     """Colour of the series with this number, from a palette that colour-blind readers can tell apart."""
     return str(qualitative.Safe[number % len(qualitative.Safe)])
-
-
-def ramp_colour(fraction: float) -> str:
-    """Light for 0, dark for 1."""
-    return str(sample_colorscale("Viridis", 0.85 - 0.75 * fraction)[0])
 
 
 def styled(figure: Figure, height: int) -> Figure:
@@ -111,11 +87,6 @@ def styled(figure: Figure, height: int) -> Figure:
     figure.update_xaxes(showgrid=True, gridcolor=GRID, zeroline=False)
     figure.update_yaxes(showgrid=True, gridcolor=GRID, zeroline=False)
     return figure
-
-
-def plotly_script() -> str:
-    """The JavaScript that draws figures, for a page that opens offline."""
-    return str(get_plotlyjs())
 
 
 def standalone_page(figure: Figure) -> str:

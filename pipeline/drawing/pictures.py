@@ -20,7 +20,7 @@ from pipeline.store.atomic_file import write_atomic
 Array = NDArray[Any]
 
 _WIDTH, _TALLEST = 1400, 900  # pixels of the body in a picture
-_BAR = 120  # pixels of the scale under it
+_BAR = 190  # pixels of the scale under it
 _SILICONE = "#d9dde3"
 _INK = "#1f2933"
 _OUTLINE = "#9aa5b1"
@@ -98,7 +98,7 @@ def draw_deformed(
     _add_edges(plotter, body)
     rest = rest.connectivity("closest", closest_point=rest.points[rest.points[:, 0].argmax()])  # not the cavities
     outline = rest.extract_feature_edges(35, boundary_edges=False, non_manifold_edges=False)
-    plotter.add_mesh(outline, color=_OUTLINE, line_width=1)
+    plotter.add_mesh(outline, color=_OUTLINE, line_width=2)
     _aim_camera(plotter, np.vstack([body.points, rest.points]), 1.0, below=_BAR)
     _add_bar(plotter, colour.title, actor.mapper)
     _save(plotter, path)
@@ -148,11 +148,11 @@ def _add_bar(plotter: Any, title: str, mapper: Any) -> None:
         color=_INK,
         n_labels=4,
         fmt="%.3g",
-        title_font_size=26,
-        label_font_size=24,
-        width=0.36,
+        title_font_size=44,
+        label_font_size=40,
+        width=0.5,
         height=0.9 * _BAR / plotter.window_size[1],
-        position_x=0.32,
+        position_x=0.25,
         position_y=0.01,
     )
 

@@ -1,0 +1,49 @@
+"""What to do after a run, in sentences with the command or key to use."""
+
+from pipeline.report.results import Results
+from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
+
+
+def next_steps(results: Results, rod: str) -> list[str]:
+    """The next steps, the most urgent one first. `rod`: the name of the rod to take, empty where there is none."""
+    return [*_after_failure(results), *_mesh(results), *_loads(results), *_use(results, rod)]
+
+
+def _after_failure(results: Results) -> list[str]:
+    if not results.run.get("failure") and not results.failures:
+        return []
+    reached = [row.pressure_kPa for row in results.experiments if row.reached]
+    if not reached:
+        return ["Next: lower the pressures or change the design, because no pressure was reached."]
+    return [
+        "Next: the sentence above names the pressure that was not reached and its cause; leave this pressure out, or "
+        "change the wall, the material or the mesh there. What was reached is kept and is not solved again."
+    ]
+
+
+def _mesh(results: Results) -> list[str]:
+    estimated = results.parameters.get("mesh_error") or results.run.get("accuracy")
+    if not results.parameters or estimated:
+        return []
+    return [
+        "Next: have the error of the mesh estimated, in another --out, with --set mesh.coarser=1.5 (II and III once "
+        "more on a coarser mesh) or with --set mesh.size=auto --accuracy 5%."
+    ]
+
+
+def _loads(results: Results) -> list[str]:
+    if not results.validation or any(row.sample == "out" and row.rod == FIVE for row in results.validation):
+        return []
+    return ["Next: test the rod under loads it was not fitted to, with the section `validation` of the configuration."]
+
+
+def _use(results: Results, rod: str) -> list[str]:
+    if not rod or not results.pressures:
+        return []
+    file = results.directory / ("law.json" if rod == ARM_LAW else "parameters.json")
+    stretch = {EXTENSIBLE: " --stretch", FIVE: " --no-stretch"}.get(rod, "")
+    pressure = f"--pressure '{results.pressures[-1]:g} kPa'"
+    return [
+        f"To use the rod: pneurod rod {file} {pressure} --force '[0 N, 0.05 N]'{stretch}; "
+        f"for another program: pneurod export {results.directory}."
+    ]

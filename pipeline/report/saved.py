@@ -1,0 +1,58 @@
+"""The last files of a run: run.json and report.html. A run that is repeated without a change keeps both."""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+from pipeline.report.page import TEMPLATES, render_report
+from pipeline.store.json_values import JsonObject
+from pipeline.store.store import Store
+
+#: the results that the report is made from, beside run.json
+_RESULTS = (
+    *("parameters.json", "experiments.json", "validation.json", "effects.json", "laws.json", "law.json"),
+    *("curves.csv", "validation_curves.csv"),
+)
+_KEY = "states/report.json"
+#: keys of these files that differ from run to run though nothing was computed
+_TIMES = ("seconds", "share_of_time")
+
+
+def save_report(store: Store, record: JsonObject) -> None:
+    """Write `record` as run.json and the report on all results.
+
+    Where no result, source or template has changed since the report was written, both files stay: they tell how long
+    the run took when it computed something.
+    """
+    key = {"results": _digest(store)}
+    complete = all((store.directory / name).is_file() for name in ("run.json", "report.html"))
+    if complete and store.read_json(_KEY) == key:
+        return
+    store.save_json("run.json", record)
+    store.save_text("report.html", render_report(store.directory))
+    store.save_json(_KEY, key)
+
+
+def _digest(store: Store) -> str:
+    """sha256 of everything that the report shows."""
+    digest = hashlib.sha256(store.numbers_key.encode())
+    for path in (*sorted(TEMPLATES.iterdir()), *(store.directory / name for name in _RESULTS)):
+        digest.update(path.name.encode())
+        digest.update(_content(path))
+    return digest.hexdigest()
+
+
+def _content(path: Path) -> bytes:
+    """The content of a file, that of a JSON file without times; nothing where there is no such file."""
+    if not path.is_file():
+        return b""
+    if path.suffix != ".json":
+        return path.read_bytes()
+    return json.dumps(_without_times(json.loads(path.read_text(encoding="utf-8")))).encode()
+
+
+def _without_times(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _without_times(entry) for key, entry in value.items() if key not in _TIMES}
+    return [_without_times(entry) for entry in value] if isinstance(value, list) else value

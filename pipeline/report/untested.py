@@ -1,0 +1,53 @@
+"""What a run did not test, in sentences."""
+
+from pipeline.report.formatting import listed, number
+from pipeline.report.results import Results
+from pipeline.validation.rods import FIVE
+
+
+def untested(results: Results) -> list[str]:
+    """What the numbers of a run do not show; empty where nothing was solved."""
+    pressures = results.pressures
+    if not pressures:
+        return []
+    return [*_loads(results), *_range(results), *_slopes(results), _reality(results)]
+
+
+def _loads(results: Results) -> list[str]:
+    """Loads that no parameter was fitted to and that were not solved."""
+    rows = [row for row in results.validation if row.sample == "out" and row.rod == FIVE]
+    kinds = {
+        "another height of the end": any(row.experiment == "III" and row.load for row in rows),
+        "a dead force on the end": any(row.experiment == "dead" for row in rows),
+        "a pressure between those of the run": any(
+            row.pressure_kPa not in results.identified_pressures for row in rows
+        ),
+    }
+    missing = [kind for kind, tested in kinds.items() if not tested]
+    if not missing:
+        return []
+    tested = [kind for kind, tested in kinds.items() if tested]
+    if not tested:
+        return [f"Not tested: the rods under {', '.join(missing[:-1])} or {missing[-1]}."]
+    return [f"Not tested: the rods under {' or '.join(missing)} (tested: {listed(tested)})."]
+
+
+def _range(results: Results) -> list[str]:
+    low, high = results.pressures[0], results.pressures[-1]
+    below = f"below {number(low)} kPa and " if low > 0.0 else ""
+    return [f"Not tested: pressures {below}above {number(high)} kPa."]
+
+
+def _slopes(results: Results) -> list[str]:
+    if results.parameters.get("linear_range_kPa") is None or results.parameters.get("linear_range_tested"):
+        return []
+    return ["Not tested: whether α₁, α₂ and κ₀ are linear in the pressure, because two pressures always lie on a line."]
+
+
+def _reality(results: Results) -> str:
+    law = (results.run.get("config", {}).get("material") or {}).get("law", "")
+    named = f" (law {law})" if law else ""
+    return (
+        "Not tested: a real arm. All numbers are those of a simulation of slow, elastic deformation in the plane; "
+        f"material{named}, viscosity, inertia, friction and tolerances of manufacture are not checked in a laboratory."
+    )

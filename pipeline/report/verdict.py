@@ -1,0 +1,131 @@
+"""The verdict of a run: the five parameters, the rod to take with its errors, and what a reader must know of them.
+
+It is one value, made from the result files alone. The terminal, the report, `pneurod run --json` and
+`pneurod.read_results` show the same numbers and the same sentences of it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from pipeline.report.formatting import number
+from pipeline.report.mesh import mesh_sentences
+from pipeline.report.next_steps import next_steps
+from pipeline.report.numbers import NUMBERS, Cell, five_parameters, law_mesh_error, mesh_error
+from pipeline.report.results import EffectRow, Results
+from pipeline.report.sentences import lines_needed
+from pipeline.report.untested import untested
+from pipeline.report.validation import RodErrors, rod_errors, rod_to_take
+from pipeline.store.json_values import JsonObject
+
+
+@dataclass(frozen=True)
+class Statement:
+    """Sentences on one question that a reader has."""
+
+    topic: str  #: failure, unusual, rod, errors, single line, simulated, mesh, mesh error, not tested, next
+    sentences: tuple[str, ...]  #: at least one
+
+
+@dataclass(frozen=True)
+class FiveNumbers:
+    """The five parameters at one pressure, as they are written."""
+
+    pressure: str  #: kPa
+    cells: tuple[Cell, ...]  #: α₁, α₂ (N mm²), m₀₁, m₀₂ (N mm), d (mm)
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What a run has found, and how far it can be relied on."""
+
+    design: str  #: its name
+    length_mm: float  #: NaN where the body was not meshed
+    five: tuple[FiveNumbers, ...]  #: by pressure; empty where the parameters were not identified
+    rod: str  #: the rod to take: one of the names in `pipeline.validation.rods`; empty where none was compared
+    errors: tuple[RodErrors, ...]  #: of every rod, that to take first
+    statements: tuple[Statement, ...]
+    parameters: tuple[JsonObject, ...]  #: by pressure: the five parameters unrounded, with _std and _95
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """All sentences, in the order in which they are shown."""
+        return tuple(sentence for statement in self.statements for sentence in statement.sentences)
+
+    def on(self, topic: str) -> tuple[str, ...]:
+        """The sentences on one topic; none where nothing is said of it."""
+        return next((s.sentences for s in self.statements if s.topic == topic), ())
+
+    def record(self) -> JsonObject:
+        """The verdict as `pneurod run --json` writes it."""
+        return {
+            "design": self.design,
+            "length_mm": self.length_mm,
+            "parameters": self.parameters,
+            "rod": self.rod,
+            "errors": [errors.record() for errors in self.errors],
+            "sentences": {statement.topic: statement.sentences for statement in self.statements},
+        }
+
+
+def verdict_of(results: Results) -> Verdict:
+    """The verdict on the result files of a run."""
+    errors = rod_errors(results)
+    topics = {
+        "failure": _failure(results),
+        "unusual": [f"Note: {sentence}." for sentence in results.run.get("remarks") or ()],
+        "rod": rod_to_take(results)[:1] or ["No rod was compared with the finite elements."],
+        "errors": rod_to_take(results)[1:],
+        "single line": _single_line(results),
+        "simulated": _simulated(results.effects),
+        "mesh": mesh_sentences(results),
+        "mesh error": _mesh_error(results),
+        "not tested": untested(results),
+        "next": next_steps(results, errors[0].rod if errors else ""),
+    }
+    return Verdict(
+        design=str(results.run.get("config", {}).get("name", results.directory.name)),
+        length_mm=results.length,
+        five=tuple(FiveNumbers(pressure, tuple(cells)) for pressure, cells in five_parameters(results)),
+        rod=errors[0].rod if errors else "",
+        errors=tuple(errors),
+        statements=tuple(Statement(topic, tuple(said)) for topic, said in topics.items() if said),
+        parameters=tuple(_parameters(results, index) for index in range(len(results.identified_pressures))),
+    )
+
+
+def _failure(results: Results) -> list[str]:
+    """What was not reached."""
+    if results.run.get("failure"):
+        return [f"Not everything was reached: {results.run['failure']}."]
+    lost = [f"{row.experiment} at {number(row.pressure_kPa)} kPa: {row.reason}" for row in results.failures]
+    return [f"Not every pressure was reached: {'; '.join(lost)}."] if lost else []
+
+
+def _single_line(results: Results) -> list[str]:
+    """At which pressures there are two parameters instead of five."""
+    return [lines_needed(results)] if any(results.parameters.get("single_line_suffices") or ()) else []
+
+
+def _simulated(effects: Sequence[EffectRow]) -> list[str]:
+    """Which effects were simulated and which were not, each with its reason."""
+    sentences = []
+    for state, beginning in (("on", "Simulated"), ("off", "Not simulated")):
+        parts = [f"{row.effect.replace('_', ' ')} ({row.reason})" for row in effects if row.state == state]
+        if parts:
+            sentences.append(f"{beginning}: {'; '.join(parts)}.")
+    return sentences
+
+
+def _mesh_error(results: Results) -> list[str]:
+    """What the mesh contributes to the errors, or that this was not estimated."""
+    if not results.parameters and not results.arm_law:
+        return []
+    planned = (results.run.get("accuracy") or {}).get("sentence")
+    accuracy = f"Accuracy: {planned}." if planned else ""
+    return [*filter(None, (accuracy, mesh_error(results), law_mesh_error(results)))]
+
+
+def _parameters(results: Results, index: int) -> JsonObject:
+    keys = [f"{key}{ending}" for key, _, _ in NUMBERS for ending in ("", "_std", "_95")]
+    there = {key: results.parameters[key][index] for key in keys if results.parameters.get(key)}
+    return {"pressure_kPa": results.identified_pressures[index], **there}

@@ -1,0 +1,126 @@
+"""The verdict of a run: what it says of errors, of the mesh, of what was not tested and of what to do next."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+import pneurod
+from pipeline.report.results import Results, read_results
+from pipeline.report.verdict import Verdict, verdict_of
+
+OLD = Path(__file__).parent / "data" / "results_format_1"
+OUT = {"sample": "out", "pressure_kPa": 17.0, "distance_over_length": 0.01}
+HEIGHT = {**OUT, "experiment": "III", "load": "end at +10 mm", "force_error": 0.02}
+FORCE = {**OUT, "experiment": "dead", "load": "dead force 0, 1 N"}
+BETWEEN = {**OUT, "experiment": "II", "pressure_kPa": 27.0}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return shutil.copytree(OLD, tmp_path / "arm")
+
+
+def change(folder: Path, name: str, **keys: object) -> None:
+    path = folder / f"{name}.json"
+    path.write_text(json.dumps({**json.loads(path.read_text(encoding="utf-8")), **keys}), encoding="utf-8")
+
+
+def with_loads(folder: Path, *rows: dict[str, object]) -> Verdict:
+    """The verdict after loads out of sample."""
+    kept = json.loads((OLD / "validation.json").read_text(encoding="utf-8"))
+    (folder / "validation.json").write_text(json.dumps([*kept, *rows]), encoding="utf-8")
+    return verdict_of(read_results(folder))
+
+
+def test_it_is_the_same_in_python(folder: Path) -> None:
+    verdict = verdict_of(read_results(folder))
+    assert pneurod.read_results(folder).verdict == verdict
+    assert [row.pressure for row in verdict.five] == ["17", "37"]
+    assert [cell.value for cell in verdict.five[0].cells] == [
+        "183 ± 24", "287.1 ± 0.5", "0.0 ± 0.5", "-0.248 ± 0.004", "6.2 ± 0.5",
+    ]  # fmt: skip
+    assert verdict.five[0].cells[1].interval == "286.4 … 288.2"
+    assert verdict.rod == "five_extensible" == verdict.errors[0].rod
+    assert verdict.on("rod")[0].startswith("Take the rod with five parameters that stretches")
+    assert len(verdict.on("errors")) == 2
+    assert "symmetry (body, pressure and loads are mirror images" in verdict.on("simulated")[0]
+    assert verdict.on("weather") == ()
+
+
+def test_its_record_has_the_numbers_unrounded(folder: Path) -> None:
+    record = json.loads(json.dumps(verdict_of(read_results(folder)).record()))
+    results = pneurod.read_results(folder)
+    assert record["parameters"][1]["alpha1_N_mm2_std"] == results.parameters["alpha1_N_mm2_std"][1]
+    assert record["parameters"][0]["d_mm_95"] == results.parameters.loc[0, ["d_mm_95_low", "d_mm_95_high"]].tolist()
+    assert [errors["rod"] for errors in record["errors"]] == ["five_extensible", "five"]
+    assert record["errors"][1]["distance_over_length_in_sample"] == pytest.approx(0.025, abs=0.001)
+    assert record["errors"][1]["distance_over_length_out_of_sample"] is None
+
+
+@pytest.mark.parametrize(
+    ("loads", "sentence"),
+    [
+        (
+            [],
+            "Not tested: the rods under another height of the end, a dead force on the end or a pressure between those "
+            "of the run.",
+        ),
+        ([HEIGHT], "Not tested: the rods under a dead force on the end or a pressure between those of the run (tested: "
+                   "another height of the end)."),
+        ([HEIGHT, FORCE], "Not tested: the rods under a pressure between those of the run (tested: another height of "
+                          "the end and a dead force on the end)."),
+        ([HEIGHT, FORCE, BETWEEN], ""),
+    ],
+)  # fmt: skip
+def test_loads_that_were_not_tested_are_named(folder: Path, loads: list[dict[str, object]], sentence: str) -> None:
+    verdict = with_loads(folder, *loads)
+    said = [text for text in verdict.on("not tested") if text.startswith("Not tested: the rods")]
+    assert said == ([sentence] if sentence else [])
+    to_do = [text for text in verdict.on("next") if "`validation`" in text]
+    assert bool(to_do) == (not loads)
+
+
+def test_pressures_and_straight_lines_that_were_not_tested(folder: Path) -> None:
+    said = verdict_of(read_results(folder)).on("not tested")
+    assert "Not tested: pressures below 17 kPa and above 37 kPa." in said
+    assert any("linear in the pressure" in text for text in said)
+    change(folder, "parameters", linear_range_tested=True)
+    assert not any("linear in the pressure" in text for text in verdict_of(read_results(folder)).on("not tested"))
+
+
+def test_the_error_of_the_mesh_is_a_number_or_not_estimated(folder: Path) -> None:
+    before = verdict_of(read_results(folder))
+    assert before.on("mesh error")[0].startswith("Mesh error: not estimated.")
+    assert any("mesh.coarser" in text for text in before.on("next"))
+    names = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+    error = {"sizes_mm": [4.0, 6.0], **{f"{name}_std": [1.0, 2.6] for name in names}}
+    change(folder, "parameters", mesh_error=error)
+    after = verdict_of(read_results(folder))
+    assert "estimated from mesh sizes of 4 and 6 mm" in after.on("mesh error")[0]
+    assert "2.6 N mm² of α₁" in after.on("mesh error")[0]
+    assert not any("mesh.coarser" in text for text in after.on("next"))
+
+
+def test_the_error_of_the_mesh_in_the_law_is_relative(folder: Path) -> None:
+    assert len(verdict_of(read_results(folder)).on("mesh error")) == 1
+    error = {"kappa_0_per_mm": [-0.01, -0.02], "kappa_0_per_mm_std": [1e-4, 4e-4], "reason": ""}
+    (folder / "law.json").write_text(json.dumps({"format": 1, "mesh_error": error}))
+    assert verdict_of(read_results(folder)).on("mesh error")[1] == (
+        "Mesh error of the arm's own law: at most 2 % of κ₀, one standard deviation."
+    )
+
+
+def test_a_failed_run_says_so_first(folder: Path) -> None:
+    change(folder, "run", failure="experiment II stopped before 45 kPa: a limit point")
+    verdict = verdict_of(read_results(folder))
+    assert verdict.sentences[0] == "Not everything was reached: experiment II stopped before 45 kPa: a limit point."
+    assert verdict.on("next")[0].startswith("Next: the sentence above names the pressure")
+
+
+def test_a_folder_with_nothing_has_a_verdict(tmp_path: Path) -> None:
+    found: Results = read_results(tmp_path)
+    verdict = verdict_of(found)
+    assert (verdict.five, verdict.rod, verdict.errors, verdict.parameters) == ((), "", (), ())
+    assert verdict.sentences == ("No rod was compared with the finite elements.",)
