@@ -1,4 +1,4 @@
-"""How a command ends when it cannot do its work: one sentence, and the exit status that goes with it."""
+"""How a command ends when it cannot do its work: in sentences, and with the exit status that goes with them."""
 
 import reprlib
 from pathlib import Path
@@ -12,12 +12,26 @@ class _Sentence(Exception):
     """One sentence on one line, whatever it quotes."""
 
     def __init__(self, sentence: str) -> None:
-        super().__init__("".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in sentence))
+        super().__init__(_one_line(sentence))
 
 
 @final
-class InputError(_Sentence):
-    """What the user gave is wrong (exit status 2). The sentence names the file, the key and what is allowed."""
+class InputError(Exception):
+    """What the user gave is wrong (exit status 2). A sentence names the file, the key and what is allowed.
+
+    Several things that are wrong are as many sentences, one on each line.
+    """
+
+    def __init__(self, *sentences: str) -> None:
+        super().__init__(*(_one_line(sentence) for sentence in sentences))
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What is wrong, one sentence each."""
+        return tuple(map(str, self.args))
+
+    def __str__(self) -> str:
+        return "\n".join(self.sentences)
 
 
 @final
@@ -27,6 +41,10 @@ class RunFailed(_Sentence):
     def __init__(self, sentence: str, directory: Path | None = None) -> None:
         super().__init__(sentence)
         self.directory = directory  #: the folder with everything finished so far, where there is one
+
+
+def _one_line(sentence: str) -> str:
+    return "".join(sign if sign.isprintable() else ascii(sign)[1:-1] for sign in sentence)
 
 
 def quoted(value: Any) -> str:

@@ -23,6 +23,9 @@ class Progress(Protocol):
     def stage(self, name: str) -> None:
         """The run enters a stage: mesh, experiments, identification, rod, pictures, report."""
 
+    def remark(self, sentence: str) -> None:
+        """What a user should know before waiting for the result."""
+
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
         """An experiment begins, which will be solved at `pressures`."""
 
@@ -49,6 +52,8 @@ class Silent:
 
     def stage(self, name: str) -> None: ...
 
+    def remark(self, sentence: str) -> None: ...
+
     def experiment(self, name: str, pressures: Sequence[float]) -> None: ...
 
     def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None: ...
@@ -67,6 +72,9 @@ class ToQueue:
 
     def stage(self, name: str) -> None:
         self._queue.put(Message("stage", (name,)))
+
+    def remark(self, sentence: str) -> None:
+        self._queue.put(Message("remark", (sentence,)))
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
         self._queue.put(Message("experiment", (name, tuple(pressures))))
@@ -117,24 +125,30 @@ class _Clock:
         self._solved += seconds > 0.0
 
     def remaining(self) -> str:
-        """The time until all pressures are reached, in words."""
-        if self._solved == 0:
-            return "remaining time not known yet"
+        """The time until all pressures of this stage are reached, in words; empty where it is not known or over."""
+        missing = self._requested - self._reached
+        if self._solved == 0 or missing <= 0:
+            return ""
         pace = (time.monotonic() - self._began) / self._solved
-        return f"about {_duration(pace * (self._requested - self._reached))} left"
+        return f"about {duration(pace * missing)} left"
 
 
 @final
 class Lines:
-    """One plain line per stage and per pressure, for logs and pipes."""
+    """One plain line per stage and per pressure, for logs and pipes; `verbose` adds one per Newton iteration."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, *, verbose: bool = False) -> None:
         self._console = console
+        self._verbose = verbose
         self._clock = _Clock()
         self._iterations: dict[str, int] = {}
 
     def stage(self, name: str) -> None:
+        self._clock = _Clock()
         self._print(f"stage: {name}")
+
+    def remark(self, sentence: str) -> None:
+        self._print(f"note: {sentence}")
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
         self._clock.add(len(pressures))
@@ -142,13 +156,18 @@ class Lines:
 
     def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
         self._iterations[experiment] = self._iterations.get(experiment, 0) + 1
+        if self._verbose:
+            at = f"{pressure_kPa:g} kPa, iteration {newton_iteration}"
+            self._print(f"{experiment}: {at}, residual {residual:.0e}")
 
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
         self._clock.reach(seconds)
         iterations = self._iterations.pop(experiment, 0)
-        counted = f"{iterations} Newton iterations, " if iterations else ""
-        work = f"{counted}{_duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
-        self._print(f"experiment {experiment}: {pressure_kPa:g} kPa reached ({work}); {self._clock.remaining()}")
+        counted = f"{iterations} iterations, " if iterations else ""
+        work = f"{counted}{duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
+        left = self._clock.remaining()
+        after = f"; {left}" if left else ""
+        self._print(f"{experiment}: {pressure_kPa:g} kPa ({work}){after}")
 
     def done(self) -> None: ...
 
@@ -178,7 +197,11 @@ class Terminal:
     def stage(self, name: str) -> None:
         self._live.start()  # a second start changes nothing
         self._print_stage()
+        self._clock, self._rows = _Clock(), {}
         self._stage, self._began = name, time.monotonic()
+
+    def remark(self, sentence: str) -> None:
+        self._console.print(f"note: {sentence}", highlight=False, markup=False, soft_wrap=True)
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
         self._clock.add(len(pressures))
@@ -186,13 +209,13 @@ class Terminal:
 
     def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
         row = self._rows.get(experiment, _Row((pressure_kPa,), 0, 0, ""))
-        now = f"{pressure_kPa:g} kPa, Newton iteration {newton_iteration}, residual {residual:.1e}"
+        now = f"{pressure_kPa:g} kPa, iteration {newton_iteration}, residual {residual:.0e}"
         self._rows[experiment] = row._replace(iterations=row.iterations + 1, now=now)
 
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
         self._clock.reach(seconds)
         row = self._rows.get(experiment, _Row((pressure_kPa,), 0, 0, ""))
-        now = f"{pressure_kPa:g} kPa reached, {row.iterations} Newton iterations in total"
+        now = f"{pressure_kPa:g} kPa reached, {row.iterations} iterations in total"
         self._rows[experiment] = row._replace(reached=row.reached + 1, now=now)
 
     def done(self) -> None:
@@ -202,26 +225,32 @@ class Terminal:
 
     def _print_stage(self) -> None:
         if self._stage:
-            self._console.print(f"{self._stage}: {_duration(time.monotonic() - self._began)}", highlight=False)
+            self._console.print(f"{self._stage}: {duration(time.monotonic() - self._began)}", highlight=False)
 
     def _picture(self) -> Group:
-        table = Table.grid(padding=(0, 2))
+        table = Table.grid("", "", "", padding=(0, 2))
         for name, row in self._rows.items():
-            bar = ProgressBar(total=len(row.pressures), completed=row.reached, width=24)
-            table.add_row(f"experiment {name}", bar, row.now)
+            bar = ProgressBar(total=len(row.pressures), completed=row.reached, width=12)
+            table.add_row(Text(name, overflow="ellipsis", no_wrap=True), bar, row.now)
+        table.columns[0].max_width = 20
         if not self._stage:
             return Group(table)
-        head = f"{self._stage}: {_duration(time.monotonic() - self._began)}"
-        return Group(Text(f"{head}, {self._clock.remaining()}" if self._rows else head), table)
+        left = self._clock.remaining()
+        head = f"{self._stage}: {duration(time.monotonic() - self._began)}"
+        return Group(Text(f"{head}, {left}" if left else head), table)
 
 
-def progress_for(console: Console | None = None) -> Progress:
-    """A live table on a terminal, plain lines elsewhere; on standard output unless a console is given."""
+def progress_for(console: Console | None = None, *, verbose: bool = False) -> Progress:
+    """A live table on a terminal, plain lines elsewhere; on standard output unless a console is given.
+
+    `verbose`: plain lines everywhere, with every Newton iteration.
+    """
     console = console or Console()
-    return Terminal(console) if console.is_terminal else Lines(console)
+    return Terminal(console) if console.is_terminal and not verbose else Lines(console, verbose=verbose)
 
 
-def _duration(seconds: float) -> str:
+def duration(seconds: float) -> str:
+    """Seconds in words."""
     if seconds < 10.0:
         return f"{seconds:.1f} s"
     if seconds < 120.0:

@@ -13,10 +13,12 @@ from pipeline.context import RunContext
 from pipeline.identification.added_pressures import identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.record import parameters_record
+from pipeline.plausibility import Solved, after_solving, before_solving
 from pipeline.progress import Progress
-from pipeline.report.page import render_report
+from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
 from pipeline.simulation.effects_record import effect_states
+from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
@@ -36,6 +38,9 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     with open_store(out, config, fresh=fresh) as store:
         stages = _Stages(progress)
         context = RunContext(store, jobs, progress)
+        unusual = before_solving(config)
+        for sentence in unusual:
+            progress.remark(sentence)
         config, plan = plan_discretisation(config, store, progress)
         with stages.timed("mesh"):
             scene = Scene.meshed(config)
@@ -50,7 +55,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
             effects = (*effect_states(scene, outcomes), arm.effect)
             store.save_json("effects.json", [state.row() for state in effects])
         with stages.timed("identification"):
-            identified = identify_run(scene, context, outcomes)
+            identified = identify_run(scene, context, outcomes, other_rod=arm.law is not None)
             outcomes, parameters = identified.outcomes, identified.parameters
             store.save_json("experiments.json", outcomes.rows())
         with stages.timed("coarser mesh"):
@@ -75,19 +80,28 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
                 outcomes=outcomes,
                 parameters=parameters,
                 comparisons=(*comparisons, *validated.comparisons),
+                arm=arm,
                 laws=validated.laws,
                 effects=effects,
                 accuracy=ReviewedPlan(plan, reviewed) if plan else None,
+                mesh=MeshRecord.of(scene),
                 seconds=dict(stages.seconds),
                 failures=(*outcomes.failures, *arm.failures, *identified.failures, *validated.failures),
+                remarks=(*unusual, *identified.remarks, *after_solving(Solved(config, outcomes, parameters))),
             )
-            store.save_json("run.json", report.record())
-            store.save_text("report.html", render_report(store.directory))
+            save_report(store, report.record())
     return report
 
 
+#: in their order
+_STAGES = (
+    *("mesh", "kernels (compiled once)", "experiments", "cell law", "identification", "coarser mesh", "rod"),
+    *("validation", "pictures", "report"),
+)
+
+
 class _Stages:
-    """The stages of a run: each is reported as it begins and its wall time kept."""
+    """The stages of a run: each is reported with its number as it begins, and its wall time is kept."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
@@ -95,7 +109,7 @@ class _Stages:
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
-        self._progress.stage(name)
+        self._progress.stage(f"{name} ({_STAGES.index(name) + 1} of {len(_STAGES)})")
         start = perf_counter()
         yield
         self.seconds[name] = perf_counter() - start

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.accuracy.plan import Plan, Review
+from pipeline.cell.of_run import LawOfRun
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.effects_record import EffectState
+from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.outcome import Outcomes
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import JsonObject
@@ -39,11 +41,14 @@ class RunReport:
     outcomes: Outcomes  #: of experiments I, II and III
     parameters: tuple[Parameters, ...]  #: by ascending pressure
     comparisons: tuple[Comparison, ...]  #: rod against finite elements, loads of the identification first
+    arm: LawOfRun  #: the arm's own law
     laws: tuple[LawRow, ...]  #: laws fitted to III and tried at the validation loads
     effects: tuple[EffectState, ...]
     accuracy: ReviewedPlan | None  #: None where no accuracy was requested
+    mesh: MeshRecord
     seconds: Mapping[str, float]  #: wall time by stage
     failures: tuple[str, ...]  #: a sentence for everything that was not reached; empty where all was
+    remarks: tuple[str, ...]  #: what is unusual about the design and its results, and pressures without parameters
 
     @property
     def failure(self) -> str:
@@ -63,6 +68,7 @@ class RunReport:
             "config": self.config.record(),
             "config_hash": self.config.hash,
             **provenance(),
+            "mesh": self.mesh.record,
             "seconds": self.seconds,
             "solver_seconds": self.outcomes.seconds_by_stage,
             "factorizations": {outcome.name: outcome.factorizations for outcome in self.outcomes},
@@ -70,5 +76,6 @@ class RunReport:
             "solver": sorted({outcome.solver for outcome in self.outcomes}),
             **({"indicator": indicator.record()} if indicator else {}),
             **({"accuracy": self.accuracy.plan.record(self.accuracy.review)} if self.accuracy else {}),
-            **({"failure": self.failure} if self.failures else {}),
+            **({"failure": self.failure, "failures": self.failures} if self.failures else {}),
+            **({"remarks": self.remarks} if self.remarks else {}),
         }

@@ -1,6 +1,6 @@
-"""Tables on the terminal: body, effects of a run, study of effects, material laws, law of a cell, convergence study."""
+"""Tables on the terminal: body, verdict of a run, study of effects, material laws, law of a cell, convergence study."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.table import Table
@@ -17,7 +17,8 @@ from pipeline.effects_study import BASE, COLUMNS, EffectRow
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit, Refused
 from pipeline.material.sentences import with_error
-from pipeline.simulation.effects_record import EffectState
+from pipeline.report.numbers import NUMBERS
+from pipeline.report.verdict import Verdict
 
 
 def body_table(file: Path, design: Design, body: Body) -> Table:
@@ -34,16 +35,31 @@ def body_table(file: Path, design: Design, body: Body) -> Table:
     table.add_row("tetrahedra", str(quality.count))
     at = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
     table.add_row("radius ratio", f"smallest {quality.minimum:.3f} at ({at}) mm, mean {quality.mean:.3f}")
-    table.add_row("longest edge", f"{quality.longest_edge:.3g} mm")
+    table.add_row("edges", f"{quality.mean_edge:.3g} mm on average, at most {quality.longest_edge:.3g} mm")
     return table
 
 
-def effects_summary(effects: Sequence[EffectState]) -> Table:
-    """Which effects were simulated, and why."""
+def verdict_table(verdict: Verdict) -> list[Table]:
+    """The five parameters by pressure, each with its standard deviation and 95 % interval; no table without them."""
+    if not verdict.five:
+        return []
+    heads = [f"{symbol}\n{unit}" for _, symbol, unit in NUMBERS]
+    table = Table("p\nkPa", *heads, box=None, padding=(0, 2, 0, 0))
+    table.caption = "± one standard deviation, below it the 95 % interval"
+    table.caption_justify = "left"
+    for column in table.columns:
+        column.justify = "right"
+        column.no_wrap = True
+    for row in verdict.five:
+        table.add_row(row.pressure, *(f"{cell.value}\n{cell.interval}" for cell in row.cells))
+    return [table]
+
+
+def spent_table(seconds: Mapping[str, float]) -> Table:
+    """The wall time of every stage of a run."""
     table = Table.grid(padding=(0, 2))
-    for effect in effects:
-        state = Text(effect.state, style="green" if effect.state == "on" else "dim")
-        table.add_row(effect.effect, state, Text(effect.reason))
+    for stage, spent in seconds.items():
+        table.add_row(stage, Text(f"{spent:.1f} s", justify="right"))
     return table
 
 

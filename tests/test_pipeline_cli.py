@@ -1,10 +1,13 @@
 """The command line: exit status, one sentence on stderr, no traceback for a mistake of the user."""
 
+import json
 import os
+import shutil
 import subprocess
 import sys
 import types
 from collections.abc import Callable
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -15,7 +18,10 @@ from pipeline.cli import app
 from pipeline.doctor import Finding
 from pipeline.errors import RunFailed
 from pipeline.progress import Progress
+from pipeline.report.results import read_results
+from pipeline.report.verdict import verdict_of
 
+DATA = Path(__file__).parent / "data" / "results_format_1"
 Task = Callable[[object, Path, int, bool, Progress], object]
 
 
@@ -51,7 +57,7 @@ def sentence(result: Result, status: int) -> str:
 
 def test_run_passes_its_options_on(replace_run: Callable[[Task], None], coarse: str, tmp_path: Path) -> None:
     calls = []
-    report = types.SimpleNamespace(effects=(), accuracy=None, raise_if_failed=lambda: None)
+    report = types.SimpleNamespace(raise_if_failed=lambda: None)
 
     def task(*arguments: object) -> object:
         calls.append(arguments)
@@ -67,6 +73,55 @@ def test_run_passes_its_options_on(replace_run: Callable[[Task], None], coarse: 
     assert "report.html" in result.stdout
     assert call("run", coarse).exit_code == 0
     assert calls[1][1] == Path("results/pneunet_coarse")
+
+
+@pytest.mark.parametrize("option", ["", "-q", "--quiet", "-v", "--verbose", "--json"])
+def test_the_verdict_ends_a_run(replace_run: Callable[[Task], None], coarse: str, tmp_path: Path, option: str) -> None:
+    """The same numbers and sentences in every form; with --json nothing else is on standard output."""
+    results = shutil.copytree(DATA, tmp_path / "out")
+    report = types.SimpleNamespace(seconds={"mesh": 1.25}, raise_if_failed=lambda: None)
+
+    def task(config: object, out: Path, jobs: int, fresh: bool, progress: Progress) -> object:
+        progress.stage("experiments")
+        progress.iteration("II", 17.0, 1, 0.5)
+        return report
+
+    replace_run(task)
+    result = call("run", coarse, "--out", str(results), *([option] if option else []))
+    assert result.exit_code == 0, result.stderr
+    verdict = verdict_of(read_results(results))
+    assert len(verdict.sentences) >= 8
+    if option == "--json":
+        found = json.loads(result.stdout)
+        assert [sentence for said in found["sentences"].values() for sentence in said] == list(verdict.sentences)
+        assert found["parameters"][0]["alpha2_N_mm2"] == pytest.approx(287.09, abs=0.01)
+        assert "stage: experiments" in result.stderr
+        return
+    lines = result.stdout.splitlines()
+    assert lines[-1] == f"report: {results / 'report.html'}"
+    assert tuple(lines[-1 - len(verdict.sentences) : -1]) == verdict.sentences
+    assert any("287.1 ± 0.5" in line and "183 ± 24" in line for line in lines)
+    assert max(len(line) for line in lines[: -1 - len(verdict.sentences)]) <= 80
+    assert ("stage: experiments" in lines) == (option not in ("-q", "--quiet"))
+    assert ("II: 17 kPa, iteration 1, residual 5e-01" in lines) == (option in ("-v", "--verbose"))
+    assert any(line.split() == ["mesh", "1.2", "s"] for line in lines) == (option in ("-v", "--verbose"))
+
+
+def test_the_verdict_of_a_failed_run_is_shown_before_the_reason(
+    replace_run: Callable[[Task], None], coarse: str, tmp_path: Path
+) -> None:
+    def fail() -> None:
+        raise RunFailed("experiment II stopped before 37 kPa: a limit point")
+
+    replace_run(lambda *arguments: types.SimpleNamespace(raise_if_failed=fail))
+    result = call("run", coarse, "--out", str(tmp_path), "-q")
+    assert sentence(result, 1) == "experiment II stopped before 37 kPa: a limit point"
+    assert "No rod was compared with the finite elements." in result.stdout
+
+
+def test_the_version() -> None:
+    result = call("--version")
+    assert (result.exit_code, result.stdout) == (0, f"pneurod {metadata.version('pneurod')}\n")
 
 
 @pytest.mark.parametrize(
@@ -156,6 +211,7 @@ def test_doctor_on_this_machine() -> None:
     for subject in ("Python", "gmsh", "pictures", "linear solver", "threads", "disk"):
         assert subject in result.stdout
     assert result.stdout.count("ok") >= 20
+    assert result.stdout.startswith("Checked are ")
 
 
 def test_doctor_names_the_one_command(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -28,7 +28,7 @@ from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulation.simulate import experiments_of, simulate
 from pipeline.store.store import open_store
 from pipeline.terminal import effects_comparison
 
@@ -131,6 +131,16 @@ def test_weight_is_whole_at_every_pressure(tmp_path: Path) -> None:
         assert record.summary.clamp_reaction_N == pytest.approx([0.0, mass * 9810.0], abs=1e-6)
     assert rows["gravity"]["state"] == "on"
     assert rows["gravity"]["reason"].startswith("(0, -9.81, 0) m/s2 at every pressure")
+
+
+def test_a_free_body_with_weight_is_not_simulated() -> None:
+    """The three constraints of I carry no force without gravity; with it the arm would hang on them."""
+    plain, heavy = (
+        load_config(HERE / "configs/semicircular_coarse.yaml", [f"effects.gravity={state}"]) for state in ("off", "on")
+    )
+    assert experiments_of(plain) == ("III", "II", "I")
+    assert experiments_of(heavy) == ("III", "II")
+    assert "experiment I is not simulated" in heavy.effects.gravity.reason
 
 
 def test_layer_keeps_the_length_of_the_curve(tmp_path: Path) -> None:

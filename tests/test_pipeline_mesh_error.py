@@ -27,7 +27,7 @@ material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [8 kPa]
 law: five
 validation: off
-mesh: {size: 6 mm, coarser: 1.5}
+mesh: {size: 6 mm, formulation: p2p0, grading: off, coarser: 1.5}
 """
 
 
@@ -68,7 +68,10 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
         assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], found[key], strict=True)), key
     said = mesh_error(read_results(tmp_path / "out"))
-    assert "contain the error of the mesh, estimated from mesh sizes of 6 and 9 mm (the coarser one took" in said
+    assert "estimated from mesh sizes of 6 and 9 mm (the coarser one took" in said
+    largest = max(contribution["kappa_0_relative"])
+    assert said.startswith(f"Mesh error: at most {100 * largest:.1f} % in κ₀(l/2), ")
+    assert all(error > 0.0 for name in ("alpha2", "force") for error in contribution[f"{name}_relative"])
     assert "N mm² of α₁" in said
 
 

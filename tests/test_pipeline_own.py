@@ -8,10 +8,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from geometry import CadFile, MeshFile
+from geometry import CadFile, Mesh, MeshFile
 from geometry.meshing.solid import session
 from pipeline.cli import app
 from pipeline.config.load import load_config
@@ -93,7 +94,7 @@ def test_own_body_is_inflated(tmp_path: Path) -> None:
 def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A configuration of the finger as a ready mesh."""
     folder = tmp_path_factory.mktemp("ready")
-    body = Scene.meshed(load_config(CONFIGS / "finger.yaml", ["mesh.size=5 mm"])).body
+    body = Scene.meshed(load_config(CONFIGS / "finger.yaml", ["mesh.size=5 mm", "geometry.cell=8 mm"])).body
     body.mesh.write(folder / "finger.msh")
     text = (CONFIGS / "finger.yaml").read_text(encoding="utf-8")
     geometry = "geometry: {family: own, file: finger.msh, curve: 1 mm, cell: 8 mm}\n"
@@ -108,7 +109,7 @@ def test_ready_mesh_stays_as_it_is(ready: Path) -> None:
     config = load_config(ready)
     assert isinstance(config.design, MeshFile)
     body = Scene.meshed(config).body
-    assert (body.half, body.length, config.mesh.formulation) == (True, pytest.approx(80.0), "p2p0")
+    assert (body.half, body.length, config.mesh.formulation) == (True, pytest.approx(80.0), "mixed")
     assert config.mesh.size_mm == pytest.approx(body.mesh.quality.longest_edge)
     assert config.design.solid_volume == pytest.approx(
         load_config(CONFIGS / "finger.yaml").design.solid_volume, rel=2e-2
@@ -146,6 +147,18 @@ def test_ready_mesh_is_refused_by_key(ready: Path) -> None:
     assert "mesh.size: unknown key; allowed here: formulation" in refusal(ready, "mesh.size=3 mm")
     assert "geometry.file: the mesh file" in refusal(ready, "geometry.file=none.msh")
     assert "the material curve y = 1.2 mm" in refusal(ready, "geometry.curve=1.2 mm")
+
+
+def test_a_mesh_whose_boundary_passes_through_itself_is_refused(ready: Path, tmp_path: Path) -> None:
+    """A vertex of the cavity's roof is pulled down through the base: its elements are stretched, not turned over."""
+    mesh = Mesh.read(ready.parent / "finger.msh")
+    points, roof = np.array(mesh.points), np.unique(mesh.faces["cavity"])
+    above = np.linalg.norm(points[roof] - [40.0, 11.5, 3.0], axis=1)
+    points[roof[np.argmin(above)], 1] -= 15.0
+    Mesh(points, mesh.tets, mesh.faces).write(tmp_path / "crossed.msh")
+    config = load_config(ready, [f"geometry.file={tmp_path / 'crossed.msh'}"])
+    with pytest.raises(InputError, match=r"geometry.file: the boundary .* passes through itself near \("):
+        Scene.meshed(config)
 
 
 def hinge(occ: Any) -> None:

@@ -6,8 +6,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 import pyvista
+from bar import bar, bent
 
-from pipeline.pictures import (
+from pipeline.drawing.pictures import (
     Colour,
     _grid,
     _mirrored,
@@ -17,40 +18,6 @@ from pipeline.pictures import (
     write_fields,
     write_series,
 )
-
-EDGES = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]
-
-
-def bar() -> tuple[np.ndarray, np.ndarray]:
-    """A half bar 0 <= x <= 8, 0 <= y <= 1, 0 <= z <= 1 of quadratic tetrahedra."""
-    corners = [(x, y, z) for x in range(9) for y in range(2) for z in range(2)]
-    points = [np.array(corner, dtype=float) for corner in corners]
-    number = {corner: index for index, corner in enumerate(corners)}
-    middles: dict[frozenset[int], int] = {}
-    tets = []
-    for x in range(8):
-        for path in [(0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)]:
-            corner, tet = [x, 0, 0], [number[x, 0, 0]]
-            for axis in path:
-                corner[axis] += 1
-                tet.append(number[corner[0], corner[1], corner[2]])
-            sides = np.array([points[node] - points[tet[0]] for node in tet[1:]])
-            if np.linalg.det(sides) < 0:
-                tet[2], tet[3] = tet[3], tet[2]
-            for a, b in EDGES:
-                pair = frozenset((tet[a], tet[b]))
-                if pair not in middles:
-                    middles[pair] = len(points)
-                    points.append((points[tet[a]] + points[tet[b]]) / 2)
-            tets.append([*tet, *(middles[frozenset((tet[a], tet[b]))] for a, b in EDGES)])
-    return np.array(points), np.array(tets)
-
-
-def bent(points: np.ndarray) -> np.ndarray:
-    angle = -points[:, 0] / 5
-    radius = 5 - points[:, 1]
-    x, y = -radius * np.sin(angle), 5 - radius * np.cos(angle)
-    return np.column_stack([x, -y, points[:, 2]]) - points
 
 
 def seen(path: Path) -> np.ndarray:

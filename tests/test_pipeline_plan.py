@@ -153,7 +153,6 @@ def test_pilots_without_numbers_end_the_run(configs: Path, tmp_path: Path, monke
 @pytest.mark.parametrize(
     ("overrides", "sentence"),
     [
-        (["mesh.size=auto"], "no accuracy is requested; give --accuracy 2%, or a size"),
         (["accuracy=2"], "2 is no accuracy; write a percentage"),
         (["accuracy=0 %"], "above 0 and at most 20"),
         (["accuracy=50 %"], "above 0 and at most 20"),

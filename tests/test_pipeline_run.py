@@ -151,6 +151,12 @@ def test_the_same_command_goes_on_from_what_is_finished(config_file: Path, resul
         first = [row[name] for row in read(results, "experiments.json")]
         again = [row[name] for row in read(tmp_path, "experiments.json")]
         assert again == pytest.approx(first, rel=1e-9)
+    # a repeated run changes nothing: pictures are not drawn again, and the report and its times stay
+    shown = [tmp_path / "report.html", tmp_path / "run.json", *tmp_path.glob("pictures/*"), *tmp_path.glob("fields/*")]
+    written = {path: path.stat().st_mtime_ns for path in shown}
+    assert len(written) > 15
+    run(load_config(config_file), tmp_path, 1, False, Silent())
+    assert {path: path.stat().st_mtime_ns for path in written} == written
 
 
 REFUSED = r"experiment I+ stopped before 1000 kPa: no equilibrium found beyond [\d.]+ kPa on the way to 1000 kPa: "

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from pipeline.cli import app
-from pipeline.saved_rod import SavedRod
+from pipeline.rods.saved import SavedRod
 from rod import FiveParameters, Rod
 
 LENGTH = 112.0
@@ -135,10 +135,46 @@ def test_other_files_are_rejected(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("target", ["csv", "json", "pyelastica", "mujoco", "somo", "sorosim"])
-def test_every_export_is_written(results: Path, target: str) -> None:
-    status, out, _ = call("export", str(results), "--to", target)
+def test_every_export_is_written_and_replaced_on_request_only(results: Path, tmp_path: Path, target: str) -> None:
+    command = ("export", str(results), "--to", target, "--out", str(tmp_path / "files"))
+    status, out, _ = call(*command)
     assert status == 0
-    assert Path(out.replace("\n", "").removeprefix("written: ")).stat().st_size > 100
+    files = [Path(line.removeprefix("written: ")) for line in out.splitlines()]
+    assert files
+    for file in files:
+        assert file.parent == tmp_path / "files"
+        assert "kPa" in file.name
+        assert file.stat().st_size > 100
+    status, _, sentence = call(*command)
+    assert (status, "--force to replace it" in sentence) == (2, True)
+    assert call(*command, "--force")[0] == 0
+
+
+def test_an_export_at_one_pressure_has_it_in_its_name(results: Path, tmp_path: Path) -> None:
+    command = ("export", str(results), "--to", "json", "--out", str(tmp_path))
+    assert call(*command, "--pressure", "27 kPa")[0] == 0
+    assert json.loads((tmp_path / "rod_27kPa.json").read_text())["pressures_kPa"] == [27.0]
+    status, _, sentence = call(*command, "--pressure", "50 kPa")
+    assert (status, "--extrapolate" in sentence) == (2, True)
+    assert call(*command, "--pressure", "50 kPa", "--extrapolate")[0] == 0
+    assert (tmp_path / "rod_50kPa.json").is_file()
+    status, _, sentence = call(*command, "--smooth")
+    assert (status, "no rest curvature averaged" in sentence) == (1, True)
+
+
+def test_standard_deviations_and_the_averaged_curvature_are_exported(results: Path, tmp_path: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    for key in ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm"):
+        content[f"{key}_std"] = [0.5, 0.25]
+    content["kappa_0"] |= {"cell_s_mm": [20.0, 90.0], "cell_averaged_per_mm": [[-0.011, -0.013], [-0.022, -0.024]]}
+    file.write_text(json.dumps(content))
+    assert call("export", str(results), "--to", "json", "--out", str(tmp_path / "files"))[0] == 0
+    written = json.loads((tmp_path / "files" / "rod_17_to_37kPa.json").read_text())
+    assert written["d_mm_std"] == [0.5, 0.25]
+    smooth = np.array(written["kappa_0_smooth_per_mm"])
+    assert smooth[:, 112] == pytest.approx([-0.012, -0.023], abs=1e-3)
+    assert call("export", str(results), "--to", "mujoco", "--smooth", "--out", str(tmp_path / "files"))[0] == 0
 
 
 def test_an_unknown_export_is_rejected(results: Path) -> None:
@@ -160,3 +196,17 @@ def test_a_file_of_format_1_is_read_with_its_old_keys(results: Path) -> None:
     assert extensible_rod.rod.extension is not None
     assert extensible_rod.moment_range is not None
     assert extensible_rod.moment_range.high == pytest.approx(3.0)
+
+
+def test_without_a_mass_there_are_tables_and_no_dynamics(results: Path, tmp_path: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    content["mass_g"] = content["material"]["density_tonne_mm3"] = None
+    file.write_text(json.dumps(content))
+    command = ("export", str(results), "--out", str(tmp_path), "--to")
+    assert call(*command, "json")[0] == 0
+    assert json.loads((tmp_path / "rod_17_to_37kPa.json").read_text())["mass_g"] is None
+    for target in ("pyelastica", "mujoco", "somo", "sorosim"):
+        status, _, sentence = call(*command, target)
+        assert (status, "needs the mass of the arm" in sentence) == (1, True)
+    assert call("rod", str(file), "--pressure", "17 kPa")[0] == 0

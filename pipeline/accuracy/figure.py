@@ -4,7 +4,7 @@ import io
 
 from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE
 from pipeline.accuracy.record import ConvergenceStudy, StudyRow
-from pipeline.plots import COLOURS, GREY, GRID, INK, single_panel, standalone_page, styled
+from pipeline.drawing.plots import COLOURS, GREY, GRID, INK, single_panel, standalone_page, styled
 
 #: what varies along a series that is none of meshes, with its unit
 _VARIED = {TOLERANCE: "tolerance {:g}", CONTACT: "distance {:g} mm", POINTS: "{:g} points"}

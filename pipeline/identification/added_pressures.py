@@ -8,8 +8,8 @@ from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.simulation.loadcase import up_to
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import EXPERIMENTS, simulate
-from rod import LinearRange, Quantity, linear_range, next_pressure
+from pipeline.simulation.simulate import experiments_of, simulate
+from rod import LinearRange, Quantity, linear_range, next_pressure, too_few_pitches
 
 
 @dataclass(frozen=True)
@@ -18,19 +18,26 @@ class Identified:
 
     outcomes: Outcomes
     parameters: tuple[Parameters, ...]  #: by ascending pressure; empty with `law: cell`
-    failures: tuple[str, ...]  #: a sentence for each pressure without parameters and each that could not be added
+    failures: tuple[str, ...]  #: a sentence for each pressure that could not be added, and why there are no parameters
+    remarks: tuple[str, ...]  #: a sentence for each pressure without parameters, where there are others
 
 
-def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Identified:
+def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes, other_rod: bool = False) -> Identified:
     """The parameters at all pressures and at those to be added; none with `law: cell`.
 
-    Raises RunFailed as `simulate`.
+    A pressure without parameters does not make the run fail where there are others, or where it has another rod
+    (`other_rod`). Raises RunFailed as `simulate`.
     """
     if scene.config.law == "cell":
-        return Identified(outcomes, (), ())
+        return Identified(outcomes, (), (), ())
+    if sentence := too_few_pitches(scene.body.length, scene.body.pitch):
+        reason = f"no five parameters: {sentence.removesuffix('.')}"
+        return Identified(outcomes, (), () if other_rod else (reason,), (reason,) if other_rod else ())
     parameters, refused = identify_all(outcomes, scene.body.pitch)
     outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)
-    return Identified(outcomes, parameters, (*refused, *not_added))
+    if parameters or other_rod:
+        return Identified(outcomes, parameters, not_added, refused)
+    return Identified(outcomes, parameters, (*refused, *not_added), ())
 
 
 def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[str, Quantity]]:
@@ -64,7 +71,7 @@ def with_added_pressures(
         pressure = next_pressure([p.pressure_kPa for p in parameters], covered_range(parameters))
         if pressure is None or outcomes.failures:
             break
-        cases = [up_to(scene.config, name, pressure) for name in EXPERIMENTS]
+        cases = [up_to(scene.config, name, pressure) for name in experiments_of(scene.config)]
         more = simulate(scene, context, cases)
         reasons = [outcome.failure.reason for outcome in more if outcome.failure]
         stopped = [f"no pressure was added at {pressure:g} kPa: {reason}" for reason in reasons]

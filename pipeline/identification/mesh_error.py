@@ -4,6 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
@@ -13,7 +15,10 @@ from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Record
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
-from rod import PARAMETER_NAMES, RodError
+from rod import PARAMETER_NAMES, RodError, cell_averaged
+
+#: numbers whose error is given as a fraction: kappa_0(l/2), alpha2 and the end force of III
+RELATIVE = ("kappa_0", "alpha2", "force")
 
 
 def with_mesh_error(
@@ -45,10 +50,31 @@ def with_mesh_error(
         except RodError as failure:
             coarse.append(None)
             refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
-    fine = [{name: number.value for name, number in p.numbers_without_mesh.items()} for p in parameters]
+    fine = [
+        {name: number.value for name, number in p.numbers_without_mesh.items()}
+        | _measured(p.free, p.loaded, p.kappa.pitch)
+        for p in parameters
+    ]
     deviations = mesh_deviations(fine, coarse, config.mesh.element_size_mm, factor)
     reason = f"on the mesh {factor:g} times as coarse: {'; '.join(refused)}" if refused else ""
-    return tuple(replace(p, mesh_std=stds) for p, stds in zip(parameters, deviations, strict=True)), reason
+    every = zip(parameters, fine, deviations, strict=True)
+    return tuple(_with_errors(p, numbers, stds) for p, numbers, stds in every), reason
+
+
+def _with_errors(parameters: Parameters, numbers: Mapping[str, float], stds: Mapping[str, float]) -> Parameters:
+    relative = {name: stds[name] / abs(numbers[name]) for name in RELATIVE if name in stds}
+    return replace(
+        parameters, mesh_std={name: stds[name] for name in PARAMETER_NAMES if name in stds}, mesh_errors=relative
+    )
+
+
+def _measured(free: Record, loaded: Record, pitch: float) -> dict[str, float]:
+    """kappa_0(l/2) and F, which are measured and not identified."""
+    kappa_0 = cell_averaged(free.centreline, pitch)
+    return {
+        "kappa_0": float(np.interp(kappa_0.length / 2, kappa_0.s, kappa_0.kappa)),
+        "force": loaded.load.force[1],
+    }
 
 
 def mesh_deviations(
@@ -76,7 +102,7 @@ def mesh_deviations(
 
 
 def _scale(name: str, numbers: Mapping[str, float]) -> float:
-    return abs(numbers[name]) if name.startswith("alpha") else 1.0
+    return abs(numbers[name]) if name.startswith(("alpha", *RELATIVE)) else 1.0
 
 
 def _numbers(fine: Parameters, free: Record | None, loaded: Record | None) -> dict[str, float] | None:
@@ -86,8 +112,8 @@ def _numbers(fine: Parameters, free: Record | None, loaded: Record | None) -> di
     """
     if free is None or loaded is None:
         return None
-    coarse = numbers_of_cells(free, loaded, fine.kappa.pitch)
+    coarse, measured = numbers_of_cells(free, loaded, fine.kappa.pitch), _measured(free, loaded, fine.kappa.pitch)
     if fine.by_cells.two_lines:
-        return {name: getattr(coarse.law, name) for name in PARAMETER_NAMES}
+        return {name: getattr(coarse.law, name) for name in PARAMETER_NAMES} | measured
     alpha, m0 = coarse.single_line.alpha.value, coarse.single_line.m0.value
-    return {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
+    return {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break} | measured

@@ -34,6 +34,7 @@ from rod import (
     fit_rod,
     gaussian_process,
     identify,
+    longest_break,
     moment_from_load,
     rest_curvature,
     shared_smoothing,
@@ -69,6 +70,8 @@ class Parameters:
     by_rod: RodFit | NoFit  #: the same from the closest rod
     #: standard deviations due to the mesh by name; empty where they were not estimated
     mesh_std: Mapping[str, float] = field(default_factory=dict)
+    #: relative errors of kappa_0(l/2), alpha2 and F due to the mesh, by name; empty where they were not estimated
+    mesh_errors: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def estimates(self) -> dict[str, ParameterEstimate | NoFit]:
@@ -89,6 +92,11 @@ class Parameters:
     def shortest_break(self) -> float:
         """The lower end of the range of d, mm; a d there means "at most that"."""
         return shortest_break(self.kappa.length, self.kappa.pitch)
+
+    @property
+    def longest_break(self) -> float:
+        """The upper end of the range of d, mm; a d there means "at least that"."""
+        return longest_break(self.kappa.length)
 
     @property
     def numbers(self) -> dict[str, Interval]:
@@ -157,7 +165,7 @@ def identify_all(outcomes: Outcomes, pitch: float) -> tuple[tuple[Parameters, ..
         try:
             parameters.append(_identified(pressure, free[pressure], loaded[pressure], pitch))
         except RodError as failure:
-            refused.append(f"no five numbers at {pressure:g} kPa: {failure}")
+            refused.append(f"no five parameters at {pressure:g} kPa: {str(failure).removesuffix('.')}")
     return tuple(parameters), tuple(refused)
 
 

@@ -26,10 +26,13 @@ def predicted_numbers(parameters: Sequence[Parameters], law: ArmLaw) -> list[Ide
 def _predicted(parameters: Parameters, law: ArmLaw) -> Identification:
     """Raises RodError where the law has no such rod."""
     curve = parameters.free.centreline
-    at_pressure = law.at(parameters.pressure_kPa)
-    rod = Rod(law.length, law=at_pressure, start=(float(curve.x[0]), float(curve.y[0])))
+    rod = Rod(law.length, law=law.at(parameters.pressure_kPa), start=(float(curve.x[0]), float(curve.y[0])))
     loaded = rod.solve(end_y=float(parameters.loaded.centreline.y[-1]))
-    load = Load((float(loaded.force[0]), float(loaded.force[1])), at_pressure.held_tip.couple)
+    force = (float(loaded.force[0]), float(loaded.force[1]))
+    lever = loaded.positions(loaded.s[-1:])[0] - [loaded.x[-1], loaded.y[-1]]
+    # about the end of the material curve
+    couple = float(loaded.moment[-1]) - lever[0] * force[1] + lever[1] * force[0]
+    load = Load(force, couple)
     free = _centreline(rod.solve(), curve.s)
     return numbers_of_curves(free, _centreline(loaded, curve.s), load, parameters.kappa.pitch)
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
+from pipeline.identification.mesh_error import RELATIVE
 from pipeline.identification.parameters import DEFAULT, NoFit, Parameters
 from pipeline.identification.predicted import predicted_numbers
 from pipeline.store.formats import FORMAT
@@ -22,18 +23,19 @@ def parameters_record(
 
     law: of the arm, which predicts the numbers as well; None where it was not made.
     """
-    mass = config.material.density_tonne_mm3 * config.design.solid_volume
+    mass = config.mass_tonne
     single_lines = [p.by_cells.single_line for p in parameters]
     return {
         "format": FORMAT,
         "design": config.record()["geometry"],
         "material": config.record()["material"],
         "length_mm": config.design.length,
-        "mass_g": mass * 1e6,
+        "mass_g": None if mass is None else mass * 1e6,
         "pressures_kPa": [p.pressure_kPa for p in parameters],
         "estimator": DEFAULT,
         **_columns([p.numbers for p in parameters]),
         "d_is_at_most": [_at_most(p.numbers["d"], p) for p in parameters],
+        "d_is_at_least": [_at_least(p.numbers["d"], p) for p in parameters],
         **_linear(parameters),
         "single_line_alpha_N_mm2": [line.alpha.value for line in single_lines],
         "single_line_alpha_N_mm2_std": [line.alpha.std for line in single_lines],
@@ -51,7 +53,7 @@ def parameters_record(
             {} if law is None else {"predicted_by_arm_law": _identified(predicted_numbers(parameters, law), parameters)}
         ),
         "kappa_0": _profiles(parameters),
-        "dimensionless": _dimensionless(parameters, config.design.length, mass * 9810.0),
+        "dimensionless": [] if mass is None else _dimensionless(parameters, config.design.length, mass * 9810.0),
         "profile_over_d": [
             {"pressure_kPa": p.pressure_kPa, "d_mm": p.by_cells.profile[:, 0], "rms_per_mm": p.by_cells.profile[:, 1]}
             for p in parameters
@@ -77,7 +79,9 @@ def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> JsonObject 
     if config.mesh.coarser is None or not any(p.mesh_std for p in parameters):
         return None
     columns = {f"{name}_{unit}_std": [p.mesh_std.get(name) for p in parameters] for name, unit in _NUMBERS.items()}
-    return {"sizes_mm": [config.mesh.element_size_mm, config.mesh.coarser * config.mesh.element_size_mm], **columns}
+    relative = {f"{name}_relative": [p.mesh_errors.get(name) for p in parameters] for name in RELATIVE}
+    sizes = [config.mesh.element_size_mm, config.mesh.coarser * config.mesh.element_size_mm]
+    return {"sizes_mm": sizes, **columns, **relative}
 
 
 def _eccentricity(parameters: Sequence[Parameters]) -> JsonObject:
@@ -103,6 +107,10 @@ def _at_most(d: Interval, parameters: Parameters) -> bool:
     return bool(d.value <= 1.001 * parameters.shortest_break)
 
 
+def _at_least(d: Interval, parameters: Parameters) -> bool:
+    return bool(d.value >= 0.999 * parameters.longest_break)
+
+
 def _estimator(name: str, parameters: Sequence[Parameters]) -> dict[str, Json]:
     """Two lines at every pressure, whether one suffices, and how many independent observations there were."""
     return _identified([p.estimates[name] for p in parameters], parameters)
@@ -111,9 +119,10 @@ def _estimator(name: str, parameters: Sequence[Parameters]) -> dict[str, Json]:
 def _identified(estimates: Sequence[ParameterEstimate | NoFit], parameters: Sequence[Parameters]) -> dict[str, Json]:
     """The columns of one estimator, one estimate per pressure."""
     columns = _columns([None if isinstance(e, NoFit) else {n: getattr(e, n) for n in _NUMBERS} for e in estimates])
-    columns["d_is_at_most"] = [
-        None if isinstance(e, NoFit) else _at_most(e.d, p) for e, p in zip(estimates, parameters, strict=True)
-    ]
+    for key, is_at_bound in (("d_is_at_most", _at_most), ("d_is_at_least", _at_least)):
+        columns[key] = [
+            None if isinstance(e, NoFit) else is_at_bound(e.d, p) for e, p in zip(estimates, parameters, strict=True)
+        ]
     columns["reason"] = [e.reason if isinstance(e, NoFit) else "" for e in estimates]
     identified = [e for e in estimates if isinstance(e, Identification)]
     if len(identified) == len(parameters):

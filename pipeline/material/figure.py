@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from pipeline.drawing.plots import INK, Panel, Stroke, series_colour, standalone_page, two_panels
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
-from pipeline.plots import INK, Panel, Stroke, series_colour, standalone_page, two_panels
 
 #: largest strain of the second panel; soft arms reach stretches of 1.2 to 1.35 (docs/materials.md)
 WORKING_STRAIN = 0.5

@@ -1,25 +1,49 @@
 """All pictures and fields of a run."""
 
 from geometry import Body
-from pipeline.pictures import Colour, draw_body, draw_deformed, write_fields, write_series
+from pipeline.drawing.pictures import Colour, draw_body, draw_deformed, write_fields, write_series
 from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.surfaces import at_nodes, save_surfaces
+from pipeline.store.formats import SURFACES
 from pipeline.store.store import Store
+
+#: what the pictures were drawn with
+_DRAWN = "pictures/drawn.json"
 
 
 def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
-    """The body, also cut open at z = 0; each state as a picture and as a file for ParaView, a series per experiment."""
+    """The body, also cut open at z = 0; each state as a picture and as a file for ParaView, a series per experiment.
+
+    Nothing is drawn where the pictures of an earlier run show the same states, drawn by the same sources.
+    """
+    titles = [_title(outcome.name, record.pressure_kPa) for outcome in outcomes for record in outcome.records]
+    drawn = {"key": store.numbers_key, "states": titles}
+    needed = ["mesh.vtu", "pictures/body.png", *(f"pictures/{title}.png" for title in titles)]
+    needed += [*(f"fields/{title}.vtu" for title in titles), *([SURFACES] if titles else [])]
+    if store.read_json(_DRAWN) == drawn and all((store.directory / name).is_file() for name in needed):
+        return
+    _draw(body, outcomes, store)
+    save_surfaces(body, outcomes, store)
+    store.save_json(_DRAWN, drawn)
+
+
+def _draw(body: Body, outcomes: Outcomes, store: Store) -> None:
     mesh = body.mesh
     write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets)
     draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half)
     if body.half:
         draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True)
-    stretches = [record.fields["stretch"].max() for record in outcomes.records]
-    limits = (1.0, max(stretches, default=1.1))
+    stretches = {
+        outcome.name: at_nodes([record.fields["stretch"] for record in outcome.records], outcome.nodes)
+        for outcome in outcomes
+        if outcome.records
+    }
+    limits = (1.0, max((float(values.max()) for values in stretches.values()), default=1.1))
     for outcome in outcomes:
         series = []
-        for record in outcome.records:
-            title = f"{outcome.name}_{record.pressure_kPa:g}kPa"
-            colour = Colour(record.fields["stretch"], "largest principal stretch", limits)
+        for number, record in enumerate(outcome.records):
+            title = _title(outcome.name, record.pressure_kPa)
+            colour = Colour(stretches[outcome.name][number], "largest principal stretch", limits)
             draw_deformed(
                 store.path(f"pictures/{title}.png"),
                 outcome.points,
@@ -32,3 +56,7 @@ def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
             write_fields(store.path(f"fields/{title}.vtu"), outcome.points, outcome.nodes, fields)
             series.append((record.pressure_kPa, f"fields/{title}.vtu"))
         write_series(store.path(f"{outcome.name}.pvd"), series)
+
+
+def _title(experiment: str, pressure_kPa: float) -> str:
+    return f"{experiment}_{pressure_kPa:g}kPa"

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
-from geometry import GRADINGS, Body, DesignError, MeshError
+from geometry import GRADINGS, Body, DesignError, MeshError, MeshFile
 from pipeline.config.config import AUTO, Config
 from pipeline.errors import InputError
 
@@ -35,6 +35,7 @@ class Scene:
             body = config.design.body(config.mesh.element_size_mm, GRADINGS[config.mesh.grading])
         except (DesignError, MeshError) as failure:
             raise InputError(f"{config.source}: {failure}") from None
+        _check_boundary(config, body)
         _check_faces(config, body)
         whole = config.effects.symmetry.off or config.effects.gravity.breaks_symmetry
         return Scene(config, body.full() if whole else body)
@@ -73,15 +74,13 @@ class Scene:
 
     def effects(self, largest_MPa: float) -> list[fem.Effect]:
         """The effects on the body, with `largest_MPa` as the pressure of the run at load factor 1."""
-        gravity, layer = self.config.effects.gravity, self.config.effects.strain_limiting_layer
+        gravity = self.config.effects.gravity
         effects = [*self._pressures(largest_MPa), *self._contacts()]
         if gravity.on:
             density = self.config.material.density_tonne_mm3
+            assert density is not None  # the configuration refuses gravity without it
             effects.append(fem.Gravity(density, gravity.acceleration_mm_s2, ramp=False))
-        if layer.on:
-            triangles = self.body.mesh.plane(1, self.body.curve_y)
-            effects.append(fem.StrainLimitingLayer(triangles, layer.thickness_mm, layer.E_MPa, layer.nu))
-        return effects
+        return [*effects, *layer_in(self.body, self.config)]
 
     def _pressures(self, largest_MPa: float) -> list[fem.Effect]:
         effects: list[fem.Effect] = []
@@ -107,6 +106,23 @@ class Scene:
             distance = contact.dhat_mm if intended else None
             effects.append(fem.SelfContact(faces, distance, inactive, overlap))
         return effects
+
+
+def _check_boundary(config: Config, body: Body) -> None:
+    """Refuse a mesh file whose boundary passes through itself."""
+    if isinstance(config.design, MeshFile) and (crossing := fem.crossing_at_rest(body.mesh)):
+        raise InputError(
+            f"{config.source}: geometry.file: the boundary of the mesh passes through itself near "
+            f"{fem.position_text(crossing)}; move the vertex there back, or mesh the body again"
+        )
+
+
+def layer_in(body: Body, config: Config) -> list[fem.Effect]:
+    """The strain-limiting layer in a body or a piece of it; empty where it is not switched on."""
+    layer = config.effects.strain_limiting_layer
+    if not layer.on:
+        return []
+    return [fem.StrainLimitingLayer(body.mesh.plane(1, body.curve_y), layer.thickness_mm, layer.E_MPa, layer.nu)]
 
 
 def _check_faces(config: Config, body: Body) -> None:

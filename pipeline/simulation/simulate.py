@@ -5,6 +5,7 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 
 import fem
+from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.processes import available_cores, process_pool
@@ -20,15 +21,20 @@ from rod import Load
 EXPERIMENTS = ("III", "II", "I")
 
 
-def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | LoadCase] = EXPERIMENTS) -> Outcomes:
-    """Solve the load cases, `context.jobs` at a time; one that fails does not stop the others.
+def experiments_of(config: Config) -> tuple[str, ...]:
+    """The experiments of a run; without I where gravity acts, because nothing holds the weight of a free body."""
+    without = {"I"} if config.effects.gravity.on else set()
+    return tuple(name for name in EXPERIMENTS if name in config.experiments and name not in without)
+
+
+def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | LoadCase] | None = None) -> Outcomes:
+    """Solve the load cases, by default `experiments_of`, `context.jobs` at a time; one that fails does not stop others.
 
     A name stands for that experiment at the pressures of the run. Raises RunFailed where the faces that are to touch
     cannot.
     """
-    cases = [
-        entry if isinstance(entry, LoadCase) else identification_case(scene.config, entry) for entry in experiments
-    ]
+    requested = experiments_of(scene.config) if experiments is None else experiments
+    cases = [entry if isinstance(entry, LoadCase) else identification_case(scene.config, entry) for entry in requested]
     for case in sorted(cases, key=lambda case: case.name):
         context.progress.experiment(case.name, case.schedule.pressures_kPa)
     try:

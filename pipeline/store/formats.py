@@ -5,6 +5,8 @@ from typing import Any
 
 #: the `status` of a row of experiments.json: the pressure was reached, or it was not
 CONVERGED, NOT_CONVERGED = "converged", "not converged"
+#: the file with the surface of the body in every state
+SURFACES = "pictures/surfaces.npz"
 #: number of the present set of keys, written as `format` to the files; files without it are of format 1
 FORMAT = 2
 #: keys of format 1 -> keys of format 2 (parameters, validation, effects_table, run, accuracy and material .json)

@@ -31,8 +31,7 @@ class ResultFolder:
 
     def save_json(self, name: str, value: Json) -> None:
         """Write `value` as JSON. Arrays become lists; NaN and infinity become null, which JSON can hold."""
-        text = json.dumps(_plain(value), indent=2, allow_nan=False) + "\n"
-        write_atomic(self.path(name), text.encode())
+        write_atomic(self.path(name), json_text(value).encode())
 
     def save_rows(self, name: str, columns: Sequence[str], rows: Sequence[Sequence[Any]]) -> None:
         """Write a CSV table with a header line; floats keep all their digits, NaN is an empty cell."""
@@ -66,6 +65,11 @@ def open_folder(directory: Path | str) -> ResultFolder:
         reason = failure.strerror or str(failure)
         raise InputError(f"--out {folder}: cannot be written ({reason}); give a folder you may write to") from None
     return ResultFolder(folder)
+
+
+def json_text(value: Json) -> str:
+    """`value` as JSON that ends with a line break. Arrays become lists; NaN and infinity become null."""
+    return json.dumps(_plain(value), indent=2, allow_nan=False) + "\n"
 
 
 def _plain(value: Any) -> Any:

@@ -79,7 +79,7 @@ def open_store(directory: Path | str, config: Configuration, *, fresh: bool = Fa
     be written, when another run is at work in it, or when it holds the results of another configuration.
     """
     folder = open_folder(directory).directory
-    with _locked(folder):
+    with locked(folder):
         for part in stale_parts(folder):
             part.unlink(missing_ok=True)  # a worker of the killed run may still be ending
         if fresh:
@@ -92,7 +92,8 @@ def open_store(directory: Path | str, config: Configuration, *, fresh: bool = Fa
 
 
 @contextmanager
-def _locked(folder: Path) -> Iterator[None]:
+def locked(folder: Path) -> Iterator[None]:
+    """Keep other runs out of a folder until the block ends. Raises InputError where one is at work in it."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)

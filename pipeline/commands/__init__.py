@@ -1,0 +1,1 @@
+"""The commands of `pneurod`, by what they work on; `pipeline.cli` puts them together."""

@@ -1,0 +1,172 @@
+"""The commands that solve a design: run, mesh, effects, accuracy, cell."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias, TypeVar
+
+import typer
+from rich.console import Console
+
+from pipeline.commands.ending import errors_as_sentences, print_json, print_lines, print_sentences
+from pipeline.errors import RunFailed
+from pipeline.processes import available_cores
+
+if TYPE_CHECKING:
+    from pipeline.config.config import Config
+    from pipeline.progress import Progress
+
+    Result = TypeVar("Result")
+    #: a command that solves: configuration, result folder, jobs, fresh, progress
+    Task: TypeAlias = Callable[[Config, Path, int, bool, Progress], Result]
+
+ConfigFile = Annotated[Path, typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml.")]
+OutFolder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Result folder. [default: results/NAME]")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: --set mesh.size='4 mm'. May be repeated."),
+]
+Jobs = Annotated[
+    int | None, typer.Option("--jobs", min=1, help="Experiments at the same time. [default: cores, 3 at most]")
+]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Every Newton iteration, and the time of every stage.")]
+Json = Annotated[bool, typer.Option("--json", help="The verdict as JSON on standard output; progress on stderr.")]
+Accuracy = Annotated[
+    str | None,
+    typer.Option("--accuracy", metavar="P%", help="Choose the mesh for this error: --set mesh.size=auto --accuracy 2%"),
+]
+
+
+def run(
+    config: ConfigFile,
+    out: OutFolder = None,
+    settings: Settings = None,
+    accuracy: Accuracy = None,
+    jobs: Jobs = None,
+    fresh: Fresh = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+    as_json: Json = False,
+) -> None:
+    """Mesh, experiments I, II and III, the five parameters, the rod, the report."""
+    with errors_as_sentences():
+        design, folder = _design(config, _with_accuracy(settings, accuracy), out)
+
+        from pipeline.progress import Silent, progress_for
+        from pipeline.report.results import read_results
+        from pipeline.report.verdict import verdict_of
+        from pipeline.run import run as run_design
+        from pipeline.terminal import spent_table, verdict_table
+
+        progress = Silent() if quiet else progress_for(Console(stderr=as_json), verbose=verbose)
+        report = _solve(run_design, design, folder, jobs or min(3, available_cores()), fresh, progress)
+        verdict = verdict_of(read_results(folder))
+        if as_json:
+            print_json(verdict.record())
+        else:
+            print_lines(*([spent_table(report.seconds)] if verbose else []), *verdict_table(verdict))
+            print_sentences(*verdict.sentences, f"report: {folder / 'report.html'}")
+        report.raise_if_failed()
+
+
+def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -> None:
+    """Only the body: DIR/mesh.vtu, volumes and the quality of the elements. [default DIR: results/NAME_mesh]"""
+    with errors_as_sentences():
+        design, folder = _design(config, settings, out, "_mesh")
+
+        from pipeline.simulation.scene import Scene
+        from pipeline.store.atomic_file import replacing
+        from pipeline.store.result_folder import open_folder
+        from pipeline.terminal import body_table
+
+        body = Scene.meshed(design).body
+        file = open_folder(folder).path("mesh.vtu")
+        with replacing(file) as part:
+            body.mesh.write(part)
+        print_lines(body_table(file, design.design, body))
+
+
+def effects(
+    config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
+) -> None:
+    """Each effect on and off: what it changes, what it costs. [default DIR: results/NAME_effects]"""
+    with errors_as_sentences():
+        design, folder = _design(config, settings, out, "_effects")
+
+        from pipeline.effects_study import compare_effects, contact_sentences
+        from pipeline.terminal import effects_comparison
+
+        table = _solve(compare_effects, design, folder, jobs or min(2, available_cores()), fresh)
+        print_lines(effects_comparison(table.rows), *contact_sentences(table.rows))
+        print_lines(f"table: {folder / 'effects_table.json'}")
+        if table.failures:
+            raise RunFailed("; ".join(table.failures))
+
+
+def accuracy(
+    config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
+) -> None:
+    """Convergence study: error against seconds over meshes, elements and tolerances. [default DIR:
+    results/NAME_accuracy]"""
+    with errors_as_sentences():
+        design, folder = _design(config, settings, out, "_accuracy")
+
+        from pipeline.accuracy.study import run_study
+        from pipeline.accuracy.table import reference_sentences
+        from pipeline.terminal import study_table
+
+        study = _solve(run_study, design, folder, jobs or min(2, available_cores()), fresh)
+        print_lines(study_table(study), *reference_sentences(study))
+        print_lines(f"picture: {folder / 'accuracy.html'}")
+
+
+def cell(
+    config: ConfigFile,
+    out: OutFolder = None,
+    settings: Settings = None,
+    accuracy: Annotated[
+        str | None,
+        typer.Option("--accuracy", metavar="P%", help="Refine the mesh of the configuration for this error: 1%"),
+    ] = None,
+    jobs: Jobs = None,
+    fresh: Fresh = False,
+) -> None:
+    """The arm's own law from one cell and its two ends, for every load and length. [default DIR: results/NAME_cell]"""
+    with errors_as_sentences():
+        design, folder = _design(config, _with_accuracy(settings, accuracy), out, "_cell")
+
+        from pipeline.cell.study import measure_law
+        from pipeline.cell.table import law_sentences
+        from pipeline.terminal import cell_table
+
+        report = _solve(measure_law, design, folder, jobs or 1, fresh)
+        print_lines(cell_table(report.measured), *law_sentences(report))
+        print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
+        report.raise_if_failed()
+
+
+def _with_accuracy(settings: list[str] | None, accuracy: str | None) -> list[str]:
+    """The settings with a requested accuracy."""
+    return [*(settings or ()), *([f"accuracy={accuracy}"] if accuracy else [])]
+
+
+def _design(config: Path, settings: list[str] | None, out: Path | None, suffix: str = "") -> tuple["Config", Path]:
+    """The configuration, checked, and the result folder."""
+    from pipeline.config.load import load_config
+
+    design = load_config(config, settings or ())
+    return design, out or Path("results") / f"{design.name}{suffix}"
+
+
+def _solve(
+    task: "Task[Result]", design: "Config", folder: Path, jobs: int, fresh: bool, progress: "Progress | None" = None
+) -> "Result":
+    """The result of a task, with its progress on the terminal where no other listener is given."""
+    from pipeline.progress import progress_for
+
+    progress = progress or progress_for(Console())
+    try:
+        return task(design, folder, jobs, fresh, progress)
+    finally:
+        progress.done()

@@ -1,0 +1,43 @@
+"""The command that solves many designs: sweep."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pipeline.commands.ending import errors_as_sentences, print_lines
+from pipeline.errors import InputError
+from pipeline.processes import available_cores
+
+
+def sweep(
+    file: Annotated[Path, typer.Argument(metavar="SWEEP", help="Base configuration and axes in YAML.")],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Result folder. [default: results/NAME]")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler instead of workers on this machine.")
+    ] = None,
+    jobs: Annotated[int | None, typer.Option(min=1, help="Points at the same time. [default: cores]")] = None,
+    memory: Annotated[
+        str | None, typer.Option(metavar="SIZE", help="Of each worker: '4 GB'. [default: equal parts of the machine's]")
+    ] = None,
+    retry: Annotated[bool, typer.Option("--retry", help="Try points that were not reached again.")] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")] = False,
+) -> None:
+    """Many designs: a base configuration and axes, every point a run of its own, one table, on Dask."""
+    with errors_as_sentences():
+        if scheduler is not None and (jobs is not None or memory is not None):
+            raise InputError("--scheduler: its workers are started apart; leave out --jobs and --memory")
+
+        from pipeline.sweep.spec import read_sweep
+        from pipeline.sweep.study import Course, run_sweep
+        from pipeline.sweep.workers import LocalWorkers, RemoteScheduler
+
+        requested = read_sweep(file)
+        local = LocalWorkers.of(jobs or available_cores(), memory)
+        workers = local if scheduler is None else RemoteScheduler(scheduler)
+        folder = out or Path("results") / requested.name
+        report = run_sweep(requested, folder, Course(workers, fresh, retry, print_lines))
+        print_lines(f"{report.sentence()}; table: {folder / 'sweep.csv'}, picture: {folder / 'sweep.svg'}")
+        report.raise_if_failed()

@@ -1,0 +1,32 @@
+"""The mesh of a run as run.json has it: what was chosen and why, how long its edges are, and its volume."""
+
+from dataclasses import dataclass
+
+from pipeline.simulation.scene import Scene
+from pipeline.store.json_values import JsonObject
+
+
+@dataclass(frozen=True)
+class MeshRecord:
+    """The mesh that was solved on."""
+
+    record: JsonObject  #: the key `mesh` of run.json
+
+    @staticmethod
+    def of(scene: Scene) -> "MeshRecord":
+        """The record of a scene's mesh."""
+        mesh, settings, design = scene.body.mesh, scene.config.mesh, scene.config.design
+        halves = 2 if scene.body.half else 1
+        return MeshRecord(
+            {
+                "size_mm": settings.element_size_mm,
+                "formulation": settings.formulation,
+                "grading": settings.grading,
+                "chosen": dict(settings.chosen),
+                "elements": len(mesh.tets),
+                "mean_edge_mm": mesh.quality.mean_edge,
+                "longest_edge_mm": mesh.quality.longest_edge,
+                "smallest_radius_ratio": mesh.quality.minimum,
+                "volume_over_drawing": halves * mesh.volume / design.solid_volume,
+            }
+        )
