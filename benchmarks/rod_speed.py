@@ -1,12 +1,16 @@
 """The rod of the README, solved a thousand times; the same problem by scipy's `solve_bvp` and by PyElastica at rest.
 
-    python benchmarks/rod_speed.py
+    python benchmarks/rod_speed.py [LAW.json]
+
+With the law.json of an arm, as `pneurod cell` writes it, the rod that follows it is measured as well, at the highest
+pressure and at one between.
 
 All three solve the same arm: the gapped pneu-net at about 31 kPa with its five parameters and a dead end force.
 PyElastica integrates in time until the arm hardly moves; it is not made for statics, and its time shows only what
 such a use would cost.
 """
 
+import json
 import sys
 import tempfile
 import time
@@ -18,7 +22,8 @@ from scipy.integrate import solve_bvp
 # the rooms stand beside this folder
 sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
-from rod import Arm, FiveParameters, Rod, export  # noqa: E402  (the path comes first)
+from rod import Arm, FiveParameters, Rod, export_arm  # noqa: E402  (the path comes first)
+from rod.arm_law.record import law_from_record  # noqa: E402
 
 LENGTH, FORCE = 112.0, (0.01, -0.05)
 LAW = FiveParameters(alpha1=150.0, alpha2=400.0, m01=-0.8, m02=0.1, d=14.0)
@@ -29,12 +34,12 @@ README = Rod(1.0, 2.0, FiveParameters(alpha1=2.0, alpha2=1.0, m01=0.1, m02=-0.05
 
 
 def seconds_each(call, count: int) -> float:
-    """Mean wall time of a call that has been made once before."""
+    """Mean processor time of a call that has been made once before."""
     call()
-    start = time.perf_counter()
+    start = time.process_time()
     for _ in range(count):
         call()
-    return (time.perf_counter() - start) / count
+    return (time.process_time() - start) / count
 
 
 def by_scipy() -> np.ndarray:
@@ -64,8 +69,9 @@ def by_pyelastica(elements: int = 40, until: float = 1.3) -> np.ndarray:
 
     with tempfile.TemporaryDirectory() as folder:
         scope: dict = {}
-        exec(export(Arm(CONSTANT, 20.0, 7.0, elements=elements), "pyelastica", Path(folder)).read_text(), scope)
-    rod = scope["build"]()
+        arm = Arm((1.0,), (CONSTANT,), 20.0, 7.0, elements=elements)
+        exec(export_arm(arm, "pyelastica", Path(folder))[0].read_text(), scope)
+    rod = scope["build"](1.0)
 
     class Simulator(elastica.BaseSystemCollection, elastica.Constraints, elastica.Forcing, elastica.Damping):
         pass
@@ -83,7 +89,24 @@ def by_pyelastica(elements: int = 40, until: float = 1.3) -> np.ndarray:
     return 1e3 * rod.position_collection[:2, -1]
 
 
-def main() -> None:
+def with_law(file: Path) -> list[tuple[str, float, None]]:
+    """The rod with the arm's own law: seconds to set it up between two pressures, and of its solutions."""
+    law = law_from_record(json.loads(file.read_text(encoding="utf-8")))
+    highest, before = law.pressures[-1], law.pressures[-2]
+    rows = [
+        (
+            "rod with a cell law, set up between pressures",
+            seconds_each(lambda: law.at((highest + before) / 2), 50),
+            None,
+        )
+    ]
+    for name, rod in (("", law.at(highest)), (", between pressures", law.at((highest + before) / 2))):
+        rows.append((f"the same, dead force{name}", seconds_each(lambda rod=rod: rod.solve((0.0, 0.02)), 200), None))
+        rows.append((f"the same, experiment III{name}", seconds_each(lambda rod=rod: rod.solve(end_y=0.0), 200), None))
+    return rows
+
+
+def main(arguments: list[str]) -> None:
     """Print one table."""
     shape = CONSTANT.solve(force=FORCE)
     ours = np.array([shape.x[-1], shape.y[-1]])
@@ -93,20 +116,22 @@ def main() -> None:
         ("rod, dead force, kappa_0 at 113 nodes", seconds_each(lambda: SAMPLED.solve(force=FORCE), 300), None),
         ("rod, experiment III, kappa_0 at 113 nodes", seconds_each(lambda: SAMPLED.solve(end_y=0.0), 300), None),
     ]
+    if arguments:
+        rows += with_law(Path(arguments[0]))
     tip = by_scipy()
     rows.append(("scipy solve_bvp, tol 1e-8", seconds_each(by_scipy, 10), np.hypot(*(tip - ours)) / LENGTH))
     by_pyelastica(until=0.01)  # compiled
-    start = time.perf_counter()
+    start = time.process_time()
     tip = by_pyelastica()
     rows.append(
-        ("PyElastica, 40 elements, 1.3 s at rest", time.perf_counter() - start, np.hypot(*(tip - ours)) / LENGTH)
+        ("PyElastica, 40 elements, 1.3 s at rest", time.process_time() - start, np.hypot(*(tip - ours)) / LENGTH)
     )
-    lines = [f"{'':42s}{'ms':>12s}{'per second':>12s}{'tip off, l':>12s}"]
+    lines = [f"{'':46s}{'ms':>12s}{'per second':>12s}{'tip off, l':>12s}"]
     lines += [
-        f"{name:42s}{1e3 * t:12.3f}{1 / t:12.1f}{'' if off is None else format(off, '12.1e')}" for name, t, off in rows
+        f"{name:46s}{1e3 * t:12.3f}{1 / t:12.1f}{'' if off is None else format(off, '12.1e')}" for name, t, off in rows
     ]
     sys.stdout.write("\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])

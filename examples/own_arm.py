@@ -1,10 +1,11 @@
-"""An arm with user-defined dimensions: from a few numbers to a rod model with its errors, and a picture of both.
+# %% [markdown]
+# # An arm with user-defined dimensions: from a few numbers to a rod model with its errors, and a picture of both
+#
+#     python examples/own_arm.py [FOLDER]
+#
+# It takes about half a minute. The results are in FOLDER (results/own_arm by default), with a report for the browser.
 
-    python examples/own_arm.py [FOLDER]
-
-takes about half a minute. The results are in FOLDER (results/own_arm by default), with a report for the browser.
-"""
-
+# %%
 import sys
 from pathlib import Path
 
@@ -12,40 +13,68 @@ import matplotlib.pyplot as plt
 
 import pneurod
 
-# 1. The design: every dimension with its unit. Those left out are the ones of the paper's gapped arm.
-#    A coarse mesh, so that the example is quick; 4 mm gives better numbers.
+# %% [markdown]
+# ## 1. The design
+#
+# Every dimension has its unit. Those left out are the ones of the paper's gapped arm. The mesh is coarse, so that
+# the example is quick; 4 mm gives better numbers.
+
+# %%
 design = """
 name: own_arm
 geometry: {family: pneunet, chambers: 8, width: 18 mm, chamber_height: 14 mm, wall: 1.2 mm}
 material: {law: neo_hooke, mu: 0.4 MPa, kappa: 20 MPa, density: 1070 kg/m^3}
 pressures: [10 kPa, 20 kPa]
-mesh: {size: 8 mm}
+mesh: {size: 8 mm, formulation: p2p0, grading: off}
 """
-folder = Path(sys.argv[1] if len(sys.argv) > 1 else "results/own_arm")
+folder = Path(sys.argv[1] if len(sys.argv) == 2 else "results/own_arm")
 folder.mkdir(parents=True, exist_ok=True)
 config = folder / "own_arm.yaml"
 config.write_text(design, encoding="utf-8")
 
-# 2. The run: mesh, finite elements, five parameters, the rod and a report.
+# %% [markdown]
+# ## 2. The run
+#
+# Mesh, finite elements, five parameters, the rod and a report.
+
+# %%
 results = pneurod.characterize(config, out=folder, progress=True)
 
-# 3. The five parameters at every pressure, with the standard deviations of the identification.
+# %% [markdown]
+# ## 3. The five parameters at every pressure, with the standard deviations of the identification
+
+# %%
 columns = [f"{name}{ending}" for name in ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm") for ending in ("", "_std")]
 print(results.parameters.set_index("pressure_kPa")[columns].round(3).to_string())
 
-# 4. How good is the rod? Largest distance to the finite elements, over the length of the arm.
+# %% [markdown]
+# ## 4. How good is the rod?
+#
+# Largest distance to the finite elements, over the length of the arm.
+
+# %%
 distances = results.validation.query("experiment == 'III' and rod == 'five' and sample == 'in'").set_index(
     "pressure_kPa"
 )["distance_over_length"]
 for pressure, distance in distances.items():
     print(f"in experiment III at {pressure:g} kPa the rod is within {100 * distance:.1f} % of the length")
 
-# 5. What the rod is for: shapes under loads that were never simulated, here a weight of 5 g at the tip at 15 kPa.
+# %% [markdown]
+# ## 5. What the rod is for
+#
+# Shapes under loads that were never simulated, here a weight of 5 g at the tip at 15 kPa.
+
+# %%
 rod = results.rod(pressure_kPa=15.0)
 free, loaded = rod.solve(), rod.solve(force=(0.0, -0.005 * 9.81))
 print(f"5 g at the tip move it by {loaded.y[-1] - free.y[-1]:.1f} mm")
 
-# 6. A picture: finite elements and rod at the pressures of the run, and the two shapes of the rod between them.
+# %% [markdown]
+# ## 6. A picture
+#
+# Finite elements and rod at the pressures of the run, and the two shapes of the rod between them.
+
+# %%
 figure, axes = plt.subplots()
 for (experiment, pressure), curve in results.curves.groupby(["experiment", "pressure_kPa"]):
     if experiment == "II":

@@ -1,11 +1,12 @@
-"""A user-defined hyperelastic law in the finite elements, checked against its closed form.
+# %% [markdown]
+# # A user-defined hyperelastic law in the finite elements, checked against its closed form
+#
+#     python examples/own_material.py
+#
+# A bar of six tetrahedra is pulled to twice its length. Its law is that of A. Isihara, N. Hashitsume and M. Tatibana
+# (J. Chem. Phys. 19 (1951) 1508), W = c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c01 (I2bar - 3) + kappa/2 (J - 1)^2.
 
-    python examples/own_material.py
-
-Isihara's law, W = c10 (I1bar - 3) + c20 (I1bar - 3)^2 + c01 (I2bar - 3) + kappa/2 (J - 1)^2 (A. Isihara, N. Hashitsume,
-M. Tatibana, J. Chem. Phys. 19 (1951) 1508), pulls a bar of six tetrahedra to twice its length.
-"""
-
+# %%
 from dataclasses import dataclass
 from itertools import permutations
 from typing import final
@@ -17,10 +18,15 @@ from pneurod import fem, geometry
 
 Array = NDArray[np.float64]
 
+# %% [markdown]
+# ## 1. The law
+#
+# Of a law in the isochoric invariants I1bar and I2bar only this has to be written; stress, tangent and the split into
+# a shear and a volumetric part follow. A law of another kind derives from fem.Material itself. (A law that YAML files
+# can name stands in fem/materials, and in the table LAWS there.)
 
-# 1. The law. Of a law in the isochoric invariants I1bar and I2bar only this has to be written; stress, tangent and the
-#    split into a shear and a volumetric part follow. A law of another kind derives from fem.Material itself.
-#    (A law that YAML files can name stands in fem/materials, and in the table LAWS there.)
+
+# %%
 @final
 @dataclass(frozen=True)
 class Isihara(fem.IsochoricLaw):
@@ -51,7 +57,12 @@ class Isihara(fem.IsochoricLaw):
 
 law = Isihara(c10=0.10, c20=0.01, c01=0.03, kappa=500.0)
 
-# 2. A bar of 2 x 1 x 1 mm: one brick cut into six tetrahedra, with names for the faces that are held or moved.
+# %% [markdown]
+# ## 2. A bar of 2 x 1 x 1 mm
+#
+# One brick cut into six tetrahedra, with names for the faces that are held or moved.
+
+# %%
 size = np.array([2.0, 1.0, 1.0])
 corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * size  # numbered 4 x + 2 y + z
 tets = np.array([[0, a, a + b, 7] for a, b, _ in permutations((4, 2, 1))])
@@ -61,12 +72,22 @@ planes = {"left": (0, 0.0), "right": (0, 2.0), "bottom": (1, 0.0), "back": (2, 0
 faces = {name: brick.boundary[np.all(triangles[..., axis] == at, axis=1)] for name, (axis, at) in planes.items()}
 mesh = geometry.Mesh(brick.points, brick.tets, faces)
 
-# 3. The model: three planes that slide, and one end that is moved by 2 mm at load factor 1.
+# %% [markdown]
+# ## 3. The model
+#
+# Three planes that slide, and one end that is moved by 2 mm at load factor 1.
+
+# %%
 sliding = [fem.Fixed("left", "x"), fem.Fixed("bottom", "y"), fem.Fixed("back", "z")]
 model = fem.Model(mesh, law, supports=[*sliding, fem.Prescribed("right", "x", 2.0)], effects=[])
 solution = fem.follow(model, factors=[0.25, 0.5, 0.75, 1.0])
 
-# 4. Force over the area at rest (1 mm2) against the closed form. They differ by the small change of volume.
+# %% [markdown]
+# ## 4. Force over the area at rest (1 mm2) against the closed form
+#
+# They differ by the small change of volume.
+
+# %%
 print("stretch   finite elements   closed form   difference")
 for step in solution.steps:
     stretch = 1.0 + step.factor
@@ -76,6 +97,11 @@ for step in solution.steps:
     print(f"{stretch:7.2f} {stress:13.5f} MPa {closed:9.5f} MPa {100 * (stress / closed - 1):10.2f} %")
     assert abs(stress / closed - 1) < 0.005
 
-# 5. The same with the change of volume in the closed form: the difference is that of the solver's tolerance.
+# %% [markdown]
+# ## 5. The same with the change of volume in the closed form
+#
+# The difference is that of the solver's tolerance.
+
+# %%
 bar = law.uniaxial(np.array([2.0]))
 print(f"with the change of volume: {solution.steps[-1].reaction('right')[0] / bar.nominal[0] - 1:.1e}")

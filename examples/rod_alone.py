@@ -1,10 +1,11 @@
-"""The rod alone: five parameters and a rest curvature, and its shapes under loads in about a millisecond each.
+# %% [markdown]
+# # The rod alone: five parameters and a rest curvature, and its shapes under loads in about a millisecond each
+#
+#     python examples/rod_alone.py [FOLDER]
+#
+# FOLDER, if given, is the result folder of a run, whose rod is bent as well.
 
-    python examples/rod_alone.py [FOLDER]
-
-FOLDER, if given, is the result folder of a run, whose rod is bent as well.
-"""
-
+# %%
 import sys
 import time
 
@@ -12,7 +13,12 @@ import numpy as np
 
 import pneurod
 
-# 1. A rod of 112 mm. The law M = alpha (kappa - kappa_0) + m0 has one rigidity up to d and another one beyond it.
+# %% [markdown]
+# ## 1. A rod of 112 mm
+#
+# The law M = alpha (kappa - kappa_0) + m0 has one rigidity up to d and another one beyond it.
+
+# %%
 law = pneurod.FiveParameters(
     alpha1=180.0,  # N mm2, bending stiffness between the clamp and d
     alpha2=290.0,  # N mm2, beyond d
@@ -22,25 +28,39 @@ law = pneurod.FiveParameters(
 )
 rod = pneurod.Rod(length=112.0, kappa_0=-0.012, law=law)  # kappa_0 in 1/mm; a function of s or samples work too
 
-# 2. A force on the tip, in N; x points along the clamped end, y up.
+# %% [markdown]
+# ## 2. A force on the tip, in N; x points along the clamped end, y up
+
+# %%
 print("F_y (N)   tip x (mm)   tip y (mm)   tip angle (rad)   moment at the clamp (N mm)")
 for force in np.linspace(0.0, 0.1, 6):
     shape = rod.solve(force=(0.0, force))
     print(f"{force:7.3f} {shape.x[-1]:12.2f} {shape.y[-1]:12.2f} {shape.theta[-1]:17.4f} {shape.moment[0]:28.3f}")
 
-# 3. The other way round: the height of the tip is prescribed, and the force that this needs is computed.
+# %% [markdown]
+# ## 3. The other way round
+#
+# The height of the tip is prescribed, and the force that this needs is computed.
+
+# %%
 prescribed = rod.solve(end_y=-20.0)
 print(f"a tip at y = -20 mm needs F_y = {prescribed.force[1]:.4f} N")
 
-# 4. How long one shape takes.
+# %% [markdown]
+# ## 4. How long one shape takes
+
+# %%
 count = 200
 start = time.perf_counter()
 for force in np.linspace(0.001, 0.1, count):
     rod.solve(force=(0.0, force))
 print(f"{1000 * (time.perf_counter() - start) / count:.2f} ms per shape")
 
-# 5. The same with the rod of a run, at the middle of its pressures.
-if len(sys.argv) > 1:
+# %% [markdown]
+# ## 5. The same with the rod of a run, at the middle of its pressures
+
+# %%
+if len(sys.argv) == 2:
     results = pneurod.read_results(sys.argv[1])
     pressure = sum(results.pressures_kPa) / len(results.pressures_kPa)
     shape = results.rod(pressure).solve(force=(0.0, 0.05))

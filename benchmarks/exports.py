@@ -1,0 +1,131 @@
+"""The exported rods of a run at rest in other programs, against the rod itself: the table of docs/how_to/robots.md.
+
+    python benchmarks/exports.py results/pneunet_coarse [--programs mujoco pyelastica pybullet] [--force 0 0.02]
+
+Every program gets the files of `pneurod export` and the same dead force on the end; the largest distance between its
+curve and that of the rod is printed over the length. PyBullet is not among the packages of the project; it reads the
+URDF that goes with the file for SoMo, and the springs of that file are applied as torques, as SoMo does.
+"""
+
+import argparse
+import json
+import runpy
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from pipeline.rods.export import ExportOptions, exported
+from pipeline.rods.saved import SavedRod
+
+
+def in_mujoco(files: list[Path], pressure: float, force: tuple[float, float]) -> np.ndarray:
+    """Hinges and end (n, 2) in mm."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_path(str(files[0]))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key(f"{pressure:g}kPa").id)
+    data.ctrl[:] = pressure
+    tip = model.site("tip").id
+    for step in range(40000):
+        data.qfrc_applied[:] = 0.0
+        end = np.array([*force, 0.0])
+        mujoco.mj_applyFT(
+            model, data, end, np.zeros(3), data.site_xpos[tip].copy(), model.site_bodyid[tip], data.qfrc_applied
+        )
+        mujoco.mj_step(model, data)
+        if step > 200 and np.abs(data.qvel).max() < 1e-6:
+            break
+    return 1e3 * np.vstack([data.xanchor[:, :2], data.site_xpos[tip, :2]])
+
+
+def in_pyelastica(files: list[Path], pressure: float, force: tuple[float, float]) -> np.ndarray:
+    """Nodes (n, 2) in mm."""
+    return 1e3 * runpy.run_path(str(files[0]))["simulate"](pressure, force).position_collection[:2].T
+
+
+def in_pybullet(files: list[Path], pressure: float, force: tuple[float, float]) -> np.ndarray:
+    """Hinges and end (n, 2) in mm: the joint angles at which springs and force are in balance, by Newton's method."""
+    import pybullet as bullet
+
+    definition = next(file for file in files if file.name == f"rod_somo_{pressure:g}kPa.yaml")
+    joints = json.loads(definition.read_text())["actuator_definitions"][0]["joint_definitions"]
+    stiffness, neutral = (
+        np.array([joint[key] for joint in joints]) for key in ("spring_stiffness", "joint_neutral_position")
+    )
+    bullet.connect(bullet.DIRECT)
+    robot = bullet.loadURDF(str(definition.with_suffix(".urdf")), useFixedBase=True)
+    movable = [
+        k for k in range(bullet.getNumJoints(robot)) if bullet.getJointInfo(robot, k)[2] == bullet.JOINT_REVOLUTE
+    ]
+    half = bullet.getVisualShapeData(robot)[-1][3][2]  # length of the last box, half an element
+    # z of the file is x of the rod, and a positive angle about x turns z towards -y
+    applied = np.array([0.0, -force[1], force[0]])
+
+    def points(angles: np.ndarray) -> np.ndarray:
+        for k, angle in zip(movable, angles, strict=True):
+            bullet.resetJointState(robot, k, angle)
+        states = [bullet.getLinkState(robot, k, computeForwardKinematics=True) for k in movable]
+        hinges = np.array([state[4] for state in states])
+        axis = np.array(bullet.getMatrixFromQuaternion(states[-1][5])).reshape(3, 3)[:, 2]
+        return np.vstack([hinges, hinges[-1] + half * axis])
+
+    angles = neutral.copy()
+    for _ in range(40):
+        at = points(angles)
+        arms = at[-1] - at[:-1]
+        torque = np.cross(arms, applied)[:, 0]
+        residual = stiffness * (angles - neutral) - torque
+        # turning hinge j moves the end, and all hinges beyond j, about hinge j
+        turned = np.cross(np.array([1.0, 0.0, 0.0]), arms)
+        later = np.maximum.outer(np.arange(len(arms)), np.arange(len(arms)))
+        tangent = np.diag(stiffness) - np.cross(turned[later], applied)[..., 0]
+        step = np.linalg.solve(tangent, residual)
+        angles = angles - step * min(1.0, 0.2 / np.abs(step).max())
+        if np.abs(residual).max() < 1e-12:
+            break
+    at = points(angles)
+    bullet.disconnect()
+    return 1e3 * np.column_stack([at[:, 2], -at[:, 1]])
+
+
+PROGRAMS = {"mujoco": ("mujoco", in_mujoco), "pyelastica": ("pyelastica", in_pyelastica)}
+PROGRAMS["pybullet"] = ("somo", in_pybullet)
+
+
+def main() -> None:
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("folder", type=Path)
+    options.add_argument("--programs", nargs="+", default=["mujoco", "pyelastica"], choices=list(PROGRAMS))
+    options.add_argument("--force", nargs=2, type=float, default=(0.0, 0.02))
+    given = options.parse_args()
+    write = sys.stdout.write
+    saved = SavedRod.read(given.folder / "parameters.json", extensible=False)
+    write("| program | pressure, kPa | largest distance over l, % | end, mm | end of the rod, mm |\n")
+    write("|---|---:|---:|---|---|\n")
+    with tempfile.TemporaryDirectory() as scratch:
+        for name in given.programs:
+            target, solve = PROGRAMS[name]
+            files = exported(given.folder, target, ExportOptions(out=Path(scratch)))
+            for pressure in saved.rods.pressures:
+                shape = saved.rods.at(float(pressure)).solve(force=given.force)
+                ours = np.column_stack([shape.x, shape.y])
+                theirs = solve(files, float(pressure), tuple(given.force))
+                off = max(_distance(point, ours) for point in theirs) / saved.rods.length
+                ends = ["({:.2f}, {:.2f})".format(*points[-1]) for points in (theirs, ours)]
+                write(f"| {name} | {pressure:g} | {100.0 * off:.3f} | {ends[0]} | {ends[1]} |\n")
+
+
+def _distance(point: np.ndarray, curve: np.ndarray) -> float:
+    """Distance of a point (2,) from a polygon (n, 2)."""
+    along = np.diff(curve, axis=0)
+    t = np.clip(np.einsum("ij,ij->i", point - curve[:-1], along) / np.einsum("ij,ij->i", along, along), 0.0, 1.0)
+    return float(np.hypot(*(curve[:-1] + t[:, None] * along - point).T).min())
+
+
+if __name__ == "__main__":
+    main()

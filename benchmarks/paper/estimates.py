@@ -1,0 +1,115 @@
+"""The numbers of a state by the estimators of a reader of the paper and by the default of pneurod, as rows."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.paper.states import State
+from pipeline.identification.parameters import numbers_of_curves
+from rod import FreeLines, RodError, paper_cells, paper_process, single_rigidity_control
+
+#: length scale (mm) at which paper_process prints the paper's d/l, and those of the scan
+LENGTH_SCALE, SCALES = 20.0, (14.0, 16.0, 17.0, 18.0, 19.0, 20.0, 22.0, 25.0, 28.0, 32.0, 36.0, 40.0)
+CELLS, PROCESS, DEFAULT = "paper_cells", "paper_process", "default"
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Numbers of one state by one estimator."""
+
+    state: State
+    estimator: str
+    alpha1: float  #: N mm2
+    alpha2: float  #: N mm2
+    d_over_length: float
+    r2: float
+    single_alpha: float  #: N mm2
+    single_r2: float
+    two_lines: bool | None  #: whether two lines are worth their parameters; None where that is not asked
+    length_scale: float | None = None  #: mm
+    deviations: tuple[float, float] | None = None  #: of alpha1 and alpha2, N mm2
+    lines: FreeLines | None = None
+
+
+def estimates_of(state: State) -> Iterator[Estimate]:
+    """By the three estimators; one that gives no numbers is left out."""
+    for estimate in (_cells, process, _default):
+        try:
+            yield estimate(state)
+        except RodError:
+            continue
+
+
+def _cells(state: State) -> Estimate:
+    return _of_lines(state, CELLS, paper_cells(state.curves, state.pitch))
+
+
+def process(state: State, length_scale: float = LENGTH_SCALE) -> Estimate:
+    """By the Gaussian process of this length scale, mm."""
+    return _of_lines(state, PROCESS, paper_process(state.curves, length_scale))
+
+
+def control(state: State, alpha: float) -> Estimate:
+    """What the process makes of a rod with one rigidity alpha (N mm2) and the kappa_0(l/2) of the state."""
+    lines = single_rigidity_control(state.curves, LENGTH_SCALE, alpha, state.kappa_0_middle)
+    return _of_lines(state, "control", lines)
+
+
+def _of_lines(state: State, name: str, lines: FreeLines) -> Estimate:
+    return Estimate(
+        state,
+        name,
+        lines.law.alpha1,
+        lines.law.alpha2,
+        lines.law.d / state.length,
+        lines.r2,
+        lines.single_alpha,
+        lines.single_r2,
+        None,
+        lines.length_scale,
+        lines=lines,
+    )
+
+
+def _default(state: State) -> Estimate:
+    numbers = numbers_of_curves(state.curves.free, state.curves.loaded, state.load, state.pitch)
+    line = numbers.single_line.alpha
+    if not numbers.two_lines:
+        alphas, d, deviations = (line.value, line.value), float("nan"), (line.std, line.std)
+    else:
+        alphas, d = (numbers.alpha1.value, numbers.alpha2.value), numbers.d.value / state.length
+        deviations = (numbers.alpha1.std, numbers.alpha2.std)
+    return Estimate(
+        state,
+        DEFAULT,
+        *alphas,
+        d,
+        numbers.r2,
+        line.value,
+        float("nan"),
+        bool(numbers.two_lines),
+        deviations=deviations,
+    )
+
+
+COLUMNS = (
+    *("family", "law", "chambers", "chamber_height_mm", "pressure_kPa", "kappa_0_middle_per_mm", "force_y_N"),
+    *("estimator", "length_scale_mm", "alpha1_N_mm2", "alpha2_N_mm2", "d_over_length", "r2", "single_alpha_N_mm2"),
+    *("r2_single_line", "two_lines"),
+)
+
+
+def rows(estimates: Sequence[Estimate]) -> list[list[object]]:
+    """Rows in the order of `COLUMNS`."""
+    table = []
+    for e in estimates:
+        geometry = e.state.config["geometry"]
+        head = [e.state.family, e.state.law, geometry.get("chambers"), geometry.get("chamber_height")]
+        head += [e.state.pressure, e.state.kappa_0_middle, e.state.curves.force[1]]
+        numbers = [e.length_scale, e.alpha1, e.alpha2, e.d_over_length, e.r2, e.single_alpha, e.single_r2, e.two_lines]
+        table.append([*head, e.estimator, *numbers])
+    return [
+        ["" if value is None or (isinstance(value, float) and np.isnan(value)) else value for value in row]
+        for row in table
+    ]
