@@ -8,8 +8,8 @@ BIN := .venv/bin
 READY := .venv/.ready
 PEERS := .venv-peers
 
-all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material accuracy requested-accuracy scaling
-.PHONY: help setup $(all_targets) test slow hard fuzz kills wheel examples lint types doctor bench-peers clean
+all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse accuracy requested-accuracy scaling
+.PHONY: help setup $(all_targets) test slow hard fuzz kills wheel examples lint types docs doctor bench-peers clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -41,6 +41,15 @@ cell: $(READY)  ## the arm's own law of the four coarse arms: table and pictures
 		$(BIN)/pneurod cell configs/$${arm}_coarse.yaml --out results/cell_$${arm}
 	done
 
+sweep: $(READY)  ## nine designs of the coarse arm, the arm's own law of each: table and picture in results/walls_and_heights
+	@$(BIN)/pneurod sweep examples/sweep.yaml
+
+paper-coarse: $(READY)  ## figures of the paper again on coarse meshes, by the estimators that its reader would use
+	@for sweep in pneunet arms heights lengths; do
+		$(BIN)/pneurod sweep configs/paper/$${sweep}_coarse.yaml --out results/paper_coarse/$$sweep || [ $$? -eq 1 ]
+	done
+	$(BIN)/python -m benchmarks.paper results/paper_coarse
+
 material: $(READY)  ## the constants of every law from the tensile tests of the example
 	@$(BIN)/pneurod material configs/elastosil_m4601_yeoh.csv --out results/material
 
@@ -59,7 +68,7 @@ scaling: $(READY)  ## arms of 7, 11 and 20 cells from one parameterization, agai
 	@$(BIN)/python benchmarks/scaling.py
 
 test: $(READY)  ## all tests but the slow ones
-	@$(BIN)/python -m pytest
+	@$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
 
 slow: $(READY)  ## the tests that take longer than two minutes
 	@$(BIN)/python -m pytest -m slow
@@ -76,8 +85,8 @@ kills: $(READY)  ## fifty runs killed at random times and continued, compared wi
 wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
 	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py
 
-examples: $(READY)  ## the three programs in examples/, results in results/
-	@for example in own_arm own_material rod_alone; do
+examples: $(READY)  ## the programs in examples/, results in results/
+	@for example in own_arm compare_materials own_material own_mesh rod_alone rod_in_pyelastica; do
 		echo "examples/$$example.py"
 		$(BIN)/python examples/$$example.py
 	done
@@ -89,6 +98,10 @@ lint: $(READY)  ## style: ruff
 types: $(READY)  ## types: mypy
 	@$(BIN)/mypy
 	$(BIN)/mypy examples
+
+docs: $(READY)  ## the documentation as a site in build/site; broken links and warnings are refused
+	@NO_MKDOCS_2_WARNING=1 PYTHONPATH=. $(BIN)/mkdocs build --strict --quiet
+	echo "open build/site/index.html"
 
 doctor: $(READY)  ## what is installed, what is missing, and the command that installs it
 	@$(BIN)/pneurod doctor

@@ -21,7 +21,16 @@ def unsound(directory: Path) -> list[str]:
         return [f"{name} is missing or empty" for name in missing]
     parameters = json.loads((directory / "parameters.json").read_text(encoding="utf-8"))
     experiments = json.loads((directory / "experiments.json").read_text(encoding="utf-8"))
-    return [*wrong_parameters(parameters), *wrong_experiments(experiments), *wrong_curves(directory / "curves.csv")]
+    numbers = [*wrong_parameters(parameters), *wrong_experiments(experiments), *wrong_curves(directory / "curves.csv")]
+    return [*numbers, *wrong_report((directory / "report.html").read_text(encoding="utf-8"))]
+
+
+def wrong_report(page: str) -> list[str]:
+    complaints = [] if len(page.encode()) < 6_000_000 else [f"report.html has {len(page.encode())} bytes"]
+    for part in ('id="verdict"', 'id="body-data"', '<svg class="chart"', "Take the rod with"):
+        if part not in page:
+            complaints.append(f"report.html has no {part}")
+    return complaints
 
 
 def wrong_parameters(parameters: dict[str, Any]) -> list[str]:

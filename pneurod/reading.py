@@ -11,7 +11,9 @@ import pandas as pd
 
 from pipeline.cell.saved import SavedLaw
 from pipeline.errors import InputError
-from pipeline.saved_rod import pressurised_rod
+from pipeline.report.results import read_results as read_report_results
+from pipeline.report.verdict import Verdict, verdict_of
+from pipeline.rods.saved import pressurised_rod
 from pipeline.store.formats import validation_rows, with_present_keys
 from pneurod.results import PressureSlopes, Results, RunRecord
 from pneurod.tables import curves_frame, parameter_frames, rows_frame
@@ -50,6 +52,7 @@ def read_results(directory: Path | str) -> Results:
         rods=_rods(folder, parameters),
         arm_law=SavedLaw.read(folder / "law.json").law if (folder / "law.json").is_file() else None,
         pictures=MappingProxyType({path.stem: path for path in sorted((folder / "pictures").glob("*.png"))}),
+        verdict=_verdict(folder),
     )
 
 
@@ -103,6 +106,15 @@ def _curves(folder: Path, name: str) -> pd.DataFrame:
         raise InputError(f"{path}: cannot be read ({failure.strerror})") from None
     except ValueError as failure:  # pandas derives its own from it
         raise _unreadable(path, failure) from None
+
+
+def _verdict(folder: Path) -> Verdict:
+    try:
+        return verdict_of(read_report_results(folder))
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as failure:
+        raise InputError(
+            f"{folder}: its result files do not belong together ({failure}); repeat the run or restore the files"
+        ) from None
 
 
 def _rods(folder: Path, parameters: Mapping[str, Any]) -> tuple[Any, ...]:

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pipeline.errors import InputError
+from pipeline.report.verdict import Verdict
 from rod import ArmLaw, FiveParameters, Interval, PressurisedRod, Rod, RodError
 
 
@@ -71,6 +72,9 @@ class Results:
 
     directory: Path
     run: RunRecord
+    #: the five parameters as they are written, the rod to take, and in sentences its errors, what was simulated and
+    #: why, the error of the mesh, what was not tested and what to do next; the report begins with it
+    verdict: Verdict = field(repr=False)
     length_mm: float  #: rest length of the material curve; NaN where the identification was not reached
     mass_g: float  #: of the solid; NaN as above
     slopes: PressureSlopes

@@ -23,9 +23,9 @@ def tetrahedron_rule(space: Discretisation, degree: int) -> tuple[Array, Array, 
     element = skfem.ElementTetP2() if space.element.quadratic else skfem.ElementTetP1()
     values = [element.lbasis(where, a) for a in range(space.nodes.shape[1])]
     shape = np.stack([value for value, _ in values], axis=1)
-    gradient = np.einsum("qak,eki->eqai", np.stack([slope.T for _, slope in values], axis=1), space.inverse)
+    gradient = np.einsum("qak,eki->eqai", np.stack([slope.T for _, slope in values], axis=1), space.inverse[:, 0])
     positions = np.einsum("qa,eai->eqi", shape, space.points[space.nodes])
-    return shape, gradient, positions, weight / np.abs(np.linalg.det(space.inverse))[:, None]
+    return shape, gradient, positions, weight / np.abs(np.linalg.det(space.inverse[:, 0]))[:, None]
 
 
 @final

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import jupytext
 import pytest
 
 HERE = Path(__file__).resolve().parent.parent
@@ -33,7 +34,7 @@ def output_of(name: str, *arguments: str, cwd: Path) -> str:
 
 def test_every_example_is_tested() -> None:
     names = {path.stem for path in EXAMPLES.glob("*.py")}
-    assert names == {"own_arm", "own_material", "rod_alone"}
+    assert names == {"compare_materials", "own_arm", "own_material", "own_mesh", "rod_alone", "rod_in_pyelastica"}
     readme = (HERE / "README.md").read_text(encoding="utf-8")
     makefile = (HERE / "Makefile").read_text(encoding="utf-8")
     assert "examples/" in readme
@@ -76,3 +77,39 @@ def test_the_rod_alone_bends_in_milliseconds(own_arm: str, folder: Path) -> None
 
 def test_the_rod_alone_needs_no_run(folder: Path) -> None:
     assert "needs F_y = " in output_of("rod_alone", cwd=folder)
+
+
+def test_two_laws_give_two_sets_of_parameters(folder: Path) -> None:
+    printed = output_of("compare_materials", "laws", cwd=folder)
+    rows = dict(re.findall(r"^(svk|hencky) +(\d+\.\d+)", printed, flags=re.MULTILINE))
+    assert set(rows) == {"svk", "hencky"}
+    ends = {name: float(y) for name, y in re.findall(r"^(\w+): the free end is at y = (-\d+\.\d) mm$", printed, re.M)}
+    assert ends["hencky"] < ends["svk"]  # St. Venant-Kirchhoff is stiffer in tension
+    assert (folder / "laws" / "compare_materials.png").stat().st_size > 5_000
+
+
+def test_the_finite_elements_alone_take_a_mesh_of_the_user(folder: Path) -> None:
+    printed = output_of("own_mesh", "block", cwd=folder)
+    rows = re.findall(r"^ +(\d+\.\d) +(-\d\.\d{3}) +(\d+\.\d) +(0\.\d{4})$", printed, flags=re.MULTILINE)
+    assert [row[0] for row in rows] == ["5.0", "10.0", "15.0", "20.0"]
+    heights = [float(row[1]) for row in rows]
+    assert heights == sorted(heights, reverse=True)  # downwards, the more the larger the pressure
+    [force] = re.findall(r"force on the clamp: (\S+) N", printed)
+    assert float(force) < 1e-9
+
+
+def test_the_rod_has_the_same_shape_in_pyelastica(folder: Path) -> None:
+    printed = output_of("rod_in_pyelastica", "elastica", cwd=folder)
+    [(distance, part)] = re.findall(r"^largest distance (\d\.\d+) mm, (\d\.\d+) % of the length$", printed, re.M)
+    assert float(distance) > 0.0
+    assert float(part) < 0.3
+    assert (folder / "elastica" / "rod_in_pyelastica.png").stat().st_size > 5_000
+
+
+@pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
+def test_every_example_opens_as_a_notebook(path: Path) -> None:
+    notebook = jupytext.read(path)
+    kinds = [cell.cell_type for cell in notebook.cells]
+    assert kinds[0] == "markdown"
+    assert kinds.count("code") >= 3
+    assert notebook.cells[0].source.startswith("# ")

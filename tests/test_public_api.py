@@ -29,7 +29,7 @@ material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [8 kPa, 16 kPa]
 law: five
 validation: off
-mesh: {size: 8 mm}
+mesh: {size: 8 mm, formulation: p2p0, grading: off}
 """
 
 
@@ -53,12 +53,15 @@ def frames(results: pneurod.Results) -> Iterator[tuple[str, pd.DataFrame]]:
 
 
 def seconds_of(*command: str) -> float:
-    """The wall time of a Python program in a fresh process, the smallest of five, s."""
+    """The processor time of a Python program in a fresh process, the smallest of five, s.
+
+    It hardly depends on what else the machine does, as wall time would.
+    """
     program = (
-        "import subprocess, sys, time\n"
-        "start = time.perf_counter()\n"
+        "import resource, subprocess, sys\n"
         "subprocess.run(sys.argv[1:], check=True, stdout=subprocess.DEVNULL)\n"
-        "print(time.perf_counter() - start)\n"
+        "used = resource.getrusage(resource.RUSAGE_CHILDREN)\n"
+        "print(used.ru_utime + used.ru_stime)\n"
     )
     call = [sys.executable, "-c", program, sys.executable, *command]
     runs = [subprocess.run(call, check=True, capture_output=True, text=True, cwd=HERE).stdout for _ in range(5)]
@@ -93,7 +96,8 @@ def test_import_loads_nothing_heavy() -> None:
 def test_import_and_help_are_quick() -> None:
     nothing = seconds_of("-c", "pass")
     assert seconds_of("-c", "import pneurod") - nothing < 0.1
-    assert seconds_of("-m", "pneurod", "--help") < 0.3
+    command_line = seconds_of("-c", "import typer.rich_utils")  # what any program with this library takes
+    assert seconds_of("-m", "pneurod", "--help") < 2.5 * command_line
 
 
 def test_a_run_gives_what_its_folder_gives(results: pneurod.Results) -> None:
@@ -183,7 +187,7 @@ def test_a_run_is_silent_unless_progress_is_requested(
     assert capfd.readouterr() == ("", "")
     pneurod.characterize(design, out=results.directory, jobs=1, progress=True)
     out, err = capfd.readouterr()
-    assert "16 kPa reached" in out
+    assert "III: 16 kPa (" in out
     assert err == ""
 
 

@@ -26,7 +26,7 @@ LIBRARIES: dict[str, set[str]] = {
     "rod": {"numpy", "scipy", "sklearn", "numba"},
     "pipeline": {
         *("numpy", "numba", "packaging", "yaml", "pydantic", "pint"),
-        *("pyvista", "typer", "rich", "jinja2", "plotly", "matplotlib"),
+        *("pyvista", "typer", "rich", "jinja2", "plotly", "matplotlib", "distributed", "dask", "pyarrow"),
     },
     "pneurod": {"numpy", "pandas"},
 }
@@ -41,21 +41,32 @@ DOORS: dict[str, set[str]] = {
     "ipctk": {"fem/effects/contact.py"},
     "pypardiso": {"fem/equations/linear.py"},
     "sklearn": {"rod/curves/gaussian_process.py"},
-    "pydantic": {"pipeline/config/kinds.py", "pipeline/config/schema.py"},
+    "pydantic": {"pipeline/config/kinds.py", "pipeline/config/schema.py", "pipeline/sweep/spec.py"},
     "pint": {"pipeline/config/units.py"},
     "yaml": {"pipeline/config/document.py"},
-    "pyvista": {"pipeline/pictures.py"},
-    "typer": {"pipeline/cli.py"},
-    "rich": {"pipeline/cli.py", "pipeline/progress.py", "pipeline/terminal.py"},
+    "pyvista": {"pipeline/drawing/pictures.py"},
+    "typer": {
+        *("pipeline/cli.py", "pipeline/commands/ending.py", "pipeline/commands/of_design.py"),
+        *("pipeline/commands/of_file.py", "pipeline/commands/of_material.py", "pipeline/commands/of_rod.py"),
+        *("pipeline/commands/of_sweep.py", "pipeline/commands/of_installation.py"),
+    },
+    "rich": {
+        *("pipeline/commands/ending.py", "pipeline/commands/of_design.py", "pipeline/commands/of_installation.py"),
+        *("pipeline/progress.py", "pipeline/terminal.py"),
+    },
     "jinja2": {"pipeline/report/page.py"},
-    "matplotlib": {"pipeline/accuracy/figure.py", "pipeline/cell/figure.py"},
-    "plotly": {"pipeline/plots.py"},
+    "matplotlib": {"pipeline/accuracy/figure.py", "pipeline/cell/figure.py", "pipeline/sweep/picture.py"},
+    "plotly": {"pipeline/drawing/plots.py"},
+    "distributed": {"pipeline/sweep/workers.py"},
+    "dask": {"pipeline/sweep/workers.py"},
+    "pyarrow": {"pipeline/sweep/table.py"},
     "pandas": {"pneurod/results.py", "pneurod/tables.py", "pneurod/reading.py"},
 }
 
 #: what `pneurod --help` must not wait for
 HEAVY = {"numpy", "scipy", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn"} | {
     *("pydantic", "pint", "pyvista", "vtkmodules", "jinja2", "plotly", "matplotlib", "pandas"),
+    *("distributed", "dask", "pyarrow"),
 }
 
 
@@ -130,7 +141,7 @@ def test_every_door_is_used(library: str) -> None:
         ("fem/model.py", "from skfem.helpers import grad", "its door is fem/discretisation.py"),
         ("fem/model.py", "from numba import njit", "its door is fem/kernels/"),
         ("fem/model.py", "import importlib\nimportlib.import_module('rod')", "fem has no use for it"),
-        ("pipeline/store/store.py", "import pyvista", "its door is pipeline/pictures.py"),
+        ("pipeline/store/store.py", "import pyvista", "its door is pipeline/drawing/pictures.py"),
         ("pipeline/store/store.py", "import requests", "pipeline has no use for it"),
         ("pipeline/report/page.py", "import pandas", "pipeline has no use for it"),
         ("pipeline/cli.py", "def f():\n    from pneurod import Results", "pipeline must not know pneurod"),
@@ -177,5 +188,16 @@ def test_help_waits_for_nothing_heavy() -> None:
 
 def test_a_configuration_is_read_without_the_machines() -> None:
     loaded = loaded_after("from pipeline.config.load import load_config\nload_config('configs/pneunet.yaml')")
-    assert {"pydantic", "pint", "geometry"} <= loaded
-    assert loaded & {"gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn", "pyvista", "plotly"} == set()
+    assert {"pydantic", "geometry"} <= loaded
+    assert (
+        loaded & {"pint", "gmsh", "meshio", "skfem", "numba", "ipctk", "pypardiso", "sklearn", "pyvista", "plotly"}
+        == set()
+    )
+
+
+def test_a_saved_rod_is_read_with_numpy_and_numba_alone() -> None:
+    """numba looks for scipy, but does not load the slow modules of it."""
+    slow = "{'scipy.interpolate', 'scipy.optimize', 'scipy.special'} & set(sys.modules)"
+    loaded = loaded_after(f"import sys, pipeline.rods.saved\nassert not {slow}")
+    assert {"numpy", "numba"} <= loaded
+    assert loaded & (HEAVY - {"numpy", "numba", "scipy"}) == set()
