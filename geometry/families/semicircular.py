@@ -5,15 +5,14 @@ from dataclasses import dataclass
 from math import hypot, pi
 from typing import ClassVar, final
 
-from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
-from geometry.grading import Grading
-from geometry.meshing.mirror import Repetition
-from geometry.meshing.solid import Box, RoundBar, Shape, Solid, mesh_solid
+from geometry.design import DesignError, check_less, check_numbers
+from geometry.families.partitioned import PartitionedDesign
+from geometry.meshing.solid import Box, RoundBar, Shape
 
 
 @final
 @dataclass(frozen=True)
-class Semicircular(SymmetricDesign):
+class Semicircular(PartitionedDesign):
     """A half disc extruded along x on a base plate of the same width, with a row of chambers; all lengths in mm.
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, outer. The paper shows this body without dimensions, so
@@ -44,20 +43,8 @@ class Semicircular(SymmetricDesign):
             )
 
     @property
-    def length(self) -> float:
-        return self.chambers * self.chamber_length + (self.chambers - 1) * self.partition + 2 * self.end_wall
-
-    @property
     def extent(self) -> tuple[float, float, float]:
         return (self.length, self.base + self.radius, 2 * self.radius)
-
-    @property
-    def curve_y(self) -> float:
-        return self.base / 2
-
-    @property
-    def pitch(self) -> float:
-        return self.chamber_length + self.partition
 
     @property
     def solid_volume(self) -> float:
@@ -67,33 +54,17 @@ class Semicircular(SymmetricDesign):
     @property
     def cavity_volumes(self) -> Mapping[str, float]:
         cavities = self.chambers * self.chamber_length * pi / 2 * (self.radius - self.wall) ** 2
-        return {"cavity": cavities + (self.chambers - 1) * self.partition * self.channel**2}
+        return {"cavity": cavities + self.channel_volume}
 
     @property
     def thinnest_wall(self) -> float:
         return min(self.wall, self.base, self.partition, self.end_wall)
 
-    def repetition(self, size: float, grading: Grading) -> Repetition:
-        middle = self.end_wall + self.chamber_length / 2
-        edge = middle + self.pitch / 2
-        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
+    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
+        return dome(start, stop, self.radius, self.base)
 
-    def _drawing(self, middle: float, edge: float) -> Solid:
-        """The end piece and the half cell that are repeated.
-
-        The end piece reaches to the middle of the first chamber (x = middle, mm). With more than one chamber the half
-        cell reaches from there to the middle of the first partition (x = edge, mm).
-        """
-        near, far = self.end_wall, self.end_wall + self.chamber_length
-        end = dome(0, middle, self.radius, self.base)
-        hollow: list[Shape] = [cavity(near, middle, self.radius - self.wall, self.base)]
-        if self.chambers == 1:
-            return Solid({"end": end}, {"cavity": hollow})
-        hollow += [
-            cavity(middle, far, self.radius - self.wall, self.base),
-            Box((far, self.base, 0), (edge, self.base + self.channel, self.channel / 2)),
-        ]
-        return Solid({"end": end, "cell": dome(middle, edge, self.radius, self.base)}, {"cavity": hollow})
+    def _cavity(self, start: float, stop: float) -> Shape:
+        return cavity(start, stop, self.radius - self.wall, self.base)
 
 
 def dome(start: float, stop: float, radius: float, base: float) -> list[list[Shape]]:

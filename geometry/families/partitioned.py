@@ -1,0 +1,66 @@
+"""Arms whose chambers are parted by solid partitions and that are smooth outside: what their families share."""
+
+from abc import abstractmethod
+
+from geometry.design import SymmetricDesign
+from geometry.grading import Grading
+from geometry.meshing.mirror import Repetition
+from geometry.meshing.solid import Box, Shape, Solid, mesh_solid
+
+
+class PartitionedDesign(SymmetricDesign):
+    """A bar with a row of equal chambers, one behind the other along x, that an air channel on the base plate joins.
+
+    A cell extends from the middle of one partition to the middle of the next. A family is a dataclass with the fields
+    named here, all lengths in mm, and defines the solid bar and its cavities.
+    """
+
+    chambers: int
+    chamber_length: float
+    partition: float
+    end_wall: float
+    base: float
+    channel: float
+
+    @abstractmethod
+    def _bar(self, start: float, stop: float) -> list[list[Shape]]:
+        """The half z >= 0 of the solid without cavities, cut at the material curve; start <= x <= stop, in mm."""
+
+    @abstractmethod
+    def _cavity(self, start: float, stop: float) -> Shape:
+        """The half z >= 0 of a cavity; start <= x <= stop, in mm."""
+
+    @property
+    def length(self) -> float:
+        return self.chambers * self.chamber_length + (self.chambers - 1) * self.partition + 2 * self.end_wall
+
+    @property
+    def curve_y(self) -> float:
+        return self.base / 2
+
+    @property
+    def pitch(self) -> float:
+        return self.chamber_length + self.partition
+
+    @property
+    def channel_volume(self) -> float:
+        """Volume of the air in all partitions together, mm3."""
+        return (self.chambers - 1) * self.partition * self.channel**2
+
+    def repetition(self, size: float, grading: Grading) -> Repetition:
+        middle = self.end_wall + self.chamber_length / 2
+        edge = middle + self.pitch / 2
+        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
+
+    def _drawing(self, middle: float, edge: float) -> Solid:
+        """The end piece to the middle of the first chamber (x = middle, mm), and the half cell that is repeated.
+
+        With more than one chamber the half cell reaches from there to the middle of the first partition (x = edge, mm).
+        """
+        near, far = self.end_wall, self.end_wall + self.chamber_length
+        hollow: list[Shape] = [self._cavity(near, middle)]
+        if self.chambers == 1:
+            return Solid({"end": self._bar(0, middle)}, {"cavity": hollow})
+        channel = Box((far, self.base, 0), (edge, self.base + self.channel, self.channel / 2))
+        hollow += [self._cavity(middle, far), channel]
+        return Solid({"end": self._bar(0, middle), "cell": self._bar(middle, edge)}, {"cavity": hollow})
