@@ -172,7 +172,7 @@ def test_no_number_of_the_report_is_a_negative_zero(finished: Path) -> None:
     (finished / "parameters.json").write_text(json.dumps(changed), encoding="utf-8")
     html = render_report(finished)
     assert "0.0 ± 1.4" in html
-    assert not re.search(r"[^\d.]-0(\.0*)?[^\d.]", re.sub(r"<(script|style|svg).*?</\1>", "", html, flags=re.DOTALL))
+    assert not re.search(r"[^\w.]-0(\.0*)?[^\d.]", re.sub(r"<(script|style|svg).*?</\1>", "", html, flags=re.DOTALL))
 
 
 def test_report_has_the_five_parameters_and_the_agreement(finished: Path) -> None:

@@ -9,11 +9,8 @@ from pipeline.report.page import TEMPLATES, render_report
 from pipeline.store.json_values import JsonObject
 from pipeline.store.store import Store
 
-#: the results that the report is made from, beside run.json
-_RESULTS = (
-    *("parameters.json", "experiments.json", "validation.json", "effects.json", "laws.json", "law.json"),
-    *("curves.csv", "validation_curves.csv"),
-)
+#: what every number is computed from, to rounding: solved states, and points of the arm's own law
+_SOLVED = ("states/*", "law/*")
 _KEY = "states/report.json"
 #: keys of these files that differ from run to run though nothing was computed
 _TIMES = ("seconds", "share_of_time")
@@ -22,10 +19,10 @@ _TIMES = ("seconds", "share_of_time")
 def save_report(store: Store, record: JsonObject) -> None:
     """Write `record` as run.json and the report on all results.
 
-    Where no result, source or template has changed since the report was written, both files stay: they tell how long
-    the run took when it computed something.
+    Where nothing was solved anew and no source or template has changed since the report was written, both files stay:
+    they tell how long the run took when it solved something.
     """
-    key = {"results": _digest(store)}
+    key = {"solved": _digest(store)}
     complete = all((store.directory / name).is_file() for name in ("run.json", "report.html"))
     if complete and store.read_json(_KEY) == key:
         return
@@ -35,9 +32,10 @@ def save_report(store: Store, record: JsonObject) -> None:
 
 
 def _digest(store: Store) -> str:
-    """sha256 of everything that the report shows."""
+    """sha256 of everything that decides what the report shows."""
+    solved = (path for pattern in _SOLVED for path in sorted(store.directory.glob(pattern)))
     digest = hashlib.sha256(store.numbers_key.encode())
-    for path in (*sorted(TEMPLATES.iterdir()), *(store.directory / name for name in _RESULTS)):
+    for path in (*sorted(TEMPLATES.iterdir()), *(path for path in solved if path != store.directory / _KEY)):
         digest.update(path.name.encode())
         digest.update(_content(path))
     return digest.hexdigest()

@@ -1,4 +1,4 @@
-"""The rod with the arm's own law, integrated from its end to the clamp (numba).
+"""The rod with the arm's own law, integrated from its end to the clamp (`rod.compiled`).
 
 State (theta, M, x, y) at rest arc length s, all in mm, N and rad:
 
@@ -15,15 +15,17 @@ against EA. Fourth-order Runge-Kutta steps of equal length.
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from geometry.arrays import Array, Mask
+from rod.compiled import CompiledLater
 
 #: iterations for the effective moment; each one gains a factor N (dlambda/dkappa)^2 / (dM/dkappa), a thousandth
 ITERATIONS = 3
 #: Newton's method at the end: largest correction, iterations, and relative step of the difference quotients
 TOLERANCE, MAX_ITERATIONS, DIFFERENCE = 1e-8, 12, 1e-6
+#: calls of Newton's method in plain Python, 50 ms each, after which it is compiled: one rod takes two to ten
+_PLAIN_CALLS = 20
 
 
 class LawArrays(NamedTuple):
@@ -39,22 +41,21 @@ class LawArrays(NamedTuple):
     shear: Array  #: (n,) N
 
 
-@numba.njit(cache=True, inline="always")
 def _cubic(values: Array, slopes: Array, i: int, t: float, step: float) -> tuple[float, float]:
     """Value and slope of the cubic in interval i at t."""
-    a, b, da, db = values[i], values[i + 1], step * slopes[i], step * slopes[i + 1]
+    a, b, da, db = float(values[i]), float(values[i + 1]), step * float(slopes[i]), step * float(slopes[i + 1])
     value = (1 + 2 * t) * (1 - t) ** 2 * a + t * (1 - t) ** 2 * da + t * t * (3 - 2 * t) * b + t * t * (t - 1) * db
     slope = (6 * t * t - 6 * t) * (a - b) + (3 * t * t - 4 * t + 1) * da + (3 * t * t - 2 * t) * db
     return value, slope / step
 
 
-@numba.njit(cache=True)
 def _rate(law: LawArrays, z: Array, fx: float, fy: float, out: Array) -> float:
     """Right-hand side for z = (theta, M, x, y); returns by how much the effective moment leaves the table, N mm."""
-    cosine, sine = math.cos(z[0]), math.sin(z[0])
+    angle, moment = float(z[0]), float(z[1])
+    cosine, sine = math.cos(angle), math.sin(angle)
     axial, across = fx * cosine + fy * sine, fy * cosine - fx * sine
     last = len(law.kappa) - 1
-    effective, kappa, stretch, i, t = z[1], 0.0, 1.0, 0, 0.0
+    effective, kappa, stretch, i, t = moment, 0.0, 1.0, 0, 0.0
     for _ in range(ITERATIONS):
         position = (effective - law.first) / law.step
         i = min(max(math.floor(position), 0), last - 1)
@@ -64,7 +65,7 @@ def _rate(law: LawArrays, z: Array, fx: float, fy: float, out: Array) -> float:
         kappa, kappa_slope = _cubic(law.kappa, law.kappa_slope, i, t, law.step)
         stretch, stretch_slope = _cubic(law.stretch, law.stretch_slope, i, t, law.step)
         outside = max(law.first - effective, effective - law.first - law.step * last, 0.0)
-        effective = z[1] + axial * stretch_slope / kappa_slope
+        effective = moment + axial * stretch_slope / kappa_slope
     EA = (1 - t) * law.axial[i] + t * law.axial[i + 1]
     GA = (1 - t) * law.shear[i] + t * law.shear[i + 1]
     length, slip = stretch + axial / EA, across / GA
@@ -75,14 +76,13 @@ def _rate(law: LawArrays, z: Array, fx: float, fy: float, out: Array) -> float:
     return outside
 
 
-@numba.njit(cache=True)
 def integrate(law: LawArrays, length: float, force: Array, end: Array, states: Array) -> float:
     """Integrate from s = length, where the state is end (4,), to s = 0; fills states (n + 1, 4) by increasing s.
 
     Returns by how much the moment leaves the law at the most, N mm.
     """
     n = len(states) - 1
-    h = -length / n
+    h, fx, fy = -length / n, float(force[0]), float(force[1])
     k = np.empty((4, 4))
     z, stage = end.copy(), np.empty(4)
     states[n] = z
@@ -94,7 +94,7 @@ def integrate(law: LawArrays, length: float, force: Array, end: Array, states: A
                 factor = h if i == 3 else 0.5 * h
                 for j in range(4):
                     stage[j] += factor * k[i - 1, j]
-            outside = max(outside, _rate(law, stage, force[0], force[1], k[i]))
+            outside = max(outside, _rate(law, stage, fx, fy, k[i]))
         for j in range(4):
             z[j] += h / 6.0 * (k[0, j] + 2.0 * k[1, j] + 2.0 * k[2, j] + k[3, j])
         states[n - 1 - step] = z
@@ -126,7 +126,6 @@ class EndLoad(NamedTuple):
     target: Array  #: (2,) mm, prescribed coordinates
 
 
-@numba.njit(cache=True)
 def _clamp(ends: EndArrays, moment: float, offset: Array) -> tuple[float, float]:
     """Rotation at a moment and the offset (2,) there; by how much the moment leaves the curve, N mm."""
     last = len(ends.moment) - 1
@@ -140,7 +139,6 @@ def _clamp(ends: EndArrays, moment: float, offset: Array) -> tuple[float, float]
     return _cubic(ends.rotation, ends.rotation_slope, i, t, step)[0], outside
 
 
-@numba.njit(cache=True)
 def tip_levers(ends: EndArrays, turn: float) -> tuple[Array, Array, float]:
     """At a turn of the tip in rad: from the end of the axis to the end of the material curve, and to the point in which
     a force acts, (2,) mm each; and the couple of the support, N mm."""
@@ -158,7 +156,6 @@ def tip_levers(ends: EndArrays, turn: float) -> tuple[Array, Array, float]:
     return end, force, values[0]
 
 
-@numba.njit(cache=True)
 def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, states: Array, missed: Array) -> float:
     """Integrate for unknowns (3,) = (angle of the axis at the end, F_x, F_y); fills states (n + 1, 4), shifted to the
     clamp, and missed (3,): the angle at the clamp (rad), and prescribed coordinates of the end over the length.
@@ -186,8 +183,7 @@ def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, st
     return max(outside, beyond)
 
 
-@numba.njit(cache=True)
-def converge(
+def _converge(
     law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, size: Array, states: Array
 ) -> tuple[bool, float]:
     """Newton's method with difference quotients for unknowns (3,), changed in place; fills states (n + 1, 4).
@@ -222,3 +218,7 @@ def converge(
         if largest < TOLERANCE:
             return True, residual(law, ends, load, unknowns, states, missed)
     return False, outside
+
+
+#: `_converge`, in plain Python for a few rods and compiled for many
+converge = CompiledLater(_converge, (_cubic, _rate, integrate, _clamp, tip_levers, residual), _PLAIN_CALLS)

@@ -10,16 +10,17 @@ with n(s) = F + q (1 - s) and the stretch lambda = lambda_0 + e Delta, which is 
 
 The scheme is the explicit sixth-order Runge-Kutta method of H. A. Luther, Math. Comp. 22 (1968) 434-436. Its steps are
 chosen by the caller so that every break (d, the samples of kappa_0) lies on a step boundary; nothing jumps inside a
-step. This is the one module of the room where speed may cost clarity (numba).
+step. Speed may cost clarity here: numba compiles these functions (`rod.compiled`), and in plain Python, too, numbers
+are taken out of arrays before they are used several times.
 """
 
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
 from geometry.arrays import Array, Mask
+from rod.compiled import CompiledLater
 
 ROOT = math.sqrt(21.0)
 #: where a step of length 1 evaluates kappa_0
@@ -52,6 +53,8 @@ _STAGES = np.array(
     ]
 )
 _WEIGHTS = np.array([9, 0, 64, 0, 49, 49, 9]) / 180
+#: calls in plain Python, 50 ms each, after which these functions are compiled: one rod takes two to ten
+_PLAIN_CALLS = 20
 
 
 class RodArrays(NamedTuple):
@@ -81,18 +84,20 @@ class _Section(NamedTuple):
     ny: float
 
 
-@numba.njit(cache=True)
 def _rate(z: Array, section: _Section, fade: float, eccentricity: float, out: Array) -> None:
     """Right-hand side for the state z[0:4] and its three derivatives z[4:16] (theta, M, x, y for each unknown)."""
-    moment, m0, nx, ny = z[1], section.m0, section.nx, section.ny
+    angle, moment = float(z[0]), float(z[1])
+    m0, nx, ny = section.m0, section.nx, section.ny
     slope = 1.0 / section.alpha
     size = abs(moment)
     if size < fade:  # the intercept fades to nothing with the moment
-        slope = (1.0 - m0 * np.sign(moment) / fade) / section.alpha
+        slope = (1.0 - m0 * (math.copysign(1.0, moment) if moment != 0.0 else 0.0) / fade) / section.alpha
         m0 = m0 * size / fade
     deviation = (moment - m0) / section.alpha
     stretch, by_moment = section.rest_stretch + eccentricity * deviation, eccentricity * slope
-    cosine, sine = math.cos(z[0]), math.sin(z[0])
+    cosine, sine = math.nan, math.nan
+    if math.isfinite(angle):
+        cosine, sine = math.cos(angle), math.sin(angle)
     c, s = stretch * cosine, stretch * sine
     across = nx * sine - ny * cosine
     out[0] = section.kappa_0 + deviation
@@ -102,17 +107,17 @@ def _rate(z: Array, section: _Section, fade: float, eccentricity: float, out: Ar
     axial = nx * c + ny * s
     for unknown in range(3):
         j = 4 + 4 * unknown
-        stretch_rate = by_moment * z[j + 1]
-        out[j] = slope * z[j + 1]
-        out[j + 1] = axial * z[j] + across * stretch_rate
-        out[j + 2] = cosine * stretch_rate - s * z[j]
-        out[j + 3] = sine * stretch_rate + c * z[j]
+        angle_rate, moment_rate = float(z[j]), float(z[j + 1])
+        stretch_rate = by_moment * moment_rate
+        out[j] = slope * moment_rate
+        out[j + 1] = axial * angle_rate + across * stretch_rate
+        out[j + 2] = cosine * stretch_rate - s * angle_rate
+        out[j + 3] = sine * stretch_rate + c * angle_rate
     out[9] += s  # M' by F_x
     out[13] -= c  # M' by F_y
 
 
-@numba.njit(cache=True)
-def sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: Array) -> None:
+def _sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: Array) -> None:
     """Integrate from clamp to tip: fills states (n + 1, 4) and end (16,), the last state with its derivatives.
 
     unknowns = (M(0), F_x, F_y); weight = (q_x, q_y), a dead load per length.
@@ -120,12 +125,14 @@ def sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: Ar
     z = end
     z[:] = 0.0
     z[0], z[1] = rod.theta0, unknowns[0]
+    fx, fy, qx, qy = float(unknowns[1]), float(unknowns[2]), float(weight[0]), float(weight[1])
     z[5] = 1.0  # M(0) by itself
     k = np.empty((7, 16))
     stage = np.empty(16)
     states[0] = z[:4]
     for step in range(len(rod.alpha)):
-        h = rod.s[step + 1] - rod.s[step]
+        start, alpha, m0 = float(rod.s[step]), float(rod.alpha[step]), float(rod.m0[step])
+        h = float(rod.s[step + 1]) - start
         for i in range(7):
             stage[:] = z
             for j in range(i):
@@ -134,18 +141,18 @@ def sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: Ar
                     for n in range(16):
                         stage[n] += a * k[j, n]
             at = _STAGE_ABSCISSA[i]
-            beyond = 1.0 - rod.s[step] - h * ABSCISSAE[at]
-            nx, ny = unknowns[1] + weight[0] * beyond, unknowns[2] + weight[1] * beyond
-            section = _Section(rod.kappa_0[step, at], rod.rest_stretch[step, at], rod.alpha[step], rod.m0[step], nx, ny)
+            beyond = 1.0 - start - h * ABSCISSAE[at]
+            kappa_0, rest_stretch = float(rod.kappa_0[step, at]), float(rod.rest_stretch[step, at])
+            section = _Section(kappa_0, rest_stretch, alpha, m0, fx + qx * beyond, fy + qy * beyond)
             _rate(stage, section, rod.fade, rod.eccentricity, k[i])
         for i in range(7):
             if _WEIGHTS[i] != 0.0:
+                weighted = h * _WEIGHTS[i]
                 for n in range(16):
-                    z[n] += h * _WEIGHTS[i] * k[i, n]
+                    z[n] += weighted * k[i, n]
         states[step + 1] = z[:4]
 
 
-@numba.njit(cache=True)
 def _residual(end: Array, target: Array, free: Mask, r: Array, jac: Array) -> None:
     """r = (M, x, y at the tip) - target, with its matrix; a component of F that is given keeps a trivial row."""
     for row in range(3):
@@ -159,7 +166,6 @@ def _residual(end: Array, target: Array, free: Mask, r: Array, jac: Array) -> No
                 jac[row, column] = 1.0 if row == column else 0.0
 
 
-@numba.njit(cache=True)
 def _determinant(a: Array) -> float:
     return (
         a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1])
@@ -168,19 +174,18 @@ def _determinant(a: Array) -> float:
     )
 
 
-@numba.njit(cache=True)
-def converge(
+def _converge(
     rod: RodArrays, unknowns: Array, weight: Array, target: Array, free: Mask, states: Array
 ) -> tuple[bool, float]:
     """Newton's method for unknowns (3,) = (M(0), F_x, F_y), changed in place; fills states (n + 1, 4).
 
     Returns whether it converged, and the determinant of the last matrix. target (3,) = (M, x, y) at the tip; free (3,)
-    says which of the unknowns are solved for (the first always is); weight (2,) as in `sweep`.
+    says which of the unknowns are solved for (the first always is); weight (2,) as in `_sweep`.
     """
     end, r, jac, column = np.empty(16), np.empty(3), np.empty((3, 3)), np.empty((3, 3))
     worst = math.inf
     for _ in range(16):
-        sweep(rod, unknowns, weight, states, end)
+        _sweep(rod, unknowns, weight, states, end)
         _residual(end, target, free, r, jac)
         determinant = _determinant(jac)
         if not math.isfinite(determinant) or determinant == 0.0:
@@ -200,3 +205,8 @@ def converge(
         if not math.isfinite(worst) or worst > 1e6 * scale:
             return False, 0.0
     return False, 0.0
+
+
+#: `_sweep` and `_converge`, in plain Python for a few rods and compiled for many
+sweep = CompiledLater(_sweep, (_rate,), _PLAIN_CALLS)
+converge = CompiledLater(_converge, (_rate, _sweep, _residual, _determinant), _PLAIN_CALLS)

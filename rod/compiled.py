@@ -1,0 +1,48 @@
+"""Functions of numbers and arrays that are compiled by numba once they have been called often enough to pay for it."""
+
+import sys
+from collections.abc import Callable, Sequence
+from typing import Any, Generic, ParamSpec, TypeVar, final
+
+import numpy as np
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+@final
+class CompiledLater(Generic[P, R]):
+    """A function that runs as plain Python at first, and compiled by numba from a later call on.
+
+    To load numba takes longer than to solve one rod in plain Python, so programs that solve a single rod do without it;
+    where something else has loaded numba every call is a compiled one.
+    Both ways do the same operations in the same order. The function and all that it calls must be plain functions that
+    numba can compile, and must tell numbers that are not finite without raising.
+    """
+
+    def __init__(self, function: Callable[P, R], calls: Sequence[Callable[..., Any]], after: int) -> None:
+        """calls: the functions that it calls, innermost first. after: largest number of calls in plain Python."""
+        self.function = function
+        self.calls = tuple(calls)
+        self.remaining = after
+        self._compiled: Callable[P, R] | None = None
+
+    def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
+        if self._compiled is not None:
+            return self._compiled(*args, **kwargs)
+        if self.remaining > 0 and "numba" not in sys.modules:
+            self.remaining -= 1
+            with np.errstate(all="ignore"):
+                return self.function(*args, **kwargs)
+        self._compiled = self.compiled()
+        return self._compiled(*args, **kwargs)
+
+    def compiled(self) -> Callable[P, R]:
+        """The function compiled by numba, with a cache on disk."""
+        import numba
+        from numba.extending import register_jitable
+
+        for function in self.calls:
+            register_jitable(function)
+        compiled: Callable[P, R] = numba.njit(cache=True)(self.function)
+        return compiled
