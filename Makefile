@@ -68,7 +68,8 @@ scaling: $(READY)  ## arms of 7, 11 and 20 cells from one parameterization, agai
 	@$(BIN)/python benchmarks/scaling.py
 
 test: $(READY)  ## all tests but the slow ones
-	@$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
+	@# a test that hangs fails after a quarter of an hour, with the lines it stands at; the longest takes a minute
+	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --timeout 900 --durations 15
 
 slow: $(READY)  ## the tests that take longer than two minutes
 	@$(BIN)/python -m pytest -m slow
