@@ -96,8 +96,13 @@ def test_import_loads_nothing_heavy() -> None:
 def test_import_and_help_are_quick() -> None:
     nothing = seconds_of("-c", "pass")
     assert seconds_of("-c", "import pneurod") - nothing < 0.1
-    command_line = seconds_of("-c", "import typer.rich_utils")  # what any program with this library takes
-    assert seconds_of("-m", "pneurod", "--help") < 2.5 * command_line
+    assert seconds_of("-m", "pneurod", "--help") < 0.3
+
+
+def test_a_rod_is_solved_quickly() -> None:
+    """From the command to the answer; to load numba alone would take longer."""
+    parameters = str(OLD / "parameters.json")
+    assert seconds_of("-m", "pneurod", "rod", parameters, "--pressure", "31 kPa", "--force", "[0 N, 0.01 N]") < 0.6
 
 
 def test_a_run_gives_what_its_folder_gives(results: pneurod.Results) -> None:
