@@ -22,7 +22,7 @@ from pipeline.store.json_values import JsonObject
 class Statement:
     """Sentences on one question that a reader has."""
 
-    topic: str  #: failure, unusual, rod, errors, single line, simulated, mesh, mesh error, not tested, next
+    topic: str  #: failure, rod, errors, single line, unusual, simulated, mesh, mesh error, not tested, next
     sentences: tuple[str, ...]  #: at least one
 
 
@@ -72,10 +72,10 @@ def verdict_of(results: Results) -> Verdict:
     errors = rod_errors(results)
     topics = {
         "failure": _failure(results),
-        "unusual": [f"Note: {sentence}." for sentence in results.run.get("remarks") or ()],
         "rod": rod_to_take(results)[:1] or ["No rod was compared with the finite elements."],
         "errors": rod_to_take(results)[1:],
         "single line": _single_line(results),
+        "unusual": [f"Note: {sentence}." for sentence in results.run.get("remarks") or ()],
         "simulated": _simulated(results.effects),
         "mesh": mesh_sentences(results),
         "mesh error": _mesh_error(results),
