@@ -222,9 +222,9 @@ def check_size(size: float, extent: Sequence[float], volume: float) -> None:
         )
 
 
-def check_numbers(design: Any, counts: Sequence[str] = ()) -> None:
-    """Raise `DesignError` unless every field of a dataclass is a length that can be drawn, or, if it is named in
-    `counts`, an integer from 1 to MOST_CHAMBERS.
+def check_numbers(design: Any, counts: Sequence[str] = (), or_zero: Sequence[str] = ()) -> None:
+    """Raise `DesignError` unless every field of a dataclass is a length that can be drawn, or zero, if it is named in
+    `or_zero`, or, if it is named in `counts`, an integer from 1 to MOST_CHAMBERS.
     """
     for field in fields(design):
         value = getattr(design, field.name)
@@ -233,8 +233,12 @@ def check_numbers(design: Any, counts: Sequence[str] = ()) -> None:
                 raise DesignError(field.name, f"must be a whole number of at least 1, not {value!r}")
             if value > MOST_CHAMBERS:
                 raise DesignError(field.name, f"at most {MOST_CHAMBERS} fit into memory")
+        elif field.name in or_zero and not isinstance(value, bool) and value == 0:
+            continue
         elif isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value) or value <= 0:
-            raise DesignError(field.name, f"must be a positive length, not {value!r}")
+            raise DesignError(
+                field.name, f"must be a positive length{' or 0' * (field.name in or_zero)}, not {value!r}"
+            )
         elif not SHORTEST <= value <= LONGEST:
             raise DesignError(field.name, f"must lie between {SHORTEST:g} mm and {LONGEST:g} mm, not be {value:g} mm")
 

@@ -28,6 +28,7 @@ DESIGNS = [
     PneuNet(),
     PneuNet(chambers=1),
     PneuNet(chambers=2, gap=3, wall=1.5, channel=1),
+    PneuNet(chambers=3, fillet=0.5),
     Semicircular(chambers=4),
     Semicircular(chambers=1, partition=7),
     SemicircularSingle(length=60),

@@ -6,10 +6,10 @@ import pytest
 from geometry import BisectedCircle, DesignError, PneuNet, Semicircular, SemicircularSingle
 from geometry.design import SymmetricDesign
 
-DESIGNS = (PneuNet(), Semicircular(), SemicircularSingle(), BisectedCircle())
+DESIGNS = (PneuNet(), Semicircular(), SemicircularSingle(), BisectedCircle(), PneuNet(chambers=4, fillet=0.5))
 
 
-@pytest.mark.parametrize("design", DESIGNS, ids=lambda design: design.family)
+@pytest.mark.parametrize("design", DESIGNS, ids=lambda design: f"{design.family}-{design.length:g}mm")
 def test_pieces_add_up_to_the_body(design: SymmetricDesign) -> None:
     body, cell = design.body(4.0), design.half_cell(4.0)
     ends = [design.end_piece(count, 4.0) for count in (0, 1, 3)]
@@ -23,14 +23,14 @@ def test_pieces_add_up_to_the_body(design: SymmetricDesign) -> None:
         assert end.mesh.volume == pytest.approx(ends[0].mesh.volume + count * cell.mesh.volume, rel=1e-12)
 
 
-@pytest.mark.parametrize("design", DESIGNS, ids=lambda design: design.family)
+@pytest.mark.parametrize("design", DESIGNS, ids=lambda design: f"{design.family}-{design.length:g}mm")
 def test_every_vertex_of_an_end_piece_is_one_of_the_body(design: SymmetricDesign) -> None:
     rows = {tuple(row) for row in np.round(design.body(4.0).mesh.points, 9) + 0.0}
     piece = {tuple(row) for row in np.round(design.end_piece(3, 4.0).mesh.points, 9) + 0.0}
     assert piece <= rows
 
 
-@pytest.mark.parametrize("design", DESIGNS, ids=lambda design: design.family)
+@pytest.mark.parametrize("design", DESIGNS, ids=lambda design: f"{design.family}-{design.length:g}mm")
 def test_planes_of_a_half_cell_lie_exactly_at_its_ends(design: SymmetricDesign) -> None:
     cell = design.half_cell(4.0)
     for name, x in (("clamp", 0.0), ("tip", cell.length)):

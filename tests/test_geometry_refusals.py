@@ -21,14 +21,24 @@ def names(design: type[Design]) -> list[str]:
 
 
 LENGTHS = [(design, key) for design in FAMILIES.values() for key in names(design) if key != "chambers"]
+#: that are zero unless they are given
+OR_ZERO = [(PneuNet, "fillet")]
 
 
 @pytest.mark.parametrize("value", [0, -1.0, float("nan"), float("inf"), "2 mm", True, None])
-@pytest.mark.parametrize(("family", "key"), LENGTHS)
+@pytest.mark.parametrize(("family", "key"), [length for length in LENGTHS if length not in OR_ZERO])
 def test_every_length_must_be_a_positive_number(family: type[Design], key: str, value: object) -> None:
     with pytest.raises(DesignError, match=f"^{key}: must be a positive length") as caught:
         family(**{key: value})
     assert caught.value.keys == (key,)
+
+
+@pytest.mark.parametrize("value", [-1.0, float("nan"), "2 mm", True, False, None])
+@pytest.mark.parametrize(("family", "key"), OR_ZERO)
+def test_a_length_that_may_be_zero_is_no_other_number(family: type[Design], key: str, value: object) -> None:
+    with pytest.raises(DesignError, match=f"^{key}: must be a positive length or 0, not"):
+        family(**{key: value})
+    assert family(**{key: 0}) == family()
 
 
 @pytest.mark.parametrize("chambers", [0, -3, 2.0, True, "eleven"])
@@ -47,6 +57,8 @@ def test_chambers_must_be_counted(family: type[Design], chambers: object) -> Non
         (PneuNet, {"roof": 12}, ("roof", "chamber_height")),
         (PneuNet, {"channel": 3}, ("channel", "strip")),
         (PneuNet, {"channel": 2.5, "side_wall": 6.5}, ("channel", "width", "side_wall")),
+        (PneuNet, {"fillet": 1}, ("fillet", "gap")),
+        (PneuNet, {"fillet": 2.5, "gap": 6, "chamber_height": 2.5, "roof": 1}, ("fillet", "chamber_height")),
         (Semicircular, {"wall": 7.5}, ("wall", "radius")),
         (Semicircular, {"channel": 6}, ("channel", "radius", "wall")),
         (SemicircularSingle, {"wall": 8}, ("wall", "radius")),

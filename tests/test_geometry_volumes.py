@@ -1,6 +1,7 @@
 """Volumes and areas of the meshed bodies against closed forms."""
 
 import pickle
+from dataclasses import replace
 from math import cos, pi, sin
 
 import numpy as np
@@ -43,6 +44,35 @@ def test_pneunet_areas_are_exact() -> None:
     assert 2 * mesh.area("cavity") == pytest.approx(air)
 
 
+@pytest.mark.parametrize("size", [4, 2, 1])
+@pytest.mark.parametrize("radius", [0.5, 0.7])
+def test_fillets_of_the_pneunet_are_prisms_on_arcs_of_parabolas(radius: float, size: float) -> None:
+    """A fillet has three chords at least, and more where they would be longer than 0.35 times the size."""
+    sharp, design = PneuNet(chambers=2), PneuNet(chambers=2, fillet=radius)
+    assert design.solid_volume - sharp.solid_volume == pytest.approx(4 * 15 * (1 - pi / 4) * radius**2)
+    assert design.cavity_volume == sharp.cavity_volume
+    half_angle = pi / 4 / max(3, int(np.ceil(pi / 2 * radius / (0.35 * size))))
+    segment = 2 / 3 * 2 * sin(half_angle) * (1 - cos(half_angle))
+    quarter = pi / 4 / half_angle * (sin(2 * half_angle) / 2 + segment)
+    solid, air = halves(design, size)
+    assert solid == pytest.approx(sharp.solid_volume + 4 * 15 * (1 - quarter) * radius**2, rel=1e-10)
+    assert solid == pytest.approx(design.solid_volume, rel=2e-5)
+    assert air == pytest.approx(design.cavity_volume, rel=1e-10)
+
+
+@pytest.mark.parametrize("radius", [0.25, 0.5, 0.9])
+def test_the_gap_has_the_fillets_and_they_are_finely_divided(radius: float) -> None:
+    mesh = PneuNet(fillet=radius).body(4).mesh
+    walls, bottom, arcs = 2 * 15 * (12 - radius), 15 * (2 - 2 * radius), 2 * 15 * pi / 2 * radius
+    assert 2 * mesh.area("gap") == pytest.approx(10 * (walls + bottom + arcs), rel=2e-4)
+    assert 2 * mesh.area("clamp") == pytest.approx(15 * 5)
+    points = mesh.points[mesh.curved.ends]
+    round_ = np.abs(np.hypot((points[:, :, 0] - 2) % 10 - (8 + radius), points[:, :, 1] - 5 - radius) - radius) < 1e-9
+    chords = np.linalg.norm(np.diff(points, axis=1)[:, 0, :2], axis=1)[round_.all(axis=1)]
+    assert len(chords) > 100
+    assert chords.max() == pytest.approx(2 * radius * sin(pi / 12), rel=1e-6)
+
+
 @settings(max_examples=25, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_pneunet_volumes_for_any_dimensions(data: st.DataObject) -> None:
@@ -64,8 +94,10 @@ def test_pneunet_volumes_for_any_dimensions(data: st.DataObject) -> None:
         roof=draw(0.3, 0.9 * height),
         channel=draw(0.3, 0.9 * min(strip, width - 2 * side_wall)),
     )
+    if data.draw(st.booleans()):
+        design = replace(design, fillet=draw(0.05, 0.9) * min(design.gap / 2, design.chamber_height))
     mesh = design.body(min(4, *design.extent)).mesh
-    assert 2 * mesh.volume == pytest.approx(design.solid_volume, rel=1e-10)
+    assert 2 * mesh.volume == pytest.approx(design.solid_volume, rel=1e-4 if design.fillet else 1e-10)
     assert 2 * mesh.enclosed_volume("cavity") == pytest.approx(design.cavity_volume, rel=1e-10)
     assert sum(map(len, mesh.faces.values())) == len(mesh.boundary)
     assert mesh.quality.minimum > 1e-3

@@ -9,7 +9,8 @@ from geometry.design import DesignError, SymmetricDesign, check_less, check_numb
 from geometry.families.semicircular_single import nominal_cells
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition
-from geometry.meshing.solid import RoundBar, Solid, mesh_solid
+from geometry.meshing.shapes import RoundBar
+from geometry.meshing.solid import Solid, mesh_solid
 
 
 @final

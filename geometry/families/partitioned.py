@@ -5,7 +5,8 @@ from abc import abstractmethod
 from geometry.design import SymmetricDesign
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition
-from geometry.meshing.solid import Box, Shape, Solid, mesh_solid
+from geometry.meshing.shapes import Box, Shape
+from geometry.meshing.solid import Solid, mesh_solid
 
 
 class PartitionedDesign(SymmetricDesign):

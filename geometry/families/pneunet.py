@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import pi
 from typing import ClassVar, final
 
 from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition
-from geometry.meshing.solid import Box, Solid, mesh_solid
+from geometry.meshing.shapes import Box, Fillet, Shape
+from geometry.meshing.solid import Solid, mesh_solid
 
 
 @final
@@ -17,8 +19,9 @@ class PneuNet(SymmetricDesign):
 
     Faces: clamp (x = 0), tip (x = length), sym (z = 0), cavity, gap (the facing walls of neighbouring chambers and the
     strip between them), outer. Width, height, strip, gap and chamber length are those of the paper (w, H, t, t1, t2);
-    the other dimensions, which the paper does not give, are assumed. A cell extends from the middle of one gap to the
-    middle of the next.
+    the other dimensions, which the paper does not give, are assumed. Fillets round the edges where chamber walls stand
+    on the strip; those next to the ends of the arm belong to outer, all others to gap. A cell extends from the middle
+    of one gap to the middle of the next.
     """
 
     family: ClassVar[str] = "pneunet"
@@ -34,13 +37,16 @@ class PneuNet(SymmetricDesign):
     side_wall: float = 2.0  #: thickness of chamber walls across z
     roof: float = 2.0  #: thickness of chamber roofs
     channel: float = 2.0  #: width and height of the air channel
+    fillet: float = 0.0  #: radius of the rounded edges where chamber walls stand on the strip; 0 for sharp edges
 
     def __post_init__(self) -> None:
-        check_numbers(self, counts=["chambers"])
+        check_numbers(self, counts=["chambers"], or_zero=["fillet"])
         check_less(self, "wall", "chamber_length", 0.5, "the two walls leave no cavity")
         check_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
         check_less(self, "roof", "chamber_height", because="the cavity must rise above the strip")
         check_less(self, "channel", "strip", because="a channel as high as the strip would open into the gaps")
+        check_less(self, "fillet", "gap", 0.5, "the fillets at both sides of a gap meet")
+        check_less(self, "fillet", "chamber_height", because="it rounds the edge below the chamber's wall")
         across = self.width - 2 * self.side_wall
         if not self.channel < across:
             raise DesignError(
@@ -69,7 +75,8 @@ class PneuNet(SymmetricDesign):
     def solid_volume(self) -> float:
         plates = self.length * self.width * (self.base + self.strip)
         blocks = self.chambers * self.chamber_length * self.width * self.chamber_height
-        return plates + blocks - self.cavity_volume
+        fillets = 2 * self.chambers * self.width * (1 - pi / 4) * self.fillet**2
+        return plates + blocks + fillets - self.cavity_volume
 
     @property
     def cavity_volumes(self) -> Mapping[str, float]:
@@ -101,28 +108,34 @@ class PneuNet(SymmetricDesign):
         z, ceiling = self.width / 2, self.base + self.strip + self.chamber_height
         near, far = self.gap, self.gap + self.chamber_length
 
-        def plates_and_block(start: float, stop: float, chamber: tuple[float, float]) -> list[list[Box]]:
+        def fillet(x: float, side: int) -> list[Fillet]:
+            return [Fillet(x, self.base + self.strip, self.fillet, side, z)] if self.fillet else []
+
+        def plates_and_block(
+            start: float, stop: float, chamber: tuple[float, float], fillets: list[Fillet]
+        ) -> list[list[Shape]]:
             low, half = (start, 0.0, 0.0), self.base / 2
             return [
                 [Box(low, (stop, half, z))],
                 [
                     Box((start, half, 0), (stop, self.base + self.strip, z)),
                     Box((chamber[0], half, 0), (chamber[1], ceiling, z)),
+                    *fillets,
                 ],
             ]
 
         def cavity(start: float, stop: float) -> Box:
             return Box((start, self.base, 0), (stop, ceiling - self.roof, z - self.side_wall))
 
-        end = plates_and_block(0, middle, (near, middle))
+        end = plates_and_block(0, middle, (near, middle), fillet(near, -1))
         if self.chambers == 1:
             return Solid({"end": end}, {"cavity": [cavity(near + self.wall, middle)]})
         inner = far - self.wall
         channel = Box((inner, self.base, 0), (edge, self.base + self.channel, self.channel / 2))
         return Solid(
-            material={"end": end, "cell": plates_and_block(middle, edge, (middle, far))},
+            material={"end": end, "cell": plates_and_block(middle, edge, (middle, far), fillet(far, 1))},
             air={
                 "cavity": [cavity(near + self.wall, middle), cavity(middle, inner), channel],
-                "gap": [Box((far, self.base + self.strip, 0), (edge, ceiling, z))],
+                "gap": [Box((far, self.base + self.strip, 0), (edge, ceiling, z), fillet(far, 1))],
             },
         )

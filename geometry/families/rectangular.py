@@ -6,7 +6,7 @@ from typing import ClassVar, final
 
 from geometry.design import DesignError, check_less, check_numbers
 from geometry.families.partitioned import PartitionedDesign
-from geometry.meshing.solid import Box, Shape
+from geometry.meshing.shapes import Box, Shape
 
 
 @final

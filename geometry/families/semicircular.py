@@ -7,7 +7,7 @@ from typing import ClassVar, final
 
 from geometry.design import DesignError, check_less, check_numbers
 from geometry.families.partitioned import PartitionedDesign
-from geometry.meshing.solid import Box, RoundBar, Shape
+from geometry.meshing.shapes import Box, RoundBar, Shape
 
 
 @final

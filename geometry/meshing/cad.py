@@ -18,8 +18,9 @@ from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.face_names import name_faces
+from geometry.meshing.shapes import Volume
 from geometry.meshing.size_field import set_size_field, thinnest_wall
-from geometry.meshing.solid import SolidMesh, Volume, collect_mesh, optimize, session, walls_between
+from geometry.meshing.solid import SolidMesh, collect_mesh, optimize, session, walls_between
 
 Point: TypeAlias = tuple[float, float, float]
 

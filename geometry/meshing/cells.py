@@ -17,7 +17,8 @@ from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.meshing.cad import CadBody, cad_session, keep_material, mesh_session
 from geometry.meshing.mirror import Repetition
-from geometry.meshing.solid import SolidMesh, Volume, collect_mesh, walls_between
+from geometry.meshing.shapes import Volume
+from geometry.meshing.solid import SolidMesh, collect_mesh, walls_between
 
 #: part of the volume of half a cell by which another one may differ from it
 SAME = 1e-4

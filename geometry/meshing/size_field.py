@@ -4,7 +4,8 @@ Works in the Gmsh session of `geometry.meshing.solid` on what is meshed: a half 
 one that are repeated.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -27,28 +28,53 @@ STEPS = 40
 THIN = 1.6
 #: Number of samples per curve, or per side of a face, from which Gmsh measures the distance.
 SAMPLES = 40
+#: Increase of the size per distance from faces that are finer whatever the grading.
+AWAY_FROM_FINER = 0.7
 
 
-def set_size_field(gmsh: Any, size: float, grading: Grading, half: bool = True, mirrored: bool = True) -> None:
+def set_size_field(
+    gmsh: Any,
+    size: float,
+    grading: Grading,
+    half: bool = True,
+    mirrored: bool = True,
+    finer: Mapping[int, float] = MappingProxyType({}),
+) -> None:
     """Give the solid in the session a field of element sizes, `size` (mm) being the largest.
 
-    half: the body continues beyond z = 0 as its mirror image; mirrored: also beyond its largest x.
+    half: the body continues beyond z = 0 as its mirror image; mirrored: also beyond its largest x; finer: sizes (mm) at
+    some faces by their tags, whatever the grading.
     """
+    fields = _graded(gmsh, size, grading, half, mirrored)
+    for face, smallest in finer.items():
+        fields.append(_field(gmsh, "SurfacesList", [face], smallest, AWAY_FROM_FINER))
+    if fields:
+        lowest = gmsh.model.mesh.field.add("Min")
+        gmsh.model.mesh.field.setNumbers(lowest, "FieldsList", fields)
+        gmsh.model.mesh.field.setAsBackgroundMesh(lowest)
+
+
+def _graded(gmsh: Any, size: float, grading: Grading, half: bool, mirrored: bool) -> list[int]:
+    """The field of a grading, or none."""
     if grading == OFF:
-        return
-    model, field = gmsh.model, gmsh.model.mesh.field
+        return []
+    model = gmsh.model
     inside, near = _material_test(model, half, mirrored)
     if grading.at == "edges":
         kind, tags = "CurvesList", [tag for _, tag in model.getEntities(1) if _is_reentrant(model, tag, inside, near)]
     else:
         kind, tags = "SurfacesList", _thin_walls(model, inside, near)
-    if not tags:
-        return
+    return [_field(gmsh, kind, tags, grading.fraction * size, grading.growth)] if tags else []
+
+
+def _field(gmsh: Any, kind: str, tags: Sequence[int], smallest: float, growth: float) -> int:
+    """Tag of the field smallest + growth times the distance (mm) from some curves or faces."""
+    field = gmsh.model.mesh.field
     distance, sizes = field.add("Distance"), field.add("MathEval")
     field.setNumbers(distance, kind, tags)
     field.setNumber(distance, "Sampling", SAMPLES)
-    field.setString(sizes, "F", f"{grading.fraction * size:.9g} + {grading.growth:.9g} * F{distance}")
-    field.setAsBackgroundMesh(sizes)
+    field.setString(sizes, "F", f"{smallest:.9g} + {growth:.9g} * F{distance}")
+    return int(sizes)
 
 
 def _material_test(model: Any, half: bool, mirrored: bool) -> tuple[Inside, float]:

@@ -7,8 +7,7 @@ import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from math import inf
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -16,42 +15,14 @@ from geometry.arrays import Array, Index
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, curved_edges
 from geometry.grading import OFF, Grading
 from geometry.mesh import MeshError
+from geometry.meshing.round_walls import divide_round_walls
+from geometry.meshing.shapes import Shape, Volume, drawn
 from geometry.meshing.size_field import set_size_field
-
-#: Largest angle of a chord of a circle, rad. Its middle lies 1.2 % of the radius inside the circle: with larger angles
-#: curved edges fold elements in walls of 1/8 of the radius.
-LARGEST_ARC = np.pi / 10
 
 #: A graded mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 POOR = 0.1
 
 _ONE_SESSION = threading.Lock()  # Gmsh has one global state per process
-
-#: (3, tag), as Gmsh identifies a volume.
-Volume: TypeAlias = tuple[int, int]
-
-
-@dataclass(frozen=True)
-class Box:
-    """The box between two opposite corners, mm."""
-
-    low: tuple[float, float, float]
-    high: tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class RoundBar:
-    """The part z >= 0 of a cylinder along x about (y, z) = (centre, 0), cut to bottom <= y <= top; all in mm."""
-
-    start: float
-    end: float
-    centre: float
-    radius: float
-    bottom: float = -inf
-    top: float = inf
-
-
-Shape: TypeAlias = Box | RoundBar
 
 
 @dataclass(frozen=True)
@@ -144,7 +115,7 @@ def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
     with session() as gmsh:
         occ = gmsh.model.occ
         blocks = [(name, _block(occ, shapes)) for name, region in solid.material.items() for shapes in region]
-        voids = [(name, _drawn(occ, shape)) for name, shapes in solid.air.items() for shape in shapes]
+        voids = [(name, drawn(occ, shape)) for name, shapes in solid.air.items() for shape in shapes]
         parents = [(name, volume) for name, volumes in blocks for volume in volumes] + voids
         _, children = occ.fragment([volume for _, volume in parents], [])
         owners = [(name, child) for (name, _), parts in zip(parents, children, strict=True) for child in parts]
@@ -156,8 +127,8 @@ def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
         occ.synchronize()
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)  # without it Gmsh refines to a tenth of the body
-        set_size_field(gmsh, size, grading)
-        _divide_round_walls(gmsh, size, grading)
+        rounded = divide_round_walls(gmsh, size, grading)
+        set_size_field(gmsh, size, grading, finer=rounded)
         gmsh.model.mesh.generate(3)
         if grading != OFF:
             optimize(gmsh, POOR)
@@ -175,20 +146,8 @@ def optimize(gmsh: Any, minimum: float) -> None:
 
 
 def _block(occ: Any, shapes: Sequence[Shape]) -> list[Volume]:
-    first, *rest = (_drawn(occ, shape) for shape in shapes)
+    first, *rest = (drawn(occ, shape) for shape in shapes)
     return occ.fuse([first], rest)[0] if rest else [first]
-
-
-def _drawn(occ: Any, shape: Shape) -> Volume:
-    if isinstance(shape, Box):
-        sides = np.subtract(shape.high, shape.low)
-        return (3, occ.addBox(*shape.low, *sides))
-    length, radius = shape.end - shape.start, shape.radius
-    cylinder = (3, occ.addCylinder(shape.start, shape.centre, 0, length, 0, 0, radius))
-    bottom = max(shape.bottom, shape.centre - 2 * radius)
-    top = min(shape.top, shape.centre + 2 * radius)
-    window = (3, occ.addBox(shape.start, bottom, 0, length, top - bottom, 2 * radius))
-    return occ.intersect([cylinder], [window])[0][0]
 
 
 def walls_between(gmsh: Any, material: Mapping[Volume, str], air: Mapping[Volume, str]) -> dict[int, str]:
@@ -199,39 +158,6 @@ def walls_between(gmsh: Any, material: Mapping[Volume, str], air: Mapping[Volume
 
 def _faces(gmsh: Any, volume: Volume) -> list[tuple[int, int]]:
     return gmsh.model.getBoundary([volume], oriented=False)
-
-
-def _divide_round_walls(gmsh: Any, size: float, grading: Grading) -> None:
-    """Divide round faces into straight strips along x, all arcs by the same angle.
-
-    The two sides of a round wall then face each other vertex to vertex. Freely meshed, coarse chords of one side can
-    come near the other side.
-    Round walls are thin and end in re-entrant edges: with a grading they get its smallest size, and only their sides
-    are divided here.
-    """
-    model = gmsh.model
-    radii = {tag: _radius(model, tag) for _, tag in model.getEntities(1) if model.getType(1, tag) == "Circle"}
-    if not radii:
-        return
-    size *= grading.fraction
-    angle = min(size / max(radii.values()), LARGEST_ARC)
-    round_faces = [face for face in model.getEntities(2) if model.getType(*face) == "Cylinder"]
-    sides = model.getBoundary(round_faces, combined=False, oriented=False)
-    for _, curve in model.getEntities(1) if grading == OFF else sorted(set(sides)):
-        length, step = model.occ.getMass(1, curve), size
-        if curve in radii:
-            length, step = length / radii[curve], angle  # of the arc in rad
-        model.mesh.setTransfiniteCurve(curve, int(np.ceil(length / step - 1e-6)) + 1)
-    for _, face in model.getEntities(2):
-        sides = model.getBoundary([(2, face)], oriented=False)
-        if model.getType(2, face) == "Cylinder" and len(sides) == 4:
-            model.mesh.setTransfiniteSurface(face, "Alternate")
-
-
-def _radius(model: Any, arc: int) -> float:
-    """Radius of a circular arc, mm."""
-    middle = float(np.mean(model.getParametrizationBounds(1, arc)))
-    return 1 / float(model.getCurvature(1, arc, [middle])[0])
 
 
 def collect_mesh(

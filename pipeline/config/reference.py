@@ -78,7 +78,8 @@ def geometry_keys(design: Any) -> list[KeyEntry]:
     entries = []
     for field in fields(design):
         written = _written(kinds[field.name])
-        allowed = "above 0" if drawn and written.unit == "mm" else written.allowed
+        length = "at least 0" if field.default == 0.0 else "above 0"
+        allowed = length if drawn and written.unit == "mm" else written.allowed
         default = REQUIRED if field.default is MISSING else _text(field.default, written.unit)
         example = default if default != REQUIRED else _OWN_EXAMPLES[field.name]
         entries.append(KeyEntry(field.name, written.unit, allowed, default, meanings[field.name], example))

@@ -17,7 +17,8 @@ from fem.cell.piece import BendingPiece
 from fem.cell.response import shear_rigidity, slopes
 from geometry import Body, Mesh
 from geometry.meshing.face_names import name_faces
-from geometry.meshing.solid import RoundBar, Solid, mesh_solid
+from geometry.meshing.shapes import RoundBar
+from geometry.meshing.solid import Solid, mesh_solid
 
 HEIGHT, WIDTH, LENGTH = 4.0, 3.0, 2.0  # of the half z >= 0
 
