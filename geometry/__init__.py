@@ -6,6 +6,8 @@ from geometry.design import Design, DesignError
 from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.cad_file import CadFile
 from geometry.families.mesh_file import MeshFile
+from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
+from geometry.foreign.frame import Axes
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, MeshError, Quality
 from geometry.meshing.cells import CellPlanes
@@ -13,6 +15,8 @@ from geometry.meshing.cells import CellPlanes
 __all__ = [
     "FAMILIES",
     "GRADINGS",
+    "MESH_SUFFIXES",
+    "Axes",
     "BisectedCircle",
     "Body",
     "CadFile",

@@ -218,8 +218,8 @@ def _frozen(array: Frozen) -> Frozen:
     return array
 
 
-def _read(path: Path) -> tuple[Array, Index, dict[str, Index]]:
-    """Points (n, 3), tetrahedra (m, 4) and named triangles {name: (k, 3)} of a mesh file; see `Mesh.read`."""
+def read_content(path: Path) -> Any:
+    """What meshio reads in a mesh file. Raises `MeshError` where it is missing or cannot be read."""
     import meshio
 
     if not path.is_file():
@@ -227,13 +227,28 @@ def _read(path: Path) -> tuple[Array, Index, dict[str, Index]]:
     try:
         # meshio prints remarks; the library functions of this project print nothing
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            content = meshio.read(path)
+            return meshio.read(path)
+    except ModuleNotFoundError as error:
+        raise MeshError(
+            f"the mesh file {path} cannot be read: meshio needs {error.name} for this format, which is not installed; "
+            "save the mesh as VTU"
+        ) from error
     except (Exception, SystemExit) as error:
-        raise MeshError(f"the mesh file {path} cannot be read: {str(error) or type(error).__name__}") from error
+        reason = " ".join(str(error).split())
+        if isinstance(error, KeyError) or not reason:
+            reason = (
+                f"it is not of the format of its suffix, or has an entry that meshio does not know {reason}".strip()
+            )
+        raise MeshError(f"the mesh file {path} cannot be read: {reason}") from error
+
+
+def _read(path: Path) -> tuple[Array, Index, dict[str, Index]]:
+    """Points (n, 3), tetrahedra (m, 4) and named triangles {name: (k, 3)} of a mesh file; see `Mesh.read`."""
+    content = read_content(path)
     tets = [block.data[:, :4] for block in content.cells if block.type in ("tetra", "tetra10")]
     if not tets:
         raise MeshError(f"the mesh file {path} has no tetrahedra; mesh the volume and save it with its physical groups")
-    faces = _named_triangles(content)
+    faces = named_triangles(content)
     if not faces:
         raise MeshError(
             f"the mesh file {path} has no named faces; give its surfaces physical groups (clamp, cavity, ...)"
@@ -241,7 +256,7 @@ def _read(path: Path) -> tuple[Array, Index, dict[str, Index]]:
     return content.points, np.vstack(tets), faces
 
 
-def _named_triangles(content: Any) -> dict[str, Index]:
+def named_triangles(content: Any) -> dict[str, Index]:
     """The triangles of each named physical group; a triangle in several groups is listed under each of their names."""
     faces: dict[str, Index] = {}
     for name in content.field_data:

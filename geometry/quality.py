@@ -25,14 +25,7 @@ class Quality:
 
 def measure_quality(points: Array, tets: Index) -> Quality:
     """Quality of positively oriented tetrahedra (m, 4) on points (n, 3), mm."""
-    corners, volumes = points[tets], signed_volumes(points, tets)
-    areas = np.linalg.norm(normals(corners[:, OUTWARD].reshape(-1, 3, 3)), axis=1).reshape(-1, 4) / 2
-    a, b, c = (corners[:, i] - corners[:, 0] for i in (1, 2, 3))
-    aa, bb, cc = (np.einsum("ij,ij->i", v, v)[:, None] for v in (a, b, c))
-    # centre of the circumscribed sphere from the first corner, times 12 V
-    centre = aa * np.cross(b, c) + bb * np.cross(c, a) + cc * np.cross(a, b)
-    radius = np.linalg.norm(centre, axis=1) / (12 * volumes)
-    ratio = 9 * volumes / areas.sum(axis=1) / radius
+    corners, ratio = points[tets], radius_ratios(points, tets)
     edges = np.linalg.norm(corners[:, EDGES[:, 0]] - corners[:, EDGES[:, 1]], axis=2)
     x, y, z = (float(v) for v in corners[int(np.argmin(ratio))].mean(axis=0))
     return Quality(
@@ -43,6 +36,18 @@ def measure_quality(points: Array, tets: Index) -> Quality:
         longest_edge=float(edges.max()),
         mean_edge=_mean_edge(points, tets),
     )
+
+
+def radius_ratios(points: Array, tets: Index) -> Array:
+    """3 r_inscribed / R_circumscribed of positively oriented tetrahedra (m, 4) on points (n, 3), (m,)."""
+    corners, volumes = points[tets], signed_volumes(points, tets)
+    areas = np.linalg.norm(normals(corners[:, OUTWARD].reshape(-1, 3, 3)), axis=1).reshape(-1, 4) / 2
+    a, b, c = (corners[:, i] - corners[:, 0] for i in (1, 2, 3))
+    aa, bb, cc = (np.einsum("ij,ij->i", v, v)[:, None] for v in (a, b, c))
+    # centre of the circumscribed sphere from the first corner, times 12 V
+    centre = aa * np.cross(b, c) + bb * np.cross(c, a) + cc * np.cross(a, b)
+    radius = np.linalg.norm(centre, axis=1) / (12 * volumes)
+    return np.asarray(9 * volumes / areas.sum(axis=1) / radius)
 
 
 def _mean_edge(points: Array, tets: Index) -> float:

@@ -125,6 +125,17 @@ def test_meshes_that_cannot_be_used(case: str, pneunet: Path, tmp_path: Path) ->
     assert caught.value.keys[0] == "file"
 
 
-def test_mesh_without_edges_along_the_curve_is_refused(pneunet: Path) -> None:
-    with pytest.raises(DesignError, match=r"file: the material curve y = 1\.5 mm, z = 0"):
-        MeshFile(str(pneunet), curve=1.5)
+def test_a_named_mesh_is_divided_along_the_curve(pneunet: Path) -> None:
+    design = MeshFile(str(pneunet), curve=1.5)
+    drawn, mesh = Mesh.read(pneunet), design.fixed_body.mesh
+    assert mesh.volume == pytest.approx(drawn.volume, rel=1e-12)
+    for name in drawn.faces:
+        assert mesh.area(name) == pytest.approx(drawn.area(name), rel=1e-12)
+    assert mesh.enclosed_volume("cavity") == pytest.approx(drawn.enclosed_volume("cavity"), rel=1e-12)
+    assert len(design.fixed_body.edge("tip")) > 2
+    assert mesh.quality.minimum > 0.05
+
+
+def test_a_curve_outside_of_the_material_is_refused(pneunet: Path) -> None:
+    with pytest.raises(DesignError, match=r"curve: the line y = 4 mm, z = 0 is outside the material from 3 to 9 mm"):
+        MeshFile(str(pneunet), curve=4)

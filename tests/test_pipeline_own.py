@@ -146,7 +146,7 @@ def test_own_body_is_refused_by_key(override: str, sentence: str) -> None:
 def test_ready_mesh_is_refused_by_key(ready: Path) -> None:
     assert "mesh.size: unknown key; allowed here: formulation" in refusal(ready, "mesh.size=3 mm")
     assert "geometry.file: the mesh file" in refusal(ready, "geometry.file=none.msh")
-    assert "the material curve y = 1.2 mm" in refusal(ready, "geometry.curve=1.2 mm")
+    assert "geometry.curve: the line y = 5 mm, z = 0 is outside the material" in refusal(ready, "geometry.curve=5 mm")
 
 
 def test_a_mesh_whose_boundary_passes_through_itself_is_refused(ready: Path, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import Body, Design, DesignError, check_size
+from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.meshing.cad import SUFFIXES, CadBody, CadMeasures, Point, measure, measure_thinnest_wall, mesh_cad
@@ -44,7 +45,11 @@ class CadFile(Design):
     def __post_init__(self) -> None:
         path = Path(self.file)
         if path.suffix.lower() not in SUFFIXES:
-            raise DesignError("file", f"{path.name} is not a CAD file that can be read ({', '.join(SUFFIXES)})")
+            raise DesignError(
+                "file",
+                f"{path.name} is not a CAD file that can be read ({', '.join(SUFFIXES)}), nor a mesh "
+                f"({', '.join(MESH_SUFFIXES)})",
+            )
         if not path.is_file():
             raise DesignError("file", f"{path} does not exist")
         for key, value in (("cell", self.cell), ("unit", self.unit)):

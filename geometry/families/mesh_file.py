@@ -1,7 +1,7 @@
-"""A body from a mesh file with named faces."""
+"""A body from a mesh file: its faces by planes, or by the names that the file has."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
 from math import isfinite
@@ -11,42 +11,60 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import Body, Design, DesignError
+from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned, usual_cell
+from geometry.foreign.file import FileMesh, read_mesh_file
+from geometry.foreign.frame import SAME, Axes
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh, MeshError
-from geometry.meshing.cad import LARGEST, SMALLEST
+from geometry.meshing.cad import Point
 from geometry.meshing.mirror import slices
 
 
 @final
 @dataclass(frozen=True)
 class MeshFile(Design):
-    """A mesh of tetrahedra from a file (Gmsh .msh) whose physical groups name its faces; lengths in mm.
+    """A mesh of tetrahedra with 4 or 10 nodes from a file (VTK, VTU, Abaqus, Nastran, Gmsh, MED, ...); lengths in mm.
 
-    Required groups: clamp and tip (flat, in planes x = const), cavity; further cavities are the groups whose names
-    begin with cavity. A group sym in the plane z = 0 makes it a half body. The material curve (y = curve, z = 0, from
-    clamp to tip) must run along element edges. The constructor reads and checks the file; its `DesignError` names the
-    config key to change. The cells are nominal: equal parts of the length, about `cell` long.
+    Its ends are flat faces in the planes x = clamp and x = tip, its cavities closed surfaces within it, chosen by a
+    point in their air where there are several. A Gmsh file may name its faces instead, by physical groups: clamp, tip,
+    cavity, further cavities whose names begin with cavity, and sym in the plane z = 0 of a half body. Elements through
+    which the material curve (y = curve, z = 0) passes are divided so that it runs along edges; all others stay as they
+    are. The constructor reads and checks the file; its `DesignError` names the config key to change. The cells are
+    nominal: equal parts of the length, about `cell` long.
     """
 
     family: ClassVar[str] = "mesh_file"
 
     file: str  #: path of the mesh
     curve: float  #: y of the material curve
-    cell: float = 10.0  #: length over which curvature is averaged, nominal
-    unit: float = 1.0  #: mm per unit of length in the file
+    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
+    tip: float | None = None  #: x of the other end face; without it the other end
+    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
+    symmetric: bool = False  #: whether the file holds the half z >= 0 alone
+    cell: float | None = None  #: length over which curvature is averaged; a tenth of the length, at most 10 mm
+    unit: float = 1.0  #: unit of length of the file
+    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
 
     def __post_init__(self) -> None:
-        for key in ("cell", "unit"):
-            if not (isfinite(getattr(self, key)) and getattr(self, key) > 0):
-                raise DesignError(key, f"must be a positive length, not {getattr(self, key)!r}")
+        for key, value in (("cell", self.cell), ("unit", self.unit)):
+            if value is not None and not (isfinite(value) and value > 0):
+                raise DesignError(key, f"must be a positive length, not {value!r}")
+        object.__setattr__(self, "air", dict(self.air))
+        object.__setattr__(self, "axes", tuple(self.axes))
         _ = self.fixed_body
 
     @cached_property
     def fixed_body(self) -> Body:
         """The body, moved along x so that its clamp is at x = 0."""
         try:
-            return self._read()
+            placing = Placing(self.curve, self.clamp, self.tip, self.air, self.symmetric, self.unit, self.axes)
+            content = turned(read_mesh_file(Path(self.file)), placing)
+            by_planes = self.clamp is not None or self.tip is not None or self.air or not _has_names(content)
+            placed = placed_by_planes(content, placing) if by_planes else _placed_by_names(content, placing)
+            pitch = slices(placed.length, self.cell or usual_cell(placed.length))[1]
+            half = "sym" in placed.mesh.faces
+            return Body(placed.mesh, self.family, placed.length, pitch, self.curve, half, placed.cavities)
         except MeshError as error:
             raise DesignError("file", str(error)) from error
 
@@ -54,45 +72,6 @@ class MeshFile(Design):
     def digest(self) -> str:
         """SHA-256 of the file, so that results of an older file of the same name are not reused."""
         return sha256(Path(self.file).read_bytes()).hexdigest()
-
-    def _read(self) -> Body:
-        mesh = Mesh.read(self.file)
-        check_manifold(mesh)
-        check_untangled(mesh)
-        if "sym" in mesh.faces:
-            check_half(mesh)
-        mesh, length = self._in_frame(mesh)
-        names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
-        if "cavity" not in names:
-            raise MeshError(f"the mesh has no face named cavity; it has {', '.join(mesh.faces)}")
-        for name in names:
-            if not mesh.enclosed_volume(name) > 0:
-                raise MeshError(f"the face {name} encloses material, not air")
-        pitch = slices(length, self.cell)[1]
-        return Body(mesh, self.family, length, pitch, self.curve, "sym" in mesh.faces, names)
-
-    def _in_frame(self, mesh: Mesh) -> tuple[Mesh, float]:
-        """The mesh in mm, with its clamp at x = 0, and its length (mm). Raises `MeshError` or `DesignError`."""
-        points = mesh.points * self.unit
-        sides = np.ptp(points, axis=0)
-        if not SMALLEST <= sides.max() <= LARGEST:
-            measures = " x ".join(f"{side:.4g}" for side in sides)
-            raise DesignError(
-                ("file", "unit"), f"the body measures {measures} mm; is its file in another unit than {self.unit:g} mm?"
-            )
-        ends = []
-        for name in ("clamp", "tip"):
-            if name not in mesh.faces:
-                raise MeshError(f"the mesh has no face named {name}; it has {', '.join(mesh.faces)}")
-            x = points[np.unique(mesh.faces[name]), 0]
-            if np.ptp(x) > 1e-6 * sides.max():
-                raise MeshError(
-                    f"the face {name} must be flat, in a plane x = const; its x varies by {np.ptp(x):.3g} mm"
-                )
-            ends.append(float(x.mean()))
-        if not ends[1] > ends[0]:
-            raise MeshError("the tip must lie at a greater x than the clamp")
-        return Mesh(points - [ends[0], 0, 0], mesh.tets, mesh.faces), ends[1] - ends[0]
 
     @property
     def length(self) -> float:
@@ -132,3 +111,44 @@ class MeshFile(Design):
     def body(self, size: float, grading: Grading = OFF) -> Body:
         """The mesh of the file; `size` and `grading` are not used."""
         return self.fixed_body
+
+
+def _has_names(content: FileMesh) -> bool:
+    """Whether the file names faces that a body needs."""
+    return any(name in ("clamp", "tip") or name.startswith("cavity") for name in content.faces)
+
+
+def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
+    """The body with the faces of the file. Raises `MeshError` where they do not fit."""
+    mesh = Mesh(content.points, content.tets, content.faces, content.curved)
+    check_manifold(mesh)
+    check_untangled(mesh)
+    if "sym" in mesh.faces:
+        check_half(mesh)
+    mesh, length = _in_frame(mesh)
+    mesh = divided(mesh, placing.curve, length)
+    names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
+    if "cavity" not in names:
+        raise MeshError(f"the mesh has no face named cavity; it has {', '.join(mesh.faces)}")
+    for name in names:
+        if not mesh.enclosed_volume(name) > 0:
+            raise MeshError(f"the face {name} encloses material, not air")
+    return Placed(mesh, length, names)
+
+
+def _in_frame(mesh: Mesh) -> tuple[Mesh, float]:
+    """The mesh with its clamp at x = 0, and its length (mm). Raises `MeshError`."""
+    points, size = mesh.points, float(np.ptp(mesh.points, axis=0).max())
+    ends = []
+    for name in ("clamp", "tip"):
+        if name not in mesh.faces:
+            raise MeshError(f"the mesh has no face named {name}; it has {', '.join(mesh.faces)}")
+        x = points[np.unique(mesh.faces[name]), 0]
+        if np.ptp(x) > 1e-6 * size:
+            raise MeshError(f"the face {name} must be flat, in a plane x = const; its x varies by {np.ptp(x):.3g} mm")
+        ends.append(float(x.mean()))
+    if not ends[1] > ends[0]:
+        raise MeshError("the tip must lie at a greater x than the clamp")
+    shift = np.array([ends[0], 0.0, 0.0])
+    curved = type(mesh.curved)(mesh.curved.ends, mesh.curved.middles - shift)
+    return Mesh(points - shift, mesh.tets, mesh.faces, curved), ends[1] - ends[0]

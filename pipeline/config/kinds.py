@@ -80,6 +80,27 @@ def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
     return values
 
 
+def _unit(value: Any) -> float:
+    """The length of one unit: the name of a unit, or a length."""
+    named = isinstance(value, str) and value.strip().isalpha()
+    try:
+        return _above_zero(convert(f"1 {value.strip()}" if named else value, LENGTH))
+    except ValueError:
+        raise ValueError(
+            f"{quoted(value)} is no unit of length; allowed: mm, cm, m, inch, or a length above 0 such as 25.4 mm"
+        ) from None
+
+
+def _axes(value: Any) -> tuple[str, ...]:
+    names = tuple(str(name).replace(" ", "").removeprefix("+") for name in value) if isinstance(value, list) else ()
+    if len(names) != 3 or not all(name.removeprefix("-") in ("x", "y", "z") for name in names):
+        raise ValueError(
+            f"{quoted(value)} are no directions; allowed: those of the file that are x (along the arm), y (up) and z "
+            "of the arm, such as [x, z, -y] for a file with z up"
+        )
+    return names
+
+
 def _three(example: str) -> Callable[[tuple[float, ...]], tuple[float, ...]]:
     def check(values: tuple[float, ...]) -> tuple[float, ...]:
         if len(values) != 3:
@@ -190,6 +211,16 @@ def _size(value: Any) -> Any:
 Length = Annotated[float, _in(LENGTH), Field(examples=[LENGTH.example]), Written("mm", "any")]
 PositiveLength = Annotated[Length, AfterValidator(_above_zero), Written("mm", "above 0")]
 ActivationDistance = Annotated[PositiveLength, Field(examples=["0.04 mm"])]
+OptionalLength = Annotated[float | None, _in(LENGTH), Field(examples=[LENGTH.example]), Written("mm", "any")]
+Unit = Annotated[
+    float, BeforeValidator(_unit), Field(examples=["inch"]), Written("mm", "`mm`, `cm`, `m`, `inch` or a length")
+]
+Directions = Annotated[
+    tuple[str, ...],
+    BeforeValidator(_axes),
+    Field(strict=False, examples=["[x, z, -y]"]),
+    Written("", "three of `x`, `-x`, `y`, `-y`, `z`, `-z`"),
+]
 Stress = Annotated[float, _in(STRESS), Field(examples=[STRESS.example]), Written("MPa", "any")]
 PositiveStress = Annotated[Stress, AfterValidator(_above_zero), Written("MPa", "above 0")]
 PositiveDensity = Annotated[

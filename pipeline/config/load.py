@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
 from fem.elements import ELEMENTS
-from geometry import FAMILIES, CadFile, Design, DesignError, MeshFile
+from geometry import FAMILIES, Design, DesignError, MeshFile
 from geometry.design import check_size
 from pipeline.config.automatic_mesh import COARSER, COARSEST, GivenMesh, chosen_mesh
 from pipeline.config.config import (
@@ -26,7 +26,7 @@ from pipeline.config.config import (
     Validation,
 )
 from pipeline.config.document import Document, read_document
-from pipeline.config.schema import OWN, checked
+from pipeline.config.schema import OWN, checked, own_design
 from pipeline.config.solid import check_stiffness, solid
 from pipeline.errors import InputError
 
@@ -110,8 +110,7 @@ def _design(document: Document, content: Any, family: str) -> Design:
     try:
         if family == OWN:
             values["file"] = str(document.path.parent / values["file"])
-            own = CadFile if "air" in values else MeshFile
-            design: Design = own(**values)
+            design: Design = own_design(values["file"])(**values)
         else:
             design = FAMILIES[family](**values)
     except DesignError as refused:

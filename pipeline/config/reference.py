@@ -9,7 +9,7 @@ import inspect
 import re
 import sys
 from collections.abc import Iterator
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
@@ -80,8 +80,9 @@ def geometry_keys(design: Any) -> list[KeyEntry]:
         written = _written(kinds[field.name])
         length = "at least 0" if field.default == 0.0 else "above 0"
         allowed = length if drawn and written.unit == "mm" else written.allowed
-        default = REQUIRED if field.default is MISSING else _text(field.default, written.unit)
-        example = default if default != REQUIRED else _OWN_EXAMPLES[field.name]
+        value = schema.default_of(field, REQUIRED)
+        default = value if value == REQUIRED else _text(value, written.unit)
+        example = _OWN_EXAMPLES[field.name] if default in (REQUIRED, "none") else default
         entries.append(KeyEntry(field.name, written.unit, allowed, default, meanings[field.name], example))
     return entries
 
@@ -117,6 +118,7 @@ _OWN_EXAMPLES = {
     "tip": "80 mm",
     "curve": "1 mm",
     "air": "{cavity: [40 mm, 7 mm, 0 mm]}",
+    "cell": "8 mm",
 }
 
 

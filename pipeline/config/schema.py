@@ -1,13 +1,14 @@
 """The shape of a configuration: which keys there are and of what kind each is (`pipeline.config.kinds`)."""
 
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, Field, fields
+from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
 import pydantic
 from pydantic import ConfigDict
 
 from fem.materials import LAWS, Constant
-from geometry import FAMILIES, CadFile, CellPlanes, MeshFile
+from geometry import FAMILIES, MESH_SUFFIXES, Axes, CadFile, CellPlanes, MeshFile
 from pipeline.config.document import Document
 from pipeline.config.kinds import (
     FROM_STATE,
@@ -18,6 +19,7 @@ from pipeline.config.kinds import (
     Coarser,
     Count,
     CountFromZero,
+    Directions,
     Ends,
     Experiments,
     FaceNames,
@@ -28,6 +30,7 @@ from pipeline.config.kinds import (
     Length,
     MeshSize,
     Name,
+    OptionalLength,
     Percentage,
     Points,
     PoissonRatio,
@@ -40,6 +43,7 @@ from pipeline.config.kinds import (
     Stress,
     Text,
     Tolerance,
+    Unit,
     YesNo,
 )
 from pipeline.errors import InputError
@@ -164,8 +168,12 @@ def _design(family: str, document: Document) -> Any:
     """The class of designs with the keys of `family`; a user's own file is a mesh or a drawing by its suffix."""
     if family != OWN:
         return FAMILIES[family]
-    file = document.content["geometry"].get("file", "")
-    return MeshFile if str(file).lower().endswith(".msh") else CadFile
+    return own_design(str(document.content["geometry"].get("file", "")))
+
+
+def own_design(file: str) -> type[CadFile] | type[MeshFile]:
+    """The class of designs that reads a user's own file, by its suffix."""
+    return MeshFile if Path(file).suffix.lower() in MESH_SUFFIXES else CadFile
 
 
 def _model(design: Any, law: str | None) -> type[pydantic.BaseModel]:
@@ -196,7 +204,25 @@ def material_model(law: str) -> Any:
 
 def _geometry_fields(design: Any) -> dict[str, Any]:
     """The fields of a design as pydantic takes them: counts are plain numbers, floats are lengths."""
-    kinds = {int: Count, float: Length, str: Text, bool: YesNo, float | CellPlanes: Cell}
+    kinds = {
+        int: Count,
+        float: Length,
+        float | None: OptionalLength,
+        str: Text,
+        bool: YesNo,
+        Axes: Directions,
+        float | CellPlanes: Cell,
+    }
+    named = {"unit": Unit}
     types = get_type_hints(design)
-    optional = {field.name: ... if field.default is MISSING else field.default for field in fields(design)}
-    return {name: (kinds.get(types[name], Points), default) for name, default in optional.items()}
+    return {
+        field.name: (named.get(field.name) or kinds.get(types[field.name], Points), default_of(field, ...))
+        for field in fields(design)
+    }
+
+
+def default_of(field: Field[Any], required: Any) -> Any:
+    """The default of a field of a design, or `required` where it has none."""
+    if field.default_factory is not MISSING:
+        return field.default_factory()
+    return required if field.default is MISSING else field.default

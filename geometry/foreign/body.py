@@ -1,0 +1,248 @@
+"""A body from the elements of a file: turned into the frame of the arm, with its faces found by planes.
+
+All lengths in mm. Positions that a user gives (clamp, tip, curve, points in the air) are those in the directions of the
+arm, before the body is moved so that its clamp is at x = 0.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from geometry.arrays import Array, Index
+from geometry.curved import CurvedEdges
+from geometry.design import DesignError
+from geometry.foreign.curve import with_curve
+from geometry.foreign.file import FileMesh
+from geometry.foreign.frame import SAME, Axes, rotation
+from geometry.foreign.shells import lies_in, named_cavities, outside_first, shells
+from geometry.manifold import check_manifold, check_untangled, count_components
+from geometry.mesh import Mesh
+from geometry.meshing.cad import LARGEST, SMALLEST, Point
+
+#: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
+FLAT = 1e-5
+
+
+@dataclass(frozen=True)
+class Placing:
+    """How a file becomes a body."""
+
+    curve: float  #: y of the material curve, mm
+    clamp: float | None  #: x of the clamped end, mm; None for the end with the smallest x
+    tip: float | None  #: x of the other end, mm; None for the end with the largest x
+    air: Mapping[str, Point]  #: name of a cavity -> a point in it, mm; empty where there is one cavity alone
+    half: bool  #: the file holds the half z >= 0
+    unit: float  #: mm per unit of length of the file
+    axes: Axes = SAME
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A mesh in the frame of bodies, with named faces."""
+
+    mesh: Mesh
+    length: float  #: mm
+    cavities: tuple[str, ...]
+
+
+def usual_cell(length: float) -> float:
+    """Length (mm) over which curvature is averaged on an arm of that length (mm) of which no cell is known.
+
+    The five parameters need 6.5 of them.
+    """
+    return min(10.0, length / 10)
+
+
+def turned(content: FileMesh, placing: Placing) -> FileMesh:
+    """The content of a file in mm and in the directions of the arm. Raises `DesignError`."""
+    turn = placing.unit * rotation(placing.axes).T
+    curved = CurvedEdges(content.curved.ends, content.curved.middles @ turn)
+    points = content.points @ turn
+    check_dimensions(points, placing.unit)
+    return replace(content, points=points, curved=curved)
+
+
+def check_dimensions(points: Array, unit: float) -> None:
+    """Raise `DesignError` unless points (n, 3), mm, have the size of an arm; unit: mm per unit of the file."""
+    sides = np.ptp(points, axis=0)
+    if not SMALLEST <= sides.max() <= LARGEST:
+        measures = " x ".join(f"{side:.4g}" for side in sides)
+        raise DesignError(
+            ("file", "unit"), f"the body measures {measures} mm; is its file in another unit than {unit:g} mm?"
+        )
+
+
+def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
+    """The body with the faces clamp, tip, sym (of a half), outer, and its cavities.
+
+    content: in mm and in the directions of the arm. Raises `DesignError`, and `MeshError` for elements that cannot be
+    used.
+    """
+    points, tets = joined(content.points, content.tets)
+    clamp, tip = ends_of(points, placing)
+    points, curved = _from_clamp(points, content.curved, clamp, tip, placing.half)
+    length = abs(tip - clamp)
+    _check_across(points, placing)
+    points = _in_planes(points, length, placing)
+    plain = Mesh(points, tets, {}, curved)
+    check_manifold(plain)
+    check_untangled(plain)
+    mesh = divided(plain, placing.curve, length)
+    cavities, named = _named(mesh, length, placing, _moved(placing, clamp, tip))
+    return Placed(Mesh(mesh.points, mesh.tets, named, mesh.curved), length, cavities)
+
+
+def joined(points: Array, tets: Index) -> tuple[Array, Index]:
+    """Points (n, 3) and tetrahedra; points at the same position become one where parts of the mesh share none.
+
+    Some programs write the points of each part or element for themselves.
+    """
+    mesh = Mesh(points, tets, {})
+    if count_components(mesh) == 1:
+        return points, tets
+    size = float(np.ptp(points, axis=0).max())
+    _, first, same = np.unique(np.round(points / (1e-7 * size)), axis=0, return_index=True, return_inverse=True)
+    return points[first], same.reshape(-1)[tets]
+
+
+def ends_of(points: Array, placing: Placing) -> tuple[float, float]:
+    """x of clamp and tip, mm. Raises `DesignError` where one lies outside the body or both are the same."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    tolerance = FLAT * float((high - low).max())
+    given = {"clamp": placing.clamp, "tip": placing.tip, "curve": placing.curve}
+    for key, position in given.items():
+        axis = 1 if key == "curve" else 0
+        if position is not None and not low[axis] - tolerance <= position <= high[axis] + tolerance:
+            raise DesignError(
+                key,
+                f"{'xyz'[axis]} = {position:g} mm lies outside the body, which reaches from {low[axis]:.4g} to "
+                f"{high[axis]:.4g} mm",
+            )
+    clamp = placing.clamp if placing.clamp is not None else float(low[0])
+    other = float(high[0] if clamp <= (low[0] + high[0]) / 2 else low[0])
+    tip = placing.tip if placing.tip is not None else other
+    if abs(tip - clamp) <= tolerance:
+        raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
+    return clamp, tip
+
+
+def _from_clamp(points: Array, curved: CurvedEdges, clamp: float, tip: float, half: bool) -> tuple[Array, CurvedEdges]:
+    """Points and edges with the clamp at x = 0 and the tip at a larger x.
+
+    An arm that is clamped at its larger x is turned about y by half a turn; a half body is mirrored, which gives its
+    other half.
+    """
+    turn = np.array([1.0, 1.0, 1.0]) if tip > clamp else np.array([-1.0, 1.0, 1.0 if half else -1.0])
+    shift = np.array([clamp, 0.0, 0.0])
+    return (points - shift) * turn, CurvedEdges(curved.ends, (curved.middles - shift) * turn)
+
+
+def _moved(placing: Placing, clamp: float, tip: float) -> dict[str, Point]:
+    """The points in the air, moved as the body is."""
+    turn = np.array([1.0, 1.0, 1.0]) if tip > clamp else np.array([-1.0, 1.0, 1.0 if placing.half else -1.0])
+    moved = {name: (np.array(point) - [clamp, 0.0, 0.0]) * turn for name, point in placing.air.items()}
+    return {name: (float(x), float(y), float(z)) for name, (x, y, z) in moved.items()}
+
+
+def _check_across(points: Array, placing: Placing) -> None:
+    """Raise `DesignError` unless z = 0 is within a whole body, and at the side of a half."""
+    low, high = float(points[:, 2].min()), float(points[:, 2].max())
+    tolerance = FLAT * float(np.ptp(points, axis=0).max())
+    reach = f"the body reaches from z = {low:.4g} to {high:.4g} mm"
+    if placing.half and abs(low) > tolerance:
+        raise DesignError(
+            "symmetric", f"{reach}; true is for a file that holds the half z >= 0 alone: leave it out, or move the body"
+        )
+    if not placing.half and not low < -tolerance < tolerance < high:
+        raise DesignError(
+            "symmetric",
+            f"{reach}, and the material curve runs at z = 0; write true if the file holds the half z >= 0 of an arm, "
+            "else move the body so that its middle is at z = 0",
+        )
+
+
+def _in_planes(points: Array, length: float, placing: Placing) -> Array:
+    """Points (n, 3) with those that are near the plane of a flat face exactly in it."""
+    points = points.copy()
+    tolerance = FLAT * float(np.ptp(points, axis=0).max())
+    planes = [(0, 0.0), (0, length), *([(2, 0.0)] if placing.half else [])]
+    for axis, position in planes:
+        points[np.abs(points[:, axis] - position) < tolerance, axis] = position
+    return points
+
+
+def divided(mesh: Mesh, curve_y: float, length: float) -> Mesh:
+    """The mesh, with its faces, with the material curve along element edges; itself where it runs along edges already.
+
+    Raises `DesignError` where the curve leaves the material.
+    """
+    if curve_gap(mesh, curve_y, length) is None:
+        return mesh
+    faces = {"": np.empty((0, 3), dtype=np.int64), **mesh.faces}
+    of = np.concatenate([np.full(len(triangles), k, dtype=np.int64) for k, triangles in enumerate(faces.values())])
+    points, tets, triangles, of, curved = with_curve(
+        mesh.points, mesh.tets, np.vstack(list(faces.values())), of, mesh.curved, curve_y, length
+    )
+    named = {name: triangles[of == k] for k, name in enumerate(faces) if name}
+    result = Mesh(points, tets, named, curved.usable(points, tets))
+    _check_curve(result, curve_y, length)
+    return result
+
+
+def _check_curve(mesh: Mesh, curve_y: float, length: float) -> None:
+    """Raise `DesignError` where the material curve leaves the material of a mesh that has been divided along it."""
+    gap = curve_gap(mesh, curve_y, length)
+    if gap is not None:
+        raise DesignError(
+            "curve",
+            f"the line y = {curve_y:g} mm, z = 0 is outside the material from {gap[0]:.4g} to {gap[1]:.4g} mm behind "
+            "the clamp; give a height at which it runs through a wall from end to end",
+        )
+
+
+def curve_gap(mesh: Mesh, curve_y: float, length: float) -> tuple[float, float] | None:
+    """From where to where (x, mm) the line y = curve_y, z = 0 does not run along edges for the first time."""
+    tolerance = 1e-7 * length
+    on = np.flatnonzero((np.abs(mesh.points[:, 1] - curve_y) < tolerance) & (np.abs(mesh.points[:, 2]) < tolerance))
+    on = on[np.argsort(mesh.points[on, 0], kind="stable")]
+    x = mesh.points[on, 0]
+    stops = [0.0, *map(float, x), length]
+    pairs = np.column_stack([on[:-1], on[1:]])
+    along = mesh.has_edges(pairs) if len(pairs) else np.zeros(0, dtype=bool)
+    filled = [bool(len(x)) and x[0] <= tolerance, *map(bool, along), bool(len(x)) and x[-1] >= length - tolerance]
+    return next(((stops[k], stops[k + 1]) for k, ok in enumerate(filled) if not ok), None)
+
+
+def _named(
+    mesh: Mesh, length: float, placing: Placing, air: Mapping[str, Point]
+) -> tuple[tuple[str, ...], dict[str, Index]]:
+    """Names of the cavities, and the triangles of all faces by name. Raises `DesignError`."""
+    points, boundary = mesh.points, mesh.boundary
+    tolerance = 1e-9 * float(np.ptp(points, axis=0).max())
+    named = {}
+    mirrors: list[tuple[int, float]] = []
+    free = boundary
+    if placing.half:
+        sym = lies_in(points, boundary, (2, 0.0), tolerance)
+        named["sym"], free = boundary[sym], boundary[~sym]
+        mirrors.append((2, 0.0))
+    outside, *inner = outside_first(points, shells(free, len(points)))
+    cavities = named_cavities(points, inner, boundary, air, mirrors)
+    for name, position in (("clamp", 0.0), ("tip", length)):
+        flat = lies_in(points, outside, (0, position), tolerance)
+        if not flat.any():
+            given = getattr(placing, name)
+            where = "at its end" if given is None else f"in the plane x = {given:g} mm"
+            raise DesignError(
+                name, f"the body has no flat face {where}; give the x of a plane in which its surface lies"
+            )
+        named[name], outside = outside[flat], outside[~flat]
+    for name, walls in cavities.items():
+        if name in ("clamp", "tip", "sym", "outer"):
+            raise DesignError(f"air.{name}", f"a cavity cannot be named {name}; choose another name")
+        if not Mesh(points, mesh.tets, {name: walls}).enclosed_volume(name) > 0:
+            raise DesignError(f"air.{name}", f"the surface of {name} encloses material, not air")
+    named |= cavities
+    named["outer"] = outside
+    return tuple(cavities), {name: triangles for name, triangles in named.items() if len(triangles)}

@@ -1,0 +1,127 @@
+"""The parts of a closed surface: its outside and the walls around its air."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from geometry.arrays import Array, Index, Mask
+from geometry.design import DesignError
+from geometry.topology import row_keys, triangle_edges
+
+#: a point in the middle of the air sees the walls around it under the solid angle 4 pi
+FULL_ANGLE = 4 * np.pi
+
+
+def shells(triangles: Index, count: int) -> list[Index]:
+    """The triangles (k, 3) on `count` points in parts that share no edge with each other."""
+    pairs = row_keys(triangle_edges(triangles), count)
+    _, edge = np.unique(pairs, return_inverse=True)
+    edge = edge.reshape(-1, 3)
+    label = np.arange(len(triangles))
+    while True:
+        lowest = np.full(int(edge.max()) + 1, len(triangles))
+        np.minimum.at(lowest, edge.ravel(), np.repeat(label, 3))
+        new = lowest[edge].min(axis=1)
+        new = new[new]  # the triangle it points to may point to a smaller one
+        if np.array_equal(new, label):
+            return [triangles[label == part] for part in np.unique(label)]
+        label = new
+
+
+def outside_first(points: Array, parts: list[Index]) -> list[Index]:
+    """The parts of a surface with the one that reaches farthest in front; the others by increasing x."""
+
+    def reach(part: Index) -> float:
+        return float(np.prod(np.ptp(points[part].reshape(-1, 3), axis=0)))
+
+    outside = max(range(len(parts)), key=lambda k: reach(parts[k]))
+    rest = [part for k, part in enumerate(parts) if k != outside]
+    return [parts[outside], *sorted(rest, key=lambda part: float(points[part][:, :, 0].mean()))]
+
+
+def windings(at: Array, corners: Array) -> float:
+    """How often triangles with the corners (k, 3, 3) surround the point `at` (3,); negative if they face inward.
+
+    The solid angle of a triangle is that of A. van Oosterom and J. Strackee, IEEE Trans. Biomed. Eng. 30 (1983) 125.
+    """
+    a, b, c = (corners[:, i] - at for i in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
+    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    angle = la * lb * lc + sum(np.einsum("ij,ij->i", p, q) * r for p, q, r in ((a, b, lc), (b, c, la), (c, a, lb)))
+    return float(2 * np.arctan2(volume, angle).sum() / FULL_ANGLE)
+
+
+def closed_by_mirrors(corners: Array, planes: Iterable[tuple[int, float]]) -> Array:
+    """Triangles (k, 3, 3) with their mirror images at planes (axis, position) through their open edges."""
+    for axis, position in planes:
+        image = corners[:, ::-1].copy()
+        image[:, :, axis] = 2 * position - image[:, :, axis]
+        corners = np.vstack([corners, image])
+    return corners
+
+
+def named_cavities(
+    points: Array,
+    inner: list[Index],
+    surface: Index,
+    air: Mapping[str, tuple[float, float, float]],
+    mirrors: list[tuple[int, float]],
+) -> dict[str, Index]:
+    """The walls of each cavity by name: around the points `air` (mm), or `cavity` where there is one cavity alone.
+
+    points: (n, 3), mm. inner: walls (k, 3) of each cavity. surface: all triangles of the boundary. mirrors: planes
+    (axis, position) in which walls may be open. Raises `DesignError` unless every cavity has exactly one point in it.
+    """
+    if not inner:
+        raise DesignError(
+            ("air", "file"),
+            "the body has no closed cavity: all of its surface is connected; close its inlet, or write plug: true if "
+            "the inlet lies in the plane of the clamp",
+        )
+    if not air:
+        if len(inner) > 1:
+            places = "; ".join(_place(points, walls) for walls in inner)
+            raise DesignError(
+                "air",
+                f"the body has {len(inner)} cavities, around {places}; name each by a point in it, for example "
+                f"air: {{cavity: [{', '.join(f'{x:.4g} mm' for x in _middle(points, inner[0]))}]}}",
+            )
+        return {"cavity": inner[0]}
+    closed = [closed_by_mirrors(points[walls], mirrors) for walls in inner]
+    whole = closed_by_mirrors(points[surface], [plane for plane in mirrors if plane[0] == 2])
+    named: dict[str, Index] = {}
+    taken: dict[int, str] = {}
+    for name, given in air.items():
+        at = np.array(given, dtype=float)
+        holder = next((k for k, corners in enumerate(closed) if abs(windings(at, corners)) > 0.5), None)
+        coordinates = "(" + ", ".join(f"{x:g}" for x in given) + ") mm"
+        if holder is None:
+            where = "in the material" if windings(at, whole) > 0.5 else "outside the body or in an open cavity"
+            raise DesignError(f"air.{name}", f"the point {coordinates} lies {where}; give a point in a closed cavity")
+        if holder in taken:
+            raise DesignError(
+                f"air.{name}", f"the point {coordinates} lies in the same cavity as that of {taken[holder]}"
+            )
+        taken[holder] = name
+        named[name] = inner[holder]
+    for k, walls in enumerate(inner):
+        if k not in taken:
+            raise DesignError(
+                "air", f"the body has one more cavity, around {_place(points, walls)}; name it by a point in it"
+            )
+    return named
+
+
+def lies_in(points: Array, triangles: Index, plane: tuple[int, float], tolerance: float) -> Mask:
+    """True for each of the triangles (k, 3) whose corners lie in the plane (axis, position), (k,)."""
+    axis, position = plane
+    return np.asarray((np.abs(points[triangles][:, :, axis] - position) <= tolerance).all(axis=1))
+
+
+def _middle(points: Array, walls: Index) -> Array:
+    corners = points[walls].reshape(-1, 3)
+    return np.asarray((corners.min(axis=0) + corners.max(axis=0)) / 2)
+
+
+def _place(points: Array, walls: Index) -> str:
+    return "(" + ", ".join(f"{x + 0.0:.4g}" for x in _middle(points, walls)) + ") mm"

@@ -1,0 +1,235 @@
+"""Meshes of other programs: formats, faces by planes, cavities, the material curve, directions, and what is refused."""
+
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+from geometry import DesignError, Mesh, MeshFile
+from geometry.foreign.frame import rotation
+from geometry.foreign.shells import windings
+from geometry.manifold import check_manifold, check_untangled
+from geometry.meshing.solid import session
+from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, bar, half_bar, meshed, tube, two_chambers, write_mesh
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("foreign")
+
+
+@pytest.fixture(scope="module")
+def plain() -> tuple[np.ndarray, np.ndarray]:
+    return meshed(bar, 4.0)
+
+
+def check_bar(design: MeshFile, rel: float = 1e-9) -> None:
+    mesh = design.fixed_body.mesh
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=rel)
+    assert design.cavity_volume == pytest.approx(BAR_AIR, rel=rel)
+    assert mesh.area("clamp") == pytest.approx(12 * 15, rel=rel)
+    assert sum(map(len, mesh.faces.values())) == len(mesh.boundary)
+    assert set(mesh.faces) == {"clamp", "tip", "cavity", "outer"}
+    check_manifold(mesh)
+    check_untangled(mesh)
+    curve = mesh.points[design.fixed_body.curve_vertices]
+    assert curve[[0, -1], 0] == pytest.approx([0, 60])
+
+
+@pytest.mark.parametrize("suffix", [".vtk", ".vtu", ".inp", ".mesh", ".su2", ".avs"])
+def test_formats_of_meshio(suffix: str, folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+    check_bar(MeshFile(str(write_mesh(folder / f"bar{suffix}", *plain)), curve=1.5))
+
+
+@pytest.mark.parametrize("suffix", [".bdf", ".unv", ".med", ".inp", ".msh", ".vtk"])
+@pytest.mark.parametrize("order", [1, 2])
+def test_files_that_gmsh_writes(suffix: str, order: int, folder: Path) -> None:
+    """With quadratic elements the round walls are those of the drawing."""
+    path = folder / f"tube{order}{suffix}"
+    with session() as gmsh:
+        tube(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [1])
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 4)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(order)
+        gmsh.write(str(path))
+    design = MeshFile(str(path), curve=-6)
+    exact = np.pi * 49 * 50 - np.pi * 25 * 44
+    assert design.solid_volume == pytest.approx(exact, rel=5e-4 if order == 2 else 5e-2)
+    assert (len(design.fixed_body.mesh.curved) > 0) == (order == 2)
+    assert design.cavity_volume == pytest.approx(np.pi * 25 * 44, rel=5e-4 if order == 2 else 5e-2)
+
+
+@pytest.mark.parametrize("curve", [0.0, 1.5, 2.0])
+@pytest.mark.parametrize("size", [5.0, 2.5])
+def test_elements_are_divided_along_the_curve_alone(curve: float, size: float, folder: Path) -> None:
+    points, tets = meshed(bar, size)
+    before = Mesh(points, tets, {})
+    body = MeshFile(str(write_mesh(folder / "divided.vtu", points, tets)), curve=curve).fixed_body
+    mesh = body.mesh
+    assert mesh.volume == pytest.approx(before.volume, rel=1e-12)
+    assert mesh.quality.minimum > 0.05
+    assert len(body.edge("tip")) >= 3
+    assert body.edge("tip")[[0, -1], 2] == pytest.approx([-7.5, 7.5])
+    # vertices away from the curve and the tip are where they were
+    away, _ = cKDTree(mesh.points).query(points)
+    far = (np.hypot(points[:, 1] - curve, points[:, 2]) > 1.5 * size) & (points[:, 0] < 60 - size)
+    assert far.sum() > 50
+    assert away[far].max() < 1e-4
+
+
+def test_half_of_an_arm(folder: Path) -> None:
+    path = write_mesh(folder / "half.vtu", *meshed(half_bar, 4.0))
+    design = MeshFile(str(path), curve=1.5, symmetric=True)
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
+    assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-9)
+    assert design.fixed_body.half
+    assert design.extent == pytest.approx((60, 12, 15))
+    with pytest.raises(DesignError, match=r"symmetric: .* write true if the file holds the half"):
+        MeshFile(str(path), curve=1.5)
+
+
+def test_directions_units_and_the_other_end(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+    """The bar stands along the file's -y with its top towards z, in inches, and is clamped at its larger x."""
+    points, tets = plain
+    x, y, z = points.T
+    turned = np.column_stack([z, -x, y]) / 25.4
+    path = write_mesh(folder / "turned.vtu", turned, tets)
+    with pytest.raises(DesignError, match=r"axes: \[-y, z, x\] would mirror the body; write \[-y, z, -x\]"):
+        MeshFile(str(path), curve=1.5, unit=25.4, axes=("-y", "z", "x"))
+    design = MeshFile(str(path), curve=1.5, unit=25.4, axes=("-y", "z", "-x"))
+    check_bar(design)
+    other = MeshFile(str(path), curve=1.5, unit=25.4, axes=("-y", "z", "-x"), clamp=60, tip=0)
+    check_bar(other)
+    ends = [np.unique(d.fixed_body.mesh.faces[face]) for d, face in ((design, "clamp"), (other, "tip"))]
+    first, last = design.fixed_body.mesh.points[ends[0]], other.fixed_body.mesh.points[ends[1]]
+    # turned by half a turn about y: what was at z is at -z
+    away, _ = cKDTree(last).query(first * [1, 1, -1] + [60, 0, 0])
+    corners = np.abs(first[:, 2]) > 7.4
+    assert away[corners].max() < 1e-9
+    with pytest.raises(DesignError, match=r"axes: .* names a direction twice"):
+        MeshFile(str(path), curve=1.5, unit=25.4, axes=("x", "x", "z"))
+
+
+def test_all_rotations_are_accepted_and_mirror_images_are_not() -> None:
+    signed = [sign + axis for axis in "xyz" for sign in ("", "-")]
+    found = {True: 0, False: 0}
+    for axes in [(a, b, c) for a in signed for b in signed for c in signed if len({a[-1], b[-1], c[-1]}) == 3]:
+        try:
+            assert np.linalg.det(rotation(axes)) == pytest.approx(1)
+            found[True] += 1
+        except DesignError:
+            found[False] += 1
+    assert found == {True: 24, False: 24}
+
+
+def test_several_cavities_are_chosen_by_points(folder: Path) -> None:
+    path = write_mesh(folder / "two.vtu", *meshed(two_chambers, 4.0))
+    with pytest.raises(DesignError, match=r"air: the body has 2 cavities, around \(16, 6.5, 0\) mm; \(44, 6.5, 0\) mm"):
+        MeshFile(str(path), curve=1.5)
+    design = MeshFile(str(path), curve=1.5, air={"far": (40, 5, 1), "near": (20, 5, 1)})
+    assert design.cavities == ("far", "near")
+    body = design.fixed_body
+    assert body.mesh.points[np.unique(body.mesh.faces["far"]), 0].min() == pytest.approx(31)
+    for air, sentence in (
+        ({"cavity": (40, 5, 0)}, r"air: the body has one more cavity, around \(16, 6.5, 0\)"),
+        ({"a": (40, 5, 0), "b": (45, 5, 0)}, r"air\.b: .* same cavity as that of a"),
+        ({"a": (40, 1, 0)}, r"air\.a: the point \(40, 1, 0\) mm lies in the material"),
+        ({"a": (40, 30, 0)}, r"air\.a: .* outside the body or in an open cavity"),
+        ({"tip": (40, 5, 0), "b": (20, 5, 0)}, r"air\.tip: a cavity cannot be named tip"),
+    ):
+        with pytest.raises(DesignError, match=sentence):
+            MeshFile(str(path), curve=1.5, air=air)
+
+
+def test_points_that_every_element_has_for_itself_are_joined(
+    folder: Path, plain: tuple[np.ndarray, np.ndarray]
+) -> None:
+    points, tets = plain
+    path = write_mesh(folder / "loose.vtu", points[tets].reshape(-1, 3), np.arange(tets.size).reshape(-1, 4))
+    check_bar(MeshFile(str(path), curve=1.5))
+
+
+def test_solid_angle_of_a_closed_surface(plain: tuple[np.ndarray, np.ndarray]) -> None:
+    mesh = Mesh(*plain, {})
+    corners = mesh.points[mesh.boundary]
+    inside = [windings(np.array(at), corners) for at in ((30, 1.5, 0), (1.5, 6, 3), (30, 6, 0), (30, 20, 0))]
+    assert inside == pytest.approx([1, 1, 0, 0], abs=1e-9)
+
+
+def hexahedra(path: Path) -> None:
+    corners = np.array([[x, y, z] for x in (0, 9) for y in (0, 2) for z in (-1, 1)], dtype=float)
+    meshio.Mesh(corners, [("hexahedron", [[0, 4, 6, 2, 1, 5, 7, 3]])]).write(path)
+
+
+def surface(path: Path) -> None:
+    meshio.Mesh(np.eye(3) * 9, [("triangle", [[0, 1, 2]])]).write(path)
+
+
+def shuffled(path: Path) -> None:
+    points, tets = meshed(bar, 6.0, order=2)
+    meshio.Mesh(points, [("tetra10", tets[:, [0, 1, 2, 3, 9, 8, 7, 6, 5, 4]])]).write(path)
+
+
+def cut_short(path: Path) -> None:
+    path.write_text("# vtk DataFile Version 3.0\n", encoding="ascii")
+
+
+def solid_block(path: Path) -> None:
+    points, tets = meshed(lambda occ: occ.addBox(0, 0, -2, 20, 4, 4), 4.0)
+    write_mesh(path, points, tets)
+
+
+def tangled(path: Path) -> None:
+    points, tets = meshed(bar, 4.0)
+    top = np.argmin(np.linalg.norm(points - [30, 12, 0], axis=1))
+    points[top, 1] -= 11.0
+    write_mesh(path, points, tets)
+
+
+BAD: dict[str, tuple[Any, str, str]] = {
+    "hexahedra": (hexahedra, "file", "has 1 hexahedra; allowed are tetrahedra with 4 or 10 nodes"),
+    "surface": (surface, "file", "has no tetrahedra; mesh the volume, or give the surface as STL"),
+    "shuffled": (shuffled, "file", "middle node .* lies far from its edge; allowed is the order of VTK"),
+    "short": (cut_short, "file", "cannot be read"),
+    "block": (solid_block, "air", "no closed cavity"),
+    "tangled": (tangled, "file", r"tangled: at \d+ of their faces"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_files_that_cannot_be_used(case: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    write, key, sentence = BAD[case]
+    write(tmp_path / "bad.vtk")
+    capfd.readouterr()
+    with pytest.raises(DesignError, match=sentence) as caught:
+        MeshFile(str(tmp_path / "bad.vtk"), curve=1.5)
+    assert caught.value.keys[0] == key
+    assert "\n" not in caught.value.sentence
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "sentence"),
+    [
+        ({"clamp": 70}, "clamp", "x = 70 mm lies outside the body, which reaches from 0 to 60 mm"),
+        ({"tip": 40}, "tip", "no flat face in the plane x = 40 mm"),
+        ({"clamp": 60, "tip": 60}, "clamp", "both at x = 60 mm"),
+        ({"curve": 20}, "curve", "y = 20 mm lies outside the body"),
+        ({"curve": 6}, "curve", "outside the material from 3 to 57 mm behind the clamp"),
+        ({"symmetric": True}, "symmetric", "true is for a file that holds the half"),
+        ({"unit": 1000}, "file", "is its file in another unit than 1000 mm"),
+    ],
+)
+def test_keys_that_cannot_be_used(
+    changes: dict[str, Any], key: str, sentence: str, folder: Path, plain: tuple[np.ndarray, np.ndarray]
+) -> None:
+    path = write_mesh(folder / "keys.vtu", *plain)
+    with pytest.raises(DesignError, match=sentence) as caught:
+        MeshFile(str(path), **{"curve": 1.5, **changes})
+    assert caught.value.keys[0] == key
