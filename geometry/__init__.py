@@ -6,8 +6,10 @@ from geometry.design import Design, DesignError
 from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.cad_file import CadFile
 from geometry.families.mesh_file import MeshFile
+from geometry.families.surface_file import SurfaceFile
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import Axes
+from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, MeshError, Quality
 from geometry.meshing.cells import CellPlanes
@@ -16,6 +18,7 @@ __all__ = [
     "FAMILIES",
     "GRADINGS",
     "MESH_SUFFIXES",
+    "SURFACE_SUFFIXES",
     "Axes",
     "BisectedCircle",
     "Body",
@@ -33,4 +36,5 @@ __all__ = [
     "Rectangular",
     "Semicircular",
     "SemicircularSingle",
+    "SurfaceFile",
 ]

@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -225,8 +226,13 @@ def read_content(path: Path) -> Any:
     if not path.is_file():
         raise MeshError(f"the mesh file {path} does not exist")
     try:
-        # meshio prints remarks; the library functions of this project print nothing
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        # meshio prints remarks and warns of its own rounding; the library functions of this project print nothing
+        with (
+            contextlib.redirect_stdout(io.StringIO()),
+            contextlib.redirect_stderr(io.StringIO()),
+            warnings.catch_warnings(),
+        ):
+            warnings.simplefilter("ignore")
             return meshio.read(path)
     except ModuleNotFoundError as error:
         raise MeshError(

@@ -63,3 +63,29 @@ def write_mesh(path: Path, points: np.ndarray, tets: np.ndarray, **options: Any)
     kind = "tetra" if tets.shape[1] == 4 else "tetra10"
     meshio.Mesh(points, [(kind, tets)]).write(path, **options)
     return path
+
+
+def rounded_bar(occ: Any) -> Any:
+    """The bar with edges along x rounded by 3 mm and a cavity of 54 x 6 x 10 mm."""
+    block = occ.addBox(0, 0, -7.5, 60, 12, 15)
+    occ.synchronize()
+    boxes = {tag: occ.getBoundingBox(1, tag) for _, tag in occ.getEntities(1)}
+    along = [tag for tag, ends in boxes.items() if ends[3] - ends[0] > 59]
+    return occ.cut(occ.fillet([block], along, [3.0]), [box(occ, (3, 3, -5), (57, 9, 5))])[0]
+
+
+#: volume of the material of the rounded bar, mm3
+ROUNDED_VOLUME = 60 * (12 * 15 - (4 - np.pi) * 9) - 54 * 6 * 10
+
+
+def write_surface(path: Path, draw: Draw, size: float, around: int = 24, binary: bool = True) -> Path:
+    """Write the surface of what is drawn with triangles of at most `size` mm, `around` of them around a circle."""
+    with session() as gmsh:
+        draw(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", around)
+        gmsh.option.setNumber("Mesh.Binary", binary)
+        gmsh.model.mesh.generate(2)
+        gmsh.write(str(path))
+    return path

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from geometry import CadFile, Mesh, MeshFile
+from geometry import CadFile, Mesh, MeshFile, SurfaceFile
 from geometry.meshing.solid import session
 from pipeline.cli import app
 from pipeline.config.load import load_config
@@ -23,6 +23,7 @@ from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
+from tests.foreign_bodies import bar, write_surface
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 
@@ -159,6 +160,31 @@ def test_a_mesh_whose_boundary_passes_through_itself_is_refused(ready: Path, tmp
     config = load_config(ready, [f"geometry.file={tmp_path / 'crossed.msh'}"])
     with pytest.raises(InputError, match=r"geometry.file: the boundary .* passes through itself near \("):
         Scene.meshed(config)
+
+
+def test_a_surface_is_filled_and_recorded(tmp_path: Path) -> None:
+    write_surface(tmp_path / "bar.stl", bar, 50)
+    path = tmp_path / "bar.yaml"
+    path.write_text(
+        "name: bar\ngeometry: {family: own, file: bar.stl, curve: 300 mm, unit: inch, axes: [x, z, -y], clamp: 0 mm}\n"
+        "material: {law: neo_hooke, mu: 0.4 MPa, nu: 0.49}\npressures: [20 kPa]\n",
+        encoding="utf-8",
+    )
+    assert "geometry.curve: y = 300 mm lies outside the body, which reaches from -190.5 to 190.5 mm" in refusal(path)
+    right = ["geometry.unit=mm", "geometry.axes=[x, y, z]", "geometry.curve=1.5 mm"]
+    config = load_config(path, right)
+    assert isinstance(config.design, SurfaceFile)
+    record = config.record()["geometry"]
+    assert (record["file"], record["axes"], len(record["sha256"])) == ("bar.stl", ["x", "y", "z"], 64)
+    assert (config.mesh.grading, config.mesh.coarser) == ("off", 1.5)
+    assert config.mesh.size_mm == pytest.approx(1.2 * np.sqrt(2.0 * 6.0), abs=0.11)  # from the wall of 2 mm
+    assert Scene.meshed(config).body.mesh.volume == pytest.approx(config.design.solid_volume, rel=1e-4)
+    assert "mesh.grading: unknown key; allowed here: size, formulation, coarser" in refusal(
+        path, *right, "mesh.grading=walls"
+    )
+    unit = refusal(path, *right, "geometry.unit=fathoms deep")
+    assert "geometry.unit: 'fathoms deep' is no unit of length; allowed: mm, cm, m, inch" in unit
+    assert "are no directions; allowed: those of the file" in refusal(path, *right, "geometry.axes=[x, y]")
 
 
 def hinge(occ: Any) -> None:

@@ -8,7 +8,7 @@ import yaml
 from typer.testing import CliRunner
 
 from fem.materials import LAWS
-from geometry import FAMILIES, CadFile, MeshFile
+from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
 from pipeline.cli import app
 from pipeline.config.config import AUTO
 from pipeline.config.example import BODIES, example
@@ -22,14 +22,14 @@ PAGE = Path(__file__).resolve().parent.parent / "docs" / "configuration.md"
 def test_the_page_has_the_tables_of_the_schema() -> None:
     """`python -m pipeline.config.reference docs/configuration.md` writes them."""
     page = PAGE.read_text(encoding="utf-8")
-    assert page.count("<!-- keys: ") == 10
+    assert page.count("<!-- keys: ") == 11
     assert with_tables(page) == page
 
 
 def test_every_key_is_on_the_page() -> None:
     page = PAGE.read_text(encoding="utf-8")
     keys = [entry.key for entry in general_keys()] + [f"effects.{entry.key}" for entry in effect_keys()]
-    for design in (*FAMILIES.values(), CadFile, MeshFile):
+    for design in (*FAMILIES.values(), CadFile, MeshFile, SurfaceFile):
         keys += [entry.key for entry in geometry_keys(design)]
     for law in LAWS:
         keys += [entry.key for entry in material_keys(law)]
@@ -39,7 +39,10 @@ def test_every_key_is_on_the_page() -> None:
 
 def test_every_key_says_what_it_means() -> None:
     entries = [*general_keys(), *effect_keys(), *(e for law in LAWS for e in material_keys(law))]
-    for entry in [*entries, *(e for design in (*FAMILIES.values(), CadFile, MeshFile) for e in geometry_keys(design))]:
+    for entry in [
+        *entries,
+        *(e for design in (*FAMILIES.values(), CadFile, MeshFile, SurfaceFile) for e in geometry_keys(design)),
+    ]:
         assert len(entry.meaning) > 4, entry
         assert entry.allowed, entry
         assert entry.example, entry

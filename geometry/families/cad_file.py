@@ -12,6 +12,7 @@ import numpy as np
 
 from geometry.design import Body, Design, DesignError, check_size
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
+from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.meshing.cad import SUFFIXES, CadBody, CadMeasures, Point, measure, measure_thinnest_wall, mesh_cad
@@ -48,7 +49,7 @@ class CadFile(Design):
             raise DesignError(
                 "file",
                 f"{path.name} is not a CAD file that can be read ({', '.join(SUFFIXES)}), nor a mesh "
-                f"({', '.join(MESH_SUFFIXES)})",
+                f"({', '.join(MESH_SUFFIXES)}) or a surface ({', '.join(SURFACE_SUFFIXES)})",
             )
         if not path.is_file():
             raise DesignError("file", f"{path} does not exist")

@@ -6,7 +6,7 @@ from functools import cached_property
 from fem import ContactError, SelfContact
 from fem.cell.mirror_contact import MirrorContact
 from fem.cell.piece import BendingPiece, Boundary
-from geometry import GRADINGS, Body, Design, DesignError, MeshError, MeshFile
+from geometry import GRADINGS, Body, Design, DesignError, MeshError, MeshFile, SurfaceFile
 from geometry.meshing.mirror import Repetition
 from pipeline.config.config import Config
 from pipeline.errors import InputError
@@ -107,8 +107,11 @@ class ArmPieces:
 
 def _check(config: Config) -> None:
     """Raise `NoArmLaw` for what the pieces do not describe."""
-    if isinstance(config.design, MeshFile):
-        raise NoArmLaw("the law of a cell needs a drawing that can be cut between its cells; this body is a ready mesh")
+    if isinstance(config.design, MeshFile | SurfaceFile):
+        raise NoArmLaw(
+            "the law of a cell needs a drawing that can be cut between its cells; this body is a "
+            f"{'ready mesh' if isinstance(config.design, MeshFile) else 'surface'}"
+        )
     if not config.design.repeats:
         raise NoArmLaw(
             "it is not known where the cells of this body lie; name the planes of one, for example "

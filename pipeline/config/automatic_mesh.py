@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import floor, log10, sqrt
 
 from fem.elements import MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
-from geometry import Design, MeshFile
+from geometry import Design, MeshFile, SurfaceFile
 from geometry.design import expected_tets
 
 #: size over the square root of the thinnest wall times half the smallest side of the body: walls bend over lengths
@@ -52,7 +52,7 @@ def chosen_mesh(design: Design, law: str, nu: float, against_locking: bool | Non
     if formulation is None:
         formulation, reasons["formulation"] = _formulation(design, law, nu, against_locking)
     if grading is None:
-        grading = "off" if isinstance(design, MeshFile) else "walls"
+        grading = "off" if isinstance(design, MeshFile | SurfaceFile) else "walls"
         if grading == "walls":
             reasons["grading"] = "most of the error of the mesh arises where thin walls bend"
     if size is None:

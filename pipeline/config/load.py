@@ -199,7 +199,7 @@ def _mesh(document: Document, content: Any, design: Design, material: Material) 
         given = GivenMesh(design.fixed_body.mesh.quality.longest_edge, keys.formulation, None)
         accuracy, coarser = False, "off"
     else:
-        given, coarser = GivenMesh(keys.size, keys.formulation, keys.grading), keys.coarser
+        given, coarser = GivenMesh(keys.size, keys.formulation, getattr(keys, "grading", None)), keys.coarser
     state = content.effects.incompressibility.state
     nu = material.built().poisson_ratio
     try:

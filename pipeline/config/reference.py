@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, get_args, get_type_hints
 
 from fem.materials import LAWS
-from geometry import FAMILIES, CadFile, MeshFile
+from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
 from pipeline.config import schema
 from pipeline.config.kinds import Written
 
@@ -202,7 +202,7 @@ def _material_table() -> str:
 
 def tables() -> dict[str, str]:
     """The tables of the page by name."""
-    bodies = {**FAMILIES, "own_cad": CadFile, "own_mesh": MeshFile}
+    bodies = {**FAMILIES, "own_cad": CadFile, "own_mesh": MeshFile, "own_surface": SurfaceFile}
     return {
         "general": key_table(general_keys()),
         "material": _material_table(),

@@ -8,7 +8,7 @@ import pydantic
 from pydantic import ConfigDict
 
 from fem.materials import LAWS, Constant
-from geometry import FAMILIES, MESH_SUFFIXES, Axes, CadFile, CellPlanes, MeshFile
+from geometry import FAMILIES, MESH_SUFFIXES, SURFACE_SUFFIXES, Axes, CadFile, CellPlanes, MeshFile, SurfaceFile
 from pipeline.config.document import Document
 from pipeline.config.kinds import (
     FROM_STATE,
@@ -68,6 +68,12 @@ class _Mesh(_Section):
     size: MeshSize = None  #: edge that Gmsh aims at; `auto`: from the drawing, or for a requested accuracy
     formulation: Formulation = None  #: [elements](theory.md#elements), `auto` [chooses](#the-mesh)
     grading: Grading = None  #: where elements are [smaller](accuracy.md#graded-meshes), `auto` is `walls`
+    coarser: Coarser = "auto"  #: size of a second mesh over `size`, for the [error](identification.md#mesh-error)
+
+
+class _FilledMesh(_Section):
+    size: MeshSize = None  #: edge that Gmsh aims at; `auto`: from the surface, or for a requested accuracy
+    formulation: Formulation = None  #: [elements](theory.md#elements), `auto` [chooses](#the-mesh)
     coarser: Coarser = "auto"  #: size of a second mesh over `size`, for the [error](identification.md#mesh-error)
 
 
@@ -171,9 +177,12 @@ def _design(family: str, document: Document) -> Any:
     return own_design(str(document.content["geometry"].get("file", "")))
 
 
-def own_design(file: str) -> type[CadFile] | type[MeshFile]:
+def own_design(file: str) -> type[CadFile] | type[MeshFile] | type[SurfaceFile]:
     """The class of designs that reads a user's own file, by its suffix."""
-    return MeshFile if Path(file).suffix.lower() in MESH_SUFFIXES else CadFile
+    suffix = Path(file).suffix.lower()
+    if suffix in SURFACE_SUFFIXES:
+        return SurfaceFile
+    return MeshFile if suffix in MESH_SUFFIXES else CadFile
 
 
 def _model(design: Any, law: str | None) -> type[pydantic.BaseModel]:
@@ -183,7 +192,8 @@ def _model(design: Any, law: str | None) -> type[pydantic.BaseModel]:
     """
     geometry: Any = (Any, None) if design is None else (geometry_model(design), ...)
     material: Any = (Any, None) if law is None else (material_model(law), ...)
-    mesh: Any = (_ReadyMesh, _ReadyMesh()) if design is MeshFile else (_Mesh, _Mesh())
+    section = {MeshFile: _ReadyMesh, SurfaceFile: _FilledMesh}.get(design, _Mesh)
+    mesh: Any = (section, section())
     return pydantic.create_model("Document", __base__=_Document, geometry=geometry, material=material, mesh=mesh)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
-from geometry import GRADINGS, Body, DesignError, MeshError, MeshFile
+from geometry import GRADINGS, Body, DesignError, MeshError, MeshFile, SurfaceFile
 from pipeline.config.config import AUTO, Config
 from pipeline.errors import InputError
 
@@ -109,8 +109,8 @@ class Scene:
 
 
 def _check_boundary(config: Config, body: Body) -> None:
-    """Refuse a mesh file whose boundary passes through itself."""
-    if isinstance(config.design, MeshFile) and (crossing := fem.crossing_at_rest(body.mesh)):
+    """Refuse a mesh or surface file whose boundary passes through itself."""
+    if isinstance(config.design, MeshFile | SurfaceFile) and (crossing := fem.crossing_at_rest(body.mesh)):
         raise InputError(
             f"{config.source}: geometry.file: the boundary of the mesh passes through itself near "
             f"{fem.position_text(crossing)}; move the vertex there back, or mesh the body again"

@@ -1,0 +1,137 @@
+"""A body from the closed surface in a file, filled with elements."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from hashlib import sha256
+from math import isfinite
+from pathlib import Path
+from typing import ClassVar, final
+
+import numpy as np
+
+from geometry.design import Body, Design, DesignError, check_size
+from geometry.foreign.body import Placed, Placing, check_dimensions, ends_of, placed_by_planes, usual_cell
+from geometry.foreign.fill import fill
+from geometry.foreign.frame import SAME, Axes, rotation
+from geometry.foreign.shells import named_cavities
+from geometry.foreign.surface import Surface, read_surface, scaled, thinnest, volumes_of_air
+from geometry.grading import OFF, Grading
+from geometry.mesh import MeshError
+from geometry.meshing.cad import Point
+from geometry.meshing.mirror import slices
+
+#: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
+LARGEST_ERROR = 0.01
+#: what is tried where elements are too large for round walls, over the size that was asked for
+FINER = (0.65, 0.4)
+
+
+@final
+@dataclass(frozen=True)
+class SurfaceFile(Design):
+    """The closed surface of a body from a file (STL, PLY, OBJ or OFF): its outside and the walls of its air; mm.
+
+    Gmsh fills it with elements. Its ends are flat faces in the planes x = clamp and x = tip; cavities are the closed
+    parts of the surface inside, chosen by a point in their air where there are several. The constructor reads and
+    checks the file; its `DesignError` names the config key to change. Both halves are meshed. The cells are nominal.
+    """
+
+    family: ClassVar[str] = "surface_file"
+
+    file: str  #: path of the surface
+    curve: float  #: y of the material curve
+    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
+    tip: float | None = None  #: x of the other end face; without it the other end
+    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
+    cell: float | None = None  #: length over which curvature is averaged; a tenth of the length, at most 10 mm
+    unit: float = 1.0  #: unit of length of the file
+    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+
+    def __post_init__(self) -> None:
+        for key, value in (("cell", self.cell), ("unit", self.unit)):
+            if value is not None and not (isfinite(value) and value > 0):
+                raise DesignError(key, f"must be a positive length, not {value!r}")
+        object.__setattr__(self, "air", dict(self.air))
+        object.__setattr__(self, "axes", tuple(self.axes))
+        _ = self.surface, self.length, self.cavity_volumes
+
+    @cached_property
+    def surface(self) -> Surface:
+        """The surface in mm and in the directions of the arm."""
+        try:
+            read = read_surface(Path(self.file))
+        except MeshError as error:
+            raise DesignError("file", str(error)) from error
+        surface = scaled(read, self.unit * rotation(self.axes).T)
+        check_dimensions(surface.points, self.unit)
+        return surface
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the file, so that results of an older file of the same name are not reused."""
+        return sha256(Path(self.file).read_bytes()).hexdigest()
+
+    @property
+    def _placing(self) -> Placing:
+        return Placing(self.curve, self.clamp, self.tip, self.air, False, 1.0)
+
+    @cached_property
+    def length(self) -> float:
+        clamp, tip = ends_of(self.surface.points, self._placing)
+        return abs(tip - clamp)
+
+    @property
+    def extent(self) -> tuple[float, float, float]:
+        x, y, z = (float(side) for side in np.ptp(self.surface.points, axis=0))
+        return (x, y, z)
+
+    @property
+    def curve_y(self) -> float:
+        return self.curve
+
+    @property
+    def pitch(self) -> float:
+        return slices(self.length, self.cell or usual_cell(self.length))[1]
+
+    @property
+    def solid_volume(self) -> float:
+        return self.surface.volume
+
+    @cached_property
+    def cavity_volumes(self) -> Mapping[str, float]:
+        points, (_, *inner) = self.surface.points, self.surface.parts
+        return volumes_of_air(self.surface, named_cavities(points, inner, self.surface.triangles, self.air, []))
+
+    @cached_property
+    def thinnest_wall(self) -> float:
+        return min(thinnest(self.surface), min(self.extent))
+
+    def body(self, size: float, grading: Grading = OFF) -> Body:
+        """The meshed body; elements have one size, `grading` is not used.
+
+        Where elements of `size` do not follow round walls (`LARGEST_ERROR`), smaller ones are taken, down to 0.4 of it.
+        """
+        check_size(size, self.extent, self.solid_volume)
+        placed, off = self._placed(size)
+        for part in FINER:
+            if off <= LARGEST_ERROR:
+                break
+            placed, off = self._placed(part * size)
+        if off > LARGEST_ERROR:
+            raise DesignError(
+                "mesh.size",
+                f"elements of {size:g} mm do not follow the round walls: the volume of the mesh differs from that of "
+                f"the surface by {100 * off:.2g} %; take smaller ones, at most {FINER[-1] * size / 1.5:.2g} mm",
+            )
+        return Body(placed.mesh, self.family, placed.length, self.pitch, self.curve, False, placed.cavities)
+
+    def _placed(self, size: float) -> tuple[Placed, float]:
+        """The mesh, and by how much its volume or that of its air is off, over that of the surface."""
+        try:
+            placed = placed_by_planes(fill(self.surface, size), self._placing)
+        except MeshError as error:
+            raise DesignError("file", str(error)) from error
+        offs = [placed.mesh.volume / self.solid_volume - 1]
+        offs += [placed.mesh.enclosed_volume(name) / air - 1 for name, air in self.cavity_volumes.items()]
+        return placed, max(map(abs, offs))

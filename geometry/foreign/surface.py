@@ -1,0 +1,180 @@
+"""Closed surfaces of triangles from a file: which faults are named, and how thick the walls are."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from geometry.arrays import Array, Index
+from geometry.foreign.shells import outside_first, shells, windings
+from geometry.mesh import MeshError, read_content
+from geometry.topology import normals, row_keys, triangle_edges
+
+#: what a file of a surface may end with
+SUFFIXES = (".stl", ".ply", ".obj", ".off")
+#: vertices nearer to each other than this, over the size of the body, are one
+SAME = 1e-6
+#: at most this many places are measured for the thickness of the walls
+PLACES = 300
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A closed surface, its outside and the walls around its air."""
+
+    points: Array  #: (n, 3)
+    parts: tuple[Index, ...]  #: triangles (k, 3) of each closed part, facing out of the material; the outside first
+
+    @property
+    def triangles(self) -> Index:
+        """(k, 3) all of them."""
+        return np.vstack(self.parts)
+
+    @property
+    def volume(self) -> float:
+        """Volume of the material, in the cube of the unit of the points."""
+        return enclosed(self.points, self.triangles)
+
+
+def read_surface(path: Path) -> Surface:
+    """Read a closed surface. Raises `MeshError` where it is missing, has a hole, or is not that of one body."""
+    content = read_content(path)
+    blocks = [np.asarray(block.data, dtype=np.int64) for block in content.cells if block.type == "triangle"]
+    for block in content.cells:
+        if block.type == "quad":
+            blocks += [np.asarray(block.data, dtype=np.int64)[:, corners] for corners in ([0, 1, 2], [0, 2, 3])]
+    if not sum(map(len, blocks)):
+        raise MeshError(f"the surface file {path} has no triangles")
+    points, triangles = _merged(np.asarray(content.points, dtype=np.float64), np.vstack(blocks))
+    _check_closed(points, triangles)
+    return _oriented(points, triangles)
+
+
+def enclosed(points: Array, triangles: Index) -> float:
+    """Volume inside triangles (k, 3) that face outward; negative if they face inward."""
+    a, b, c = np.moveaxis(points[triangles] - points.mean(axis=0), 1, 0)
+    return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
+
+
+def _merged(points: Array, triangles: Index) -> tuple[Array, Index]:
+    """Points at the same position as one, and the triangles that still have three."""
+    if not np.isfinite(points).all():
+        raise MeshError("a point of the surface is not a finite number")
+    size = float(np.ptp(points, axis=0).max())
+    if not size > 0:
+        raise MeshError("all points of the surface are the same")
+    _, first, same = np.unique(np.round(points / (SAME * size)), axis=0, return_index=True, return_inverse=True)
+    triangles = same.reshape(-1)[triangles]
+    a, b, c = triangles.T
+    triangles = triangles[(a != b) & (b != c) & (a != c)]
+    _, kept = np.unique(row_keys(triangles, len(first)), return_index=True)
+    used, numbers = np.unique(triangles[np.sort(kept)], return_inverse=True)
+    return points[first][used], numbers.reshape(-1, 3).astype(np.int64)
+
+
+def _check_closed(points: Array, triangles: Index) -> None:
+    """Raise `MeshError` with a position unless every edge belongs to two triangles."""
+    pairs = triangle_edges(triangles)
+    _, first, counts = np.unique(row_keys(pairs, len(points)), return_index=True, return_counts=True)
+    for wrong, sentence in (
+        (counts == 1, "has a hole: {count} edges belong to one triangle only, such as that"),
+        (counts > 2, "is not manifold: {count} edges belong to three or more triangles, such as that"),
+    ):
+        if wrong.any():
+            where = ", ".join(f"{x:.4g}" for x in points[pairs[first[wrong][0]]].mean(axis=0))
+            text = sentence.format(count=int(wrong.sum()))
+            raise MeshError(
+                f"the surface {text} near ({where}) in the file's own frame; close and repair it in the program that "
+                "wrote it"
+            )
+
+
+def _oriented(points: Array, triangles: Index) -> Surface:
+    """The closed parts, the outside facing outward and the others towards the air inside it. Raises `MeshError`."""
+    outside, *inner = [_consistent(part) for part in outside_first(points, shells(triangles, len(points)))]
+    if enclosed(points, outside) < 0:
+        outside = outside[:, ::-1]
+    faced = []
+    for part in inner:
+        at = points[part[0]].mean(axis=0)
+        if windings(at, points[outside]) < 0.5:
+            where = ", ".join(f"{x:.4g}" for x in at)
+            raise MeshError(
+                f"the surface has a part near ({where}) outside of the largest one; it must be that of one body: join "
+                "the parts, or save the body alone"
+            )
+        around = [k for k, other in enumerate(inner) if other is not part and abs(windings(at, points[other])) > 0.5]
+        if around:
+            where = ", ".join(f"{x:.4g}" for x in at)
+            raise MeshError(f"the surface has a part near ({where}) inside a cavity; remove it, or save the body alone")
+        faced.append(part[:, ::-1] if enclosed(points, part) > 0 else part)
+    return Surface(points, (outside, *faced))
+
+
+def _consistent(part: Index) -> Index:
+    """The triangles (k, 3) of a closed part, turned so that neighbours pass their edge in opposite directions.
+
+    Raises `MeshError` where that cannot be done.
+    """
+    count = int(part.max()) + 1
+    pairs = triangle_edges(part)
+    if len(np.unique(pairs[:, 0] * count + pairs[:, 1])) == len(pairs):
+        return part
+    order = np.argsort(row_keys(pairs, count), kind="stable")
+    neighbours = np.empty(len(pairs), dtype=np.int64)
+    neighbours[order[::2]], neighbours[order[1::2]] = order[1::2], order[::2]
+    same = pairs[:, 0] == pairs[neighbours, 0]  # both pass the edge in the same direction
+    turned = np.full(len(part), -1)
+    turned[0], waiting = 0, [0]
+    while waiting:
+        at = waiting.pop()
+        for edge in range(3 * at, 3 * at + 3):
+            other = int(neighbours[edge] // 3)
+            wanted = turned[at] ^ int(same[edge])
+            if turned[other] < 0:
+                turned[other] = wanted
+                waiting.append(other)
+            elif turned[other] != wanted:
+                raise MeshError("the surface has one side only, as a Moebius strip has; save the body as a solid")
+    return np.where(turned[:, None] == 1, part[:, ::-1], part)
+
+
+def thinnest(surface: Surface) -> float:
+    """Thickness of the thinnest wall, from the middles of up to PLACES triangles straight through the material."""
+    triangles = surface.triangles
+    corners = surface.points[triangles]
+    across = normals(corners)
+    area = np.linalg.norm(across, axis=1)
+    chosen = np.argsort(-area, kind="stable")[:: max(1, len(area) // PLACES)]
+    found = []
+    for k in chosen:
+        if area[k] > 0:
+            found.append(_through(corners[k].mean(axis=0), -across[k] / area[k], corners))
+    return float(min(found, default=np.inf))
+
+
+def _through(start: Array, direction: Array, corners: Array) -> float:
+    """Distance from `start` along `direction` to the first triangle of corners (k, 3, 3) that is met (T. Moeller and B.
+    Trumbore, J. Graphics Tools 2 (1997) 21)."""
+    size = float(np.ptp(corners.reshape(-1, 3), axis=0).max())
+    a, along, aside = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    across = np.cross(direction, aside)
+    determinant = np.einsum("ij,ij->i", along, across)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = np.einsum("ij,ij->i", start - a, across) / determinant
+        second = np.cross(start - a, along)
+        v = second @ direction / determinant
+        distance = np.einsum("ij,ij->i", aside, second) / determinant
+        met = (u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 1e-6 * size)
+    return float(distance[met].min(initial=np.inf))
+
+
+def scaled(surface: Surface, turn: Array) -> Surface:
+    """The surface with its points multiplied by the rotation and scale turn (3, 3)."""
+    return Surface(surface.points @ turn, surface.parts)
+
+
+def volumes_of_air(surface: Surface, walls: Mapping[str, Index]) -> dict[str, float]:
+    """Volume inside the walls of each cavity by name."""
+    return {name: -enclosed(surface.points, part) for name, part in walls.items()}

@@ -1,0 +1,179 @@
+"""Bodies from closed surfaces (STL): filled with elements, and refused with the position of what is wrong."""
+
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+
+from geometry import DesignError, SurfaceFile
+from geometry.foreign.surface import read_surface, thinnest
+from geometry.manifold import check_manifold, check_untangled
+from tests.foreign_bodies import (
+    BAR_AIR,
+    BAR_VOLUME,
+    ROUNDED_VOLUME,
+    bar,
+    rounded_bar,
+    tube,
+    two_chambers,
+    write_surface,
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("surfaces")
+
+
+@pytest.fixture(scope="module")
+def stl(folder: Path) -> Path:
+    return write_surface(folder / "bar.stl", bar, 50)
+
+
+def triangles_of(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    content = meshio.read(path)
+    return content.points.astype(float), content.cells_dict["triangle"]
+
+
+def written(path: Path, points: np.ndarray, triangles: np.ndarray) -> Path:
+    meshio.Mesh(points, [("triangle", triangles)]).write(path)
+    return path
+
+
+def test_bar_is_filled(stl: Path) -> None:
+    design = SurfaceFile(str(stl), curve=1.5)
+    assert design.extent == pytest.approx((60, 12, 15))
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
+    assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-6)
+    assert design.thinnest_wall == pytest.approx(2.0, rel=1e-3)
+    body = design.body(4.0)
+    mesh = body.mesh
+    check_manifold(mesh)
+    check_untangled(mesh)
+    assert mesh.volume == pytest.approx(BAR_VOLUME, rel=1e-5)
+    assert mesh.enclosed_volume("cavity") == pytest.approx(BAR_AIR, rel=1e-5)
+    assert mesh.area("clamp") == pytest.approx(180, rel=1e-5)
+    assert set(mesh.faces) == {"clamp", "tip", "cavity", "outer"}
+    assert mesh.quality.minimum > 0.05
+    assert 2.0 < mesh.quality.mean_edge < 4.5
+    assert design.body(2.5).mesh.quality.count > 1.8 * mesh.quality.count
+
+
+def test_round_walls_have_curved_edges(folder: Path) -> None:
+    design = SurfaceFile(str(write_surface(folder / "round.stl", rounded_bar, 50)), curve=1.5)
+    assert design.solid_volume == pytest.approx(ROUNDED_VOLUME, rel=3e-3)  # 24 triangles around a circle
+    body = design.body(4.0)
+    assert body.mesh.volume == pytest.approx(design.solid_volume, rel=5e-3)
+    straight = body.mesh.volumes.sum()
+    assert abs(straight / design.solid_volume - 1) > 3 * abs(body.mesh.volume / design.solid_volume - 1)
+
+
+def test_elements_that_are_too_large_for_round_walls_become_smaller(folder: Path) -> None:
+    path = write_surface(folder / "tube.stl", tube, 50)
+    design = SurfaceFile(str(path), curve=-6)
+    body = design.body(5.0)
+    assert body.mesh.volume == pytest.approx(design.solid_volume, rel=1e-2)
+    assert body.mesh.enclosed_volume("cavity") == pytest.approx(design.cavity_volume, rel=1e-2)
+    assert body.mesh.quality.mean_edge < 3.5
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off"])
+def test_other_formats_of_surfaces(suffix: str, stl: Path, folder: Path) -> None:
+    design = SurfaceFile(str(written(folder / f"bar{suffix}", *triangles_of(stl))), curve=1.5)
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
+
+
+def test_stl_as_text(folder: Path) -> None:
+    path = write_surface(folder / "text.stl", bar, 50, binary=False)
+    assert path.read_bytes()[:5] == b"solid"
+    assert SurfaceFile(str(path), curve=1.5).solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
+
+
+def test_inches_and_z_up(stl: Path, folder: Path) -> None:
+    points, triangles = triangles_of(stl)
+    x, y, z = points.T / 25.4
+    path = written(folder / "inch.stl", np.column_stack([x, -z, y]), triangles)
+    design = SurfaceFile(str(path), curve=1.5, unit=25.4, axes=("x", "z", "-y"))
+    assert design.extent == pytest.approx((60, 12, 15))
+    assert design.body(5.0).mesh.volume == pytest.approx(BAR_VOLUME, rel=1e-5)
+    with pytest.raises(DesignError, match=r"measures 0\.002362 x .* in another unit"):
+        SurfaceFile(str(path), curve=1.5, unit=0.001, axes=("x", "z", "-y"))
+
+
+def test_cavities_by_points(folder: Path) -> None:
+    path = write_surface(folder / "two.stl", two_chambers, 50)
+    with pytest.raises(DesignError, match=r"air: the body has 2 cavities"):
+        SurfaceFile(str(path), curve=1.5)
+    design = SurfaceFile(str(path), curve=1.5, air={"far": (40, 5, 0), "near": (20, 5, 0)}, clamp=60, tip=0)
+    assert design.cavity_volumes == pytest.approx({"far": 1820, "near": 1820}, rel=1e-5)
+    body = design.body(5.0)
+    assert body.cavities == ("far", "near")
+    far = body.mesh.points[np.unique(body.mesh.faces["far"]), 0]
+    assert far.mean() < 30, "the arm is clamped at its other end"
+
+
+def test_triangles_that_face_either_way_are_turned(stl: Path, folder: Path) -> None:
+    points, triangles = triangles_of(stl)
+    triangles = triangles.copy()
+    triangles[::3] = triangles[::3][:, ::-1]
+    surface = read_surface(written(folder / "either.ply", points, triangles))
+    assert surface.volume == pytest.approx(BAR_VOLUME, rel=1e-6)
+    assert thinnest(surface) == pytest.approx(2.0, rel=1e-3)
+
+
+def with_hole(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return points, np.delete(
+        triangles, np.argmin(np.linalg.norm(points[triangles].mean(axis=1) - [30, 12, 0], axis=1)), 0
+    )
+
+
+def with_fin(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return np.vstack([points, [[30, 20, 0]]]), np.vstack([triangles, [[*triangles[0][:2], len(points)]]])
+
+
+def apart(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    small = 0.2 * points + [0, 30, 0]
+    return np.vstack([points, small]), np.vstack([triangles, triangles + len(points)])
+
+
+def nested(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    small = 0.1 * (points - [30, 6, 0]) + [30, 6, 0]
+    return np.vstack([points, small]), np.vstack([triangles, triangles + len(points)])
+
+
+def massive(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    outside = np.ptp(points[triangles], axis=1).max(axis=1) >= 0
+    inner = (np.abs(points[triangles] - [30, 6.5, 0]) <= [27.1, 3.6, 5.1]).all(axis=(1, 2))
+    return points, triangles[outside & ~inner]
+
+
+BAD: dict[str, tuple[Any, str, str]] = {
+    "hole": (with_hole, "file", r"has a hole: 3 edges belong to one triangle only, such as that near \([0-9.]+, 12, "),
+    "fin": (with_fin, "file", r"has a hole|is not manifold: 1 edges belong to three"),
+    "apart": (apart, "file", r"has a part near \(.*\) outside of the largest one"),
+    "nested": (nested, "file", r"has a part near \(.*\) inside a cavity"),
+    "massive": (massive, "air", "no closed cavity"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_surfaces_that_cannot_be_used(case: str, stl: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    change, key, sentence = BAD[case]
+    written(tmp_path / "bad.stl", *change(*triangles_of(stl)))
+    capfd.readouterr()
+    with pytest.raises(DesignError, match=sentence) as caught:
+        SurfaceFile(str(tmp_path / "bad.stl"), curve=1.5)
+    assert caught.value.keys[0] == key
+    assert "\n" not in caught.value.sentence
+    assert capfd.readouterr() == ("", "")
+
+
+def test_what_only_filling_shows(stl: Path) -> None:
+    with pytest.raises(DesignError, match=r"curve: the line y = 6 mm, z = 0 is outside the material from 3 to 57 mm"):
+        SurfaceFile(str(stl), curve=6).body(5.0)
+    with pytest.raises(DesignError, match="tip: the body has no flat face in the plane x = 40 mm"):
+        SurfaceFile(str(stl), curve=1.5, tip=40).body(5.0)
+    with pytest.raises(DesignError, match=r"mesh\.size: 50 mm is larger than the body"):
+        SurfaceFile(str(stl), curve=1.5).body(50.0)
