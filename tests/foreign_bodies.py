@@ -89,3 +89,29 @@ def write_surface(path: Path, draw: Draw, size: float, around: int = 24, binary:
         gmsh.model.mesh.generate(2)
         gmsh.write(str(path))
     return path
+
+
+def bar_with_inlet(occ: Any, x: float = -1.0) -> Any:
+    """The bar with a round hole of radius 1.5 mm, 5 mm long, from `x` into its cavity: through the wall of one end."""
+    return occ.cut(bar(occ), [(3, occ.addCylinder(x, 6, 0, 5, 0, 0, 1.5))])[0]
+
+
+#: volume of the hole in the wall of 3 mm, mm3
+INLET = np.pi * 1.5**2 * 3
+
+
+def standing_bar(occ: Any) -> Any:
+    """The bar with its length along z and its top towards -y, clamped at the larger z."""
+    solids = bar(occ)
+    occ.translate(solids, -60, 0, 0)
+    occ.rotate(solids, 0, 0, 0, 0, 1, 0, -np.pi / 2)  # x becomes z
+    occ.rotate(solids, 0, 0, 0, 0, 0, 1, np.pi)
+    return solids
+
+
+def two_solids(occ: Any) -> Any:
+    """The bar from two solids that touch in the plane x = 20 mm."""
+    whole = bar(occ)
+    left = occ.intersect(whole, [box(occ, (-1, -1, -9), (20, 20, 9))], removeObject=False)[0]
+    right = occ.intersect(whole, [box(occ, (20, -1, -9), (61, 20, 9))])[0]
+    return left + right

@@ -62,7 +62,7 @@ def test_cad_file_becomes_a_body(folder: Path, suffix: str, symmetric: bool) -> 
     assert set(mesh.faces) == {"clamp", "tip", "cavity", "outer"} | ({"sym"} if symmetric else set())
     assert sum(map(len, mesh.faces.values())) == len(mesh.boundary)
     assert mesh.area("clamp") == pytest.approx(fraction * 12 * 15)
-    assert (body.half, body.length, body.curve_y, body.pitch) == (symmetric, 60, 1.5, 10)
+    assert (body.half, body.length, body.curve_y, body.pitch) == (symmetric, 60, 1.5, 6)
     assert np.diff(mesh.points[body.curve_vertices, 0]).max() <= 4 + 1e-9
     assert mesh.quality.minimum > 0.1
 
@@ -134,9 +134,9 @@ BAD_SPECS: list[tuple[dict[str, Any], str, str]] = [
     ({"air": {"cavity": (30, 1, 0)}}, "air.cavity", "lies in the material"),
     ({"air": {"cavity": (30, 30, 0)}}, "air.cavity", "away from the body|outside the body"),
     ({"air": {"cavity": (500, 30, 0)}}, "air.cavity", "away from the body"),
-    ({"air": {}}, "air", "at least one cavity"),
     ({"tip": 61}, "tip", "lies outside the body, which reaches from 0 to 60 mm"),
-    ({"tip": -5}, "clamp", "must lie beyond the clamp"),
+    ({"tip": -5}, "tip", "x = -5 mm lies outside the body, which reaches from 0 to 60 mm"),
+    ({"tip": 0}, "clamp", "both at x = 0 mm"),
     ({"curve": 17}, "curve", "y = 17 mm lies outside the body"),
     ({"cell": 0}, "cell", "positive"),
     ({"unit": float("nan")}, "unit", "positive"),

@@ -95,4 +95,4 @@ def test_a_cavity_that_does_not_go_through_the_cells_is_refused(tmp_path: Path) 
     path = save(tmp_path / "closed.step", draw)
     air = {f"cavity{k}": (6.0 + 10.0 * k, 4.0, 0.0) for k in range(4)}
     with pytest.raises(DesignError, match="does not go through the cell; equal cells are in the same cavities"):
-        CadFile(str(path), 0, 42, 1, air, cell=PLANES).half_cell(6.0)
+        CadFile(str(path), 1, 0, 42, air, cell=PLANES).half_cell(6.0)

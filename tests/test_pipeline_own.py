@@ -61,7 +61,7 @@ def test_shipped_file_is_what_the_drawing_says(tmp_path: Path) -> None:
     draw(tmp_path / "finger.step")
     shipped = load_config(CONFIGS / "finger.yaml")
     assert isinstance(shipped.design, CadFile)
-    again = CadFile(str(tmp_path / "finger.step"), 0, 80, 1, shipped.design.air)
+    again = CadFile(str(tmp_path / "finger.step"), 1, 0, 80, shipped.design.air)
     assert again.solid_volume == pytest.approx(shipped.design.solid_volume, rel=1e-9)
     assert shipped.design.solid_volume == pytest.approx(
         80 * (13 * 16 - (4 - 3.14159265) * 9 / 2) - 76 * 9.5 * 13, rel=1e-6

@@ -1,7 +1,7 @@
 """A body from a CAD file (STEP or BREP)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
 from math import isfinite
@@ -10,12 +10,15 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from geometry.arrays import Array
 from geometry.design import Body, Design, DesignError, check_size
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
+from geometry.foreign.frame import SAME, Axes, rotation, usual_cell
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
-from geometry.meshing.cad import SUFFIXES, CadBody, CadMeasures, Point, measure, measure_thinnest_wall, mesh_cad
+from geometry.meshing.cad import CadBody, CadMeasures, measure, measure_thinnest_wall, mesh_cad
+from geometry.meshing.cad_import import SUFFIXES, CadSource, Point, file_bounds
 from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
 from geometry.meshing.mirror import Repetition, slices
 
@@ -25,23 +28,26 @@ from geometry.meshing.mirror import Repetition, slices
 class CadFile(Design):
     """One solid from a STEP or BREP file; all lengths in mm.
 
-    It is drawn in the frame of all bodies: x along the length, y up, z across, and symmetric about z = 0 (or the half
-    z >= 0) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError` names the config
-    key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The cells are nominal: equal parts of
-    the length, about `cell` long, unless `cell` are two planes of mirror symmetry: then the body is meshed from equal
-    cells and its two ends.
+    In the frame of the arm (`axes`) x is along the length, y up, z across, and the body is symmetric about z = 0 (or
+    the half z >= 0) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError` names the
+    config key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The cells are nominal: equal parts
+    of the length, about `cell` long, unless `cell` are two planes of mirror symmetry: then the body is meshed from
+    equal cells and its two ends.
     """
 
     family: ClassVar[str] = "cad_file"
 
     file: str  #: path of the .step, .stp, .brep or .brp file
-    clamp: float  #: x of the clamped end face
-    tip: float  #: x of the other end face
     curve: float  #: y of the material curve
-    air: Mapping[str, Point]  #: a point (x, y, z) in each cavity by its name; the first is pressurised
+    clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
+    tip: float | None = None  #: x of the other end face; without it the other end
+    air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
     symmetric: bool = True  #: whether only the half z >= 0 is meshed
-    cell: float | CellPlanes = 10.0  #: nominal length of a cell, or two planes of [its symmetry](cell.md#own-bodies)
-    unit: float = 1.0  #: mm per unit of length of a BREP file, which does not store its unit
+    cell: float | CellPlanes | None = None  #: length of a cell, or two planes of [its symmetry](cell.md#own-bodies)
+    unit: float = 1.0  #: unit of length of a BREP file, which does not store it
+    axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    unite: bool = False  #: whether several solids that touch become one
+    plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
         path = Path(self.file)
@@ -54,18 +60,28 @@ class CadFile(Design):
         if not path.is_file():
             raise DesignError("file", f"{path} does not exist")
         for key, value in (("cell", self.cell), ("unit", self.unit)):
-            if not isinstance(value, CellPlanes) and not (isfinite(value) and value > 0):
+            if value is not None and not isinstance(value, CellPlanes) and not (isfinite(value) and value > 0):
                 raise DesignError(key, f"must be a positive length, not {value!r}")
-        if not self.tip > self.clamp:
-            raise DesignError(
-                ("clamp", "tip"), f"the tip x = {self.tip:g} mm must lie beyond the clamp, {self.clamp:g} mm"
-            )
-        if not self.air:
-            raise DesignError(
-                "air", "name at least one cavity by a point in it, for example cavity: [50 mm, 8 mm, 0 mm]"
-            )
         object.__setattr__(self, "air", dict(self.air))
+        object.__setattr__(self, "axes", tuple(self.axes))
+        clamp, tip = self._ends
+        if clamp == tip:
+            raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
+        if isinstance(self.cell, CellPlanes) and tip < clamp:
+            raise DesignError(
+                "cell", "is a length where the arm is clamped at its larger x; turn the body with axes to give planes"
+            )
         _ = self.measures, self.cells
+
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        """x of clamp and tip, mm, before the body is turned."""
+        if self.clamp is not None and self.tip is not None:
+            return self.clamp, self.tip
+        low, high = file_bounds(self._source(rotation(self.axes)))
+        clamp = low[0] if self.clamp is None else self.clamp
+        other = high[0] if clamp <= (low[0] + high[0]) / 2 else low[0]
+        return clamp, other if self.tip is None else self.tip
 
     @cached_property
     def measures(self) -> CadMeasures:
@@ -82,13 +98,29 @@ class CadFile(Design):
         """SHA-256 of the file, so that results of an older file of the same name are not reused."""
         return sha256(Path(self.file).read_bytes()).hexdigest()
 
-    @property
+    def _source(self, turn: Array) -> CadSource:
+        first, second, third = (tuple(float(x) for x in row) for row in turn)
+        return CadSource(Path(self.file), self.unit, (first, second, third), self.unite)  # type: ignore[arg-type]
+
+    @cached_property
     def _cad(self) -> CadBody:
-        return CadBody(Path(self.file), self.unit, self.clamp, self.tip, self.curve, self.symmetric, self.air)
+        """The body with its clamp at the smaller x.
+
+        An arm that is clamped at its larger x is turned about y by half a turn; a symmetric one has its halves
+        exchanged by that, so that z keeps its sign.
+        """
+        (clamp, tip), turn = self._ends, rotation(self.axes)
+        air = dict(self.air)
+        if tip < clamp:
+            clamp, tip, turn = -clamp, -tip, np.diag([-1.0, 1.0, -1.0]) @ turn
+            side = 1.0 if self.symmetric else -1.0
+            air = {name: (-x, y, side * z) for name, (x, y, z) in air.items()}
+        turned = self._ends[1] < self._ends[0]
+        return CadBody(self._source(turn), clamp, tip, self.curve, self.symmetric, air, self.plug, turned)
 
     @property
     def length(self) -> float:
-        return self.tip - self.clamp
+        return self._cad.tip - self._cad.clamp
 
     @property
     def extent(self) -> tuple[float, float, float]:
@@ -103,7 +135,7 @@ class CadFile(Design):
     def pitch(self) -> float:
         if isinstance(self.cell, CellPlanes):
             return 2 * self.cell.half_pitch
-        return slices(self.length, self.cell)[1]
+        return slices(self.length, self.cell or usual_cell(self.length))[1]
 
     @property
     def solid_volume(self) -> float:
@@ -111,7 +143,7 @@ class CadFile(Design):
 
     @property
     def cavity_volumes(self) -> Mapping[str, float]:
-        return {name: self.measures.air_volumes[name] for name in self.air}
+        return {name: self.measures.air_volumes[name] for name in self._cad.cavities}
 
     @cached_property
     def thinnest_wall(self) -> float:

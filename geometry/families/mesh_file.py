@@ -11,13 +11,13 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import Body, Design, DesignError
-from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned, usual_cell
+from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
 from geometry.foreign.file import FileMesh, read_mesh_file
-from geometry.foreign.frame import SAME, Axes
+from geometry.foreign.frame import SAME, Axes, usual_cell
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh, MeshError
-from geometry.meshing.cad import Point
+from geometry.meshing.cad_import import Point
 from geometry.meshing.mirror import slices
 
 
@@ -45,6 +45,7 @@ class MeshFile(Design):
     cell: float | None = None  #: length over which curvature is averaged; a tenth of the length, at most 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
         for key, value in (("cell", self.cell), ("unit", self.unit)):
@@ -58,9 +59,12 @@ class MeshFile(Design):
     def fixed_body(self) -> Body:
         """The body, moved along x so that its clamp is at x = 0."""
         try:
-            placing = Placing(self.curve, self.clamp, self.tip, self.air, self.symmetric, self.unit, self.axes)
+            placing = Placing(
+                self.curve, self.clamp, self.tip, self.air, self.symmetric, self.unit, self.axes, self.plug
+            )
             content = turned(read_mesh_file(Path(self.file)), placing)
-            by_planes = self.clamp is not None or self.tip is not None or self.air or not _has_names(content)
+            given = self.clamp is not None or self.tip is not None or self.air or self.plug
+            by_planes = given or not _has_names(content)
             placed = placed_by_planes(content, placing) if by_planes else _placed_by_names(content, placing)
             pitch = slices(placed.length, self.cell or usual_cell(placed.length))[1]
             half = "sym" in placed.mesh.faces

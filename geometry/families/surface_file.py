@@ -11,14 +11,14 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import Body, Design, DesignError, check_size
-from geometry.foreign.body import Placed, Placing, check_dimensions, ends_of, placed_by_planes, usual_cell
+from geometry.foreign.body import FLAT, Placed, Placing, check_dimensions, ends_of, placed_by_planes
 from geometry.foreign.fill import fill
-from geometry.foreign.frame import SAME, Axes, rotation
-from geometry.foreign.shells import named_cavities
-from geometry.foreign.surface import Surface, read_surface, scaled, thinnest, volumes_of_air
+from geometry.foreign.frame import SAME, Axes, rotation, usual_cell
+from geometry.foreign.shells import named_cavities, parts_of, refuse_open
+from geometry.foreign.surface import Surface, enclosed, read_surface, scaled, thinnest
 from geometry.grading import OFF, Grading
 from geometry.mesh import MeshError
-from geometry.meshing.cad import Point
+from geometry.meshing.cad_import import Point
 from geometry.meshing.mirror import slices
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
@@ -47,6 +47,7 @@ class SurfaceFile(Design):
     cell: float | None = None  #: length over which curvature is averaged; a tenth of the length, at most 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
         for key, value in (("cell", self.cell), ("unit", self.unit)):
@@ -74,7 +75,7 @@ class SurfaceFile(Design):
 
     @property
     def _placing(self) -> Placing:
-        return Placing(self.curve, self.clamp, self.tip, self.air, False, 1.0)
+        return Placing(self.curve, self.clamp, self.tip, self.air, False, 1.0, plug=self.plug)
 
     @cached_property
     def length(self) -> float:
@@ -100,8 +101,15 @@ class SurfaceFile(Design):
 
     @cached_property
     def cavity_volumes(self) -> Mapping[str, float]:
-        points, (_, *inner) = self.surface.points, self.surface.parts
-        return volumes_of_air(self.surface, named_cavities(points, inner, self.surface.triangles, self.air, []))
+        points, triangles = self.surface.points, self.surface.triangles
+        clamp, tip = ends_of(points, self._placing)
+        tolerance = FLAT * float(np.ptp(points, axis=0).max())
+        _, inner = parts_of(points, triangles, clamp if self.plug else None, tolerance)
+        if not inner:
+            refuse_open(points, triangles, (clamp, tip), self.plug, tolerance)
+        mirrors = [(0, clamp)] if self.plug else []
+        named = named_cavities(points, inner, triangles, self.air, mirrors)
+        return {name: -enclosed(points - [clamp, 0.0, 0.0], walls) for name, walls in named.items()}
 
     @cached_property
     def thinnest_wall(self) -> float:

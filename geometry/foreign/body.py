@@ -15,10 +15,12 @@ from geometry.design import DesignError
 from geometry.foreign.curve import with_curve
 from geometry.foreign.file import FileMesh
 from geometry.foreign.frame import SAME, Axes, rotation
-from geometry.foreign.shells import lies_in, named_cavities, outside_first, shells
+from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_open
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
-from geometry.meshing.cad import LARGEST, SMALLEST, Point
+from geometry.meshing.cad import LARGEST, SMALLEST
+from geometry.meshing.cad_import import Point
+from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
 FLAT = 1e-5
@@ -35,6 +37,7 @@ class Placing:
     half: bool  #: the file holds the half z >= 0
     unit: float  #: mm per unit of length of the file
     axes: Axes = SAME
+    plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
 
 @dataclass(frozen=True)
@@ -44,14 +47,6 @@ class Placed:
     mesh: Mesh
     length: float  #: mm
     cavities: tuple[str, ...]
-
-
-def usual_cell(length: float) -> float:
-    """Length (mm) over which curvature is averaged on an arm of that length (mm) of which no cell is known.
-
-    The five parameters need 6.5 of them.
-    """
-    return min(10.0, length / 10)
 
 
 def turned(content: FileMesh, placing: Placing) -> FileMesh:
@@ -227,8 +222,14 @@ def _named(
         sym = lies_in(points, boundary, (2, 0.0), tolerance)
         named["sym"], free = boundary[sym], boundary[~sym]
         mirrors.append((2, 0.0))
-    outside, *inner = outside_first(points, shells(free, len(points)))
+    outside, inner = parts_of(points, free, 0.0 if placing.plug else None, tolerance)
+    if not inner:
+        refuse_open(points, free, (0.0, length), placing.plug, tolerance)
+    if placing.plug:
+        mirrors.append((0, 0.0))
     cavities = named_cavities(points, inner, boundary, air, mirrors)
+    walls = np.vstack(list(cavities.values()))
+    outside = free[find_rows(free, walls, len(points)) < 0]
     for name, position in (("clamp", 0.0), ("tip", length)):
         flat = lies_in(points, outside, (0, position), tolerance)
         if not flat.any():

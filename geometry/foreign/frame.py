@@ -31,3 +31,11 @@ def rotation(axes: Sequence[str]) -> Array:
             f"[{', '.join(axes)}] would mirror the body; write [{axes[0]}, {axes[1]}, {last}], which turns it",
         )
     return rows
+
+
+def usual_cell(length: float) -> float:
+    """Length (mm) over which curvature is averaged on an arm of that length (mm) of which no cell is known.
+
+    The five parameters need 6.5 of them.
+    """
+    return min(10.0, length / 10)

@@ -6,7 +6,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from geometry.design import DesignError
-from geometry.topology import row_keys, triangle_edges
+from geometry.topology import open_edges, row_keys, triangle_edges
 
 #: a point in the middle of the air sees the walls around it under the solid angle 4 pi
 FULL_ANGLE = 4 * np.pi
@@ -37,6 +37,34 @@ def outside_first(points: Array, parts: list[Index]) -> list[Index]:
     outside = max(range(len(parts)), key=lambda k: reach(parts[k]))
     rest = [part for k, part in enumerate(parts) if k != outside]
     return [parts[outside], *sorted(rest, key=lambda part: float(points[part][:, :, 0].mean()))]
+
+
+def parts_of(points: Array, surface: Index, plug: float | None, tolerance: float) -> tuple[Index, list[Index]]:
+    """The outside of a surface (k, 3), and the walls of each cavity.
+
+    plug: x of the plane in which cavities may be open, mm; the triangles in it belong to neither then.
+    """
+    if plug is not None:
+        surface = surface[~lies_in(points, surface, (0, plug), tolerance)]
+    outside, *inner = outside_first(points, shells(surface, len(points)))
+    return outside, inner
+
+
+def refuse_open(points: Array, surface: Index, ends: tuple[float, float], plug: bool, tolerance: float) -> None:
+    """Raise `DesignError` for a surface without cavities, with the place of its inlet where that is in the plane of an
+    end; ends: x of clamp and tip, mm."""
+    for name, x in zip(("clamp", "tip"), ends, strict=True):
+        _, inner = parts_of(points, surface, x, tolerance)
+        if inner and not (plug and name == "clamp"):
+            rim = points[open_edges(inner[0], len(points))].reshape(-1, 3).mean(axis=0)
+            where = ", ".join(f"{round(coordinate, 3) + 0.0:g}" for coordinate in rim[1:])
+            remedy = "write plug: true, and it is closed there" if name == "clamp" else "close it in the file"
+            raise DesignError(("air", "file"), f"the air is open at the {name}, around (y, z) = ({where}) mm; {remedy}")
+    raise DesignError(
+        ("air", "file"),
+        "the body has no closed cavity: all of its surface is connected, and it has no inlet in the plane of the clamp "
+        "or of the tip; close its inlet, or save the walls of its air as well",
+    )
 
 
 def windings(at: Array, corners: Array) -> float:
@@ -72,12 +100,6 @@ def named_cavities(
     points: (n, 3), mm. inner: walls (k, 3) of each cavity. surface: all triangles of the boundary. mirrors: planes
     (axis, position) in which walls may be open. Raises `DesignError` unless every cavity has exactly one point in it.
     """
-    if not inner:
-        raise DesignError(
-            ("air", "file"),
-            "the body has no closed cavity: all of its surface is connected; close its inlet, or write plug: true if "
-            "the inlet lies in the plane of the clamp",
-        )
     if not air:
         if len(inner) > 1:
             places = "; ".join(_place(points, walls) for walls in inner)
@@ -105,7 +127,7 @@ def named_cavities(
         taken[holder] = name
         named[name] = inner[holder]
     for k, walls in enumerate(inner):
-        if k not in taken:
+        if k not in taken and not len(open_edges(walls, len(points))):  # a hole in the clamped face may have no name
             raise DesignError(
                 "air", f"the body has one more cavity, around {_place(points, walls)}; name it by a point in it"
             )

@@ -1,6 +1,5 @@
 """Closed surfaces of triangles from a file: which faults are named, and how thick the walls are."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -52,8 +51,9 @@ def read_surface(path: Path) -> Surface:
 
 
 def enclosed(points: Array, triangles: Index) -> float:
-    """Volume inside triangles (k, 3) that face outward; negative if they face inward."""
-    a, b, c = np.moveaxis(points[triangles] - points.mean(axis=0), 1, 0)
+    """Volume inside triangles (k, 3) that face outward, closed by planes through the origin; negative if they face
+    inward."""
+    a, b, c = np.moveaxis(points[triangles], 1, 0)
     return float(np.einsum("ij,ij->", a, np.cross(b, c))) / 6
 
 
@@ -173,8 +173,3 @@ def _through(start: Array, direction: Array, corners: Array) -> float:
 def scaled(surface: Surface, turn: Array) -> Surface:
     """The surface with its points multiplied by the rotation and scale turn (3, 3)."""
     return Surface(surface.points @ turn, surface.parts)
-
-
-def volumes_of_air(surface: Surface, walls: Mapping[str, Index]) -> dict[str, float]:
-    """Volume inside the walls of each cavity by name."""
-    return {name: -enclosed(surface.points, part) for name, part in walls.items()}

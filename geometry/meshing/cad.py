@@ -8,8 +8,7 @@ in it.
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 
@@ -17,14 +16,12 @@ from geometry.curved import CurvedEdges
 from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.mesh import Mesh
+from geometry.meshing.cad_import import CadSource, Point, bounds, import_solid
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.shapes import Volume
 from geometry.meshing.size_field import set_size_field, thinnest_wall
 from geometry.meshing.solid import SolidMesh, collect_mesh, optimize, session, walls_between
 
-Point: TypeAlias = tuple[float, float, float]
-
-SUFFIXES = (".step", ".stp", ".brep", ".brp")
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
 #: A mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
@@ -35,13 +32,19 @@ FLAT = 0.05
 class CadBody:
     """A solid in a CAD file and how to read it; lengths in mm."""
 
-    path: Path
-    unit: float  #: mm per unit of length of the file (STEP files carry their unit, so 1 for them)
+    source: CadSource
     clamp: float  #: x of the clamped face
     tip: float  #: x of the other end
     curve: float  #: y of the material curve
     half: bool  #: mesh z >= 0 only
-    air: Mapping[str, Point]  #: name of a cavity -> a point in it
+    air: Mapping[str, Point]  #: name of a cavity -> a point in it; empty for one cavity alone
+    plug: bool  #: whether what is open in the plane of the clamp is closed there
+    turned: bool  #: whether x and z have the other sign than in the file, because the arm is clamped at its larger x
+
+    @property
+    def cavities(self) -> list[str]:
+        """Names of the cavities."""
+        return list(self.air) or ["cavity"]
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ def measure(body: CadBody) -> CadMeasures:
         occ = gmsh.model.occ
         halves = 2 if body.half else 1
         volumes = {name: halves * float(occ.getMass(*volume)) for volume, name in air.items()}
-        low, high = _bounds(gmsh, blocks)
+        low, high = bounds(gmsh, blocks)
         if body.half:
             low = (low[0], low[1], -high[2])
         return CadMeasures(low, high, halves * sum(float(occ.getMass(*block)) for block in blocks), volumes)
@@ -89,7 +92,7 @@ def mesh_cad(body: CadBody, size: float, grading: Grading) -> Mesh:
         walls = walls_between(gmsh, material, air)
         keep_material(gmsh, blocks)
         mesh_session(gmsh, size, grading, body.half)
-        mesh = collect_mesh(gmsh, material, walls, ["body"], list(body.air))
+        mesh = collect_mesh(gmsh, material, walls, ["body"], body.cavities)
     return _named_mesh(body, mesh)
 
 
@@ -116,7 +119,8 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
     named = name_faces(points, mesh.regions["body"], mesh.walls, planes, curved)
     for name in ("clamp", "tip"):
         if name not in named.faces:
-            raise DesignError(name, f"the body has no face in the plane x = {getattr(body, name):g} mm")
+            position = getattr(body, name) * (-1 if body.turned else 1)
+            raise DesignError(name, f"the body has no face in the plane x = {position:g} mm")
     return named
 
 
@@ -124,8 +128,8 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
 def cad_session(body: CadBody) -> Iterator[tuple[Any, list[Volume], dict[Volume, str]]]:
     """A session with the body: its blocks, cut at the planes of the material curve, and its named cavities."""
     with session() as gmsh:
-        solid = _single_solid(gmsh, body)
-        low, high = _bounds(gmsh, [solid])
+        solid = import_solid(gmsh, body.source)
+        low, high = bounds(gmsh, [solid])
         _check_position(body, low, high)
         if body.half and low[2] < -1e-6 * (high[0] - low[0]):
             _check_symmetric(gmsh, solid)
@@ -134,50 +138,25 @@ def cad_session(body: CadBody) -> Iterator[tuple[Any, list[Volume], dict[Volume,
         yield gmsh, blocks, _named_air(gmsh, body, blocks, air, low, high)
 
 
-def _single_solid(gmsh: Any, body: CadBody) -> Volume:
-    """The solid of the file, in mm. Raises `DesignError` unless there is exactly one."""
-    occ = gmsh.model.occ
-    gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-    try:
-        occ.importShapes(str(body.path))
-    except Exception as error:
-        raise DesignError("file", f"{body.path} cannot be read as STEP or BREP: {error}") from error
-    occ.synchronize()
-    solids = gmsh.model.getEntities(3)
-    if not solids:
-        raise DesignError("file", f"{body.path} holds no solid, only surfaces or curves; close them to one solid")
-    if len(solids) > 1:
-        raise DesignError("file", f"{body.path} holds {len(solids)} solids; unite them to one")
-    if body.unit != 1:
-        occ.dilate(solids, 0, 0, 0, body.unit, body.unit, body.unit)
-        occ.synchronize()
-    return solids[0]
-
-
-def _bounds(gmsh: Any, volumes: list[Volume]) -> tuple[Point, Point]:
-    """Corners of the bounding box of some volumes, mm, rounded because the CAD kernel adds a margin of 1e-7."""
-    boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in volumes])
-    left, bottom, near = (round(float(x), 6) + 0.0 for x in boxes[:, :3].min(axis=0))
-    right, top, far = (round(float(x), 6) + 0.0 for x in boxes[:, 3:].max(axis=0))
-    return (left, bottom, near), (right, top, far)
-
-
 def _check_position(body: CadBody, low: Point, high: Point) -> None:
     """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm)."""
     sides = np.subtract(high, low)
     measures = " x ".join(f"{side:.4g}" for side in sides)
     if not SMALLEST <= sides.max() <= LARGEST:
         raise DesignError(
-            ("file", "unit"), f"the body measures {measures} mm; is its file in another unit than {body.unit:g} mm?"
+            ("file", "unit"),
+            f"the body measures {measures} mm; is its file in another unit than {body.source.unit:g} mm?",
         )
     tolerance = 1e-6 * sides.max()
     for key, axis in (("clamp", 0), ("tip", 0), ("curve", 1)):
-        position = getattr(body, key)
-        if not low[axis] - tolerance <= position <= high[axis] + tolerance:
+        position, ends = getattr(body, key), (low[axis], high[axis])
+        if not ends[0] - tolerance <= position <= ends[1] + tolerance:
+            if axis == 0 and body.turned:
+                position, ends = -position, (0.0 - ends[1], 0.0 - ends[0])
             raise DesignError(
                 key,
                 f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
-                f"which reaches from {low[axis]:.4g} to {high[axis]:.4g} mm",
+                f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm",
             )
     if body.half and abs(low[2]) > tolerance and abs(low[2] + high[2]) > tolerance:
         raise DesignError(
@@ -211,7 +190,8 @@ def _fragments(gmsh: Any, body: CadBody, solid: Volume, low: Point, high: Point)
     start, stop = np.subtract(low, margin), np.add(high, margin)
     if body.half:
         start[2] = 0.0
-    air, _ = occ.cut([(3, _box(occ, start, stop))], [solid], removeObject=True, removeTool=False)
+    behind = np.array([body.clamp, *start[1:]]) if body.plug else start  # the plug closes what is open at the clamp
+    air, _ = occ.cut([(3, _box(occ, behind, stop))], [solid], removeObject=True, removeTool=False)
     cuts_y = [start[1], body.curve, stop[1]]
     cuts_z = [0.0, stop[2]] if body.half else [start[2], 0.0, stop[2]]
     windows = [
@@ -238,12 +218,17 @@ def _box(occ: Any, low: Any, high: Any) -> int:
 def _named_air(
     gmsh: Any, body: CadBody, blocks: list[Volume], air: list[Volume], low: Point, high: Point
 ) -> dict[Volume, str]:
-    """The name of each cavity. Raises `DesignError` unless every cavity has exactly one of the given points in it."""
+    """The name of each cavity. Raises `DesignError` unless every cavity has exactly one of the given points in it, or
+    there is one cavity alone and no point."""
     corner = np.add(high, 0.05 * max(np.subtract(high, low)))
     outside = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(corner))]
+    inner = [volume for volume in air if volume not in outside]
+    if not body.air:
+        return {_only(gmsh, body, inner): "cavity"}
     named: dict[Volume, str] = {}
     for name, point in body.air.items():
-        coordinates = "(" + ", ".join(f"{x:g}" for x in point) + ") mm"
+        given = point if not body.turned else (-point[0], point[1], point[2] if body.half else -point[2])
+        coordinates = "(" + ", ".join(f"{x + 0.0:g}" for x in given) + ") mm"
         if body.half:
             point = (point[0], point[1], max(abs(point[2]), 1e-5 * (high[2] - low[2])))
         holders = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(point))]
@@ -255,15 +240,46 @@ def _named_air(
             raise DesignError(
                 f"air.{name}",
                 f"the point {coordinates} lies outside the body or in a cavity that is open to the outside; "
-                "close its inlet",
+                f"{_close(body)}",
             )
         if holders[0] in named:
             raise DesignError(
                 f"air.{name}", f"the point {coordinates} lies in the same cavity as that of {named[holders[0]]}"
             )
         named[holders[0]] = name
-    for volume in air:
-        if volume not in named and volume not in outside:
-            centre = ", ".join(f"{x:.4g}" for x in gmsh.model.occ.getCenterOfMass(*volume))
-            raise DesignError("air", f"the body has one more cavity, around ({centre}) mm; name it by a point in it")
+    for volume in inner:
+        if volume not in named and not _at_plug(gmsh, body, volume):
+            raise DesignError(
+                "air", f"the body has one more cavity, around {_middle(gmsh, body, volume)}; name it by a point in it"
+            )
     return named
+
+
+def _only(gmsh: Any, body: CadBody, inner: list[Volume]) -> Volume:
+    """The one cavity. Raises `DesignError` where there are several, or none."""
+    if not inner:
+        raise DesignError(
+            ("air", "file"), f"the body has no closed cavity: its air is open to the outside; {_close(body)}"
+        )
+    if len(inner) > 1:
+        places = "; ".join(_middle(gmsh, body, volume) for volume in inner)
+        raise DesignError("air", f"the body has {len(inner)} cavities, around {places}; name each by a point in it")
+    return inner[0]
+
+
+def _close(body: CadBody) -> str:
+    if body.plug:
+        return "it is open elsewhere than in the plane of the clamp: close it there"
+    return "close its inlet, or write plug: true if the inlet lies in the plane of the clamp"
+
+
+def _at_plug(gmsh: Any, body: CadBody, volume: Volume) -> bool:
+    """Whether air without a name is a hole in the face of the clamp, which is not pressurised."""
+    return body.plug and gmsh.model.getBoundingBox(*volume)[0] < body.clamp + 1e-5 * (body.tip - body.clamp)
+
+
+def _middle(gmsh: Any, body: CadBody, volume: Volume) -> str:
+    """The centre of a volume, in the frame that the user knows."""
+    x, y, z = gmsh.model.occ.getCenterOfMass(*volume)
+    x, z = (-x, z if body.half else -z) if body.turned else (x, z)
+    return "(" + ", ".join(f"{coordinate + 0.0:.4g}" for coordinate in (x, y, z)) + ") mm"

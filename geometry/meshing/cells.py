@@ -92,7 +92,7 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
         walls = walls_between(gmsh, material, cavities)
         keep_material(gmsh, list(material))
         mesh_session(gmsh, size, grading, body.half)
-        mesh = collect_mesh(gmsh, material, walls, list(windows), list(body.air))
+        mesh = collect_mesh(gmsh, material, walls, list(windows), body.cavities)
     points = _in_frame(mesh.points, body, (0.0, middle, edge, length - shift))
     within = np.unique(mesh.regions["cell"])
     for name, triangles in mesh.walls.items():

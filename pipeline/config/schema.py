@@ -221,7 +221,7 @@ def _geometry_fields(design: Any) -> dict[str, Any]:
         str: Text,
         bool: YesNo,
         Axes: Directions,
-        float | CellPlanes: Cell,
+        float | CellPlanes | None: Cell,
     }
     named = {"unit": Unit}
     types = get_type_hints(design)

@@ -1,0 +1,96 @@
+"""One solid from a CAD file, in mm and in the directions of the arm, in the session of `geometry.meshing.solid`."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.design import DesignError
+from geometry.meshing.solid import Volume, session
+
+Point: TypeAlias = tuple[float, float, float]
+
+SUFFIXES = (".step", ".stp", ".brep", ".brp")
+
+
+@dataclass(frozen=True)
+class CadSource:
+    """A CAD file and how its solid is turned."""
+
+    path: Path
+    unit: float  #: mm per unit of length of the file (STEP files carry their unit, so 1 for them)
+    turn: tuple[Point, Point, Point]  #: rows of the rotation into the frame of the arm
+    unite: bool  #: whether several solids that touch become one
+
+
+def import_solid(gmsh: Any, source: CadSource) -> Volume:
+    """The solid of the file, in mm. Raises `DesignError` unless there is exactly one."""
+    occ, path = gmsh.model.occ, source.path
+    gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+    try:
+        occ.importShapes(str(path), format="brep" if path.suffix.lower() in (".brep", ".brp") else "step")
+    except Exception as error:
+        raise DesignError("file", f"{path} cannot be read as STEP or BREP: {error}") from error
+    occ.synchronize()
+    solids = gmsh.model.getEntities(3)
+    if not solids:
+        raise DesignError("file", f"{path} holds no solid, only surfaces or curves; close them to one solid")
+    if len(solids) > 1 and not source.unite:
+        raise DesignError(
+            "file",
+            f"{path} holds {len(solids)} solids; unite them to one, or write unite: true if they touch, or overlap",
+        )
+    if len(solids) > 1:
+        solids = _united(gmsh, solids)
+    if source.unit != 1:
+        occ.dilate(solids, 0, 0, 0, source.unit, source.unit, source.unit)
+    axis, angle = _axis_and_angle(np.array(source.turn))
+    if angle:
+        occ.rotate(solids, 0, 0, 0, *axis, angle)
+    occ.synchronize()
+    return solids[0]
+
+
+def _united(gmsh: Any, solids: list[Volume]) -> list[Volume]:
+    """The one solid that several are together. Raises `DesignError` where some of them do not touch."""
+    occ = gmsh.model.occ
+    united, _ = occ.fuse(solids[:1], solids[1:])
+    occ.synchronize()
+    united = [volume for volume in united if volume[0] == 3]
+    if len(united) > 1:
+        places = "; ".join("(" + ", ".join(f"{x:.4g}" for x in occ.getCenterOfMass(*volume)) + ")" for volume in united)
+        raise DesignError(
+            "unite",
+            f"the {len(solids)} solids of the file are {len(united)} parts that do not touch, around {places} in the "
+            "file's own frame; save the body alone",
+        )
+    return united
+
+
+def file_bounds(source: CadSource) -> tuple[Point, Point]:
+    """Corners of the bounding box of the solid of the file, mm. Raises `DesignError` as `import_solid`."""
+    with session() as gmsh:
+        return bounds(gmsh, [import_solid(gmsh, source)])
+
+
+def bounds(gmsh: Any, volumes: list[Volume]) -> tuple[Point, Point]:
+    """Corners of the bounding box of some volumes, mm, rounded because the CAD kernel adds a margin of 1e-7."""
+    boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in volumes])
+    left, bottom, near = (round(float(x), 6) + 0.0 for x in boxes[:, :3].min(axis=0))
+    right, top, far = (round(float(x), 6) + 0.0 for x in boxes[:, 3:].max(axis=0))
+    return (left, bottom, near), (right, top, far)
+
+
+def _axis_and_angle(turn: Array) -> tuple[Point, float]:
+    """Axis and angle (rad) of a rotation (3, 3)."""
+    if np.allclose(turn, np.eye(3)):
+        return (1.0, 0.0, 0.0), 0.0
+    values, vectors = np.linalg.eig(turn)
+    axis = np.real(vectors[:, int(np.argmin(np.abs(values - 1)))])
+    axis /= np.linalg.norm(axis)
+    angle = float(np.arccos(np.clip((np.trace(turn) - 1) / 2, -1, 1)))
+    skew = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]])
+    x, y, z = (float(component) for component in (axis if axis @ skew >= 0 else -axis))
+    return (x, y, z), angle

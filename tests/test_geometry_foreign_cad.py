@@ -1,0 +1,152 @@
+"""Solids as other programs save them: other directions, several solids, open inlets; and the same inlets in meshes."""
+
+import shutil
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geometry import CadFile, DesignError, MeshFile, SurfaceFile
+from geometry.meshing.cad_import import _axis_and_angle
+from tests.foreign_bodies import (
+    BAR_AIR,
+    BAR_VOLUME,
+    INLET,
+    bar,
+    bar_with_inlet,
+    meshed,
+    standing_bar,
+    two_chambers,
+    two_solids,
+    write_mesh,
+    write_surface,
+)
+from tests.step_bodies import box, save
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("cad")
+
+
+@pytest.fixture(scope="module")
+def step(folder: Path) -> Path:
+    return save(folder / "bar.step", bar)
+
+
+def check_bar(design: Any, rel: float = 1e-6, air: float = BAR_AIR) -> Any:
+    assert design.extent == pytest.approx((60, 12, 15))
+    assert design.solid_volume == pytest.approx(BAR_VOLUME + BAR_AIR - air, rel=rel)
+    assert design.cavity_volumes == pytest.approx({"cavity": air}, rel=rel)
+    mesh = design.body(5.0).mesh
+    halves = 2 if "sym" in mesh.faces else 1
+    assert halves * mesh.enclosed_volume("cavity") == pytest.approx(air, rel=max(rel, 1e-3))
+    return mesh
+
+
+def test_ends_and_cavity_need_not_be_given(step: Path) -> None:
+    design = CadFile(str(step), 1.5)
+    check_bar(design)
+    assert (design.length, design.pitch, design.cavities) == (60, 6, ("cavity",))
+
+
+def test_several_cavities_are_listed(folder: Path) -> None:
+    path = save(folder / "two.step", two_chambers)
+    with pytest.raises(DesignError, match=r"air: the body has 2 cavities, around \(.*\) mm; \(.*\) mm; name each"):
+        CadFile(str(path), 1.5)
+
+
+def test_brp_is_a_brep_file(folder: Path) -> None:
+    check_bar(CadFile(str(shutil.copy(save(folder / "copy.brep", bar), folder / "copy.brp")), 1.5))
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_other_directions(folder: Path, symmetric: bool) -> None:
+    """The file's z is along the arm, its -y up."""
+    path = save(folder / "standing.step", standing_bar)
+    design = CadFile(str(path), 1.5, axes=("z", "-y", "x"), symmetric=symmetric)
+    check_bar(design)
+    with pytest.raises(DesignError, match=r"axes: \[z, -y, -x\] would mirror the body; write \[z, -y, x\]"):
+        CadFile(str(path), 1.5, axes=("z", "-y", "-x"))
+
+
+def knobbed(occ: Any) -> Any:
+    """The bar with a knob at (50, 12, 4)."""
+    return occ.fuse(bar(occ), [box(occ, (48, 12, 2), (52, 14, 6))])[0]
+
+
+def test_the_clamp_at_the_other_end(folder: Path) -> None:
+    path = save(folder / "knob.step", knobbed)
+    design = CadFile(str(path), 1.5, clamp=60, tip=0, symmetric=False, air={"cavity": (50, 5, 1)})
+    mesh = design.body(4.0).mesh
+    top = mesh.points[mesh.points[:, 1] > 13]
+    assert (top[:, 0].min(), top[:, 0].max()) == pytest.approx((8, 12))
+    assert (top[:, 2].min(), top[:, 2].max()) == pytest.approx((-6, -2)), "turned about y, not mirrored"
+    half = CadFile(str(save(folder / "plain.step", bar)), 1.5, clamp=60, tip=0)
+    check_bar(half)
+    with pytest.raises(DesignError, match=r"clamp: x = 70 mm lies outside the body, which reaches from 0 to 60 mm"):
+        CadFile(str(path), 1.5, clamp=70, tip=0, symmetric=False)
+    with pytest.raises(DesignError, match=r"air\.cavity: the point \(50, 1, 1\) mm lies in the material"):
+        CadFile(str(path), 1.5, clamp=60, tip=0, symmetric=False, air={"cavity": (50, 1, 1)})
+
+
+def test_solids_that_touch_are_united(folder: Path) -> None:
+    path = save(folder / "pair.step", two_solids)
+    with pytest.raises(DesignError, match=r"holds 2 solids; unite them to one, or write unite: true"):
+        CadFile(str(path), 1.5)
+    check_bar(CadFile(str(path), 1.5, unite=True))
+    apart = save(folder / "apart.step", lambda occ: (bar(occ), box(occ, (0, 20, -2), (60, 24, 2))))
+    with pytest.raises(DesignError, match=r"unite: the 2 solids of the file are 2 parts that do not touch, around \("):
+        CadFile(str(apart), 1.5, unite=True)
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_an_inlet_at_the_clamp_of_a_solid_is_closed(folder: Path, symmetric: bool) -> None:
+    path = save(folder / "inlet.step", bar_with_inlet)
+    with pytest.raises(DesignError, match=r"air, file: .* no closed cavity: .* write plug: true if the inlet"):
+        CadFile(str(path), 1.5, symmetric=symmetric)
+    design = CadFile(str(path), 1.5, symmetric=symmetric, plug=True)
+    mesh = check_bar(design, rel=1e-6, air=BAR_AIR + INLET)
+    assert mesh.area("clamp") * (2 if symmetric else 1) == pytest.approx(180 - np.pi * 1.5**2, rel=1e-3)
+    named = CadFile(str(path), 1.5, symmetric=symmetric, plug=True, air={"cavity": (30, 5, 0)})
+    assert named.cavity_volume == pytest.approx(BAR_AIR + INLET, rel=1e-6)
+    with pytest.raises(DesignError, match=r"it is open elsewhere than in the plane of the clamp"):
+        CadFile(str(path), 1.5, symmetric=symmetric, plug=True, clamp=60, tip=0)
+
+
+@pytest.mark.parametrize("kind", ["vtu", "stl"])
+def test_an_inlet_at_the_clamp_of_a_mesh_is_closed(folder: Path, kind: str) -> None:
+    if kind == "stl":
+        path, reader = write_surface(folder / "inlet.stl", bar_with_inlet, 50, around=48), SurfaceFile
+    else:
+        path, reader = write_mesh(folder / "inlet.vtu", *meshed(bar_with_inlet, 4.0)), MeshFile
+    with pytest.raises(DesignError, match=r"the air is open at the clamp, around \(y, z\) = \(6, .*write plug: true"):
+        reader(str(path), 1.5)
+    with pytest.raises(DesignError, match=r"the air is open at the tip, around .* close it in the file"):
+        reader(str(path), 1.5, clamp=60, tip=0, plug=True)
+    design = reader(str(path), 1.5, plug=True)
+    assert design.cavity_volume == pytest.approx(BAR_AIR + INLET, rel=2e-3)
+    mesh = design.body(4.0).mesh
+    assert mesh.enclosed_volume("cavity") == pytest.approx(design.cavity_volume, rel=2e-3)
+    assert mesh.area("clamp") == pytest.approx(180 - np.pi * 1.5**2, rel=5e-3)
+    named = reader(str(path), 1.5, plug=True, air={"cavity": (1, 6, 0)})
+    assert named.cavity_volume == pytest.approx(design.cavity_volume, rel=1e-9)
+
+
+def test_axis_and_angle_of_all_turns() -> None:
+    """Rodrigues' formula gives the rotation back."""
+    from itertools import permutations, product
+
+    found = 0
+    for order, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
+        turn = np.eye(3)[list(order)] * np.array(signs)[:, None]
+        if np.linalg.det(turn) < 0:
+            continue
+        axis, angle = _axis_and_angle(turn)
+        x, y, z = axis
+        cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+        again = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+        assert np.allclose(again, turn), turn
+        found += 1
+    assert found == 24
