@@ -8,7 +8,7 @@ import meshio
 import numpy as np
 
 from geometry.meshing.solid import session
-from tests.step_bodies import box
+from tests.step_bodies import box, save
 
 Draw = Callable[[Any], Any]
 
@@ -115,3 +115,69 @@ def two_solids(occ: Any) -> Any:
     left = occ.intersect(whole, [box(occ, (-1, -1, -9), (20, 20, 9))], removeObject=False)[0]
     right = occ.intersect(whole, [box(occ, (20, -1, -9), (61, 20, 9))])[0]
     return left + right
+
+
+def finger(occ: Any) -> Any:
+    """A bar of 70 x 12 x 14 mm with upper edges rounded by 3 mm and a cavity of 64 x 6 x 9 mm, 4 mm over the base."""
+    block = occ.addBox(0, 0, -7, 70, 12, 14)
+    occ.synchronize()
+    boxes = {tag: occ.getBoundingBox(1, tag) for _, tag in occ.getEntities(1)}
+    upper = [tag for tag, ends in boxes.items() if ends[3] - ends[0] > 69 and ends[1] > 11]
+    return occ.cut(occ.fillet([block], upper, [3.0]), [box(occ, (3, 4, -4.5), (67, 10, 4.5))])[0]
+
+
+def finger_in_two(occ: Any) -> Any:
+    """The finger from two solids that touch in the plane y = 4 mm, as a cast upper part on a base plate."""
+    whole = finger(occ)
+    base = occ.intersect(whole, [box(occ, (-1, -1, -9), (71, 4, 9))], removeObject=False)[0]
+    return base + occ.intersect(whole, [box(occ, (-1, 4, -9), (71, 20, 9))])[0]
+
+
+def finger_with_inlet(occ: Any) -> Any:
+    """The finger with z up, and a hole of radius 1.5 mm in the wall at its clamp."""
+    solids = occ.cut(finger(occ), [(3, occ.addCylinder(-1, 7, 0, 5, 0, 0, 1.5))])[0]
+    occ.rotate(solids, 0, 0, 0, 1, 0, 0, np.pi / 2)
+    return solids
+
+
+def half_finger(occ: Any) -> Any:
+    """The half z >= 0 of the finger."""
+    return occ.intersect(finger(occ), [box(occ, (-1, -1, 0), (71, 20, 8))])[0]
+
+
+def finger_from_the_right(occ: Any) -> Any:
+    """The finger with its clamped end at x = 70 mm."""
+    solids = finger(occ)
+    occ.translate(solids, -70, 0, 0)
+    occ.rotate(solids, 0, 0, 0, 0, 1, 0, np.pi)
+    return solids
+
+
+def write_tried(folder: Path) -> dict[str, str]:
+    """Write the files of docs/how_to/own_bodies_tried.md; the keys of their geometry by file."""
+    points, tets = meshed(finger, 4.0)
+    write_mesh(folder / "finger.vtk", points, tets)
+    write_mesh(folder / "finger10.msh", *meshed(finger, 4.0, order=2), file_format="gmsh22")
+    write_mesh(folder / "finger_half.inp", *meshed(half_finger, 4.0))
+    write_mesh(folder / "finger_right.mesh", *meshed(finger_from_the_right, 4.0))
+    save(folder / "finger.step", finger)
+    save(folder / "finger_in_two.step", finger_in_two)
+    save(folder / "finger_inlet.step", finger_with_inlet)
+    write_surface(folder / "finger.stl", finger, 50)
+    content = meshio.read(folder / "finger.stl")
+    x, y, z = content.points.astype(float).T
+    content.points = np.column_stack([x, -z, y]) / 25.4
+    content.write(folder / "finger_inch.stl", binary=True)
+    write_surface(folder / "chambers.stl", two_chambers, 50)
+    return {
+        "finger.step": "curve: 2 mm",
+        "finger_in_two.step": "curve: 2 mm, unite: true",
+        "finger_inlet.step": "curve: 2 mm, axes: [x, z, -y], plug: true",
+        "finger.stl": "curve: 2 mm",
+        "finger_inch.stl": "curve: 2 mm, unit: inch, axes: [x, z, -y]",
+        "finger.vtk": "curve: 2 mm",
+        "finger10.msh": "curve: 2 mm",
+        "finger_half.inp": "curve: 2 mm, symmetric: true",
+        "finger_right.mesh": "curve: 2 mm, clamp: 70 mm, tip: 0 mm",
+        "chambers.stl": "curve: 1.5 mm, air: {near: [20 mm, 5 mm, 0 mm], far: [40 mm, 5 mm, 0 mm]}",
+    }

@@ -129,7 +129,7 @@ def test_an_inlet_at_the_clamp_of_a_mesh_is_closed(folder: Path, kind: str) -> N
     assert design.cavity_volume == pytest.approx(BAR_AIR + INLET, rel=2e-3)
     mesh = design.body(4.0).mesh
     assert mesh.enclosed_volume("cavity") == pytest.approx(design.cavity_volume, rel=2e-3)
-    assert mesh.area("clamp") == pytest.approx(180 - np.pi * 1.5**2, rel=5e-3)
+    assert mesh.area("clamp") == pytest.approx(180 - np.pi * 1.5**2, rel=1e-2)  # elements of 4 mm around the hole
     named = reader(str(path), 1.5, plug=True, air={"cavity": (1, 6, 0)})
     assert named.cavity_volume == pytest.approx(design.cavity_volume, rel=1e-9)
 

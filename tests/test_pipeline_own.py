@@ -136,7 +136,7 @@ def refusal(path: Path, *overrides: str) -> str:
         ("geometry.unit=1 m", "--set geometry.unit: the body measures 8e\\+04 .* in another unit"),
         ("geometry.symmetric=3", "--set geometry.symmetric: 3 is neither true nor false"),
         ("geometry.clamp=0", "--set geometry.clamp: 0 has no unit"),
-        ("geometry.wall=1 mm", "--set geometry.wall: unknown key; .*allowed here: family, file, clamp, tip"),
+        ("geometry.wall=1 mm", "--set geometry.wall: unknown key; .*allowed here: family, file, curve, clamp"),
         ("mesh.size=50 mm", "--set mesh.size: 50 mm is larger than the body"),
     ],
 )
