@@ -24,6 +24,7 @@ sys.path.insert(0, str(HERE))
 
 import fem  # noqa: E402
 from fem.cell.piece import BendingPiece  # noqa: E402
+from fem.cell.response import slopes  # noqa: E402
 from fem.materials.material import Material  # noqa: E402
 from geometry import GRADINGS, BisectedCircle, PneuNet, Semicircular, SemicircularSingle  # noqa: E402
 from geometry.arrays import Array  # noqa: E402
@@ -222,7 +223,7 @@ class Pieces:
         design = self.arm.design
         cells = [sweep.curve(self.cell.body.length) for sweep in self.sweep()]
         pieces = {start: self.end_piece(start) for start in ("clamp", "free")}
-        clamps = [clamp_curve(pieces["clamp"], cell)[0] for cell in cells]
+        clamps = [clamp_curve(pieces["clamp"], cell).curve for cell in cells]
         tips = [tip_curve(pieces["free"], cell) for cell in cells]
         first = design.repetition(self.arm.size, GRADINGS["off"]).middle
         return ArmLaw(design.pitch, first, design.length, tuple(cells), tuple(clamps), tuple(tips))
@@ -237,24 +238,29 @@ class Comparison:
     shape: float  #: largest distance of the material curves over the length
     force: float | None  #: relative error of the force that holds the end; None where it is given
     angle: float  #: error of the direction of the end, degrees
-    share: float = 1.0  #: the force over the larger one of it and SMALL EI / l^2
+    share: float = 1.0  #: the force over the larger one of it and SMALL EI / l^2, EI of a cell at rest
     refusal: str = ""  #: why the rod gave nothing
 
 
-def compare(law: ArmLaw, length: float, curve_y: float, case: Case, pressure: float, whole: WholeArm) -> Comparison:
-    """One load at one pressure."""
+def compare(law: ArmLaw, design: Design, case: Case, pressure: float, whole: WholeArm, rigidity: float) -> Comparison:
+    """One load at one pressure; rigidity: EI of a cell at rest, N mm2."""
+    length = design.length
     try:
         solution = case.solve(law.at(pressure, length))
     except RodError as refusal:
         return Comparison(pressure, case.name, np.nan, None, np.nan, refusal=str(refusal))
-    points = solution.positions(whole.s) + np.array([0.0, curve_y])
+    points = solution.positions(whole.s) + np.array([0.0, design.curve_y])
     shape = float(np.linalg.norm(points - whole.points, axis=1).max()) / length
     force = float(solution.force[1] / whole.force[1]) - 1.0 if case.experiment == "III" else None
     angles = [np.degrees(np.arctan2(*(curve[-1] - curve[-5])[::-1])) for curve in (points, whole.points)]
     angle = float((angles[0] - angles[1] + 180.0) % 360.0 - 180.0)
-    section = law.at(pressure).section
-    small = SMALL / float(np.interp(0.0, section.moment, section.kappa_slope)) / length**2
+    small = SMALL * rigidity / length**2
     return Comparison(pressure, case.name, shape, force, angle, min(1.0, abs(float(whole.force[1])) / small))
+
+
+def rigidity_at_rest(cell: BendingPiece) -> float:
+    """EI of a cell at rest, N mm2."""
+    return float(slopes(cell, cell.rest()).moment_by_angle) * cell.body.length
 
 
 def cell_errors(law: ArmLaw, arm: Arm, pressure: float, whole: WholeArm) -> Array:
@@ -321,12 +327,13 @@ def loads_table(comparisons: Sequence[Comparison]) -> str:
     return table_of(rows, ["load", *(f"{pressure:g} kPa" for pressure in pressures)])
 
 
-def compare_arm(arm: Arm, law: ArmLaw, results: Results) -> tuple[str, list[list[str]]]:
+def compare_arm(arm: Arm, pieces: Pieces, results: Results) -> tuple[str, list[list[str]]]:
     """The table of an arm, and the rows of its inner cells."""
     comparisons, cells = [], []
+    law, rigidity = pieces.law, rigidity_at_rest(pieces.cell)
     for case in CASES:
         for pressure, whole in results.whole(arm, case).items():
-            comparisons.append(compare(law, arm.design.length, arm.design.curve_y, case, pressure, whole))
+            comparisons.append(compare(law, arm.design, case, pressure, whole, rigidity))
             row = comparisons[-1]
             report(f"{arm.name}: {row}")
             if pressure in arm.pressures:
@@ -339,9 +346,9 @@ def compare_arm(arm: Arm, law: ArmLaw, results: Results) -> tuple[str, list[list
     return loads_table(comparisons), rows
 
 
-def compare_lengths(arm: Arm, law: ArmLaw, results: Results) -> str:
+def compare_lengths(arm: Arm, pieces: Pieces, results: Results) -> str:
     """Arms of 7 and 20 chambers with the law of another one."""
-    rows = []
+    rows, law, rigidity = [], pieces.law, rigidity_at_rest(pieces.cell)
     for chambers in (7, 20):
         pressure = 31.0
         other = replace(arm, design=replace(arm.design, chambers=chambers), pressures=(pressure,), between=None)  # type: ignore[call-arg]
@@ -350,7 +357,7 @@ def compare_lengths(arm: Arm, law: ArmLaw, results: Results) -> str:
             force = tuple(component * (arm.design.length / other.design.length) ** 2 for component in case.force)
             scaled = replace(case, end_y=end_y, force=(force[0], force[1]))
             for p, whole in results.whole(other, scaled).items():
-                row = compare(law, other.design.length, other.design.curve_y, scaled, p, whole)
+                row = compare(law, other.design, scaled, p, whole, rigidity)
                 words = f"{chambers} chambers, {case.experiment}"
                 words += f", end at {end_y:.0f} mm" if end_y else ""
                 words += f", {force[1]:.3f} N" if any(force) else ""
@@ -372,12 +379,12 @@ def main(folder: Path) -> None:
     """All tables."""
     results, cells = Results(folder), []
     for arm in ARMS:
-        law = Pieces(arm).law
-        table, rows = compare_arm(arm, law, results)
+        pieces = Pieces(arm)
+        table, rows = compare_arm(arm, pieces, results)
         renew(arm.name, table)
         cells += rows
         if arm.dhat is not None:
-            renew("lengths", compare_lengths(arm, law, results))
+            renew("lengths", compare_lengths(arm, pieces, results))
     renew("cells", table_of(cells, ["arm", "kPa", "largest error, % of kappa_0 at the highest pressure", "under"]))
 
 

@@ -28,7 +28,6 @@ HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
 from benchmarks.cell import (  # noqa: E402
-    SMALL,
     Arm,
     Case,
     Comparison,
@@ -38,9 +37,9 @@ from benchmarks.cell import (  # noqa: E402
     percent,
     renew,
     report,
+    rigidity_at_rest,
     table_of,
 )
-from fem.cell.response import slopes  # noqa: E402
 from fem.materials import LAWS  # noqa: E402
 from pipeline.cell.build import build_law  # noqa: E402
 from pipeline.cell.pieces import ArmPieces, NoArmLaw  # noqa: E402
@@ -122,15 +121,13 @@ class Row:
     seconds: dict[str, float]  #: by part of the work
     turn: float  #: degrees, of the unloaded arm at the highest pressure
     comparisons: tuple[Comparison, ...]  #: their forces in parts of the force itself
-    scales: tuple[float, ...]  #: by which each force is divided where the arm hardly bends, 1 at least
     refusal: str = ""  #: why there is no law, or no row
 
     @property
     def scaled(self) -> tuple[Comparison, ...]:
         """With errors of the force in parts of what is judged."""
         return tuple(
-            row if row.force is None else replace(row, force=row.force / scale)
-            for row, scale in zip(self.comparisons, self.scales, strict=True)
+            row if row.force is None else replace(row, force=row.force * row.share) for row in self.comparisons
         )
 
     @property
@@ -154,7 +151,7 @@ class Row:
     def of(cls, record: dict[str, Any]) -> "Row":
         """From the numbers of a file."""
         comparisons = tuple(Comparison(**row) for row in record["comparisons"])
-        return cls(**{**record, "comparisons": comparisons, "scales": tuple(record["scales"])})
+        return cls(**{**record, "comparisons": comparisons})
 
 
 def _right(row: Comparison) -> bool:
@@ -176,7 +173,7 @@ def solved(folder: Path, config: Config) -> Row:
 
 def _compared(folder: Path, config: Config, context: RunContext) -> Row:
     """The law of a design beside its whole arm."""
-    empty = Row(context.store.numbers_key, _words(config), {}, math.nan, (), ())
+    empty = Row(context.store.numbers_key, _words(config), {}, math.nan, ())
     begin = perf_counter()
     try:
         scene = Scene.meshed(config)
@@ -186,16 +183,15 @@ def _compared(folder: Path, config: Config, context: RunContext) -> Row:
     if measured.failures:
         return replace(empty, refusal="; ".join(measured.failures), seconds={"law": perf_counter() - begin})
     seconds = {"law": perf_counter() - begin}
-    law, design, rows, scales = measured.law, config.design, [], []
+    law, design, rows = measured.law, config.design, []
     begin = perf_counter()
-    smallest = SMALL * _rigidity(scene) / design.length**2
+    rigidity = rigidity_at_rest(ArmPieces.of(scene).cell)
     for case, pressure, whole in whole_arm(folder, scene):
-        rows.append(compare(law, design.length, design.curve_y, case, pressure, whole))
-        scales.append(max(1.0, smallest / abs(float(whole.force[1]))) if case.experiment == "III" else 1.0)
+        rows.append(compare(law, design, case, pressure, whole, rigidity))
         report(f"{config.name}: {rows[-1]}")
     seconds["whole"] = perf_counter() - begin
     turn = math.degrees(law.at(config.pressures_kPa[-1]).section.kappa_0 * design.length)
-    return replace(empty, seconds=seconds, turn=turn, comparisons=tuple(rows), scales=tuple(scales))
+    return replace(empty, seconds=seconds, turn=turn, comparisons=tuple(rows))
 
 
 def whole_arm(folder: Path, scene: Scene) -> Iterator[tuple[Case, float, WholeArm]]:
@@ -210,18 +206,16 @@ def whole_arm(folder: Path, scene: Scene) -> Iterator[tuple[Case, float, WholeAr
         Case("II", "II"),
         Case("III", "III"),
         Case("end", "III", round(0.1 * design.length, 1)),
-        Case("dead", "dead", force=(0.0, float(f"{0.5 * _rigidity(scene) / design.length**2:.2g}"))),
+        Case(
+            "dead",
+            "dead",
+            force=(0.0, float(f"{0.5 * rigidity_at_rest(ArmPieces.of(scene).cell) / design.length**2:.2g}")),
+        ),
     )
     results = Results(folder / "whole")
     for case in cases:
         for pressure, whole in results.whole(arm, case).items():
             yield case, pressure, whole
-
-
-def _rigidity(scene: Scene) -> float:
-    """Of a cell at rest, N mm2."""
-    piece = ArmPieces.of(scene).cell
-    return float(slopes(piece, piece.rest()).moment_by_angle) * piece.body.length
 
 
 def _words(config: Config) -> str:
@@ -245,7 +239,7 @@ def attempt(results: Path, seed: int, number: int, whole_alone: bool) -> Row:
     begin = perf_counter()
     for _ in whole_arm(folder, Scene.meshed(config)):
         pass
-    return Row("", _words(config), {"whole": perf_counter() - begin}, math.nan, (), ())
+    return Row("", _words(config), {"whole": perf_counter() - begin}, math.nan, ())
 
 
 def attempts(results: Path, seed: int, numbers: range, limit: float, whole_alone: bool) -> Iterator[Row]:
@@ -254,7 +248,7 @@ def attempts(results: Path, seed: int, numbers: range, limit: float, whole_alone
     for number in numbers:
         words = _words(config_of(_folder(results, seed, number), seed, number))
         pending = pool.apply_async(attempt, (results, seed, number, whole_alone))
-        empty = Row("", words, {"": limit}, math.nan, (), ())
+        empty = Row("", words, {"": limit}, math.nan, ())
         try:
             yield pending.get(limit)
         except multiprocessing.TimeoutError:

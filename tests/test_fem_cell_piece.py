@@ -6,7 +6,7 @@ import pytest
 from fem import Hencky, Material, StVenantKirchhoff
 from fem.cell.axis import axis_of, circle
 from fem.cell.piece import BendingPiece, PieceFailed
-from fem.cell.response import shear_rigidity, slopes
+from fem.cell.response import inflated, shear_rigidity, slopes
 from geometry import BisectedCircle, Body, Mesh, PneuNet
 from geometry.curved import CurvedEdges
 
@@ -55,6 +55,29 @@ def test_slopes_are_those_of_neighbouring_states(formulation: str, law: Material
     longer, shorter = (axis_of(piece, state, slopes(piece, state)) for state in (more, less))
     assert (longer.stretch - shorter.stretch) / 2e-6 == pytest.approx(axis.stretch_by_pressure, rel=1e-4)
     assert h / known.distance_by_force > 0.0
+
+
+@pytest.mark.parametrize(("pressure", "angle"), [(0.03, -0.08), (0.0, 0.05), (0.0, 0.0)])
+def test_the_state_from_rest_under_the_whole_pressure_is_that_of_small_steps(pressure: float, angle: float) -> None:
+    piece = BendingPiece(DESIGN.half_cell(4.0), SVK, "mirror", dhat=0.04)
+    slow, before = piece.rest(), piece.factorizations
+    for part in (0.25, 0.5, 0.75, 1.0):
+        slow = piece.solve(part * pressure, part * angle, slow)
+    between = piece.factorizations
+    at_once = inflated(piece, pressure, angle)
+    assert at_once.moment == pytest.approx(slow.moment, rel=1e-5, abs=1e-9)
+    assert at_once.distance == pytest.approx(slow.distance, rel=1e-7)
+    if pressure:
+        assert piece.factorizations - between < between - before
+        assert slow.touches
+
+
+def test_attempts_without_equilibrium_count_as_factorizations() -> None:
+    piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
+    rest = piece.rest()
+    with pytest.raises(PieceFailed, match="half cell at 5000 kPa"):
+        piece.solve_near(5.0, 0.0, rest.state, rest)
+    assert piece.factorizations > 0
 
 
 @pytest.mark.parametrize("design", [PneuNet(), BisectedCircle()], ids=lambda design: design.family)

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import pneurod
 from fem.cell.piece import BendingPiece, PieceFailed
-from pipeline.cell import ahead, curves, refinement
+from pipeline.cell import ahead, curves, mesh_error, refinement
 from pipeline.cell.mesh_error import NUMBERS
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.refinement import refined_mesh
@@ -56,11 +56,32 @@ def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport) ->
     keys = {"pressure_kPa", "kappa_per_mm", "moment_N_mm", "stretch", "rigidity_N_mm2", "contact", "min_J"}
     assert all(keys <= set(curve) for curve in content["curves"])
     error = content["mesh_error"]
-    assert (error["size_mm"], error["coarser_mm"]) == (4.0, 6.0)
+    assert (error["size_mm"], error["second_mm"], error["reason"]) == (4.0, 2.0, "")
     assert all(len(error[f"{name}_std"]) == len(error["pressures_kPa"]) for name in NUMBERS)
     assert all(value > 0.0 for name in NUMBERS for value in error[f"{name}_std"])
     for name in ("law.html", "law.svg", "run.json"):
         assert (report.directory / name).stat().st_size > 1000
+
+
+def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mesh_error, "MOST_UNKNOWNS", 1000)
+    config = arm(*ARM)
+    with open_store(tmp_path, config, fresh=False) as store:
+        cells = report.measured.law.cells
+        found = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, RunContext(store, 1, Silent()))
+    assert found.second_mm == 6.0
+    assert found.pressures_kPa == (6.0, 9.0)
+    assert found.reason.endswith("because a mesh of half the size has more than 1000 unknowns")
+
+
+@pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
+def test_the_stated_error_is_the_true_one_within_a_quarter_for_every_assumed_order(order: float) -> None:
+    error = 0.1
+    found = mesh_error.deviation(mesh_error.FINER, 1.0 + error, 1.0 + mesh_error.FINER**order * error)
+    assert found == pytest.approx(error, rel=0.25)
+    assert mesh_error.deviation(mesh_error.FINER, 1.0, 1.0) == 0.0
 
 
 def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport) -> None:
@@ -81,7 +102,8 @@ def test_a_second_call_solves_nothing_and_writes_the_same_law(
     def refuse(*arguments: object, **options: object) -> None:
         raise AssertionError("a state is solved again")
 
-    monkeypatch.setattr(BendingPiece, "solve", refuse)
+    for name in ("solve", "solve_near"):
+        monkeypatch.setattr(BendingPiece, name, refuse)
     measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
     first, second = (folder / "law.json" for folder in (report.directory, tmp_path / "again"))
     assert first.read_bytes() == second.read_bytes()

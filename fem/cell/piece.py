@@ -43,8 +43,8 @@ Boundary = Literal["mirror", "clamp", "free"]
 
 #: how often the way between two states is halved where Newton's method does not converge
 MAX_HALVINGS = 6
-#: iterations after which a predicted state is given up
-PREDICTED_ITERATIONS = 8
+#: iterations after which a predicted state is given up: where walls meet on the way, it takes up to eleven
+PREDICTED_ITERATIONS = 12
 #: rad, difference of angles of one and the same state
 SAME_ANGLE = 1e-12
 #: Newton's tolerance, finer than that of a load path: slopes of the moment are taken of the states
@@ -104,7 +104,6 @@ class BendingPiece:
             acting.append(MirrorContact("gap", "tip", dhat))
             acting.append(SelfContact("gap", dhat, starts_inactive=True))
         self.terms = tuple(effect.bind(self.space, material) for effect in (*acting, *effects))
-        self.factorizations = 0  #: of all states and slopes so far
         self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
         self._shear_system: System | None = None
@@ -119,6 +118,11 @@ class BendingPiece:
         """What the linear equations took so far: in bending, and in shear where a shear rigidity was computed."""
         systems = (self._system, self._shear_system)
         return tuple(system.solver.times for system in systems if system is not None)
+
+    @property
+    def factorizations(self) -> int:
+        """Of all states and slopes so far, those of attempts without equilibrium included."""
+        return sum(times.factorizations for times in self.solver_times)
 
     @property
     def name(self) -> str:
@@ -160,21 +164,21 @@ class BendingPiece:
     def solve(self, pressure: float, angle: float, start: PieceState, predicted: State | None = None) -> PieceState:
         """Equilibrium at a pressure in MPa and an angle in rad, from another state of this piece.
 
-        predicted: where Newton's method is tried first, a state that was extrapolated to this pressure and angle.
-        Raises `PieceFailed`.
+        Contact is as stiff as there, or stiffer. predicted: where Newton's method is tried first, a state that was
+        extrapolated to this pressure and angle. Raises `PieceFailed`.
         """
         if pressure == start.pressure and abs(angle - start.angle) < SAME_ANGLE:
             return replace(start, factorizations=0)
         if predicted is not None:
-            with suppress(StepFailed):
-                return self._solve_directly(pressure, angle, predicted, PREDICTED_ITERATIONS)
+            with suppress(PieceFailed):
+                return self.solve_near(pressure, angle, predicted, start)
         reached, fraction, increment, halvings, spent = start, 0.0, 1.0, 0, 0
         while fraction < 1.0:
             target = min(1.0, fraction + increment)
             p = start.pressure + target * (pressure - start.pressure)
             phi = start.angle + target * (angle - start.angle)
             try:
-                reached = self._solve_directly(p, phi, reached.state)
+                reached = self._solve_directly(p, phi, Start(reached.state, reached.terms))
             except StepFailed as failure:
                 halvings += 1
                 if halvings > MAX_HALVINGS:
@@ -184,6 +188,20 @@ class BendingPiece:
             fraction = target
             spent += reached.factorizations
         return replace(reached, factorizations=spent)
+
+    def solve_near(
+        self, pressure: float, angle: float, predicted: State, start: PieceState, gives_up: bool = True
+    ) -> PieceState:
+        """Equilibrium at a pressure in MPa and an angle in rad near a predicted state; nothing else is tried.
+
+        start: the state of this piece that it was predicted from, which tells how stiff its contact is. gives_up:
+        whether Newton's method ends early, where the tangent is indefinite too. Raises `PieceFailed`.
+        """
+        iterations = PREDICTED_ITERATIONS if gives_up else None
+        try:
+            return self._solve_directly(pressure, angle, Start(predicted, start.terms, iterations, gives_up))
+        except StepFailed as failure:
+            raise PieceFailed(self._sentence(pressure, angle, str(failure))) from None
 
     def constraints(self, angle: float) -> Constraints:
         """The supports with the plane at an angle in rad, resolved to u = T q + g."""
@@ -205,7 +223,6 @@ class BendingPiece:
         Raises `fem.equations.linear.SingularMatrix`.
         """
         self._constrain(piece.angle)
-        self.factorizations += 1
         assembly = self._system.assemble(piece.state, piece.terms)
         return assembly, self._system.linearise(piece.state, assembly, piece.terms, increment)
 
@@ -234,35 +251,31 @@ class BendingPiece:
         if constraints is not self._system.constraints:
             self._system.replace_constraints(constraints)
 
-    def _solve_directly(
-        self, pressure: float, angle: float, state: State, max_iterations: int | None = None
-    ) -> PieceState:
-        """From a state; with a limit of the iterations Newton's method gives up where the tangent is indefinite too."""
+    def _solve_directly(self, pressure: float, angle: float, start: Start) -> PieceState:
+        """By Newton's method, and again with stiffer contact where walls overlap."""
         self._constrain(angle)
         control = LoadControl.of(self._system).target(pressure, 1.0)
-        terms, spent = self.terms, 0
+        spent = 0
         while True:
-            start = Start(state, terms, max_iterations, trial=max_iterations is not None)
             found = solve(start, control, OPTIONS, lambda iteration, residual: None)
             spent += found.iterations
-            self.factorizations += found.iterations
             x = self.space.points + found.state.displacement
-            tightened = tuple(_tightened(term, x) for term in terms)
-            if tightened == terms:
+            tightened = tuple(_tightened(term, x) for term in start.terms)
+            if tightened == start.terms:
                 break
-            terms, state = tightened, found.state
+            start = replace(start, state=found.state, terms=tightened)
         gradient = found.assembly.gradient
         return PieceState(
             pressure,
             angle,
             self.whole * float(np.vdot(gradient, self.rotation(x))),
             float(x[self.plane[0]] @ (np.cos(angle), np.sin(angle), 0.0)),
-            *self._contact(terms, x),
+            *self._contact(start.terms, x),
             extremes_of(self.space, found.assembly.strain, found.assembly.jacobian),
             spent,
             found.negative_pivots,
             found.state,
-            terms,
+            start.terms,
         )
 
     def _contact(self, terms: Terms, x: Array) -> tuple[float, bool]:

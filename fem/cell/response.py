@@ -17,17 +17,19 @@ only the normal displacement is free. The energy of one pitch P = 2 h then gives
     U = P^3 / (24 EI) + P / (2 GA)        for Q = 1.
 """
 
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import final
 
 import numpy as np
 
-from fem.cell.piece import BendingPiece, PieceState, turn
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState, turn
 from fem.effects.effect import Terms, UnilateralTerm
 from fem.equations.constraints import Constraints
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Change, State
+from fem.path.predictor import PathPoint, small_step_under_load, weighted_sum
 from fem.supports import Fixed, Prescribed, SharedPlane, Support
 from geometry.arrays import Array, Index
 
@@ -90,6 +92,22 @@ def slopes(piece: BendingPiece, at: PieceState) -> Slopes:
     )
 
 
+def inflated(piece: BendingPiece, pressure: float, angle: float) -> PieceState:
+    """Equilibrium at a pressure in MPa and an angle in rad, from the piece at rest.
+
+    Newton's method starts a small step along the slopes at rest, but under the whole pressure and the stress that goes
+    with it to first order, as on a load path (`fem.path.predictor`); where that fails, at rest. Raises `PieceFailed`.
+    """
+    rest = piece.rest()
+    with suppress(PieceFailed, SingularMatrix):
+        known = slopes(piece, rest)
+        rate = weighted_sum([(pressure, known.pressure_rate), (angle, known.angle_rate)])
+        start = small_step_under_load(PathPoint(0.0, 1.0, rest.state, rest.touches, rate), 1.0)
+        if start is not None:
+            return piece.solve_near(pressure, angle, start, rest, gives_up=False)
+    return piece.solve(pressure, angle, rest)
+
+
 def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
     """GA in N of the whole body for a half cell between two mirror planes; one factorization.
 
@@ -111,7 +129,6 @@ def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
     applied[middle, 0] = -moment * forces[middle, 0]
     along = np.array([-np.sin(at.angle), np.cos(at.angle), 0.0])
     applied[piece.plane[0]] += along / piece.whole
-    piece.factorizations += 1
     tangent = _shear_tangent(piece, at, terms, middle, prescribed)
     solved = tangent.solve(tangent.coupling.displacement - applied, tangent.coupling.pressure)
     shear = solved.displacement + prescribed

@@ -85,11 +85,11 @@ class Predictor:
                 iterations = TRIAL_ITERATIONS_CONTACT if last.touching else TRIAL_ITERATIONS
                 yield Start(extrapolated, terms, iterations, trial=True)
         small, full = _small_step(last, target.value), extrapolate(None, last, target.value)
-        if small is None or full is None:
+        balanced = small_step_under_load(last, target.value)
+        if small is None or full is None or balanced is None:
             yield Start(last.state, terms)
             return
         x = target.system.space.points + last.state.displacement
-        balanced = replace(full, displacement=small.displacement, strain=small.strain)
         with_stress = advanced(terms, x, full.displacement - last.state.displacement)
         yield Start(balanced, with_stress, trial=at_rest)
         if at_rest:
@@ -130,21 +130,32 @@ def extrapolate(before: PathPoint | None, last: PathPoint, value: float) -> Stat
     """The state at `value` from the last point and the one before it; None where they do not determine a line."""
     ahead = value - last.value
     if before is None:
-        return None if last.rate is None else _weighted_sum([(1.0, last.state), (ahead, last.rate)])
+        return None if last.rate is None else weighted_sum([(1.0, last.state), (ahead, last.rate)])
     # t is 0 at the last point and -1 at the one before it
     step = last.value - before.value
     t = ahead / step
     if last.rate is None:
-        return _weighted_sum([(1.0 + t, last.state), (-t, before.state)])
+        return weighted_sum([(1.0 + t, last.state), (-t, before.state)])
     if before.rate is None or not -1.0 - MAX_EXTRAPOLATION <= t <= MAX_EXTRAPOLATION:
-        return _weighted_sum([(1.0 - t**2, last.state), (t**2, before.state), ((t + t**2) * step, last.rate)])
-    return _weighted_sum(
+        return weighted_sum([(1.0 - t**2, last.state), (t**2, before.state), ((t + t**2) * step, last.rate)])
+    return weighted_sum(
         [
             (1.0 - 3.0 * t**2 - 2.0 * t**3, last.state),
             (3.0 * t**2 + 2.0 * t**3, before.state),
             ((t + 2.0 * t**2 + t**3) * step, last.rate),
             ((t**2 + t**3) * step, before.rate),
         ]
+    )
+
+
+def small_step_under_load(last: PathPoint, value: float) -> State | None:
+    """A small step along the rate of the last point, under the whole load at `value` and the stress that goes with it.
+
+    None where there is no rate or it strains nothing.
+    """
+    small, full = _small_step(last, value), extrapolate(None, last, value)
+    return (
+        None if small is None or full is None else replace(full, displacement=small.displacement, strain=small.strain)
     )
 
 
@@ -157,5 +168,6 @@ def _small_step(last: PathPoint, value: float) -> State | None:
     return extrapolate(None, last, last.value + step)
 
 
-def _weighted_sum(parts: Sequence[tuple[float, State]]) -> State:
+def weighted_sum(parts: Sequence[tuple[float, State]]) -> State:
+    """Of states, field by field."""
     return State(*(sum(weight * getattr(state, part.name) for weight, state in parts) for part in fields(State)))

@@ -39,6 +39,7 @@ class MeasuredLaw:
     added_kPa: tuple[float, ...]  #: pressures that are none of the configuration, measured for the interpolation
     error_along: float  #: of the curvature between two moments of a curve, over the largest curvature of the law
     error_between: float  #: of the curvature between two pressures, where it was checked; over the same
+    error_along_clamp: float  #: of the rotation of the clamped end between two moments, rad
     error_ends: float  #: of the arm's end by cells that the end pieces still disturb, over the length
     mesh_error: MeshError  #: of the cell
     limits: tuple[str, ...]  #: sentences: where the law ends before the loads that it was made for, and why
@@ -73,6 +74,7 @@ class _Builder:
         self.errors: dict[tuple[float, float], float] = {}  #: 1/mm, in the middle between two pressures in kPa
         self.not_borne: set[float] = set()  #: kPa, between those of the configuration
         self.error_between = 0.0
+        self.error_along_clamp = 0.0
         self.error_ends = 0.0
 
     def law(self) -> MeasuredLaw:
@@ -102,6 +104,7 @@ class _Builder:
             added_kPa=tuple(p for p in added if p in law.pressures),
             error_along=_error_along(cells),
             error_between=self.error_between,
+            error_along_clamp=self.error_along_clamp,
             error_ends=self.error_ends,
             mesh_error=mesh_error(self.pieces, law.cells, self.context),
             limits=tuple(dict.fromkeys(self.limits)),
@@ -193,7 +196,9 @@ class _Builder:
                 self.limits.append("the arm is too short to see how far its ends disturb the cells")
                 return half_cells
             try:
-                shorter, longer = (self.curves.clamp(cell, k, 0).curve for k in (half_cells, half_cells + 2))
+                shorter, longer = (
+                    self.curves.clamp_without_moment(cell, k).curve for k in (half_cells, half_cells + 2)
+                )
             except PieceFailed:  # reported with the ends
                 return half_cells
             self.error_ends = difference(shorter, longer, cell, length)
@@ -225,6 +230,7 @@ class _Builder:
                 break
             clamps.append(parts[0].curve)
             tips.append(parts[1].curve)
+            self.error_along_clamp = max(self.error_along_clamp, parts[0].error)
             if cell.curve.pressure not in reported:
                 stored = all(part.is_stored for part in parts)
                 progress.step_done("ends", cell.curve.pressure, 0.0 if stored else sum(part.seconds for part in parts))

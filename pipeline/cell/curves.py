@@ -5,7 +5,7 @@ import numpy as np
 from pipeline.cell.deviation import DEVIATION_KEYS, Deviation, largest_deviation
 from pipeline.cell.kept import KeptCurves, Measured
 from pipeline.cell.measure import Reach, sweep_cell
-from pipeline.cell.measure_ends import CLAMP_INTERVALS, clamp_curve, tip_curve
+from pipeline.cell.measure_ends import clamp_curve, clamp_without_moment, tip_curve
 from pipeline.cell.pieces import ArmPieces
 from pipeline.store.store import Store
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
@@ -53,16 +53,27 @@ class PieceCurves:
 
         return self._deviations.get(f"between_{lower.pressure:.12g}kPa_{upper.pressure:.12g}kPa", measure)
 
-    def clamp(self, cell: CellCurve, half_cells: int, intervals: int = CLAMP_INTERVALS) -> Measured[ClampCurve]:
-        """The clamped end with that many half cells; intervals: of the moments, 0 for the one without moment alone."""
+    def clamp(self, cell: CellCurve, half_cells: int) -> Measured[ClampCurve]:
+        """The clamped end with that many half cells over the moments of the cell."""
 
         def measure() -> Measured[ClampCurve]:
             piece = self.pieces.end(half_cells, "clamp")
             before = piece.factorizations
-            curve, limits = clamp_curve(piece, cell, intervals)
-            return Measured(curve, tuple(limits), 0.0, piece.factorizations - before)
+            found = clamp_curve(piece, cell)
+            return Measured(found.curve, found.limits, found.error, piece.factorizations - before)
 
-        return self._clamps.get(_end_name("clamp" if intervals else "decay", half_cells, cell), measure)
+        return self._clamps.get(_end_name("clamp", half_cells, cell), measure)
+
+    def clamp_without_moment(self, cell: CellCurve, half_cells: int) -> Measured[ClampCurve]:
+        """The clamped end with that many half cells without moment alone."""
+
+        def measure() -> Measured[ClampCurve]:
+            piece = self.pieces.end(half_cells, "clamp")
+            before = piece.factorizations
+            curve = clamp_without_moment(piece, cell)
+            return Measured(curve, (), 0.0, piece.factorizations - before)
+
+        return self._clamps.get(_end_name("decay", half_cells, cell), measure)
 
     def tip(self, cell: CellCurve, half_cells: int) -> Measured[TipCurve]:
         """The tip with that many half cells."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem.cell.piece import BendingPiece
+from fem.cell.response import inflated
 from geometry.arrays import Index
 from rod.arm_law.between import doubts
 from rod.arm_law.curves import CellCurve
@@ -31,9 +32,11 @@ def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -
     Raises `PieceFailed` where the cell does not reach a curvature of the law, and `RodError` where there is no law.
     """
     section = section_at((lower, upper), 0.5 * (lower.pressure + upper.pressure))
-    state, largest = piece.rest(), 0.0
-    for row in _doubtful(section, lower, upper):
-        state = piece.solve(section.pressure / 1000.0, float(section.kappa[row]) * piece.body.length, state)
+    pressure, rows = section.pressure / 1000.0, _doubtful(section, lower, upper)
+    angles = section.kappa * piece.body.length
+    state, largest = inflated(piece, pressure, float(angles[rows[0]])), 0.0
+    for row in rows:
+        state = piece.solve(pressure, float(angles[row]), state)
         difference = (state.moment - section.moment[row]) * section.kappa_slope[row]
         largest = max(largest, abs(float(difference)))
     return Deviation(largest)

@@ -2,25 +2,34 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import final
 
 import numpy as np
 
 from fem.cell.axis import circle
 from fem.cell.edge import free_edge
-from fem.cell.piece import BendingPiece, PieceFailed
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
+from fem.cell.response import inflated
 from fem.path.predictor import extrapolate
 from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint, stable, without_moment
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+from rod.cubics import cubic
 
-#: intervals of the moment of the clamped end, whose departure from the cells changes little with it
-CLAMP_INTERVALS = 16
+#: where the clamped end is solved first, as a part of the moments of the cell, from the side on which no walls touch
+START = 0.15
+#: steps in which it is followed over these moments, and how often one is halved where there is no equilibrium ahead
+STEPS, MAX_HALVINGS = 7, 3
 #: part of the way to the last moment of the cell at which the clamped end is solved last
 WITHIN = 0.99
-#: over the spacing: what is left of the moments of the cell where no further state is solved, and the largest step
-NEAREST, FARTHEST = 0.05, 1.3
-#: states to either side, and trials for each
-MOST_POINTS, MAX_RETRIES = 60, 5
+#: over a step: what is left of the moments of the cell where no further state is solved, and the largest change
+NEAREST, FARTHEST = 0.1, 1.3
+#: largest error of the cubic between two states, rad of the rotation by which the end departs from the cells: the free
+#: end of the arm moves by that part of the length; and how often an interval is divided
+TOLERANCE, DIVISIONS = 1e-3, 4
+#: smallest part into which an interval is divided
+CLOSEST = 0.2
 #: turns of the end of the arm at which its support is described; between them its couple is right to 0.4 % of the
 #: largest one (`pneunet`)
 TURNS = 24
@@ -30,112 +39,192 @@ MIRROR = np.array([-1.0, 1.0])
 DIFFERENCE = 1e-5
 
 
-def clamp_curve(piece: BendingPiece, cell: CellCurve, intervals: int = CLAMP_INTERVALS) -> tuple[ClampCurve, list[str]]:
-    """The clamped end over the moments of a cell at the same pressure, and why it was not followed further.
+@dataclass(frozen=True, eq=False)  # arrays inside
+class MeasuredClamp:
+    """The clamped end, why it was not followed further, and how far its cubics may miss."""
 
-    intervals: of the moments of the cell, 0 for the end without moment alone. Raises `PieceFailed` where no state is
-    reached.
+    curve: ClampCurve
+    limits: tuple[str, ...]
+    error: float  #: largest one of the rotation between two states, rad
+
+
+def clamp_curve(piece: BendingPiece, cell: CellCurve) -> MeasuredClamp:
+    """The clamped end over the moments of a cell at the same pressure.
+
+    It is followed from moments without contact on; an interval is then divided where the cubic through its ends may
+    miss by more than TOLERANCE. Raises `PieceFailed` where no state is reached.
     """
-    angle = float(np.interp(0.0, cell.moment, cell.kappa)) * piece.body.length
-    first = without_moment(piece, piece.solve(cell.pressure / 1000.0, angle, piece.rest()), PiecePoint.of)
+    lowest, last = float(cell.moment[0]), float(cell.moment[-1])
+    part = 1.0 - START if cell.contact[0] and not cell.contact[-1] else START
+    angle = cell.at(lowest + part * (last - lowest))[0] * piece.body.length
+    first = _ClampPoint.on(piece, cell, inflated(piece, cell.pressure / 1000.0, angle))
     limits: list[str] = []
-    spacing = float(np.ptp(cell.moment)) / intervals if intervals else np.inf
-    behind, ahead = (_clamp_points(piece, cell, first, way * spacing, limits) for way in (-1, 1))
+    behind, ahead = (_followed(piece, cell, first, moment, limits) for moment in (lowest, last))
     points = [*reversed(behind), first, *ahead]
-    rows = [_clamp_row(piece, cell, point) for point in points]
-    curve = ClampCurve(
+    error = _refine(piece, cell, points)
+    return MeasuredClamp(_curve(piece, cell, points), tuple(limits), error)
+
+
+def clamp_without_moment(piece: BendingPiece, cell: CellCurve) -> ClampCurve:
+    """The clamped end without moment alone; raises `PieceFailed` where it is not reached."""
+    angle = cell.at(0.0)[0] * piece.body.length
+    point = without_moment(piece, inflated(piece, cell.pressure / 1000.0, angle), PiecePoint.of)
+    return _curve(piece, cell, [_ClampPoint.on(piece, cell, point.state)])
+
+
+def _curve(piece: BendingPiece, cell: CellCurve, points: Sequence["_ClampPoint"]) -> ClampCurve:
+    return ClampCurve(
         pressure=cell.pressure,
-        moment=np.array([point.state.moment for point in points]),
-        rotation=np.array([row.rotation for row in rows]),
-        rotation_by_moment=np.array([row.rotation_by_moment for row in rows]),
-        rotation_by_pressure=np.array([row.rotation_by_pressure for row in rows]),
-        offset=np.array([row.offset for row in rows]),
-        offset_by_moment=np.array([row.offset_by_moment for row in rows]),
+        moment=np.array([point.moment for point in points]),
+        rotation=np.array([point.rotation for point in points]),
+        rotation_by_moment=np.array([point.rotation_by_moment for point in points]),
+        rotation_by_pressure=np.array([point.rotation_by_pressure for point in points]),
+        offset=np.array([point.offset for point in points]),
+        offset_by_moment=np.array([point.offset_by_moment for point in points]),
         s=piece.space.points[piece.curve, 0],
-        beside=np.array([row.beside for row in rows]),
+        beside=np.array([point.beside for point in points]),
     )
-    return curve, limits
 
 
-def _clamp_points(
-    piece: BendingPiece, cell: CellCurve, first: PiecePoint, spacing: float, limits: list[str]
-) -> list[PiecePoint]:
-    """States of the clamped end from the one without moment on, up to the last moment of the cell.
+@final
+@dataclass(frozen=True, eq=False)  # arrays inside
+class _ClampPoint(PiecePoint):
+    """A state, and how its plane departs from cells continued to the clamp, with the slopes by the moment."""
 
-    spacing: N mm between them, its sign is that of the direction; infinite for none.
-    """
-    points = [first]
-    limit = float(cell.moment[-1 if spacing > 0.0 else 0])
-    while (limit - points[-1].moment) / spacing > NEAREST and len(points) < MOST_POINTS:
-        left = (limit - points[-1].moment) / spacing
-        try:
-            part = 1.0 if left > FARTHEST else WITHIN * left
-            point = _clamp_point(piece, points, part * spacing, min(left, FARTHEST) / part)
-        except PieceFailed as failure:
-            limits.append(str(failure))
-            break
-        if not 0.0 < (point.moment - points[-1].moment) / spacing <= left:
-            limits.append(
-                f"the clamped end at {cell.pressure:.4g} kPa was not followed beyond {points[-1].moment:.4g} N mm"
+    rotation: float  #: rad
+    rotation_by_moment: float
+    rotation_by_pressure: float
+    offset: Array  #: (2,) mm
+    offset_by_moment: Array  #: (2,)
+    beside: Array  #: (m, 2) mm
+
+    @classmethod
+    def on(cls, piece: BendingPiece, cell: CellCurve, state: PieceState) -> "_ClampPoint":
+        """One factorization. Raises `PieceFailed` where the piece is not stable."""
+        point = PiecePoint.of(piece, state)
+        known = point.slopes
+        if known.moment_by_angle <= 0.0:
+            raise PieceFailed(
+                f"the moment of the clamped end does not rise at {cell.pressure:.4g} kPa beyond {state.moment:.4g} N mm"
             )
-            break
-        points.append(point)
+        x = (piece.space.points + state.state.displacement)[piece.curve, :2]
+        turned = known.by_angle[piece.curve, :2]
+        step = DIFFERENCE * float(np.ptp(cell.moment)) / known.moment_by_angle
+        rotation, offset, beside = _placed(piece, cell, state.moment, state.angle, x)
+        ahead, behind = (
+            _placed(piece, cell, state.moment + k * known.moment_by_angle, state.angle + k, x + k * turned)
+            for k in (step, -step)
+        )
+        width = 2.0 * step * known.moment_by_angle
+        # at fixed moment the plane of the piece and that of the cells turn with the pressure
+        turned_cells = -float(np.interp(state.moment, cell.moment, cell.moment_by_pressure / cell.rigidity))
+        by_pressure = -known.moment_by_pressure / 1000.0 / known.moment_by_angle - turned_cells * piece.body.length
+        return _ClampPoint(
+            state,
+            known,
+            rotation,
+            (ahead[0] - behind[0]) / width,
+            by_pressure,
+            offset,
+            (ahead[1] - behind[1]) / width,
+            beside,
+        )
+
+
+def _followed(
+    piece: BendingPiece, cell: CellCurve, first: _ClampPoint, limit: float, limits: list[str]
+) -> list[_ClampPoint]:
+    """States of the clamped end from the first one on, without it, up to a moment in N mm."""
+    points = [first]
+    spacing = float(np.copysign(np.ptp(cell.moment) / STEPS, limit - first.moment))
+    change = spacing
+    while (limit - points[-1].moment) / spacing > NEAREST:
+        left = limit - points[-1].moment
+        change = WITHIN * left if left / change < FARTHEST else change
+        try:
+            points.append(_next_point(piece, cell, points, change, left))
+        except PieceFailed as failure:
+            change /= 2.0
+            if change / spacing < 0.5**MAX_HALVINGS:
+                limits.append(str(failure))
+                break
     return points[1:]
 
 
-def _clamp_point(piece: BendingPiece, points: Sequence[PiecePoint], change: float, farthest: float) -> PiecePoint:
-    """The clamped end at the last moment and about a change of it, N mm, by its slope there.
+def _next_point(
+    piece: BendingPiece, cell: CellCurve, points: Sequence[_ClampPoint], change: float, left: float
+) -> _ClampPoint:
+    """The clamped end about a change of the moment, N mm, beyond the last of its states.
 
-    Where walls meet on the way it stiffens, and the step is shortened until the moment changes by no more than farthest
-    times that. Raises `PieceFailed`.
+    It turns with the cells continued to the clamp, and departs from them at the last slope. left: N mm, the moments of
+    the cell that remain. Raises `PieceFailed` without an equilibrium near, and where the moment changes otherwise.
     """
     last = points[-1]
     before = points[-2].path_point if len(points) > 1 else None
-    step = change / last.slopes.moment_by_angle
-    for _ in range(MAX_RETRIES):
-        angle = last.state.angle + step
-        predicted = extrapolate(before, last.path_point, angle)
-        state = piece.solve(last.state.pressure, angle, last.state, predicted)
-        reached = (state.moment - last.moment) / change
-        if reached <= farthest:
-            break
-        step *= WITHIN / reached
-    return PiecePoint.of(piece, state)
+    turned = (cell.at(last.moment + change)[0] - cell.at(last.moment)[0]) * piece.body.length
+    angle = last.state.angle + turned + change * last.rotation_by_moment
+    predicted = extrapolate(before, last.path_point, angle)
+    state = piece.solve_near(last.state.pressure, angle, predicted or last.state.state, last.state)
+    reached = state.moment - last.moment
+    if not 0.0 < reached / change <= min(FARTHEST, left / change):
+        raise PieceFailed(f"the clamped end at {cell.pressure:.4g} kPa was not followed beyond {last.moment:.4g} N mm")
+    return _ClampPoint.on(piece, cell, state)
 
 
-@dataclass(frozen=True, eq=False)  # arrays inside
-class _ClampRow:
-    rotation: float
-    rotation_by_moment: float
-    rotation_by_pressure: float
-    offset: Array  #: (2,)
-    offset_by_moment: Array  #: (2,)
-    beside: Array  #: (m, 2)
+def _refine(piece: BendingPiece, cell: CellCurve, points: list[_ClampPoint]) -> float:
+    """Divide the intervals of the moment until their cubics are right to TOLERANCE; the largest error, rad."""
+    errors = [0.0]
+    pending = [(a, b, DIVISIONS) for a, b in pairwise(points)]
+    while pending:
+        first, second, divisions = pending.pop()
+        bound = _largest_miss(first, second)
+        if bound <= TOLERANCE:
+            errors.append(bound)
+            continue
+        try:
+            middle = _point_between(piece, cell, first, second)
+        except PieceFailed:
+            errors.append(bound)
+            continue
+        error = abs(float(_cubic(first, second, "rotation", "rotation_by_moment", middle.moment)) - middle.rotation)
+        points.insert(points.index(second), middle)
+        if error > TOLERANCE and divisions:
+            pending += [(first, middle, divisions - 1), (middle, second, divisions - 1)]
+        else:
+            errors.append(error)
+    return max(errors)
 
 
-def _clamp_row(piece: BendingPiece, cell: CellCurve, point: PiecePoint) -> _ClampRow:
-    """How the plane at the end departs from cells continued to the clamp, with the slopes by the moment."""
-    state, known = point.state, point.slopes
-    x = (piece.space.points + state.state.displacement)[piece.curve, :2]
-    turned = known.by_angle[piece.curve, :2]
-    step = DIFFERENCE * float(np.ptp(cell.moment)) / known.moment_by_angle
-    rotation, offset, beside = _placed(piece, cell, state.moment, state.angle, x)
-    ahead, behind = (
-        _placed(piece, cell, state.moment + k * known.moment_by_angle, state.angle + k, x + k * turned)
-        for k in (step, -step)
+def _largest_miss(first: _ClampPoint, second: _ClampPoint) -> float:
+    """How far the cubic of the rotation misses at most, rad, if it is a kink between straight lines that lies between
+    two states: an eighth of the interval times the change of the slope, for a kink in the middle."""
+    return abs((second.rotation_by_moment - first.rotation_by_moment) * (second.moment - first.moment)) / 8.0
+
+
+def _point_between(piece: BendingPiece, cell: CellCurve, first: _ClampPoint, second: _ClampPoint) -> _ClampPoint:
+    """The clamped end between two states, where the tangents of the rotation in both meet: at a kink if there is one.
+
+    Raises `PieceFailed`.
+    """
+    step = second.moment - first.moment
+    change = first.rotation_by_moment - second.rotation_by_moment
+    part = (second.rotation - first.rotation - second.rotation_by_moment * step) / (change * step)
+    moment = first.moment + (float(np.clip(part, CLOSEST, 1.0 - CLOSEST)) if 0.0 < part < 1.0 else 0.5) * step
+    rotation = float(_cubic(first, second, "rotation", "rotation_by_moment", moment))
+    angle = rotation + cell.at(moment)[0] * piece.body.length
+    predicted = extrapolate(first.path_point, second.path_point, angle)
+    state = piece.solve_near(first.state.pressure, angle, predicted or first.state.state, second.state)
+    if not first.moment < state.moment < second.moment:
+        raise PieceFailed(f"the clamped end at {cell.pressure:.4g} kPa has no state near {moment:.4g} N mm")
+    return _ClampPoint.on(piece, cell, state)
+
+
+def _cubic(first: _ClampPoint, second: _ClampPoint, name: str, slope: str, moment: float) -> Array:
+    """A value of two states between them."""
+    moments, values, slopes = (
+        np.array([getattr(point, key) for point in (first, second)]) for key in ("moment", name, slope)
     )
-    width = 2.0 * step * known.moment_by_angle
-    # at fixed moment the plane of the piece and that of the cells turn with the pressure
-    turned_cells = -float(np.interp(state.moment, cell.moment, cell.moment_by_pressure / cell.rigidity))
-    by_pressure = -known.moment_by_pressure / 1000.0 / known.moment_by_angle - turned_cells * piece.body.length
-    return _ClampRow(
-        rotation,
-        (ahead[0] - behind[0]) / width,
-        by_pressure,
-        offset,
-        (ahead[1] - behind[1]) / width,
-        beside,
-    )
+    return cubic(moments, values, slopes, moment)
 
 
 def _placed(piece: BendingPiece, cell: CellCurve, moment: float, angle: float, x: Array) -> tuple[float, Array, Array]:
@@ -157,7 +246,7 @@ def tip_curve(piece: BendingPiece, cell: CellCurve) -> TipCurve:
 
     The piece is the mirror image of the tip: its face `clamp` is the end of the arm, its face `tip` the plane.
     """
-    state = piece.solve(cell.pressure / 1000.0, 0.0, piece.rest())
+    state = inflated(piece, cell.pressure / 1000.0, 0.0)
     with stable(piece, state):
         edge = free_edge(piece, state)
     kappa, stretch, ripple = cell.at(0.0)

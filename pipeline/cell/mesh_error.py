@@ -1,18 +1,26 @@
-"""What the mesh contributes to the error of the arm's own law: the cell on a second, coarser mesh."""
+"""What the mesh contributes to the error of the arm's own law: the cell on a second mesh of half the size.
 
+A cell is cheap enough for a finer mesh, and that tells more than a coarser one: twice as coarse as the walls are thick,
+walls bend and touch by other laws. Limits by both meshes are in docs/cell.md beside those of fine meshes.
+"""
+
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from fem.cell.piece import PieceFailed
+from fem.cell.piece import BendingPiece, PieceFailed
 from pipeline.cell.measure import cell_without_moment
 from pipeline.cell.pieces import ArmPieces
+from pipeline.cell.refinement import MOST_UNKNOWNS
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.richardson import extrapolated
 from pipeline.store.json_values import JsonObject
 from rod.arm_law.curves import CellCurve
 
-#: size of the coarser mesh over that of the law, where the configuration has no `mesh.coarser`
+#: size of the second mesh over that of the law
+FINER = 0.5
+#: the same where the finer mesh is too large or fails, and the configuration has no `mesh.coarser`
 COARSER = 1.5
 #: numbers of a cell at one pressure whose error is estimated, in the units of the key
 NUMBERS = ("kappa_0_per_mm", "rigidity_N_mm2", "moment_N_mm")
@@ -27,18 +35,18 @@ class MeshError:
     """
 
     size_mm: float
-    coarser_mm: float
+    second_mm: float  #: size of the other mesh
     pressures_kPa: tuple[float, ...]
     values: dict[str, tuple[float, ...]]  #: on the mesh of the law
     deviations: dict[str, tuple[float, ...]]  #: standard deviations due to the mesh, in the same units
-    reason: str = ""  #: why there are fewer than the law has pressures, one sentence
+    reason: str = ""  #: why the second mesh is not the finer one, or pressures are missing, one sentence
 
     def record(self) -> JsonObject:
         """The key `mesh_error` of law.json."""
         deviations = {f"{name}_std": values for name, values in self.deviations.items()}
         return {
             "size_mm": self.size_mm,
-            "coarser_mm": self.coarser_mm,
+            "second_mm": self.second_mm,
             "pressures_kPa": self.pressures_kPa,
             **self.values,
             **deviations,
@@ -49,32 +57,47 @@ class MeshError:
 def mesh_error(pieces: ArmPieces, cells: Sequence[CellCurve], context: RunContext) -> MeshError:
     """The errors at those pressures of the configuration at which the law of a cell has been measured.
 
-    The moment is that at half of kappa_0. A coarser mesh that cannot be made or does not bear a pressure says so.
+    The moment is that at half of kappa_0. A second mesh that cannot be made or does not bear a pressure says so.
     """
-    mesh = pieces.config.mesh
-    factor = mesh.coarser or COARSER
-    size, coarser = mesh.element_size_mm, factor * mesh.element_size_mm
     pressurised = [cell for cell in cells if cell.pressure in pieces.config.pressures_kPa]
+    if 3 * len(pieces.cell.space.points) / FINER**2 > MOST_UNKNOWNS:
+        reason = f"a mesh of half the size has more than {MOST_UNKNOWNS} unknowns"
+    else:
+        finer = _estimated(pieces, pressurised, FINER, context)
+        if len(finer.pressures_kPa) == len(pressurised):
+            return finer
+        reason = finer.reason
+    coarser = _estimated(pieces, pressurised, pieces.config.mesh.coarser or COARSER, context)
+    sentence = f"the error of the mesh is estimated from a coarser one, which is less certain, because {reason}"
+    return replace(coarser, reason=f"{sentence}; {coarser.reason}" if coarser.reason else sentence)
+
+
+def _estimated(pieces: ArmPieces, cells: Sequence[CellCurve], factor: float, context: RunContext) -> MeshError:
+    """From a second mesh, factor times as large; up to the first pressure that it does not bear."""
+    size = pieces.config.mesh.element_size_mm
     change = 1.0 / pieces.design.length
     rows: list[tuple[tuple[float, ...], tuple[float, ...]]] = []
     reason = ""
     try:
-        second = pieces.with_mesh_size(coarser)
-        for cell in pressurised:
-            rows.append((_numbers(cell, change), _coarse_numbers(second, cell, context, change)))
+        second = pieces.with_mesh_size(factor * size)
+        for cell in cells:
+            rows.append((_numbers(cell, change), _numbers_on(second, cell, context, change)))
     except (PieceFailed, InputError) as failure:
-        reason = f"on the mesh {factor:g} times as coarse: {failure}"
-    estimates = [
-        [extrapolated((size, coarser), pair) for pair in zip(fine, coarse, strict=True)] for fine, coarse in rows
-    ]
+        reason = f"on the mesh of {factor * size:.3g} mm: {str(failure).rstrip('.')}"
     return MeshError(
         size,
-        coarser,
-        tuple(cell.pressure for cell in pressurised[: len(rows)]),
-        {name: tuple(fine[i] for fine, _ in rows) for i, name in enumerate(NUMBERS)},
-        {name: tuple(row[i].error_std for row in estimates) for i, name in enumerate(NUMBERS)},
+        factor * size,
+        tuple(cell.pressure for cell in cells[: len(rows)]),
+        {name: tuple(own[i] for own, _ in rows) for i, name in enumerate(NUMBERS)},
+        {name: tuple(deviation(factor, own[i], other[i]) for own, other in rows) for i, name in enumerate(NUMBERS)},
         reason,
     )
+
+
+def deviation(factor: float, value: float, second: float) -> float:
+    """Standard deviation of a value due to its mesh: its distance from the limit, and the uncertainty of that."""
+    limit = extrapolated((1.0, factor), (value, second))
+    return math.hypot(value - limit.limit, limit.limit_std)
 
 
 def _numbers(cell: CellCurve, change: float) -> tuple[float, ...]:
@@ -92,19 +115,25 @@ def _moment_at(cell: CellCurve, kappa: float) -> float:
     return 0.5 * (low + high)
 
 
-def _coarse_numbers(pieces: ArmPieces, cell: CellCurve, context: RunContext, change: float) -> tuple[float, ...]:
-    """The same numbers of the cell on the coarser mesh, the moment at the same curvature."""
-    store, name = context.store, f"law/coarser_{cell.pressure:.12g}kPa.json"
+def _numbers_on(pieces: ArmPieces, cell: CellCurve, context: RunContext, change: float) -> tuple[float, ...]:
+    """The same numbers of the cell on another mesh, the moment at the same curvature."""
+    size = pieces.config.mesh.element_size_mm
+    store, name = context.store, f"law/mesh_{size:.12g}mm_{cell.pressure:.12g}kPa.json"
     kept = store.read_json(name)
     if kept is None or kept["key"] != store.numbers_key:
-        piece = pieces.cell
-        middle = cell_without_moment(piece, cell.pressure / 1000.0)
-        h = piece.body.length
-        at = middle.state
-        bent, half = (
-            piece.solve(at.pressure, angle, at) for angle in (at.angle + change * h, 0.5 * cell.at(0.0)[0] * h)
-        )
-        numbers = [at.angle / h, (bent.moment - at.moment) / change, half.moment]
+        numbers = numbers_on(pieces.cell, cell.pressure, 0.5 * cell.at(0.0)[0], change)
         kept = {"key": store.numbers_key, "numbers": numbers}
         store.save_json(name, kept)
     return tuple(kept["numbers"])
+
+
+def numbers_on(piece: BendingPiece, pressure: float, kappa: float | None, change: float) -> tuple[float, ...]:
+    """NUMBERS of a cell at a pressure in kPa.
+
+    kappa: of the state whose moment is taken, 1/mm; None for half of kappa_0. change: of the curvature, 1/mm. Raises
+    `PieceFailed`.
+    """
+    at, h = cell_without_moment(piece, pressure / 1000.0).state, piece.body.length
+    half = 0.5 * at.angle if kappa is None else kappa * h
+    bent, halved = (piece.solve(at.pressure, angle, at) for angle in (at.angle + change * h, half))
+    return at.angle / h, (bent.moment - at.moment) / change, halved.moment

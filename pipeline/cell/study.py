@@ -105,6 +105,7 @@ def law_content(measured: MeasuredLaw, refined: RefinedMesh | None) -> JsonObjec
         "end_half_cells": measured.half_cells,
         "interpolation_error": {
             "along_curves": measured.error_along,
+            "along_clamped_end": measured.error_along_clamp,
             "between_pressures": measured.error_between,
             "ends_over_length": measured.error_ends,
         },

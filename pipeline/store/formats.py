@@ -25,6 +25,7 @@ RENAMED = {
     "believed_of_contact": "estimated_of_contact",
     "asked": "requested",
     "choice": "series",
+    "coarser_mm": "second_mm",
 }
 
 

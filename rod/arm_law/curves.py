@@ -103,9 +103,10 @@ class ClampCurve:
 
         By reciprocity a shear force turns the piece as a moment shifts it.
         """
-        weights = np.abs(self.rotation_by_moment)
-        if not weights.any():
+        if len(self.moment) < 2 or not self.rotation_by_moment.any():
             return 0.0
+        steps = np.diff(self.moment)
+        weights = np.abs(self.rotation_by_moment) * (np.append(steps, 0.0) + np.append(0.0, steps))
         bent = float(weights @ self.rotation_by_moment)
         shifted = float(weights @ self.offset_by_moment[:, 1])
         return float(np.clip(-shifted / bent, 0.0, self.s[-1]))

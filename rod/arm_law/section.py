@@ -137,8 +137,10 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
 
     def rotations(curve: ClampCurve, at: Array, slope: Array) -> tuple[Array, Array]:
         """Of one curve at moments (n,), and their changes along the lines for the whole step of the pressure."""
-        names = ("rotation", "rotation_by_moment", "rotation_by_pressure")
-        value, by_moment, by_pressure = (np.interp(at, curve.moment, getattr(curve, name)) for name in names)
+        cubics = curve.moment, curve.rotation, curve.rotation_by_moment
+        inside = np.clip(at, curve.moment[0], curve.moment[-1])
+        value, by_moment = cubic(*cubics, inside), cubic_slope(*cubics, inside)
+        by_pressure = np.interp(at, curve.moment, curve.rotation_by_pressure)
         return value, by_pressure * (second.pressure - first.pressure) + by_moment * slope
 
     (low, low_slope), (high, high_slope) = (
@@ -146,7 +148,11 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         rotations(second, pairs.second, pairs.second_slope),
     )
     rotation = columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
-    offset = straight("offset")
+    shifts = [
+        cubic(curve.moment, curve.offset, curve.offset_by_moment, np.clip(at, curve.moment[0], curve.moment[-1]))
+        for curve, at in ((first, pairs.first), (second, pairs.second))
+    ]
+    offset = columns(moment, pairs.moment, (1 - pairs.t) * shifts[0] + pairs.t * shifts[1])
     return ClampCurve(
         pressure=pressure,
         moment=moment,
