@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
+from geometry import Mesh
 from pipeline.config.config import Config
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Outcomes, StateSummary
@@ -23,6 +24,9 @@ NEARLY_INCOMPRESSIBLE, VOLUME_CHANGE = 0.49, 0.3
 SMALL_STRAIN = 1.1
 #: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
 HARDLY_BENT = 0.05
+#: smallest radius ratio of an element that is not mentioned: meshes of the families have 0.1 to 0.3, and below this one
+#: a mesh of a CAD file is optimized once more
+FLAT_ELEMENT = 0.05
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,19 @@ class Solved:
 def before_solving(config: Config) -> tuple[str, ...]:
     """The sentences on a design, known from its configuration alone."""
     return tuple(filter(None, (rule(config) for rule in BEFORE)))
+
+
+def of_mesh(mesh: Mesh) -> tuple[str, ...]:
+    """The sentences on a mesh, known before anything is solved."""
+    quality = mesh.quality
+    if quality.minimum >= FLAT_ELEMENT:
+        return ()
+    where = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
+    return (
+        f"the flattest of the {quality.count} elements has a radius ratio of {quality.minimum:.2g} (a regular one "
+        f"has 1), near ({where}) mm, where stresses may be inaccurate and large deformation may end early; look for a "
+        "small edge or a thin gap of the drawing there, or take another mesh.size",
+    )
 
 
 def after_solving(solved: Solved) -> tuple[str, ...]:

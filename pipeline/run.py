@@ -13,7 +13,7 @@ from pipeline.context import RunContext
 from pipeline.identification.added_pressures import identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.record import parameters_record
-from pipeline.plausibility import Solved, after_solving, before_solving
+from pipeline.plausibility import Solved, after_solving, before_solving, of_mesh
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
@@ -22,6 +22,7 @@ from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
+from pipeline.simulation.waiting import told_while_waiting
 from pipeline.store.store import open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.validation.rods import ArmRods
@@ -42,8 +43,11 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
         for sentence in unusual:
             progress.remark(sentence)
         config, plan = plan_discretisation(config, store, progress)
-        with stages.timed("mesh"):
+        with stages.timed("mesh"), told_while_waiting(progress, "meshing the body"):
             scene = Scene.meshed(config)
+        for sentence in of_mesh(scene.body.mesh):
+            progress.remark(sentence)
+            unusual = (*unusual, sentence)
         with stages.timed("kernels (compiled once)"):
             compile_kernels(config.mesh.formulation)
         with stages.timed("experiments"):

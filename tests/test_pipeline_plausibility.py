@@ -2,20 +2,24 @@
 
 from dataclasses import replace
 from pathlib import Path
+from time import sleep
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from geometry import Mesh, PneuNet
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
-from pipeline.plausibility import Solved, after_solving, before_solving
+from pipeline.plausibility import FLAT_ELEMENT, Solved, after_solving, before_solving, of_mesh
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
+from pipeline.simulation.waiting import told_while_waiting
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 PRESSURES = "pressures=[10 kPa, 20 kPa, 30 kPa]"
@@ -122,3 +126,42 @@ def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scen
     page = render_report(tmp_path)
     assert f"They were not identified: {reason}." in page
     assert f"Note: {reason}." in page
+
+
+def test_a_flat_element_is_named_before_solving() -> None:
+    mesh = PneuNet(chambers=2).body(5).mesh
+    assert of_mesh(mesh) == ()
+    points = np.array(mesh.points)
+    inner = np.setdiff1d(np.arange(len(points)), mesh.boundary)[0]
+    tet = next(tet for tet in mesh.tets if inner in tet)
+    opposite = points[[v for v in tet if v != inner]]
+    for part in (0.5, 0.8, 0.9, 0.95, 0.98):  # the vertex comes near the opposite face of one of its elements
+        points[inner] = (1 - part) * mesh.points[inner] + part * opposite.mean(axis=0)
+        flat = Mesh(points, mesh.tets, {})
+        if flat.quality.minimum < FLAT_ELEMENT:
+            break
+    (sentence,) = of_mesh(flat)
+    where = ", ".join(f"{x:.3g}" for x in flat.quality.position)
+    assert f"radius ratio of {flat.quality.minimum:.2g}" in sentence
+    assert f"near ({where}) mm" in sentence
+
+
+def test_long_calls_are_told_of() -> None:
+    class Recorder(Silent):
+        def __init__(self) -> None:
+            self.told: list[str] = []
+
+        def remark(self, sentence: str) -> None:
+            self.told.append(sentence)
+
+    quick, slow = Recorder(), Recorder()
+    with told_while_waiting(quick, "meshing the body", every=10.0):
+        pass
+    with told_while_waiting(slow, "meshing the body", every=0.02):
+        sleep(0.3)
+    assert quick.told == []
+    assert len(slow.told) > 1
+    assert slow.told[0].startswith("meshing the body for 0.0")
+    count = len(slow.told)
+    sleep(0.1)
+    assert len(slow.told) == count, "nothing is told after the end"
