@@ -134,6 +134,9 @@ class End:
     cutbacks: int  #: increments that failed since the last target that was reached
     factorizations: int  #: since then, that of the last equilibrium's stability included
     cause: str  #: a sentence without full stop
+    #: value of the quantity at which the rates of the path become infinite, where no equilibrium was found closely
+    #: behind the last one; None where the path did not announce its end
+    limit: float | None = None
 
 
 class NotConverged(RuntimeError):
@@ -141,7 +144,8 @@ class NotConverged(RuntimeError):
 
     def __init__(self, end: End, partial: Solution) -> None:
         self.reason = (
-            f"no equilibrium found beyond {end.quantity} {end.reached:.4g} on the way to {end.target:.4g}: {end.cause}"
+            f"no equilibrium found beyond {end.quantity} {end.reached:.4g} on the way to {end.target:.4g}: "
+            f"{f'the limit is at {end.limit:.4g}; ' if end.limit else ''}{end.cause}"
         )
         super().__init__(self.reason)
         self.end = end

@@ -25,11 +25,14 @@ def law_limit_clause(system: System, state: State) -> str:
     return f"; there {clause}" if clause else ""
 
 
-def near_limit_point(system: System, last: PathPoint, law_is_named: bool = False) -> str:
+def near_limit_point(
+    system: System, last: PathPoint, law_is_named: bool = False, limit_is_confirmed: bool = False
+) -> str:
     """A clause where the last equilibrium is about to lose its stability or has lost it. Factorizes.
 
-    Otherwise empty where the law was named as the reason, and a clause that says what was excluded where it was not. A
-    singular tangent at rest is no limit point: a part of the body is not held there.
+    That is so where the path ended at the limit that it announced, whatever stiffness is left. Otherwise empty where
+    the law was named as the reason, and a clause that says what was excluded where it was not. A singular tangent at
+    rest is no limit point: a part of the body is not held there.
     """
     early = EARLY_LIMITS.get(system.space.element.name, "")
     try:
@@ -38,9 +41,10 @@ def near_limit_point(system: System, last: PathPoint, law_is_named: bool = False
         if last.constant_fraction == 0.0:
             return "; at rest the tangent is singular: a part of the body is not held"
         return f"; the tangent at the last equilibrium is singular: {PASSABLE}{early}"
-    if mode.stiffness > NEARLY_UNSTABLE and law_is_named:
+    is_near = limit_is_confirmed or mode.stiffness <= NEARLY_UNSTABLE
+    if not is_near and law_is_named:
         return ""
-    if mode.stiffness > NEARLY_UNSTABLE:
+    if not is_near:
         return (
             f"; neither the law nor a limit point explains it: the last equilibrium has {mode.stiffness:.0%} of its "
             f"elastic stiffness left, least against a motion of {position_text(mode.position)}; a smaller mesh there, "

@@ -18,21 +18,20 @@ from fem.path import newton
 from fem.path.active_set import ActiveSet
 from fem.path.control import Control, LoadControl
 from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
-from fem.path.newton import Converged, NewtonOptions, NotAdmissible, Start, StepFailed
+from fem.path.increments import Increments
+from fem.path.limit import announced_limit, way_between
+from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, Start, StepFailed, Unstable
 from fem.path.predictor import PathPoint, Predictor
 from fem.post.extremes import extremes_of, position_text
 from fem.solution import End, Seconds, Solution, Step
 from geometry.arrays import Array
 
-#: iterations of a quick increment, after which the next one is twice as large
-QUICK_ITERATIONS = 8
-#: where an increment to a load has failed, this fraction of it is small enough to try the same load once more
-RETRY = 0.25
-#: fraction of the way to the target above which an increment may not lead from a stable equilibrium to an unstable one:
-#: near a sharp bend of the path a smaller one stays on the stable part
-STABLE_INCREMENT = 1 / 16
-#: largest number of iterations once an increment to the same target has failed: smaller ones converge in fewer
-RETRY_ITERATIONS = 12
+#: largest number of iterations once an increment to the same target has failed: smaller ones converge in fewer; and
+#: near a limit that the path announces
+RETRY_ITERATIONS, ITERATIONS_NEAR_LIMIT = 12, 8
+#: largest number of iterations with an indefinite tangent from a stable equilibrium to the next; those that led
+#: anywhere on the hard cases had at most 5
+MAX_UNSTABLE = 7
 
 
 @dataclass(frozen=True)
@@ -41,6 +40,8 @@ class PathOptions:
 
     newton: NewtonOptions = field(default_factory=NewtonOptions)
     min_increment: float = 1 / 256  #: smallest increment that is tried, as a fraction of the way to the next target
+    #: why a target is not worth smaller increments once one increment to it has failed; empty where it is
+    give_up: Callable[[float], str] = lambda target: ""
     solver: Callable[[], LinearSolver] | None = None  #: makes the linear solver; None: the best installed one
 
 
@@ -101,6 +102,14 @@ class _LoadStep:
         return control.target(value, applied + fraction * (1.0 - applied))
 
 
+@dataclass(frozen=True)
+class _Effort:
+    """What a solution may cost."""
+
+    iterations: int | None = None  #: largest number of iterations besides that of the options; None: no other
+    unstable: int | None = None  #: largest number of those with an indefinite tangent; None: any
+
+
 @final
 class PathFollower:
     """A path that is being followed: its last points and the terms that are active."""
@@ -116,7 +125,7 @@ class PathFollower:
         self.predictor = Predictor(self.points[0], control)
         self.is_stable = True  #: whether the last equilibrium is
         self.not_followed = ""  #: a clause where the path lost its stability on the way to the target
-        self.has_failed = False  #: whether an increment on the way to the target has failed
+        self.effort = _Effort()  #: in the present increment
         self.predictor_failed = False  #: whether an extrapolated start has failed on the way to the target
         self.iterations = 0  #: of all solutions of the present increment that converged
 
@@ -135,48 +144,65 @@ class PathFollower:
     def advance(self, target: float) -> Step:
         """Equilibrium at `target`, in as few increments as converge; raises `PathEnded`."""
         before, load_step = _Costs.of(self.system), _LoadStep(self.points[-1], target)
-        reached, increment, cutbacks, iterations = 0.0, 1.0, 0, 0
-        cause = ""  # of the last equilibrium that no body can have
-        failed, distance = np.inf, 0.0  # the lowest fraction that was not reached, and from how far
-        self.has_failed, self.predictor_failed, self.active_set = False, False, self.active_set.restored()
-        self.not_followed = ""
+        increments = Increments(load_step.origin.value, target, self.options.min_increment)
+        increments.limit = self._announced_limit(self.points[0], self.points[-1])
+        iterations, cause = 0, StepFailed("no increment was tried")
+        self.predictor_failed, self.not_followed, self.active_set = False, "", self.active_set.restored()
         while True:
-            fraction = min(1.0, reached + increment)
+            fraction = increments.next
             control = load_step.control(self.control, fraction)
             try:
-                converged = self._try_increment(control, target)
-                self._check_stability(converged, fraction - reached)
+                converged = self._try_increment(control, target, self._effort(increments))
+                point = self._point(control, converged)
+                self._check_continuation(converged, point, increments)
             except StepFailed as failure:
-                cutbacks, self.has_failed = cutbacks + 1, True
-                cause = str(failure) if isinstance(failure, NotAdmissible) else cause
-                failed, distance = fraction, fraction - reached
-                increment = distance / 2
-                if increment < self.options.min_increment:
-                    last = load_step.control(self.control, reached)
-                    raise PathEnded(self._end(last, target, cutbacks, before, cause or str(failure))) from None
+                # an equilibrium that no body can have tells more than none
+                cause = cause if isinstance(cause, NotAdmissible) > isinstance(failure, NotAdmissible) else failure
+                increments.failed(fraction, isinstance(failure, Unstable), isinstance(failure, Inverted))
+                last = load_step.control(self.control, increments.reached)
+                if increments.cutbacks == 1 and (reason := self.options.give_up(target)):
+                    raise PathEnded(self._given_up(last, target, before, reason)) from None
+                if increments.ended:
+                    raise PathEnded(self._end(last, increments, before, cause)) from None
                 continue
             iterations += self.iterations
-            point = self._point(control, converged)
             if self.is_stable and converged.negative_pivots and fraction < 1.0:
-                self.not_followed = _not_followed(reached, fraction)
+                self.not_followed = _not_followed(increments.reached, fraction)
             self.is_stable = converged.negative_pivots == 0
+            limit = self._announced_limit(self.points[-1], point)
+            self.points = [self.points[-1], point]
+            increments.accepted(fraction, converged.iterations, limit)
             if fraction == 1.0:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
-                return self._step(converged, iterations, cutbacks, before)
-            self.points = [self.points[-1], point]
-            reached = fraction
-            increment *= 2.0 if converged.iterations <= QUICK_ITERATIONS else 1.0
-            if reached >= failed:
-                failed = np.inf
-            elif reached + increment >= failed and failed - reached > RETRY * distance:
-                increment = (failed - reached) / 2
+                return self._step(converged, iterations, increments.cutbacks, before)
+            if increments.is_confirmed_or_exhausted:
+                raise PathEnded(self._end(control, increments, before, cause))
 
-    def _try_increment(self, control: Control, target: float) -> Converged:
+    def _effort(self, increments: Increments) -> _Effort:
+        """How long an equilibrium is sought with the next increment.
+
+        No longer than until the tangent is indefinite where no unstable equilibrium would be accepted: near an
+        announced limit, and in large increments after one that failed. Contact makes the tangent indefinite on the way
+        to stable equilibria as well.
+        """
+        if increments.passes_limit or (increments.cutbacks and increments.nears_limit):
+            return _Effort(ITERATIONS_NEAR_LIMIT, 0 if self.is_stable else None)
+        iterations = RETRY_ITERATIONS if increments.cutbacks else None
+        if not (self._follows_load and self.is_stable):
+            return _Effort(iterations, None)
+        is_checked = increments.cutbacks and not (increments.is_small or self.points[-1].touching)
+        return _Effort(iterations, 0 if is_checked else MAX_UNSTABLE)
+
+    @property
+    def _follows_load(self) -> bool:
+        return isinstance(self.control, LoadControl)
+
+    def _try_increment(self, control: Control, target: float, effort: _Effort) -> Converged:
         """An admissible equilibrium where `control` puts it; raises `StepFailed`.
 
         Contact that was activated or stiffened stays so for the rest of the way to the target, after a failure too.
         """
-        self.iterations = 0
+        self.iterations, self.effort = 0, effort
         last = self.points[-1].state
         if self.active_set.is_tightened:
             converged = self._solve(Start(last, self.active_set.active), control, target)
@@ -192,16 +218,35 @@ class PathFollower:
             converged = self._activate(self._solve(start, control, target), control, target)
         if converged.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
-            raise NotAdmissible(
+            raise Inverted(
                 f"an element is turned inside out at {position_text(worst.min_J_at)} (J = {worst.min_J:.3g})"
             )
         return converged
 
-    def _check_stability(self, converged: Converged, increment: float) -> None:
-        """Raise `StepFailed` where a large increment of the load lost the stability of the last equilibrium."""
-        follows_load = isinstance(self.control, LoadControl)
-        if follows_load and self.is_stable and converged.negative_pivots and increment > STABLE_INCREMENT:
-            raise StepFailed(f"the equilibrium is unstable ({converged.negative_pivots} negative pivots)")
+    def _check_continuation(self, converged: Converged, point: PathPoint, increments: Increments) -> None:
+        """Raise `Unstable` where an equilibrium under a given load is not on the path that led to the last one."""
+        if not self._follows_load:
+            return
+        last = self._with_rate(self.points[-1])
+        way = way_between(last, point)
+        if self.is_stable and converged.negative_pivots:
+            is_small = increments.is_small
+            if not (way.is_straight or (is_small and way.is_smooth) if way else is_small):
+                raise Unstable(f"the equilibrium is unstable ({converged.negative_pivots} negative pivots)")
+        if way and way.is_jump:
+            raise Unstable("the body jumps to another equilibrium, to which no continuous path leads")
+        if increments.passes_limit and way and not (way.is_smooth and increments.may_pass_limit):
+            raise Unstable("beyond the limit that the path announces there is another equilibrium only")
+
+    def _announced_limit(self, before: PathPoint, last: PathPoint) -> float | None:
+        """The load at which the path announces a limit; None where it announces none."""
+        is_smooth = before.constant_fraction == 1.0 or not self.predictor.nonsmooth_start
+        return announced_limit(before, last) if self._follows_load and is_smooth else None
+
+    def _with_rate(self, point: PathPoint) -> PathPoint:
+        """The point, with its rate at rest too where that is known."""
+        is_rest = point is self.predictor.rest and not self.predictor.nonsmooth_start
+        return replace(point, rate=self.predictor.rate_at_rest) if is_rest else point
 
     def _activate(self, converged: Converged, control: Control, target: float) -> Converged:
         """Equilibrium with those contacts too that a state activates; each may activate the next."""
@@ -222,6 +267,8 @@ class PathFollower:
             except StepFailed as failed:
                 failure = failed
                 self.predictor_failed = self.predictor_failed or is_extrapolated
+                if self.effort.unstable == 0 and len(self.points) > 1 and isinstance(failure, Unstable):
+                    break
         raise failure
 
     def _solve(self, start: Start, control: Control, target: float) -> Converged:
@@ -229,8 +276,9 @@ class PathFollower:
             self.observer.iteration(target, iteration, residual)
 
         start = replace(start, terms=at_constant_fraction(start.terms, control.constant_fraction))
-        if self.has_failed and not self.active_set.needs_admissible_start:
-            start = replace(start, max_iterations=min(RETRY_ITERATIONS, start.max_iterations or RETRY_ITERATIONS))
+        if not self.active_set.needs_admissible_start:
+            limits = [limit for limit in (self.effort.iterations, start.max_iterations) if limit]
+            start = replace(start, max_iterations=min(limits, default=None), max_unstable=self.effort.unstable)
         converged = newton.solve(start, control, self.options.newton, watch, self.active_set.inactive)
         self.iterations += converged.iterations
         return converged
@@ -245,13 +293,17 @@ class PathFollower:
         rate = self.predictor.rate(control, converged, terms)
         return PathPoint(control.value, control.constant_fraction, converged.state, touching, rate, terms)
 
-    def _end(self, reached: Control, target: float, cutbacks: int, before: _Costs, failure: str) -> End:
-        last = self.points[-1]
-        law = law_limit_clause(self.system, last.state)
-        cause = failure + law + near_limit_point(self.system, last, law_is_named=bool(law))
+    def _end(self, reached: Control, increments: Increments, before: _Costs, failure: StepFailed) -> End:
+        last, law = self.points[-1], law_limit_clause(self.system, self.points[-1].state)
+        limit = increments.limit if increments.limit_is_confirmed else None
+        cause = str(failure) + law + near_limit_point(self.system, last, bool(law), limit is not None)
         factorizations = (_Costs.of(self.system) - before).factorizations
-        quantity, fraction = self.control.name, reached.constant_fraction
-        return End(quantity, target, reached.value, fraction, cutbacks, factorizations, cause)
+        ways = reached.value, reached.constant_fraction, increments.cutbacks
+        return End(self.control.name, increments.target, *ways, factorizations, cause, limit)
+
+    def _given_up(self, last: Control, target: float, before: _Costs, reason: str) -> End:
+        factorizations = (_Costs.of(self.system) - before).factorizations
+        return End(self.control.name, target, last.value, last.constant_fraction, 1, factorizations, reason)
 
     def _step(self, converged: Converged, iterations: int, cutbacks: int, before: _Costs) -> Step:
         system, state, rate = self.system, converged.state, self.points[-1].rate

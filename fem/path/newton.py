@@ -43,7 +43,9 @@ class NewtonOptions:
     tolerance: float = 1e-6  #: norm of the residual over the norm of the internal forces
     iterations: int = 30  #: largest number of iterations, one factorization each
     strain: float = 0.14  #: largest change of a strain component, to first order, where the tangent is indefinite
-    limited: int = 10  #: largest number of iterations in which the change of strain is limited
+    #: largest number of iterations in which the change of strain is limited; those that led anywhere on the hard cases
+    #: had at most 2
+    limited: int = 5
     #: largest number of iterations far from equilibrium (`FAR`): where the method wanders longer, it finds nothing, or
     #: an equilibrium to which the path does not lead
     far: int = 8
@@ -57,6 +59,7 @@ class Start:
     terms: Terms  #: with the stress that goes with the state
     max_iterations: int | None = None  #: besides that of `NewtonOptions`; None: no other
     trial: bool = False  #: whether it is given up as soon as the strain is limited, because another start follows
+    max_unstable: int | None = None  #: iterations with an indefinite tangent, after which it is given up; None: any
 
 
 @dataclass(frozen=True)
@@ -79,8 +82,16 @@ class StepFailed(ArithmeticError):
     """An attempt at an increment ended without equilibrium; the sentence says where and why."""
 
 
+class Unstable(StepFailed):
+    """An attempt met no stable equilibrium: the tangent is indefinite."""
+
+
 class NotAdmissible(StepFailed):
     """An attempt ended with an equilibrium that no body can have: the sentence names its cause."""
+
+
+class Inverted(NotAdmissible):
+    """An attempt ended with an equilibrium in which an element is turned inside out."""
 
 
 def solve(
@@ -96,7 +107,7 @@ def solve(
     max_limited = 0 if start.trial else options.limited
     linearised: Linearised | None = None
     max_far = max_iterations if any(isinstance(term, InteriorTerm) for term in terms) else options.far
-    relative, limited, far = np.inf, 0, 0
+    relative, limited, far, unstable = np.inf, 0, 0, 0
     for iteration in range(max_iterations + 1):
         assembly = system.assemble(state, terms)
         correction = system.constraints.correction(state.displacement, control.prescribed)
@@ -116,8 +127,11 @@ def solve(
         far += relative > FAR
         if far > max_far + 1:  # the first one is the start
             raise StepFailed(f"no equilibrium near after {iteration} iterations (relative residual {relative:.1e})")
+        unstable += linearised is not None and linearised.negative_pivots > 0
+        if linearised is not None and start.max_unstable is not None and unstable > start.max_unstable:
+            raise Unstable(f"the tangent is indefinite ({linearised.negative_pivots} negative pivots)")
         if linearised is not None and limited > max_limited:
-            raise StepFailed(f"the tangent stays indefinite ({linearised.negative_pivots} negative pivots)")
+            raise Unstable(f"the tangent stays indefinite ({linearised.negative_pivots} negative pivots)")
         if iteration < max_iterations:
             before = _Iterate(state, terms, assembly, correction)
             state, linearised, is_limited = _iterate(before, control, relative > CONVEX_ABOVE, options.strain)

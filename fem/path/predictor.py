@@ -61,7 +61,7 @@ class Predictor:
     """Starts of Newton's method from the last points of a path that begins at rest."""
 
     def __init__(self, rest: PathPoint, control: Control) -> None:
-        self._rest = rest
+        self.rest = rest
         self._rate_at_rest: State | None = None
         self._has_rate_at_rest = False  #: whether it was computed, with or without success
         constraints, terms = control.system.constraints, control.system.terms
@@ -95,6 +95,11 @@ class Predictor:
         if at_rest:
             yield Start(small, terms)
 
+    @property
+    def rate_at_rest(self) -> State | None:
+        """d(state)/d(value) at rest; None before the first start was asked for, and where there is none."""
+        return self._rate_at_rest
+
     def rate(self, point: Control, converged: Converged, terms: Terms) -> State | None:
         """Tangent of the path, d(state)/d(value), at an equilibrium just computed, from the last tangent matrix."""
         if converged.linearised is None or (self.nonsmooth_start and point.constant_fraction < 1.0):
@@ -107,11 +112,11 @@ class Predictor:
 
     def _rate_from_rest(self, target: Control) -> State | None:
         """d(state)/d(value) at rest, on the way to the first target; computed once, for all increments on that way."""
-        if not self._has_rate_at_rest and target.value != self._rest.value:
+        if not self._has_rate_at_rest and target.value != self.rest.value:
             self._has_rate_at_rest = True
             with suppress(SingularMatrix):  # Newton's method meets the same tangent, and says so
-                fraction = target.constant_fraction / (target.value - self._rest.value)
-                self._rate_at_rest = target.rate_at_rest(self._rest.terms, fraction)
+                fraction = target.constant_fraction / (target.value - self.rest.value)
+                self._rate_at_rest = target.rate_at_rest(self.rest.terms, fraction)
         return self._rate_at_rest
 
     def _is_smooth(self, before: PathPoint, last: PathPoint) -> bool:

@@ -97,6 +97,7 @@ class Failure:
     reason: str  #: a sentence without full stop
     cutbacks: int  #: attempts that failed on the way to it
     factorizations: int  #: of these attempts
+    limit_kPa: float = 0.0  #: of a limit point that was found; 0 where none was
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The load cases on one body, solved in parallel processes; each state is stored as soon as it is reached."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 
@@ -10,15 +10,16 @@ from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.processes import available_cores, process_pool
 from pipeline.progress import Progress
+from pipeline.simulation.known_limit import FIRST, OTHERS, KnownLimit, in_order
 from pipeline.simulation.loadcase import LoadCase, identification_case
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.worker import connected, start_worker, worker_progress
+from pipeline.simulation.worker import connected, known_limit, start_worker, worker_progress
 from pipeline.store.store import Store
 from rod import Load
 
-#: the loaded one first, for it takes longest
-EXPERIMENTS = ("III", "II", "I")
+#: II first, because the others ask for its limit; then the loaded one, which takes longest
+EXPERIMENTS = ("II", "III", "I")
 
 
 def experiments_of(config: Config) -> tuple[str, ...]:
@@ -34,12 +35,13 @@ def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | Load
     cannot.
     """
     requested = experiments_of(scene.config) if experiments is None else experiments
-    cases = [entry if isinstance(entry, LoadCase) else identification_case(scene.config, entry) for entry in requested]
+    cases = in_order([_as_case(scene.config, entry) for entry in requested])
     for case in sorted(cases, key=lambda case: case.name):
         context.progress.experiment(case.name, case.schedule.pressures_kPa)
     try:
         if context.jobs == 1 or len(cases) == 1:
-            outcomes = [_solve(case, scene, context.store, context.progress) for case in cases]
+            known = _known_limit(cases)
+            outcomes = [_solve(case, scene, context.store, context.progress, known) for case in cases]
         else:
             outcomes = _in_parallel(scene, context, cases)
     except fem.ContactError as failure:
@@ -52,23 +54,43 @@ def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | Load
     return Outcomes({outcome.name: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.name)})
 
 
+def _as_case(config: Config, entry: str | LoadCase) -> LoadCase:
+    return entry if isinstance(entry, LoadCase) else identification_case(config, entry)
+
+
+def _known_limit(cases: Sequence[LoadCase]) -> KnownLimit | None:
+    """What II tells the others; None where it is not solved."""
+    return KnownLimit() if any(case.name == FIRST for case in cases) else None
+
+
 def _in_parallel(scene: Scene, context: RunContext, cases: Sequence[LoadCase]) -> list[Outcome]:
     jobs = min(context.jobs, len(cases))
     threads = max(1, available_cores() // jobs)
     with (
         connected(context.progress) as queue,
-        process_pool(jobs, threads, initializer=start_worker, initargs=(queue,)) as pool,
+        process_pool(jobs, threads, initializer=start_worker, initargs=(queue, _known_limit(cases))) as pool,
     ):
         futures = [pool.submit(_solve_in_worker, case, scene, context.store) for case in cases]
         return [future.result() for future in futures]
 
 
 def _solve_in_worker(case: LoadCase, scene: Scene, store: Store) -> Outcome:
-    return _solve(case, scene, store, worker_progress())
+    return _solve(case, scene, store, worker_progress(), known_limit())
 
 
-def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress) -> Outcome:
-    """Follow the load path of one case from its stored states on."""
+def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
+    """Follow the load path of one case from its stored states on; II tells its limit when it ends, however it ends."""
+    limit_kPa = 0.0
+    try:
+        outcome = _followed(case, scene, store, progress, known if case.name in OTHERS else None)
+        limit_kPa = outcome.failure.limit_kPa if outcome.failure else 0.0
+        return outcome
+    finally:
+        if known is not None and case.name == FIRST:
+            known.set(limit_kPa)
+
+
+def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
     experiment = fem.Experiment.of(case.experiment, scene.body, case.end_y_mm, case.force_N)
     material = scene.material
     effects = scene.effects(case.schedule.reference_MPa)
@@ -77,13 +99,15 @@ def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress) -> Ou
     stored = listener.stored_steps(model.space)
     failure = None
     try:
-        options = fem.PathOptions(fem.NewtonOptions(tolerance=scene.config.newton.tolerance))
+        newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
+        options = fem.PathOptions(newton) if known is None else fem.PathOptions(newton, give_up=listener.why_not(known))
         observer = fem.PathObserver(listener.iteration, listener.step_done)
         solution = fem.follow(model, case.schedule.factors, options, observer, resume=stored)
     except fem.NotConverged as ended:
         solution, end = ended.partial, ended.end
         pressure = case.schedule.pressures_kPa[len(solution.steps)]
-        failure = Failure(pressure, failure_in_kPa(end, case), end.cutbacks, end.factorizations)
+        limit_kPa = case.schedule.pressure_at(end.limit) if end.limit else 0.0
+        failure = Failure(pressure, failure_in_kPa(end, case), end.cutbacks, end.factorizations, limit_kPa)
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:
         failure = Failure(case.schedule.pressures_kPa[len(steps)], intersection, 0, 0)
@@ -128,6 +152,10 @@ class _PathListener:
             self.reached += 1
         return steps
 
+    def why_not(self, known: KnownLimit) -> Callable[[float], str]:
+        """Why a load is not worth smaller increments, from what another experiment found."""
+        return lambda factor: known.why_not(self.case.schedule.pressure_at(factor))
+
     def iteration(self, factor: float, iteration: int, residual: float) -> None:
         self.progress.iteration(self.case.name, self._pressure, iteration, residual)
 
@@ -143,7 +171,8 @@ def failure_in_kPa(end: fem.End, case: LoadCase) -> str:
     if case.end_y_mm and end.constant_fraction < 1.0:
         reached += f" with the end moved {end.constant_fraction * case.end_y_mm:.4g} mm"
         target += f" and {case.end_y_mm:g} mm"
-    return f"no equilibrium found beyond {reached} on the way to {target}: {end.cause}"
+    limit = f"the limit is at {case.schedule.pressure_at(end.limit):.4g} kPa; " if end.limit else ""
+    return f"no equilibrium found beyond {reached} on the way to {target}: {limit}{end.cause}"
 
 
 def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:

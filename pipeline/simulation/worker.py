@@ -10,12 +10,14 @@ from typing import Any
 
 from pipeline.processes import SPAWN
 from pipeline.progress import Progress, Silent, ToQueue, relayed
+from pipeline.simulation.known_limit import KnownLimit
 
 
 class _Worker:
-    """The state of this process: who receives its progress. Set once, when the process starts."""
+    """The state of this process: who receives its progress, the limit of II. Set once, when the process starts."""
 
     progress: Progress = Silent()
+    known_limit: KnownLimit | None = None
 
 
 @contextmanager
@@ -27,7 +29,7 @@ def connected(progress: Progress) -> Iterator[Any]:
         yield queue
 
 
-def start_worker(queue: Any) -> None:
+def start_worker(queue: Any, known: KnownLimit | None = None) -> None:
     """Runs first in a worker: interrupts are left to the main process, progress goes into the queue.
 
     A worker whose main process was killed ends as well, or it would write into a folder that another run uses, and
@@ -36,12 +38,17 @@ def start_worker(queue: Any) -> None:
     for interrupt in (signal.SIGINT, signal.SIGHUP):
         signal.signal(interrupt, signal.SIG_IGN)
     threading.Thread(target=_end_with_main_process, daemon=True).start()
-    _Worker.progress = ToQueue(queue)
+    _Worker.progress, _Worker.known_limit = ToQueue(queue), known
 
 
 def worker_progress() -> Progress:
     """The listener of this worker."""
     return _Worker.progress
+
+
+def known_limit() -> KnownLimit | None:
+    """What experiment II tells the others; None where it is not solved."""
+    return _Worker.known_limit
 
 
 def _end_with_main_process() -> None:

@@ -1,0 +1,177 @@
+"""Which part of the way to a target is tried next."""
+
+from dataclasses import dataclass, field
+from typing import final
+
+import numpy as np
+
+#: iterations of a quick increment, after which the next one is twice as large
+QUICK_ITERATIONS = 8
+#: where an increment to a load has failed, this fraction of it is small enough to try the same load once more
+RETRY = 0.25
+#: largest number of increments that fail on the way to one target, and that are tried; the hard cases need 20 and 60
+MAX_CUTBACKS, MAX_INCREMENTS = 40, 200
+#: how accurately a limit is named that the path announces: distance between the last equilibrium and the lowest load
+#: without one, as a fraction of the load
+LIMIT_ACCURACY = 0.01
+#: largest increment that may lose the stability, as a fraction of the way and of the load
+STABLE_INCREMENT, STABLE_INCREMENT_LOAD = 1 / 16, 0.02
+#: distance within which an announced limit is near, as a fraction of the load
+NEAR = 0.1
+#: how far an increment may pass an announced limit, over the distance to the limit; and as a fraction of the load
+PASSED, PASSED_LOAD = 4.0, 0.02
+#: smallest increment on the way to an announced limit, over the accuracy
+SMALLEST_NEAR_LIMIT = 1 / 4
+
+
+@final
+@dataclass
+class Increments:
+    """Increments on the way from one value of the driven quantity to the next target, as fractions of this way.
+
+    The whole way is tried first. An increment that fails is halved, one that converges quickly is doubled. Where the
+    path announces a limit, the next increment ends shortly before or shortly behind it.
+    """
+
+    start: float  #: value of the driven quantity where the way begins
+    target: float
+    smallest: float
+    reached: float = 0.0
+    cutbacks: int = 0
+    limit: float | None = None  #: value at which the path announces its end
+    _limit_before: float | None = None  #: the same, one equilibrium earlier
+    _tried: int = 0
+    _increment: float = 1.0
+    _failed: float = field(default=np.inf)  #: the lowest fraction that was not reached
+    _distance: float = 0.0  #: from how far
+    _unstable: bool = False  #: whether there was no stable equilibrium
+    _inverted: bool = False  #: whether there was one in which an element is turned inside out
+
+    @property
+    def next(self) -> float:
+        """The fraction to be tried."""
+        fraction = min(1.0, self.reached + self._increment)
+        limit = self._limit_fraction
+        if limit is None or limit >= min(fraction, self._failed):
+            return fraction
+        if self._failed == np.inf and self._may_pass(fraction):
+            return fraction
+        is_near = limit - self.reached <= self._accuracy / 2
+        fraction = limit + self._accuracy / 2 if is_near else limit
+        if fraction < self._failed:
+            return min(1.0, fraction)
+        return (self.reached + self._failed) / 2
+
+    @property
+    def is_small(self) -> bool:
+        """Whether the next increment is small enough to pass a point where the path loses its stability.
+
+        Near a sharp bend of the path a smaller one stays on the stable part.
+        """
+        increment = self.next - self.reached
+        largest = min(STABLE_INCREMENT, self._load_fraction(STABLE_INCREMENT_LOAD))
+        return increment <= max(self.smallest, largest)
+
+    @property
+    def passes_limit(self) -> bool:
+        """Whether the next increment ends at an announced limit or beyond it."""
+        limit = self._limit_fraction
+        return limit is not None and self.next >= limit
+
+    @property
+    def nears_limit(self) -> bool:
+        """Whether the next increment goes a good part of the way to an announced limit that is near."""
+        limit = self._limit_fraction
+        if limit is None:
+            return False
+        distance = limit - self.reached
+        return distance <= self._load_fraction(NEAR) and self.next >= self.reached + distance / 4
+
+    @property
+    def may_pass_limit(self) -> bool:
+        """Whether an equilibrium found with the next increment is near enough to an announced limit to be trusted."""
+        return self._may_pass(self.next)
+
+    def _may_pass(self, fraction: float) -> bool:
+        limit, increment = self._limit_fraction, fraction - self.reached
+        if limit is None:
+            return True
+        return increment <= max(PASSED * (limit - self.reached), self._load_fraction(PASSED_LOAD))
+
+    def accepted(self, fraction: float, iterations: int, limit: float | None) -> None:
+        """An equilibrium was found there in so many iterations; `limit` is the value at which the path now ends."""
+        self._tried += 1
+        placed = fraction < min(1.0, self.reached + self._increment)
+        self.reached, self.limit, self._limit_before = fraction, limit, self.limit
+        if not placed and iterations <= QUICK_ITERATIONS:
+            self._increment *= 2.0
+        is_close = self._failed - self.reached <= RETRY * self._distance
+        if self.reached >= self._failed or (is_close and not self.limit_is_confirmed):
+            self._failed = np.inf
+        elif self.reached + self._increment >= self._failed and not is_close:
+            self._increment = (self._failed - self.reached) / 2
+
+    def failed(self, fraction: float, unstable: bool, inverted: bool = False) -> None:
+        """None was found there, or no stable one, or one in which an element is turned inside out."""
+        self.cutbacks, self._tried = self.cutbacks + 1, self._tried + 1
+        self._failed, self._distance = fraction, fraction - self.reached
+        self._unstable, self._inverted = unstable, inverted
+        self._increment = self._distance / 2
+
+    @property
+    def ended(self) -> bool:
+        """Whether no smaller increment is worth trying."""
+        if self.is_confirmed_or_exhausted:
+            return True
+        if self._inverted and self._distance <= self._load_fraction(LIMIT_ACCURACY):
+            return True
+        smallest = self.smallest
+        if self._limit_fraction is not None:
+            smallest = min(smallest, self._accuracy * SMALLEST_NEAR_LIMIT)
+        return self._increment < smallest
+
+    @property
+    def is_confirmed_or_exhausted(self) -> bool:
+        """Whether the path ended at the limit that it announced, or enough increments were tried."""
+        return self.cutbacks >= MAX_CUTBACKS or self._tried >= MAX_INCREMENTS or self.limit_is_confirmed
+
+    @property
+    def limit_is_confirmed(self) -> bool:
+        """Whether there is no stable equilibrium closely behind the last one, where the path announces its limit."""
+        limit = self._limit_fraction
+        if limit is None or not (self._unstable or self._limit_is_settled):
+            return False
+        return self._failed - self.reached <= self._accuracy and not self._is_doubtful
+
+    @property
+    def _is_doubtful(self) -> bool:
+        """Whether a limit is announced beyond the load that failed, which may have failed because it was too far."""
+        limit = self._limit_fraction
+        return limit is not None and limit > self._failed + (
+            self._accuracy if self._distance <= self._accuracy else 0.0
+        )
+
+    @property
+    def _limit_is_settled(self) -> bool:
+        """Whether the limit that is announced now is the one that was announced before."""
+        if self.limit is None or self._limit_before is None:
+            return False
+        return abs(self.limit - self._limit_before) <= LIMIT_ACCURACY * abs(self.limit)
+
+    @property
+    def _limit_fraction(self) -> float | None:
+        """Of the announced limit; None where there is none ahead."""
+        if self.limit is None or self.target == self.start:
+            return None
+        fraction = (self.limit - self.start) / (self.target - self.start)
+        return fraction if fraction > self.reached else None
+
+    @property
+    def _accuracy(self) -> float:
+        """Of the limit, as a fraction of the way."""
+        return self._load_fraction(LIMIT_ACCURACY)
+
+    def _load_fraction(self, part: float) -> float:
+        """A part of the present load, as a fraction of the way."""
+        way = self.target - self.start
+        return part * abs((self.start + self.reached * way) / way) if way else 0.0

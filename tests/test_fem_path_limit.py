@@ -1,0 +1,126 @@
+"""The path near a limit point: where it is announced, what is a jump, which increments are tried."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bodies import box
+from loads import Traction
+
+from fem import Fixed, Model, StVenantKirchhoff, follow
+from fem.equations.state import State
+from fem.path.increments import LIMIT_ACCURACY, MAX_CUTBACKS, MAX_INCREMENTS, Increments
+from fem.path.limit import announced_limit, way_between
+from fem.path.predictor import PathPoint
+
+LIMIT = 3.0
+
+
+def state(value: float) -> State:
+    """A state of one node and one stress point that are both as large as the value."""
+    return State(0.0, np.full((1, 3), value), np.zeros(0), np.full((1, 1, 6), value), np.zeros((1, 1, 6)))
+
+
+def fold(at: float, regular: float = 0.0) -> PathPoint:
+    """A point of the path u = regular * p - sqrt(LIMIT - p), which ends at the limit."""
+    root = np.sqrt(LIMIT - at)
+    return PathPoint(at, 1.0, state(regular * at - root), rate=state(regular + 0.5 / root))
+
+
+def line(at: float, offset: float = 0.0) -> PathPoint:
+    return PathPoint(at, 1.0, state(at + offset), rate=state(1.0))
+
+
+def test_a_fold_is_announced_where_it_is() -> None:
+    assert announced_limit(fold(1.0), fold(2.0)) == pytest.approx(LIMIT)
+    assert announced_limit(line(1.0), line(2.0)) is None
+    near, nearer = (announced_limit(fold(a, 0.5), fold(b, 0.5)) for a, b in ((1.0, 2.0), (2.9, 2.99)))
+    assert near is not None
+    assert nearer is not None
+    assert abs(nearer - LIMIT) < 0.01 < abs(near - LIMIT)
+
+
+def test_the_mean_rate_stands_for_one_that_is_not_known() -> None:
+    announced = announced_limit(replace(fold(2.0), rate=None), fold(2.9))
+    assert announced == pytest.approx(LIMIT, abs=0.2)
+    assert announced_limit(fold(2.0), replace(fold(2.9), rate=None)) is None
+
+
+def test_a_way_longer_than_its_rates_is_a_jump() -> None:
+    for before, last in ((line(1.0), line(2.0)), (fold(1.0), fold(2.9))):
+        way = way_between(before, last)
+        assert way is not None
+        assert not way.is_jump
+    jump = way_between(line(1.0), line(2.0, offset=0.5))
+    assert jump is not None
+    assert jump.is_jump
+    assert jump.length == pytest.approx(1.5)
+    straight = way_between(line(1.0), line(2.0))
+    assert straight is not None
+    assert straight.is_straight
+    assert way_between(replace(line(1.0), rate=None), line(2.0)) is None
+
+
+def searched(limit: float, target: float, solvable: float) -> tuple[Increments, list[float]]:
+    """The increments towards a target of which the loads up to `solvable` have an equilibrium, and what was tried."""
+    increments, tried = Increments(0.0, target, 1 / 256), []
+    before = fold(0.0)
+    while True:
+        fraction = increments.next
+        value = fraction * target
+        tried.append(value)
+        if value < solvable:
+            last = fold(value) if value < limit else line(value)
+            increments.accepted(fraction, 3, announced_limit(before, last))
+            before = last
+            if fraction == 1.0:
+                return increments, tried
+        else:
+            increments.failed(fraction, unstable=True)
+        if increments.is_confirmed_or_exhausted or (value >= solvable and increments.ended):
+            return increments, tried
+
+
+@pytest.mark.parametrize("target", [3.1, 4.0, 10.0, 30.0, 300.0])
+def test_few_increments_find_a_limit_from_any_target(target: float) -> None:
+    increments, tried = searched(LIMIT, target, LIMIT)
+    assert increments.limit == pytest.approx(LIMIT)
+    assert increments.limit_is_confirmed
+    assert LIMIT * (1 - LIMIT_ACCURACY) < increments.reached * target < LIMIT
+    assert len(tried) <= 16
+
+
+def test_a_limit_that_is_announced_and_passed_does_not_end_the_path() -> None:
+    """The rates grow as if the path ended at the limit, but it goes on."""
+    increments, tried = searched(LIMIT, 10.0, 11.0)
+    assert increments.reached == 1.0
+    assert len(tried) < 12
+
+
+def test_the_search_ends_whatever_happens() -> None:
+    slow = Increments(0.0, 1.0, 1e-9)
+    count = 0
+    while not slow.is_confirmed_or_exhausted:
+        fraction = slow.next
+        if count % 2:
+            slow.accepted(fraction, 9, None)
+        else:
+            slow.failed(fraction, unstable=False)
+        count += 1
+    assert slow.cutbacks <= MAX_CUTBACKS
+    assert count <= MAX_INCREMENTS
+
+
+def test_a_bifurcation_is_passed_where_the_path_goes_straight_on() -> None:
+    """A column under 1.5 times Euler's load stays straight, unstable in two directions, in one increment."""
+    length = 16.0
+    euler = np.pi**2 / 12 / (4 * length**2)
+    compression = Traction("right", lambda x: np.broadcast_to([-euler, 0.0, 0.0], x.shape))
+    model = Model(
+        box((16, 1, 1), (length, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.0), [Fixed("left")], [compression], "p2"
+    )
+    stable, unstable = follow(model, [0.5, 1.5]).steps
+    assert stable.negative_pivots == 0
+    assert unstable.negative_pivots == 2
+    assert unstable.cutbacks == 0
+    assert "unstable in 2 directions" in unstable.instability
