@@ -28,8 +28,8 @@ class Experiment:
     """One experiment on a body. Forces, couples and moments are those of the whole body, also where half is meshed.
 
     I: free, rigid motion removed by three nodal constraints that carry no force; II: clamped at x = 0; III: clamped,
-    and u_y of the edge x = l on the material curve prescribed; dead: clamped, and a force of constant direction spread
-    over that edge.
+    and u_y, u_x or both of the edge x = l on the material curve prescribed, with a force of constant direction spread
+    over that edge along the other axes; dead: clamped, and such a force along both.
     """
 
     name: str
@@ -37,27 +37,39 @@ class Experiment:
     supports: tuple[Support, ...]
     edge: Line  #: of the end on the material curve: x = l, y = curve_y, by increasing z
     curve: Line  #: the material curve, by increasing x
-    force: tuple[float, float]  #: N, the dead force on the end; zero in I, II and III
+    force: tuple[float, float]  #: N, the dead force on the end; zero in I and II and where u_x or u_y is prescribed
 
     @classmethod
-    def of(cls, name: str, body: Body, end_y: float, force: tuple[float, float] = (0.0, 0.0)) -> "Experiment":
+    def of(
+        cls,
+        name: str,
+        body: Body,
+        end_y: float | None,
+        force: tuple[float, float] = (0.0, 0.0),
+        end_x: float | None = None,
+    ) -> "Experiment":
         """Experiment "I", "II", "III" or "dead" on `body`.
 
-        end_y: u_y of the end in III, mm; force: that of dead, N. Both are applied in full from the first target on.
-        Raises ValueError for other names.
+        end_x, end_y: displacements of the end in III, mm, None for one that is free; force: that of dead, and in III
+        along the axes whose displacement is free, N. All are applied in full from the first target on. Raises
+        ValueError for other names, and for a force in III along an axis whose displacement is prescribed.
         """
         if name not in NAMES:
             raise ValueError(f"experiment {name!r}: allowed are {', '.join(NAMES)}")
         curve = Line(body.mesh.points[body.curve_vertices])
         edge = Line(body.edge("tip"))
         plane = (Fixed("sym", "z"),) if body.half else ()
+        held = {axis: value for axis, value in (("x", end_x), ("y", end_y)) if value is not None}
+        if name == "III" and any(component for axis, component in zip("xy", force, strict=True) if axis in held):
+            raise ValueError("the end has either a displacement or a force along an axis, not both")
         supports: dict[str, tuple[Support, ...]] = {
             "I": _against_rigid_motion(curve.vertices, body),
             "II": (Fixed("clamp"),),
-            "III": (Fixed("clamp"), Prescribed(edge, "y", end_y, ramp=False)),
+            "III": (Fixed("clamp"), *(Prescribed(edge, axis, value, ramp=False) for axis, value in held.items())),
             "dead": (Fixed("clamp"),),
         }
-        return cls(name, body, (*plane, *supports[name]), edge, curve, force if name == "dead" else (0.0, 0.0))
+        acting = force if name in ("III", "dead") else (0.0, 0.0)
+        return cls(name, body, (*plane, *supports[name]), edge, curve, acting)
 
     def model(self, material: Material, effects: Sequence[Effect], formulation: str) -> Model:
         """The model of this experiment."""
@@ -84,10 +96,12 @@ class Experiment:
         return np.asarray(step.positions[nodes_at(self.curve.vertices[-1], step.space)[0]])
 
     def end_force(self, step: Step) -> Array:
-        """(2,) force on the end of the whole body, N: of the support in III, the dead force otherwise."""
-        if self.name == "III":
-            return self.symmetry_factor * step.reaction(self.edge)[:2]
-        return np.array(self.force)
+        """(2,) force on the end of the whole body, N: in III of the support and the dead force, else the latter."""
+        return self._support_force(step) + np.array(self.force)
+
+    def _support_force(self, step: Step) -> Array:
+        """(2,) N, of the support of the end on the whole body."""
+        return self.symmetry_factor * step.reaction(self.edge)[:2] if self.name == "III" else np.zeros(2)
 
     def end_couple(self, step: Step) -> float:
         """Moment of the end force about the curve's end, about z, N mm.
@@ -100,13 +114,13 @@ class Experiment:
         if self.name == "III":
             force = step.gradient[nodes]
         for dead in self._dead_force():
-            force = dead.where.nodal_weights(step.space)[:, None] * np.asarray(dead.force)
+            force = force + dead.where.nodal_weights(step.space)[:, None] * np.asarray(dead.force)
         return self.symmetry_factor * float(np.sum(lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]))
 
     def clamp_force(self, step: Step) -> Array:
         """(2,) force of the clamp on the whole body, N; in I that of the nodal constraints, which must vanish."""
         force = step.gradient[:, :2].sum(axis=0) * self.symmetry_factor
-        return np.asarray(force - self.end_force(step) if self.name == "III" else force)
+        return np.asarray(force - self._support_force(step))
 
     def clamp_moment(self, step: Step) -> float:
         """Moment of the clamp's forces on the whole body about the curve's start, about z, N mm."""

@@ -5,6 +5,7 @@ import pytest
 
 from fem import Experiment, LineForce, StVenantKirchhoff, follow
 from fem.discretisation import Discretisation
+from fem.supports import nodes_at
 from geometry import PneuNet
 
 FORCE = (0.01, 0.05)
@@ -48,3 +49,34 @@ def test_without_a_force_the_fourth_experiment_is_the_second(short) -> None:
     assert Experiment.of("II", short, 0.0, FORCE).force == (0.0, 0.0)
     with pytest.raises(ValueError, match="allowed are"):
         Experiment.of("IV", short, 0.0)
+
+
+@pytest.mark.parametrize("formulation", ["p2p0", "p1"])
+def test_the_end_is_held_along_one_axis_and_loaded_along_the_other(short, formulation: str) -> None:
+    experiment = Experiment.of("III", short, 0.4, (FORCE[0], 0.0))
+    step = follow(experiment.model(StVenantKirchhoff(1.2, 0.4), [], formulation), [0.5, 1.0]).steps[-1]
+    force, end = experiment.end_force(step), experiment.end(step)
+    assert force[0] == pytest.approx(FORCE[0], rel=1e-6)
+    assert end[1] - experiment.curve.vertices[-1, 1] == pytest.approx(0.4)
+    assert experiment.clamp_force(step) == pytest.approx(-force, rel=1e-6)
+    start = experiment.curve.vertices[0]
+    moment = (end[0] - start[0]) * force[1] - (end[1] - start[1]) * force[0]
+    assert experiment.clamp_moment(step) == pytest.approx(-moment - experiment.end_couple(step), rel=1e-6)
+
+
+def test_the_end_held_where_a_force_put_it_needs_that_force(short) -> None:
+    """But for the edge, which stays straight where it is held and bends under the force: 0.001 N along the arm."""
+    material, force = StVenantKirchhoff(1.2, 0.4), (0.3, 0.05)
+    dead = Experiment.of("dead", short, 0.0, force)
+    loaded = follow(dead.model(material, [], "p2p0"), [1.0]).steps[-1]
+    edge = loaded.displacement[nodes_at(dead.edge, loaded.space)][:, :2]
+    x, y = dead.edge.nodal_weights(loaded.space) @ edge  # on which the force does its work
+    held = Experiment.of("III", short, y, end_x=x)
+    step = follow(held.model(material, [], "p2p0"), [1.0]).steps[-1]
+    assert held.end_force(step) == pytest.approx(force, rel=5e-3)
+    assert held.clamp_force(step) == pytest.approx(-held.end_force(step), rel=1e-6)
+
+
+def test_a_force_along_an_axis_on_which_the_end_is_held_is_refused(short) -> None:
+    with pytest.raises(ValueError, match="either a displacement or a force"):
+        Experiment.of("III", short, 0.4, FORCE)

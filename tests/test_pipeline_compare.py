@@ -35,7 +35,9 @@ def record(experiment: str, rod: Rod, **loads) -> Record:
     x, y = shape.positions(S).T
     load = Load((float(shape.force[0]), float(shape.force[1])))
     empty = np.zeros((0, 3))
-    return Record(summary(experiment), Centreline(S, x, y), load, empty, {}, (), Seconds())
+    return Record(
+        summary(experiment), Centreline(S, x, y), load, empty, {}, (), Seconds(), (False, experiment == "III")
+    )
 
 
 def row_of(compared: Rods, solid: Record, load: str = "", rod: str = FIVE) -> dict[str, Any]:

@@ -11,7 +11,7 @@ import fem
 from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
-from pipeline.config.config import AUTO, Config, Validation
+from pipeline.config.config import AUTO, Config, End, IdentificationSettings, Validation
 from pipeline.config.load import load_config
 from pipeline.config.schema import EFFECTS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
@@ -59,9 +59,9 @@ def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
 
 def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> None:
     record = load_config(configs / "pneunet_coarse.yaml", ["effects.self_contact={dhat: 0.1 mm}"]).record()
-    keys = ["name", "geometry", "material", "pressures_kPa", "experiments", "end", "added_pressures", "validation"]
-    assert list(record) == [*keys, "law", "mesh", "newton", "accuracy", "effects"]
-    assert record["end"] == {"y_mm": 0.0}
+    keys = ["name", "geometry", "material", "pressures_kPa", "experiments", "end", "identification"]
+    assert list(record) == [*keys, "added_pressures", "validation", "law", "mesh", "newton", "accuracy", "effects"]
+    assert record["end"] == {"x_mm": None, "y_mm": 0.0, "force_N": [0.0, 0.0]}
     assert record["mesh"] == {"size_mm": 4.0, "formulation": "p2p0", "coarser": None, "grading": "off"}
     effects = record["effects"]
     assert isinstance(effects, dict)
@@ -181,7 +181,7 @@ SPOILT = [
     ("[17 kPa, 37 kPa]", "17 kPa", "pressures", "must be a list, for example [17 kPa, 37 kPa]"),
     ("[17 kPa, 37 kPa]", "[17 kPa, 37]", "pressures[2]", "37 has no unit"),
     ("y: 0 mm", "y: 0", "end.y", "0 has no unit"),
-    ("y: 0 mm", "z: 0 mm", "end.z", "unknown key; allowed here: y"),
+    ("y: 0 mm", "z: 0 mm", "end.z", "unknown key; allowed here: x, y"),
     ("formulation: p2p0", "formulation: p7", "mesh.formulation", "'p7' is not allowed; allowed: p2p0, p2, mixed or p1"),
     ("self_contact: auto", "self_contact: never", "effects.self_contact", "allowed: auto, on or off"),
     ("self_contact: auto", "friction: on", "effects.friction", "unknown key; allowed here: pressure, self_contact"),
@@ -395,6 +395,50 @@ def test_a_load_between_the_pressures_with_the_end_elsewhere_is_part_of_every_ru
     single = load_config(coarse, ["pressures=[17 kPa]"]).validation
     assert (single.pressures_kPa, single.end_y_mm) == ((17.0,), (11.2,))
     assert load_config(coarse, ["validation=off"]).validation == Validation((), (), ())
+
+
+@pytest.mark.parametrize(
+    ("written_end", "end"),
+    [
+        ("{}", End()),
+        ("{y: 5 mm}", End(y_mm=5.0)),
+        ("{x: 0.7 mm}", End(x_mm=0.7, y_mm=0.0)),
+        ("{x: 0.7 mm, y: -1 mm}", End(0.7, -1.0)),
+        ("{x: 0.175 N}", End(None, 0.0, (0.175, 0.0))),
+        ("{x: 175 mN, y: 0.07 N}", End(None, None, (0.175, 0.07))),
+        ("{x: 0.7 mm, y: 0 N}", End(0.7, None)),
+    ],
+)
+def test_the_end_has_a_displacement_or_a_force_along_each_axis(configs: Path, written_end: str, end: End) -> None:
+    assert load_config(configs / "pneunet_coarse.yaml", [f"end={written_end}"]).end == end
+
+
+def test_a_given_d_and_a_reference_weight_are_read(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    own = load_config(coarse)
+    assert own.identification == IdentificationSettings()
+    assert own.mass_tonne is not None
+    assert own.reference_weight == (pytest.approx(9810.0 * own.mass_tonne), "this arm")
+    given = load_config(coarse, ["identification={d: 1.4 cm, weight: 0.42 N, weight_of: arm of 11 chambers}"])
+    assert given.identification.d_mm == pytest.approx(14.0)
+    assert given.reference_weight == (0.42, "arm of 11 chambers")
+
+
+@pytest.mark.parametrize(
+    ("override", "said"),
+    [
+        (
+            "end.x=0.1",
+            "0.1 has no unit; write a length with its unit, for example '4 mm', or a force, for example '0.05 N'",
+        ),
+        ("end.y=1 kPa", "or a force, for example '0.05 N'"),
+        ("identification.d=112 mm", "112 mm is not on the arm; allowed: below its length, 112 mm"),
+        ("identification.d=0 mm", "allowed: above zero"),
+        ("identification.weight_of=another arm", "names a weight that is missing; give weight as well"),
+    ],
+)
+def test_an_end_or_an_identification_that_makes_no_sense_is_refused(configs: Path, override: str, said: str) -> None:
+    assert said in refusal(configs / "pneunet_coarse.yaml", override)
 
 
 def test_a_run_makes_both_laws_unless_the_configuration_names_one(configs: Path) -> None:

@@ -36,7 +36,7 @@ def record(pressure: float, stress_error: float = 0.1, factorizations: int = 3) 
         remark="",
     )
     spent = Seconds(assembly=1.0, factorization=2.0, effects={"pressure": 0.25, "self_contact": 0.5})
-    return Record(summary, CURVE, Load(), np.zeros((2, 3)), {}, ("pressure",), spent)
+    return Record(summary, CURVE, Load(), np.zeros((2, 3)), {}, ("pressure",), spent, (False, False))
 
 
 def outcome(name: str, *records: Record, failure: Failure | None = None) -> Outcome:

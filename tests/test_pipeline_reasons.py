@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from fem import End
+from pipeline.config.config import End as ArmEnd
 from pipeline.simulation.loadcase import LoadCase, PressureSchedule
 from pipeline.simulation.simulate import failure_in_kPa
 
@@ -10,9 +11,14 @@ from pipeline.simulation.simulate import failure_in_kPa
 def test_where_a_path_ended_in_the_units_of_the_configuration() -> None:
     end = End("load factor", 1.0, 0.4, 0.5, 3, 40, "no luck")
     schedule = PressureSchedule((45.0,), 45.0)
-    free, held = LoadCase("II", "II", schedule), LoadCase("III", "III", schedule, end_y_mm=-30.0)
+    free, held, drawn = (
+        LoadCase(name, name, schedule, at_end)
+        for name, at_end in (("II", ArmEnd()), ("III", ArmEnd(y_mm=-30.0)), ("III", ArmEnd(force_N=(0.2, 0.0))))
+    )
     assert failure_in_kPa(end, free) == "no equilibrium found beyond 18 kPa on the way to 45 kPa: no luck"
     assert failure_in_kPa(end, held) == (
-        "no equilibrium found beyond 18 kPa with the end moved -15 mm on the way to 45 kPa and -30 mm: no luck"
+        "no equilibrium found beyond 18 kPa with 50 % of u_y = -30 mm at the end on the way to 45 kPa with all of it: "
+        "no luck"
     )
-    assert "moved" not in failure_in_kPa(replace(end, constant_fraction=1.0), held)
+    assert "50 % of F_x = 0.2 N at the end" in failure_in_kPa(end, drawn)
+    assert "at the end" not in failure_in_kPa(replace(end, constant_fraction=1.0), held)

@@ -8,6 +8,7 @@ import pytest
 from pipeline.report.numbers import Cell, eccentricity, estimators, linear_range, observations
 from pipeline.report.page import render_report
 from pipeline.report.results import Results, read_results
+from pipeline.report.sentences import third_experiment
 from pipeline.report.validation import (
     beyond_identified,
     law_rows,
@@ -182,3 +183,23 @@ def test_the_simplest_law_is_named(tmp_path: Path) -> None:
     assert simplest_laws(given) == [
         "At 17 kPa the simplest law that predicts the other loads as well as any is “one line” with 2 numbers."
     ]
+
+
+@pytest.mark.parametrize(
+    ("end", "words"),
+    [
+        ({"x_mm": None, "y_mm": 0.0, "force_N": [0.0, 0.0]}, "the height of the end held"),
+        ({"y_mm": 0.0}, "the height of the end held"),
+        ({"x_mm": 0.7, "y_mm": 0.0, "force_N": [0.0, 0.0]}, "the end held"),
+        (
+            {"x_mm": None, "y_mm": 0.0, "force_N": [0.175, 0.0]},
+            "the height of the end held and a force F_x = 0.175 N on the end",
+        ),
+        ({"x_mm": None, "y_mm": None, "force_N": [0.175, 0.07]}, "a force F_x = 0.175 N, F_y = 0.07 N on the end"),
+        ({"x_mm": 0.7, "y_mm": None, "force_N": [0.0, 0.0]}, "the end held along the arm"),
+    ],
+)
+def test_the_report_says_what_the_end_has_in_the_third_experiment(
+    tmp_path: Path, end: dict[str, object], words: str
+) -> None:
+    assert third_experiment(results(tmp_path, run={"config": {"end": end}})) == words

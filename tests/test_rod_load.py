@@ -39,10 +39,26 @@ def test_a_heavy_column_buckles_under_the_weight_of_greenhill() -> None:
         column.under(Load(weight=(-7.85, 0.0)))
 
 
-def test_a_held_end_takes_the_couple_but_not_the_force() -> None:
-    held = ARM.under(Load((5.0, 5.0), couple=0.5), end_y=10.0)
+def test_a_held_end_takes_the_couple_but_no_force_along_the_axis_on_which_it_is_held() -> None:
+    held = ARM.under(Load((0.0, 5.0), couple=0.5), end_y=10.0)
     assert held.y[-1] == pytest.approx(10.0)
     assert held.force == pytest.approx(ARM.solve(end_y=10.0, moment=0.5).force)
+
+
+def test_the_end_held_where_a_force_put_it_needs_that_force() -> None:
+    """With both coordinates held, and with one of them and the force along the other."""
+    force = (0.3, 0.7)
+    free = ARM.solve(force)
+    x, y = float(free.x[-1]), float(free.y[-1])
+    for load, end_x, end_y in (
+        (Load(), x, y),
+        (Load((9.0, 9.0)), x, y),
+        (Load((0.3, 0.0)), None, y),
+        (Load((0.0, 0.7)), x, None),
+    ):
+        held = ARM.under(load, end_y=end_y, end_x=end_x)
+        assert (held.x[-1], held.y[-1]) == pytest.approx((x, y), abs=1e-6)
+        assert held.force == pytest.approx(force, rel=1e-5)
 
 
 @pytest.mark.parametrize(

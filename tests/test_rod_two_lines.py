@@ -111,6 +111,28 @@ def test_profile_over_d_is_kept_and_lowest_at_d():
     assert 0.2 <= narrow.law.d / 112.0 <= 0.3
 
 
+@pytest.mark.parametrize("law", [MEETING, STEP])
+def test_a_given_d_is_that_of_the_law_and_the_other_numbers_are_the_best_with_it(law):
+    data = by_cells(SyntheticArm(law))
+    sought, found = (identify(*data, d=d, bootstrap=Bootstrap(20)) for d in (None, law.d))
+    assert found.law.d == law.d
+    assert (found.d.std, found.d.low, found.d.high) == (0.0, law.d, law.d)
+    assert found.law.alpha2 == pytest.approx(law.alpha2, rel=2e-3)
+    assert found.law.alpha1 == pytest.approx(law.alpha1, rel=0.05)
+    assert not sought.d_given
+    elsewhere = identify(*data, d=30.0, bootstrap=Bootstrap(2))
+    assert (elsewhere.law.d, elsewhere.two_lines) == (30.0, True)
+    assert elsewhere.r2 < found.r2
+
+
+def test_two_lines_are_used_where_their_d_is_given_though_one_would_do():
+    data = by_cells(SyntheticArm(ONE))
+    assert not identify(*data, bootstrap=Bootstrap(2)).two_lines
+    given = identify(*data, d=11.0, bootstrap=Bootstrap(2))
+    assert given.two_lines
+    assert (given.law.alpha1, given.law.alpha2) == pytest.approx((200.0, 200.0), rel=0.05)
+
+
 def test_same_seed_same_intervals():
     data = by_cells(SyntheticArm(STEP, noise=0.003))
     first, again, other = (identify(*data, bootstrap=Bootstrap(40, k)).alpha2 for k in (1, 1, 2))
@@ -145,6 +167,7 @@ DATA = by_cells(SyntheticArm(STEP))
         ),
         (lambda f, b, m: identify(f, b, Moment(m.s, -m.value)), r"Curvature falls where the moment grows"),
         (lambda f, b, m: identify(f, b, m, breaks=(0.5, 0.2)), r"must rise and lie between 0 and 1; 0\.5 \.\.\. 0\.2"),
+        (lambda f, b, m: identify(f, b, m, d=112.0), r"The break d = 112 mm lies off the rod of 112 mm"),
         (lambda f, b, m: identify(f, b, m, breaks=(0.01, 0.02)), r"No d below 0\.02 of the length"),
         (
             lambda f, b, m: identify(dataclasses.replace(f, pitch=20.0), dataclasses.replace(b, pitch=20.0), m),

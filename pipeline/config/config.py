@@ -23,6 +23,8 @@ State = Literal["auto", "on", "off"]
 #: the laws of the rod: five parameters and the law from one cell, or one of them
 Laws = Literal["both", "five", "cell"]
 LAW_CHOICES: tuple[Laws, ...] = get_args(Laws)
+#: mm/s2, of the weight m g in dimensionless numbers
+STANDARD_GRAVITY = 9810.0
 
 
 class Auto(Enum):
@@ -49,10 +51,33 @@ class Material:
 
 
 @dataclass(frozen=True)
-class End:
-    """The end of the arm in experiment III."""
+class AlongAxis:
+    """What the end has along one axis in experiment III: a displacement, or a force where it is free."""
 
-    y_mm: float  #: its displacement u_y
+    displacement_mm: float | None
+    force_N: float = 0.0  #: zero where the displacement is prescribed
+
+    def __str__(self) -> str:
+        """As it is written in YAML."""
+        return f"{self.force_N:g} N" if self.displacement_mm is None else f"{self.displacement_mm:g} mm"
+
+
+@dataclass(frozen=True)
+class End:
+    """The end of the arm in experiment III: along each axis a displacement or a force of constant direction."""
+
+    x_mm: float | None = None  #: its displacement u_x; None where it is free
+    y_mm: float | None = 0.0  #: its displacement u_y; None where it is free
+    force_N: tuple[float, float] = (0.0, 0.0)  #: zero along an axis whose displacement is prescribed
+
+
+@dataclass(frozen=True)
+class IdentificationSettings:
+    """How the five parameters are identified, and with which weight they are made dimensionless."""
+
+    d_mm: float | None = None  #: the break of the two lines; None: it is sought
+    weight_N: float | None = None  #: m g of the reference arm; None: of this arm, if its density is known
+    weight_of: str = ""  #: what that arm is called; empty for this one
 
 
 @dataclass(frozen=True)
@@ -213,6 +238,7 @@ class Config:
     pressures_kPa: tuple[float, ...]  #: ascending
     experiments: tuple[str, ...]  #: II, III, and I where it is solved
     end: End
+    identification: IdentificationSettings
     added_pressures: int  #: how many may be added where alpha(p) or kappa_0(p) is not straight
     validation: Validation
     law: Laws
@@ -235,6 +261,14 @@ class Config:
         sections = {key: _record(getattr(self, key)) for key in _SECTIONS}
         mesh = {key: value for key, value in asdict(self.mesh).items() if key != "chosen"}
         return {"name": self.name, **special, **sections, "mesh": _record(mesh)}
+
+    @property
+    def reference_weight(self) -> tuple[float, str] | None:
+        """The weight m g (N) with which moments are made dimensionless, and whose it is; None where none is known."""
+        given, mass = self.identification.weight_N, self.mass_tonne
+        if given is not None:
+            return given, self.identification.weight_of or "a reference arm"
+        return None if mass is None else (mass * STANDARD_GRAVITY, "this arm")
 
     @property
     def hash(self) -> str:

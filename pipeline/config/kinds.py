@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from fem.elements import ELEMENTS
 from geometry import GRADINGS, CellPlanes
-from pipeline.config.config import LAW_CHOICES, CavityPressure
+from pipeline.config.config import LAW_CHOICES, AlongAxis, CavityPressure
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert, with_point
 from pipeline.errors import quoted
 
@@ -171,6 +171,17 @@ def _grading(value: Any) -> Any:
     return "off" if value is False else _or_auto(value)
 
 
+def _on_end(value: Any) -> AlongAxis:
+    """A displacement or a force, by its unit."""
+    try:
+        return AlongAxis(convert(value, LENGTH))
+    except ValueError as refused:
+        try:
+            return AlongAxis(None, convert(value, FORCE))
+        except ValueError:
+            raise ValueError(f"{refused}, or a force, for example '{FORCE.example}'") from None
+
+
 def _or_auto(value: Any) -> Any:
     """None for auto, which leaves the choice to the program."""
     return None if value == "auto" else value
@@ -245,6 +256,12 @@ Acceleration = Annotated[
 ]
 Point = Annotated[
     tuple[Length, ...], AfterValidator(_three("[56 mm, 8 mm, 0 mm]")), Field(strict=False, examples=["[56 mm, ...]"])
+]
+OnEnd = Annotated[
+    Any, BeforeValidator(_on_end), Field(examples=["5 mm"]), Written("mm or N", "a displacement, or a force")
+]
+PositiveForce = Annotated[
+    float, _in(FORCE), AfterValidator(_above_zero), Field(examples=["0.4 N"]), Written("N", "above 0")
 ]
 Force = Annotated[tuple[Annotated[float, _in(FORCE)], ...], AfterValidator(_pair), Field(strict=False)]
 #: of the validation loads

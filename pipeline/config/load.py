@@ -19,6 +19,7 @@ from pipeline.config.config import (
     Config,
     Effects,
     End,
+    IdentificationSettings,
     Material,
     MeshSettings,
     Newton,
@@ -60,6 +61,7 @@ def config_of(document: Document) -> Config:
     mesh = _attempt(refusals, _mesh, document, content, design, material)
     effects = _attempt(refusals, _effects, document, design, content.effects)
     validation = _attempt(refusals, _validation, document, content, design.length)
+    _attempt(refusals, _check_identification, document, content.identification, design.length)
     if mesh is None or effects is None or validation is None or refusals:
         raise InputError(*refusals)
     return Config(
@@ -69,7 +71,8 @@ def config_of(document: Document) -> Config:
         material=material,
         pressures_kPa=content.pressures,
         experiments=content.experiments,
-        end=_section(End, content.end),
+        end=_end(content.end),
+        identification=_identification(content.identification),
         added_pressures=content.added_pressures,
         validation=validation,
         law=content.law,
@@ -97,6 +100,15 @@ def _section(kind: type[Section], content: Any) -> Section:
 
 def _without_unit(name: str) -> str:
     return next((name.removesuffix(unit) for unit in UNITS if name.endswith(unit)), name)
+
+
+def _end(content: Any) -> End:
+    """What the end has in III along both axes."""
+    return End(content.x.displacement_mm, content.y.displacement_mm, (content.x.force_N, content.y.force_N))
+
+
+def _identification(content: Any) -> IdentificationSettings:
+    return IdentificationSettings(content.d, content.weight, content.weight_of or "")
 
 
 def _effects(document: Document, design: Design, content: Any) -> Effects:
@@ -130,11 +142,22 @@ def _refused(document: Document, refused: DesignError, dimensions: Iterable[str]
 ELSEWHERE = 0.1
 
 
+def _check_identification(document: Document, content: Any, length: float) -> None:
+    """Refuse a break off the arm, and the name of a weight that is not there."""
+    if content.d is not None and content.d >= length:
+        raise document.wrong(
+            ("identification", "d"), f"{content.d:g} mm is not on the arm; allowed: below its length, {length:g} mm"
+        )
+    if content.weight_of is not None and content.weight is None:
+        raise document.wrong(("identification", "weight_of"), "names a weight that is missing; give weight as well")
+
+
 def _default_validation(content: Any, length: float) -> Validation:
     """One load that nothing is fitted to: in the middle of the widest interval of pressures, the end elsewhere."""
     intervals = list(pairwise(content.pressures))
     low, high = max(intervals, key=lambda interval: interval[1] - interval[0], default=content.pressures * 2)
-    pressure, end = (float(f"{value:.12g}") for value in (0.5 * (low + high), content.end.y + ELSEWHERE * length))
+    at_rest = content.end.y.displacement_mm or 0.0
+    pressure, end = (float(f"{value:.12g}") for value in (0.5 * (low + high), at_rest + ELSEWHERE * length))
     return Validation((pressure,), (end,), (), with_experiments=False)
 
 
@@ -146,9 +169,10 @@ def _validation(document: Document, content: Any, length: float) -> Validation:
     loads, of_run = content.validation, content.pressures
     if not (loads.pressures or loads.end_y or loads.forces):
         return Validation((), (), ()) if loads.state == "off" else _default_validation(content, length)
-    if content.end.y in loads.end_y:
+    end = _end(content.end)
+    if end == End(y_mm=end.y_mm) and end.y_mm in loads.end_y:
         raise document.wrong(
-            ("validation", "end_y"), f"{content.end.y:g} mm is what the numbers are identified with; give others"
+            ("validation", "end_y"), f"{end.y_mm:g} mm is what the numbers are identified with; give others"
         )
     for pressure in loads.pressures or ():
         if not of_run[0] <= pressure <= of_run[-1]:

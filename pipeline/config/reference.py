@@ -56,13 +56,21 @@ class KeyEntry:
 
 def general_keys() -> list[KeyEntry]:
     """All keys outside of geometry, material and the effects."""
-    sections = {"end": schema._End, "mesh": schema._Mesh, "validation": schema._Validation, "newton": schema._Newton}
+    sections = {
+        "end": schema._End,
+        "identification": schema._Identification,
+        "mesh": schema._Mesh,
+        "validation": schema._Validation,
+        "newton": schema._Newton,
+    }
     entries = []
     for entry in _entries(schema._Document, skip=(*sections, "effects")):
         entries.append(entry)
         if entry.key == "pressures":
             entries += [e for name in ("end", "mesh") for e in _entries(sections[name], f"{name}.")]
-    return entries + [e for name in ("newton", "validation") for e in _entries(sections[name], f"{name}.")]
+    return entries + [
+        e for name in ("newton", "identification", "validation") for e in _entries(sections[name], f"{name}.")
+    ]
 
 
 def effect_keys() -> list[KeyEntry]:

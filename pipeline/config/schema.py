@@ -9,6 +9,7 @@ from pydantic import ConfigDict
 
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, MESH_SUFFIXES, SURFACE_SUFFIXES, Axes, CadFile, CellPlanes, MeshFile, SurfaceFile
+from pipeline.config.config import AlongAxis
 from pipeline.config.document import Document
 from pipeline.config.kinds import (
     FROM_STATE,
@@ -30,11 +31,13 @@ from pipeline.config.kinds import (
     Length,
     MeshSize,
     Name,
+    OnEnd,
     OptionalLength,
     Percentage,
     Points,
     PoissonRatio,
     PositiveDensity,
+    PositiveForce,
     PositiveLength,
     PositiveStress,
     Pressures,
@@ -82,7 +85,14 @@ class _ReadyMesh(_Section):
 
 
 class _End(_Section):
-    y: Length = 0.0  #: experiment III: prescribed change of the height of the end relative to rest
+    x: OnEnd = AlongAxis(None)  #: experiment III: [displacement of the end, or force on it](#the-end-in-experiment-iii)
+    y: OnEnd = AlongAxis(0.0)  #: experiment III: the same across the arm, prescribed change of height relative to rest
+
+
+class _Identification(_Section):
+    d: PositiveLength | None = None  #: break of the two lines, [given](identification.md#a-given-d) instead of sought
+    weight: PositiveForce | None = None  #: weight of the arm for the [dimensionless](results.md) M/(m g l); its own
+    weight_of: Text | None = None  #: name of the arm with this weight
 
 
 class _Switch(_Section):
@@ -135,6 +145,7 @@ class _Document(_Section):
     pressures: Pressures = (5.0, 17.0, 31.0, 45.0)  #: pressures of the run
     experiments: Experiments = ("I", "II", "III")  #: II and III give the parameters; I, the free body, may be left out
     end: _End = _End()
+    identification: _Identification = _Identification()
     added_pressures: CountFromZero = 0  #: how many may be [added](identification.md#linearity-in-the-pressure)
     validation: Annotated[_Validation, FROM_STATE] = _Validation()
     law: LawChoice = "both"  #: law of the rod: five parameters, the [arm's own law](cell.md), or both

@@ -33,7 +33,7 @@ def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes, other_ro
     if sentence := too_few_pitches(scene.body.length, scene.body.pitch):
         reason = f"no five parameters: {sentence.removesuffix('.')}"
         return Identified(outcomes, (), () if other_rod else (reason,), (reason,) if other_rod else ())
-    parameters, refused = identify_all(outcomes, scene.body.pitch)
+    parameters, refused = identify_all(outcomes, scene.body.pitch, scene.config.identification.d_mm)
     outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)
     if parameters or other_rod:
         return Identified(outcomes, parameters, not_added, refused)
@@ -78,7 +78,8 @@ def with_added_pressures(
         if stopped:
             return outcomes, parameters, tuple(stopped)
         outcomes = outcomes.merged(more)
-        new, refused = identify_all(more.with_records(lambda records: records[-1:]), scene.body.pitch)
+        newest = more.with_records(lambda records: records[-1:])
+        new, refused = identify_all(newest, scene.body.pitch, scene.config.identification.d_mm)
         if refused:
             return outcomes, parameters, refused
         parameters = tuple(sorted((*parameters, *new), key=lambda p: p.pressure_kPa))

@@ -39,7 +39,7 @@ def with_mesh_error(
     except InputError as failure:
         return parameters, f"the mesh {factor:g} times as coarse cannot be made: {failure}"
     pressures = schedule(config, tuple(p.pressure_kPa for p in parameters))
-    cases = [LoadCase(f"coarser_{name}", name, pressures, config.end.y_mm) for name in ("III", "II")]
+    cases = [LoadCase(f"coarser_{name}", name, pressures, config.end) for name in ("III", "II")]
     outcomes = simulate(scene, context, cases)
     free, loaded = outcomes["coarser_II"], outcomes["coarser_III"]
     coarse: list[dict[str, float] | None] = []
@@ -112,7 +112,10 @@ def _numbers(fine: Parameters, free: Record | None, loaded: Record | None) -> di
     """
     if free is None or loaded is None:
         return None
-    coarse, measured = numbers_of_cells(free, loaded, fine.kappa.pitch), _measured(free, loaded, fine.kappa.pitch)
+    coarse, measured = (
+        numbers_of_cells(free, loaded, fine.kappa.pitch, fine.given_d),
+        _measured(free, loaded, fine.kappa.pitch),
+    )
     if fine.by_cells.two_lines:
         return {name: getattr(coarse.law, name) for name in PARAMETER_NAMES} | measured
     alpha, m0 = coarse.single_line.alpha.value, coarse.single_line.m0.value

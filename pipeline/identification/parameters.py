@@ -4,7 +4,7 @@ Cell averages, a Gaussian process, and the rod that comes closest to shape and f
 the cell averages, or those of a single line where it suffices (docs/identification.md gives the reasons).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -68,6 +68,7 @@ class Parameters:
     extensible: Identification  #: from cell averages with the levers of the stretched curve, for the extensible rod
     extension: Extension  #: how the curve stretches: rest stretch and eccentricity
     by_rod: RodFit | NoFit  #: the same from the closest rod
+    given_d: float | None = None  #: mm, the break of all estimators where it was given; None where it was sought
     #: standard deviations due to the mesh by name; empty where they were not estimated
     mesh_std: Mapping[str, float] = field(default_factory=dict)
     #: relative errors of kappa_0(l/2), alpha2 and F due to the mesh, by name; empty where they were not estimated
@@ -156,30 +157,35 @@ def observed(parameters: Parameters, record: Record) -> Observation:
     return Observation(parameters.kappa_0, cell_averaged(record.centreline, parameters.kappa.pitch), moment)
 
 
-def identify_all(outcomes: Outcomes, pitch: float) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
-    """The parameters at every pressure reached in both II and III, and a sentence for each where there are none."""
+def identify_all(
+    outcomes: Outcomes, pitch: float, d: float | None = None
+) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
+    """The parameters at every pressure reached in both II and III, and a sentence for each where there are none.
+
+    d: mm, the break where it is given and not sought.
+    """
     free = {record.pressure_kPa: record for record in outcomes["II"].records}
     loaded = {record.pressure_kPa: record for record in outcomes["III"].records}
     parameters, refused = [], []
     for pressure in sorted(free.keys() & loaded.keys()):
         try:
-            parameters.append(_identified(pressure, free[pressure], loaded[pressure], pitch))
+            parameters.append(_identified(free[pressure], loaded[pressure], pitch, d))
         except RodError as failure:
             refused.append(f"no five parameters at {pressure:g} kPa: {str(failure).removesuffix('.')}")
     return tuple(parameters), tuple(refused)
 
 
-def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> Parameters:
+def _identified(free: Record, loaded: Record, pitch: float, d: float | None) -> Parameters:
     curves = (free.centreline, loaded.centreline)
     moment, closure = _moment_and_closure(*curves, loaded.load)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
     smoothing = shared_smoothing(curves, pitch)
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
-    by_cells = identify(kappa_0, kappa, moment, closure)
-    by_process = identify(smooth_0, smooth, moment, closure)
+    by_cells = identify(kappa_0, kappa, moment, closure, d=d)
+    by_process = identify(smooth_0, smooth, moment, closure, d=d)
     stretched_moment = moment_from_load(loaded.centreline, loaded.load)
     return Parameters(
-        pressure_kPa=pressure,
+        pressure_kPa=free.pressure_kPa,
         free=free,
         loaded=loaded,
         kappa_0=kappa_0,
@@ -187,22 +193,28 @@ def _identified(pressure: float, free: Record, loaded: Record, pitch: float) -> 
         moment=moment,
         by_cells=by_cells,
         by_process=by_process,
-        extensible=identify(kappa_0, kappa, stretched_moment, closure),
+        extensible=identify(kappa_0, kappa, stretched_moment, closure, d=d),
         extension=extension(*curves, pitch),
-        by_rod=_closest_rod(LoadedShape(*curves, loaded.load, pitch), by_cells, by_process),
+        by_rod=_closest_rod(LoadedShape(*curves, loaded.load, pitch, loaded.held), d, (by_cells, by_process)),
+        given_d=d,
     )
 
 
-def numbers_of_cells(free: Record, loaded: Record, pitch: float) -> Identification:
-    """The numbers of the default estimator alone. Raises RodError."""
-    return numbers_of_curves(free.centreline, loaded.centreline, loaded.load, pitch)
+def numbers_of_cells(free: Record, loaded: Record, pitch: float, d: float | None = None) -> Identification:
+    """The numbers of the default estimator alone, with d (mm) if it is given. Raises RodError."""
+    return numbers_of_curves(free.centreline, loaded.centreline, loaded.load, pitch, d)
 
 
-def numbers_of_curves(free: Centreline, loaded: Centreline, load: Load, pitch: float) -> Identification:
-    """The numbers of the default estimator from a curve without load and one under a load. Raises RodError."""
+def numbers_of_curves(
+    free: Centreline, loaded: Centreline, load: Load, pitch: float, d: float | None = None
+) -> Identification:
+    """The numbers of the default estimator from a curve without load and one under a load, with d (mm) if it is given.
+
+    Raises RodError.
+    """
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in (free, loaded))
     moment, closure = _moment_and_closure(free, loaded, load)
-    return identify(kappa_0, kappa, moment, closure)
+    return identify(kappa_0, kappa, moment, closure, d=d)
 
 
 def _moment_and_closure(free: Centreline, loaded: Centreline, load: Load) -> tuple[Moment, Closure]:
@@ -210,8 +222,9 @@ def _moment_and_closure(free: Centreline, loaded: Centreline, load: Load) -> tup
     return moment_from_load(without_stretch(loaded), load), end_displacement_closure(free, loaded, load)
 
 
-def _closest_rod(shape: LoadedShape, *starts: Identification) -> RodFit | NoFit:
+def _closest_rod(shape: LoadedShape, d: float | None, starts: Sequence[Identification]) -> RodFit | NoFit:
+    breaks = None if d is None else (d / shape.length, d / shape.length)
     try:
-        return fit_rod(shape, [start.law for start in starts])
+        return fit_rod(shape, [start.law for start in starts], breaks=breaks)
     except RodError as failure:  # the other two estimators do not need an equilibrium
         return NoFit(str(failure))

@@ -27,14 +27,15 @@ def _predicted(parameters: Parameters, law: ArmLaw) -> Identification:
     """Raises RodError where the law has no such rod."""
     curve = parameters.free.centreline
     rod = Rod(law.length, law=law.at(parameters.pressure_kPa), start=(float(curve.x[0]), float(curve.y[0])))
-    loaded = rod.solve(end_y=float(parameters.loaded.centreline.y[-1]))
+    end_x, end_y = parameters.loaded.held_end
+    loaded = rod.under(Load(parameters.loaded.load.force), end_y, end_x)
     force = (float(loaded.force[0]), float(loaded.force[1]))
     lever = loaded.positions(loaded.s[-1:])[0] - [loaded.x[-1], loaded.y[-1]]
     # about the end of the material curve
     couple = float(loaded.moment[-1]) - lever[0] * force[1] + lever[1] * force[0]
     load = Load(force, couple)
     free = _centreline(rod.solve(), curve.s)
-    return numbers_of_curves(free, _centreline(loaded, curve.s), load, parameters.kappa.pitch)
+    return numbers_of_curves(free, _centreline(loaded, curve.s), load, parameters.kappa.pitch, parameters.given_d)
 
 
 def _centreline(shape: RodSolution, s: Array) -> Centreline:

@@ -34,6 +34,7 @@ def parameters_record(
         "pressures_kPa": [p.pressure_kPa for p in parameters],
         "estimator": DEFAULT,
         **_columns([p.numbers for p in parameters]),
+        "d_given_mm": config.identification.d_mm,
         "d_is_at_most": [_at_most(p.numbers["d"], p) for p in parameters],
         "d_is_at_least": [_at_least(p.numbers["d"], p) for p in parameters],
         **_linear(parameters),
@@ -53,7 +54,8 @@ def parameters_record(
             {} if law is None else {"predicted_by_arm_law": _identified(predicted_numbers(parameters, law), parameters)}
         ),
         "kappa_0": _profiles(parameters),
-        "dimensionless": [] if mass is None else _dimensionless(parameters, config.design.length, mass * 9810.0),
+        "dimensionless": _dimensionless(config, parameters),
+        "dimensionless_numbers": _dimensionless_numbers(config, parameters),
         "profile_over_d": [
             {"pressure_kPa": p.pressure_kPa, "d_mm": p.by_cells.profile[:, 0], "rms_per_mm": p.by_cells.profile[:, 1]}
             for p in parameters
@@ -104,11 +106,11 @@ def _predicted(parameters: Sequence[Parameters], law: ArmLaw | None) -> JsonObje
 
 
 def _at_most(d: Interval, parameters: Parameters) -> bool:
-    return bool(d.value <= 1.001 * parameters.shortest_break)
+    return parameters.given_d is None and bool(d.value <= 1.001 * parameters.shortest_break)
 
 
 def _at_least(d: Interval, parameters: Parameters) -> bool:
-    return bool(d.value >= 0.999 * parameters.longest_break)
+    return parameters.given_d is None and bool(d.value >= 0.999 * parameters.longest_break)
 
 
 def _estimator(name: str, parameters: Sequence[Parameters]) -> dict[str, Json]:
@@ -163,16 +165,39 @@ def _linear(parameters: Sequence[Parameters]) -> JsonObject:
     return record
 
 
-def _dimensionless(parameters: Sequence[Parameters], length: float, weight: float) -> list[JsonObject]:
+def _dimensionless(config: Config, parameters: Sequence[Parameters]) -> list[JsonObject]:
+    """M/(m g l) over (kappa - kappa_0) l with the reference weight; no rows where there is none."""
+    weight, length = config.reference_weight, config.design.length
     return [
         {
             "pressure_kPa": p.pressure_kPa,
             "s_over_length": p.by_cells.points[:, 0] / length,
             "delta_kappa_times_length": p.by_cells.points[:, 1] * length,
-            "moment_over_m_g_length": p.by_cells.points[:, 3] / (weight * length),
+            "moment_over_m_g_length": p.by_cells.points[:, 3] / (weight[0] * length),
         }
         for p in parameters
+        if weight is not None
     ]
+
+
+def _dimensionless_numbers(config: Config, parameters: Sequence[Parameters]) -> JsonObject | None:
+    """The five parameters and kappa_0(l/2) without unit, lists over the pressures; None without a weight."""
+    weight, length = config.reference_weight, config.design.length
+    if weight is None:
+        return None
+    newton, of = weight
+    moment = newton * length
+    units = {"alpha1": moment * length, "alpha2": moment * length, "m01": moment, "m02": moment, "d": length}
+    over = {"alpha": "over_m_g_length2", "m0": "over_m_g_length", "d": "over_length"}
+    return {
+        "weight_N": newton,
+        "weight_of": of,
+        "kappa_0_middle_times_length": [p.kappa_0_middle * length for p in parameters],
+        **{
+            f"{name}_{over[name.rstrip('12')]}": [p.numbers[name].value / unit for p in parameters]
+            for name, unit in units.items()
+        },
+    }
 
 
 def _profiles(parameters: Sequence[Parameters]) -> JsonObject:

@@ -21,6 +21,7 @@ from pipeline.report.sentences import (
     not_identified,
     opening,
     remarks,
+    third_experiment,
     time_of_factorization,
 )
 from pipeline.report.validation import (
@@ -62,7 +63,7 @@ _SOLVER_PARTS = {
 _EXPERIMENTS = {
     "I": "Experiment I: free under pressure",
     "II": "Experiment II: clamped, under pressure",
-    "III": "Experiment III: clamped, under pressure, height of the end held",
+    "III": "Experiment III: clamped, under pressure",
 }
 #: colours of a field on the body, from its smallest to its largest value
 _RAMP = ("#440154", "#472d7b", "#3b528b", "#2c728e", "#21918c", "#28ae80", "#5ec962", "#addc30", "#fde725")
@@ -91,8 +92,9 @@ def render_report(directory: Path) -> str:
         **_body(results),
         **_identification(results),
         **_validation(results),
-        tests=[(name, title, figure) for name, title in _EXPERIMENTS.items()
+        tests=[(name, title, figure) for name, title in _titles(results).items()
                if (figure := figures.of_experiment(results, name))],
+        third=third_experiment(results),
         figures={
             "moments": figures.moments(results),
             "rigidities": figures.rigidities(results),
@@ -111,6 +113,11 @@ def render_report(directory: Path) -> str:
         percent=percent,
         seconds=seconds,
     )  # fmt: skip
+
+
+def _titles(results: Results) -> dict[str, str]:
+    """The experiments by name, the third one with what its end has."""
+    return {**_EXPERIMENTS, "III": f"{_EXPERIMENTS['III']}, {third_experiment(results)}"}
 
 
 def _body(results: Results) -> dict[str, object]:

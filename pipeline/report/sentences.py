@@ -28,6 +28,19 @@ def not_identified(results: Results) -> str:
     return f"They were not identified: {why}."
 
 
+def third_experiment(results: Results) -> str:
+    """What the end has in experiment III: its height held, both coordinates, or a force along one axis or both."""
+    end = (results.run.get("config") or {}).get("end") or {}
+    held = {"x": end.get("x_mm"), "y": end.get("y_mm", 0.0)}
+    force = dict(zip("xy", end.get("force_N", (0.0, 0.0)), strict=True))
+    pulls = [f"F_{axis} = {force[axis]:g} N" for axis in "xy" if held[axis] is None and force[axis]]
+    parts = {(True, True): "the end held", (False, True): "the height of the end held"}
+    part = parts.get((held["x"] is not None, held["y"] is not None), "")
+    part = part or ("the end held along the arm" if held["x"] is not None else "")
+    pull = f"a force {', '.join(pulls)} on the end" if pulls else ""
+    return " and ".join(filter(None, (part, pull))) or "the end free"
+
+
 def agreement_of_rod(results: Results) -> list[str]:
     """The rods against the finite elements in the experiments of the identification, one sentence per experiment."""
     sentences = []

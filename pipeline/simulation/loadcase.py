@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from pipeline.config.config import Config
+from pipeline.config.config import Config, End
 
 
 @dataclass(frozen=True)
@@ -42,15 +42,28 @@ class LoadCase:
     name: str  #: I, II, III, III_end_10mm, dead_0_0.05N
     experiment: str  #: I, II, III or dead
     schedule: PressureSchedule
-    end_y_mm: float = 0.0  #: displacement u_y of the end in III
-    force_N: tuple[float, float] = (0.0, 0.0)  #: on the end in dead
+    end: End  #: displacements of the end and forces on it in III; the force alone in dead
+
+    @property
+    def held(self) -> tuple[bool, bool]:
+        """Whether the displacement of the end along x and along y is prescribed."""
+        return (self.end.x_mm is not None, self.end.y_mm is not None) if self.experiment == "III" else (False, False)
+
+    @property
+    def on_end(self) -> str:
+        """The displacements of the end and the forces on it that are not zero, in words."""
+        held = {"u_x": self.end.x_mm, "u_y": self.end.y_mm} if self.experiment == "III" else {}
+        acting = [f"{name} = {value:g} mm" for name, value in held.items() if value]
+        if self.experiment in ("III", "dead"):
+            acting += [f"F_{axis} = {value:g} N" for axis, value in zip("xy", self.end.force_N, strict=True) if value]
+        return ", ".join(acting)
 
     @property
     def load(self) -> str:
         """The load besides the pressure in words; empty for the three experiments."""
         if self.experiment == "dead":
-            return f"dead force {self.force_N[0]:g}, {self.force_N[1]:g} N"
-        return f"end at {self.end_y_mm:+g} mm" if self.name != self.experiment else ""
+            return f"dead force {self.end.force_N[0]:g}, {self.end.force_N[1]:g} N"
+        return f"end at {self.end.y_mm:+g} mm" if self.name != self.experiment else ""
 
 
 def schedule(config: Config, pressures_kPa: tuple[float, ...] | None = None) -> PressureSchedule:
@@ -60,13 +73,13 @@ def schedule(config: Config, pressures_kPa: tuple[float, ...] | None = None) -> 
 
 def identification_case(config: Config, experiment: str) -> LoadCase:
     """One of the three experiments I, II, III at the pressures of the run."""
-    return LoadCase(experiment, experiment, schedule(config), config.end.y_mm)
+    return LoadCase(experiment, experiment, schedule(config), config.end)
 
 
 def up_to(config: Config, experiment: str, pressure_kPa: float) -> LoadCase:
     """I, II or III at one more pressure and those of the run below it, from which the path goes on."""
     below = tuple(pressure for pressure in config.pressures_kPa if pressure < pressure_kPa)
-    return LoadCase(experiment, experiment, schedule(config, (*below, pressure_kPa)), config.end.y_mm)
+    return LoadCase(experiment, experiment, schedule(config, (*below, pressure_kPa)), config.end)
 
 
 def validation_cases(config: Config) -> tuple[LoadCase, ...]:
@@ -77,11 +90,11 @@ def validation_cases(config: Config) -> tuple[LoadCase, ...]:
     validation, of_run = config.validation, config.pressures_kPa
     pressures = schedule(config, validation.pressures_kPa)
     cases = [
-        *(LoadCase(f"III_end_{y:g}mm", "III", pressures, end_y_mm=y) for y in validation.end_y_mm),
-        *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, force_N=(x, y)) for x, y in validation.forces_N),
+        *(LoadCase(f"III_end_{y:g}mm", "III", pressures, End(y_mm=y)) for y in validation.end_y_mm),
+        *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, End(None, None, (x, y))) for x, y in validation.forces_N),
     ]
     between = tuple(pressure for pressure in validation.pressures_kPa if pressure not in of_run)
     if between and validation.with_experiments:
         path = tuple(pressure for pressure in sorted({*of_run, *between}) if pressure <= between[-1])
-        cases += [LoadCase(name, name, schedule(config, path), config.end.y_mm) for name in ("III", "II")]
+        cases += [LoadCase(name, name, schedule(config, path), config.end) for name in ("III", "II")]
     return tuple(cases)

@@ -77,6 +77,13 @@ class Record:
     fields: Mapping[str, Array] = field(repr=False)  #: per element
     effects: tuple[str, ...]  #: names of the effects that took part
     spent: fem.Seconds
+    held: tuple[bool, bool]  #: whether the displacement of the end along x and along y was prescribed
+
+    @property
+    def held_end(self) -> tuple[float | None, float | None]:
+        """mm, the position of the end along the axes where it is held, None along the others."""
+        x, y = float(self.centreline.x[-1]), float(self.centreline.y[-1])
+        return x if self.held[0] else None, y if self.held[1] else None
 
     @property
     def experiment(self) -> str:

@@ -84,7 +84,7 @@ class Comparison:
     def _errors(self, shape: RodSolution) -> dict[str, float]:
         curve, force = self.record.centreline, self.record.load.force[1]
         errors = {**_shape_errors(curve, shape), **_curvature_errors(curve, shape, self.pitch)}
-        if force and self.record.experiment == "III":
+        if force and self.record.held[1]:
             rod_force = float(shape.force[1])
             errors |= {"force_N": force, "rod_force_N": rod_force, "force_error": rod_force / force - 1.0}
         return errors
@@ -130,7 +130,7 @@ def _distances(shape: RodSolution, curve: Centreline) -> Array:
 
 
 def compare(outcomes: Outcomes, rods: ArmRods, pitch: float) -> tuple[Comparison, ...]:
-    """The rods of every pressure of II and III, unloaded as in II and with the height of the end prescribed as in III.
+    """The rods of every pressure of II and III, unloaded as in II and with what acts on the end in III.
 
     Rods with five parameters are compared at the pressures where these were identified.
     """
@@ -145,10 +145,10 @@ def compare(outcomes: Outcomes, rods: ArmRods, pitch: float) -> tuple[Comparison
 
 
 def compare_rods(rods: Rods, state: ComparedState, pitch: float) -> Comparison:
-    """The rods under the load of a state: their end at the height of III, the force of dead, nothing in II.
+    """The rods under the load of a state: their end where it is held in III, the force of dead, nothing in II.
 
-    In III the supported edge exerts a couple on the end. A rod with five parameters is given that of the finite
-    elements; the law of the arm has its own.
+    In III the edge exerts a couple on the end. A rod with five parameters is given that of the finite elements; the
+    law of the arm has its own.
     """
     return Comparison(state, tuple(_under_load(name, rod, state) for name, rod in rods.items()), pitch)
 
@@ -168,9 +168,9 @@ def _solution(rod: FittedRod | PredictedRod, record: Record) -> RodSolution | No
     load = record.load if record.experiment in ("III", "dead") else Load()
     if isinstance(rod, PredictedRod):
         load = replace(load, couple=0.0)
-    end_y = float(record.centreline.y[-1]) if record.experiment == "III" else None
+    end_x, end_y = record.held_end
     try:
-        return rod.rod.under(load, end_y)
+        return rod.rod.under(load, end_y, end_x)
     except RodError as failure:
         return NoSolution(str(failure))
 

@@ -55,8 +55,9 @@ class LoadedShape:
 
     free: Centreline  #: of experiment II
     loaded: Centreline  #: of experiment III
-    load: Load  #: of the full body in experiment III; its force is the reaction of the held end
+    load: Load  #: of the full body in experiment III; its force is the reaction of the held end, or a force on it
     pitch: float  #: mm
+    held: tuple[bool, bool] = (False, True)  #: whether the position of the end along x and along y is prescribed
 
     def __post_init__(self) -> None:
         if self.free.s.shape != self.loaded.s.shape or np.max(np.abs(self.free.s - self.loaded.s)) > 1e-6 * self.length:
@@ -211,7 +212,9 @@ class _ShapeFit:
         ripple = deviation * (z[5:] @ np.array(harmonics(s, self.shape.pitch)))
         kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + ripple])
         rod = Rod(self.shape.length, kappa_0, law, theta0=self.theta0, start=(float(loaded.x[0]), float(loaded.y[0])))
-        return rod.under(self.shape.load, end_y=float(loaded.y[-1]))
+        end = (float(loaded.x[-1]), float(loaded.y[-1]))
+        x, y = (value if held else None for value, held in zip(end, self.shape.held, strict=True))
+        return rod.under(self.shape.load, end_y=y, end_x=x)
 
     def residual(self, z: Array) -> Array:
         prior = np.concatenate([z[[1, 3]], z[5:] / RIPPLE])

@@ -51,11 +51,12 @@ class Identification(ParameterEstimate):
     criterion_single_line: float
     profile: Array  #: (n, 2) columns d (mm) and root-mean-square residual of Delta (1/mm)
     points: Array  #: (m, 4) columns s (mm), Delta (1/mm), fitted Delta (1/mm), M (N mm) as the estimate resolves it
+    d_given: bool = False  #: whether d was given and not sought; two lines are then wanted
 
     @property
     def two_lines(self) -> bool:
-        """Whether two lines are worth their three additional parameters."""
-        return self.criterion_two_lines < self.criterion_single_line
+        """Whether two lines are worth their additional parameters, or wanted, because their d was given."""
+        return self.d_given or self.criterion_two_lines < self.criterion_single_line
 
 
 def identify(
@@ -65,22 +66,24 @@ def identify(
     closure: Closure | None = None,
     *,
     breaks: tuple[float, float] | None = None,
+    d: float | None = None,
     bootstrap: Bootstrap = Bootstrap(),  # noqa: B008  a frozen value
 ) -> Identification:
     """The five parameters from the intrinsic and the loaded curvature and the moment of the loaded curve.
 
     Both curvatures come from the same estimator at the same points. closure: displacement of the end, which the
-    parameters have to reproduce. breaks: range of d over the length, by default `default_breaks`.
+    parameters have to reproduce. breaks: range of d over the length, by default `default_breaks`. d: mm, given instead
+    of sought; it may be shorter than what the curvatures resolve, and the closure then decides on the first line.
 
     Raises `RodError` when the curvatures do not belong together, when the rod carries no moment, when the arm is too
-    short (`observed.FEWEST_PITCHES`), when breaks leaves the rod, and when curvature falls where the moment grows.
+    short (`observed.FEWEST_PITCHES`), when breaks or d leave the rod, and when curvature falls where the moment grows.
     """
     observed = Observed.of(kappa_0, kappa, moment, closure)
-    grid = _break_grid(observed, breaks)
+    grid = _break_grid(observed, breaks) if d is None else _given(observed, d)
     single = single_line(observed, bootstrap)
     regression = _weighted_regression(observed, grid, MAX_RIGIDITY_RATIO * single.alpha.value)
     profile = [regression.bounded(d) for d in grid]
-    best = regression.bounded(regression.refine(grid, profile))
+    best = profile[0] if len(grid) == 1 else regression.bounded(regression.refine(grid, profile))
     law = _law_of(best)
     resample = Resample.of(regression, best, bootstrap.draws, bootstrap.generator())
     sampled = _refit(regression.about(best), _candidates(grid, law.d), resample)
@@ -92,11 +95,12 @@ def identify(
         r2=observed.r_squared(best.fitted),
         single_line=single,
         observations=observations,
-        criterion_two_lines=_criterion(observed, best, 5, observations),
+        criterion_two_lines=_criterion(observed, best, 5 if d is None else 4, observations),
         # the criterion compares two lines with one of the same weights, not with the one that is reported
         criterion_single_line=_criterion(observed, regression.solve(), 2, observations),
         profile=np.column_stack([grid, [observed.rms(fit.fitted) for fit in profile]]),
         points=np.column_stack([observed.s, observed.delta, best.fitted, observed.moment]),
+        d_given=d is not None,
     )
 
 
@@ -128,11 +132,19 @@ def _break_grid(observed: Observed, breaks: tuple[float, float] | None) -> Array
     return np.linspace(low, high, PROFILE_POINTS) * observed.length
 
 
+def _given(observed: Observed, d: float) -> Array:
+    """(1,) the given break, mm."""
+    if not 0.0 < d < observed.length:
+        raise RodError(f"The break d = {d:g} mm lies off the rod of {observed.length:g} mm.")
+    return np.array([float(d)])
+
+
 def _weighted_regression(observed: Observed, grid: Array, max_rigidity: float) -> Regression:
     """Two lines with the weights that follow from the break where they fit best."""
 
     def best(trial: Regression) -> Fit:
-        return trial.solve(trial.refine(grid, [trial.solve(d) for d in grid]))
+        fits = [trial.solve(d) for d in grid]
+        return fits[0] if len(fits) == 1 else trial.solve(trial.refine(grid, fits))
 
     regression = Regression.weighted(observed, observed.covariance, OFFSET, best)
     return Regression(observed, regression.weights, max_rigidity)
@@ -144,7 +156,9 @@ def _law_of(fit: Fit) -> FiveParameters:
 
 
 def _candidates(grid: Array, d: float) -> Array:
-    """Breaks among which a refit chooses, mm: the grid, and finer ones near d."""
+    """Breaks among which a refit chooses, mm: the grid, and finer ones near d; a given one alone."""
+    if len(grid) == 1:
+        return grid
     step = grid[1] - grid[0]
     near = np.clip(d + step * np.linspace(-2.0, 2.0, 41), grid[0], grid[-1])
     return np.union1d(near, grid)

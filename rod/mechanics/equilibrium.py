@@ -132,17 +132,20 @@ class Rod:
         together = _grow_together(order, end_x, end_y, loaded=loaded)
         return self._equilibrium(_LoadCase(load, (end_x, end_y), together))
 
-    def under(self, load: Load, end_y: float | None = None) -> RodSolution:
+    def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load, grown "as tested".
 
-        With end_y (mm) the end is held at that height as in experiment III: couple and weight act, and the force of the
-        load is not used, for it follows. Raises `RodError` as `solve` does.
+        With end_y, end_x or both (mm) the end is held there as in experiment III: couple and weight act, and of the
+        force the components along the other axes; those along an axis on which the end is held follow. Raises
+        `RodError` as `solve` does.
         """
-        if end_y is not None:
-            load = replace(load, force=(0.0, 0.0))
+        end = (end_x, end_y)
+        fx, fy = (0.0 if held is not None else force for force, held in zip(load.force, end, strict=True))
+        load = replace(load, force=(fx, fy))
         if isinstance(self.law, LawRod):
-            return _by_arm_law(self.law, self.start, load, (None, end_y), "as tested")
-        return self._equilibrium(_LoadCase(load, (None, end_y), together=end_y is not None))
+            return _by_arm_law(self.law, self.start, load, end, "as tested")
+        together = _grow_together("as tested", end_x, end_y, loaded=True)
+        return self._equilibrium(_LoadCase(load, end, together))
 
     def _equilibrium(self, case: "_LoadCase") -> RodSolution:
         """The solution, on finer steps where the end force turns out to be large."""

@@ -1,7 +1,7 @@
 """Solution of one case as by `pneurod run`, from its configuration to its states, and its line of the table."""
 
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -97,7 +97,8 @@ def solve(scene: Scene) -> Solved:
     with tempfile.TemporaryDirectory() as folder:
         try:
             config, body = _configured(scene, Path(folder))
-            case = LoadCase("hard", scene.experiment, schedule(config, scene.pressures), config.end.y_mm, scene.force)
+            at_end = replace(config.end, force_N=scene.force)
+            case = LoadCase("hard", scene.experiment, schedule(config, scene.pressures), at_end)
             with open_store(Path(folder) / "out", config) as store:
                 outcome = simulate(MeshedScene(config, body), RunContext(store, 1, Silent()), [case])["hard"]
         except (InputError, RunFailed) as refused:
