@@ -7,6 +7,7 @@ from synthetic_arm import SyntheticArm
 from geometry import Centreline
 from rod import FiveParameters, Rod, RodError, TestedCurves, TwoSlopes, paper_cells, paper_process
 from rod import single_rigidity_control as control
+from rod.identification.paper import Subtracted
 
 LENGTH, PITCH = 112.0, 10.0
 
@@ -51,11 +52,20 @@ def test_the_smoothing_alone_makes_two_sections_of_a_rod_with_one_rigidity() -> 
     assert lines.r2 > 0.99 > 0.95 > lines.single_r2
 
 
-def test_curvature_of_the_process_is_that_of_a_circle_without_noise() -> None:
+def test_what_is_subtracted_from_the_coordinates_decides_on_the_slope_at_the_clamp() -> None:
+    """Of a rod with one rigidity, which the rest of the arm gives back if the chord is subtracted."""
+    curves = curves_of(FiveParameters(290.0, 290.0, 0.0, 0.0, 50.0), noise=0.07)
+    chord, both, mean = (paper_process(curves, 20.0, subtracted=s) for s in ("chord", "chord and mean", "mean"))
+    assert chord.law.alpha1 < 1.1 * both.law.alpha1 < 0.0 < mean.law.alpha1
+    assert [lines.law.alpha2 for lines in (chord, both)] == pytest.approx([290.0] * 2, rel=0.1)
+
+
+@pytest.mark.parametrize("subtracted", ["chord", "chord and mean", "mean"])
+def test_curvature_of_the_process_is_that_of_a_circle_without_noise(subtracted: Subtracted) -> None:
     """Away from the ends, where data lie on both sides; the moment of the same force follows from the shape."""
     s = np.linspace(0.0, LENGTH, 113)
     arcs = [Centreline(s, np.sin(k * s) / k, (1.0 - np.cos(k * s)) / k) for k in (0.01, 0.012)]
-    points = paper_process(TestedCurves(arcs[0], arcs[1], (0.0, 0.1)), 20.0).points
+    points = paper_process(TestedCurves(arcs[0], arcs[1], (0.0, 0.1)), 20.0, subtracted=subtracted).points
     inner = (points[:, 0] > 25.0) & (points[:, 0] < LENGTH - 25.0)
     assert points[inner, 1] == pytest.approx(0.002, rel=3e-3)
     lever = arcs[1].x[-1] - np.interp(points[:, 0], s, arcs[1].x)

@@ -1,19 +1,27 @@
-"""The figures of the paper again from sweeps of finite elements, by the estimators that its reader would use.
+"""The figures and the claims of the paper again, from sweeps of finite elements.
 
-    make paper-coarse        # or, after the sweeps of configs/paper: python -m benchmarks.paper results/paper_coarse
+    make paper-coarse        # runs the sweeps of configs/paper/coarse, and then the next line
+    python -m benchmarks.paper results/paper_coarse
+    python -m benchmarks.paper results/paper_coarse --page docs
 
-Reads the sweeps below the given folder and writes there estimates.csv, scan.csv and the figures as SVG. What was not
-reached is listed, and a figure whose sweep is missing is left out.
+Reads the sweeps below the given folder and writes there estimates.csv, scan.csv, the figures, and the claims as
+paper.md and paper.json; --page writes these two into another folder. What was not reached is listed, and a figure or a
+claim whose sweep is missing is left out or says so.
 """
 
+import argparse
 import csv
+import json
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from benchmarks.paper.estimates import COLUMNS, SCALES, Estimate, control, estimates_of, process, rows
+from benchmarks.paper.claims import claims
+from benchmarks.paper.data import ARMS, Data
+from benchmarks.paper.estimates import COLUMNS, SCALES, Estimate, control, process, rows
 from benchmarks.paper.figures import FIGURES
-from benchmarks.paper.states import State, states_of, unreached
+from benchmarks.paper.page import write_page
+from benchmarks.paper.states import State
 from rod import RodError
 
 #: pressures of the scan of length scales, kPa
@@ -21,10 +29,10 @@ SCANNED = (17.0, 31.0)
 
 
 def scan(states: Iterable[State]) -> list[Estimate]:
-    """The process with every length scale, and the control, for the pneu-net of 11 chambers at two pressures."""
+    """The process with every length scale, and the control, at two pressures."""
     found = []
     for state in states:
-        if state.family == "pneunet" and state.config["geometry"]["chambers"] == 11 and state.pressure in SCANNED:
+        if state.pressure in SCANNED:
             for scale in SCALES:
                 try:
                     found.append(process(state, scale))
@@ -42,25 +50,65 @@ def write(path: Path, estimates: Sequence[Estimate]) -> None:
         writer.writerows(rows(estimates))
 
 
-def main(folder: Path) -> None:
-    """Write the tables and the figures of the sweeps in a folder."""
-    sweeps = {path.parent.name: path.parent for path in sorted(folder.glob("*/sweep.json"))}
-    if not sweeps:
-        sys.exit(f"{folder}: holds no sweeps; solve those of configs/paper first, as make paper-coarse does")
-    for name, sweep in sweeps.items():
-        for sentence in unreached(sweep):
+def draw(data: Data, folder: Path) -> list[tuple[str, str]]:
+    """Draw the figures whose sweeps are there; file and title of each."""
+    drawn = []
+    for name, figure in FIGURES.items():
+        if set(figure.needs) <= set(data.sweeps):
+            file = f"{name}.{figure.suffix}"
+            figure.draw(data).savefig(folder / file)
+            sys.stdout.write(f"written: {folder / file}\n")
+            drawn.append((file, figure.title))
+        else:
+            missing = sorted(set(figure.needs) - set(data.sweeps))
+            sys.stdout.write(f"not drawn: {name}, without the sweeps {', '.join(missing)}\n")
+    return drawn
+
+
+def provenance(data: Data) -> str:
+    """How the results were made: commits, mesh, and seconds."""
+    records = {
+        name: json.loads((path / "sweep.json").read_text(encoding="utf-8")) for name, path in data.sweeps.items()
+    }
+    commits = sorted({str(record["commit"])[:9] for record in records.values()})
+    seconds = sum(point["seconds"] or 0.0 for record in records.values() for point in record["points"])
+    sizes = sorted(
+        {f"{s.config['mesh']['size_mm']:g} mm" for e in data.estimates.values() for s in [x.state for x in e]}
+    )
+    designs = sum(len(record["points"]) for record in records.values())
+    return (
+        f"The numbers are those of commit {', '.join(commits)}, on meshes of {', '.join(sizes)}, from {len(records)} "
+        f"sweeps with {designs} designs. One after the other, on a machine in use, they took {seconds / 60.0:.0f} "
+        "minutes."
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="of the sweeps, such as results/paper_coarse")
+    parser.add_argument("--page", type=Path, help="folder into which paper.md and paper.json are written as well")
+    parser.add_argument("--no-figures", action="store_true", help="tables and claims alone")
+    options = parser.parse_args()
+    data = Data(options.folder)
+    if not data.sweeps:
+        sys.exit(f"{options.folder}: holds no sweeps; solve those of configs/paper first, as make paper-coarse does")
+    for name, sentences in data.unreached().items():
+        for sentence in sentences:
             sys.stdout.write(f"not reached in {name}: {sentence}\n")
-    estimates = {name: [e for s in states_of(sweep) for e in estimates_of(s)] for name, sweep in sweeps.items()}
-    write(folder / "estimates.csv", [e for found in estimates.values() for e in found])
-    if "pneunet" in sweeps:
-        write(folder / "scan.csv", scan(s for s in states_of(sweeps["pneunet"]) if s.law == "svk"))
-    for name, (needed, draw) in FIGURES.items():
-        if set(needed) <= set(estimates):
-            draw(*(estimates[sweep] for sweep in needed)).savefig(folder / f"{name}.svg")
-            sys.stdout.write(f"written: {folder / name}.svg\n")
+    write(options.folder / "estimates.csv", [e for found in data.estimates.values() for e in found])
+    write(options.folder / "scan.csv", scan(data.states("pneunet", "svk", ARMS[0])))
+    drawn = [] if options.no_figures else draw(data, options.folder)
+    record = {
+        "folder": str(options.folder),
+        "provenance": provenance(data),
+        "claims": [claim.record() for claim in claims(data)],
+        "unreached": data.unreached(),
+        "figures": [[name, title] for name, title in drawn],
+    }
+    for folder in filter(None, (options.folder, options.page)):
+        write_page(folder, record)
+        sys.stdout.write(f"written: {folder / 'paper.md'}\n")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("give the folder of the sweeps: python -m benchmarks.paper results/paper_coarse")
-    main(Path(sys.argv[1]))
+    main()

@@ -7,7 +7,17 @@ import numpy as np
 
 from benchmarks.paper.states import State
 from pipeline.identification.parameters import numbers_of_curves
-from rod import FreeLines, RodError, paper_cells, paper_process, single_rigidity_control
+from rod import (
+    FiveParameters,
+    FreeLines,
+    RodError,
+    TwoSlopes,
+    paper_cells,
+    paper_process,
+    shortest_break,
+    single_rigidity_control,
+)
+from rod.identification.paper import BREAKS, CELL_BREAKS, PROCESS_BREAKS, Subtracted
 
 #: length scale (mm) at which paper_process prints the paper's d/l, and those of the scan
 LENGTH_SCALE, SCALES = 20.0, (14.0, 16.0, 17.0, 18.0, 19.0, 20.0, 22.0, 25.0, 28.0, 32.0, 36.0, 40.0)
@@ -30,6 +40,13 @@ class Estimate:
     length_scale: float | None = None  #: mm
     deviations: tuple[float, float] | None = None  #: of alpha1 and alpha2, N mm2
     lines: FreeLines | None = None
+    law: FiveParameters | TwoSlopes | None = None  #: of the rod with these numbers
+    d_deviation: float = 0.0  #: of d over the length; half the distance of the breaks that are tried, where d has none
+
+    @property
+    def is_usable(self) -> bool:
+        """Whether d was found inside the range in which it is sought; the slopes say nothing otherwise."""
+        return self.lines is None or bool(1.01 * BREAKS[0] < self.d_over_length < 0.99 * BREAKS[1])
 
 
 def estimates_of(state: State) -> Iterator[Estimate]:
@@ -45,9 +62,9 @@ def _cells(state: State) -> Estimate:
     return _of_lines(state, CELLS, paper_cells(state.curves, state.pitch))
 
 
-def process(state: State, length_scale: float = LENGTH_SCALE) -> Estimate:
-    """By the Gaussian process of this length scale, mm."""
-    return _of_lines(state, PROCESS, paper_process(state.curves, length_scale))
+def process(state: State, length_scale: float = LENGTH_SCALE, subtracted: Subtracted = "chord") -> Estimate:
+    """By the Gaussian process of this length scale, mm, of the coordinates without what is subtracted."""
+    return _of_lines(state, PROCESS, paper_process(state.curves, length_scale, subtracted=subtracted))
 
 
 def control(state: State, alpha: float) -> Estimate:
@@ -69,28 +86,43 @@ def _of_lines(state: State, name: str, lines: FreeLines) -> Estimate:
         None,
         lines.length_scale,
         lines=lines,
+        law=lines.law,
+        d_deviation=0.5 * (CELL_BREAKS if lines.length_scale is None else PROCESS_BREAKS),
     )
 
 
-def _default(state: State) -> Estimate:
-    numbers = numbers_of_curves(state.curves.free, state.curves.loaded, state.load, state.pitch)
-    line = numbers.single_line.alpha
+def _default(state: State, d: float | None = None) -> Estimate:
+    numbers = numbers_of_curves(state.curves.free, state.curves.loaded, state.load, state.pitch, d)
+    line = numbers.single_line
+    law, fraction, deviations = numbers.law, numbers.d.value / state.length, (numbers.alpha1.std, numbers.alpha2.std)
     if not numbers.two_lines:
-        alphas, d, deviations = (line.value, line.value), float("nan"), (line.std, line.std)
-    else:
-        alphas, d = (numbers.alpha1.value, numbers.alpha2.value), numbers.d.value / state.length
-        deviations = (numbers.alpha1.std, numbers.alpha2.std)
+        at_most = shortest_break(state.length, state.pitch)
+        law = FiveParameters(line.alpha.value, line.alpha.value, line.m0.value, line.m0.value, at_most)
+        fraction, deviations = float("nan"), (line.alpha.std, line.alpha.std)
     return Estimate(
         state,
         DEFAULT,
-        *alphas,
-        d,
+        law.alpha1,
+        law.alpha2,
+        fraction,
         numbers.r2,
-        line.value,
-        float("nan"),
+        line.alpha.value,
+        line.r2,
         bool(numbers.two_lines),
         deviations=deviations,
+        law=law,
+        d_deviation=numbers.d.std / state.length,
     )
+
+
+def with_break(state: State, estimator: str, fraction: float) -> Estimate:
+    """By an estimator with a given d over the length. Raises RodError where it gives no numbers."""
+    d = fraction * state.length
+    if estimator == DEFAULT:
+        return _default(state, d)
+    cells = estimator == CELLS
+    lines = paper_cells(state.curves, state.pitch, d) if cells else paper_process(state.curves, LENGTH_SCALE, d)
+    return _of_lines(state, estimator, lines)
 
 
 COLUMNS = (

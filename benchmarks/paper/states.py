@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from geometry import Centreline
-from rod import Curvature, Load, TestedCurves, cell_averaged
+from pipeline.cell.saved import SavedLaw
+from pipeline.config.config import STANDARD_GRAVITY
+from rod import ArmLaw, Curvature, Load, TestedCurves, cell_averaged
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,7 @@ class State:
     pitch: float  #: mm
     curves: TestedCurves
     couple: float  #: N mm, of the support on the end
+    unclamped: Centreline | None = None  #: of I, where it was solved
 
     @property
     def family(self) -> str:
@@ -58,8 +61,59 @@ class State:
 
 def states_of(sweep: Path) -> list[State]:
     """The states of all points of a sweep, by point and pressure."""
+    return [state for folder in _folders(sweep) for state in _states(folder)]
+
+
+@dataclass(frozen=True)
+class EndState:
+    """The end of the arm in III alone."""
+
+    config: Mapping[str, Any]  #: as in run.json
+    pressure: float  #: kPa
+    position: tuple[float, float]  #: mm
+    force: tuple[float, float]  #: N
+    curve: Centreline
+
+    @property
+    def law(self) -> str:
+        """The material law."""
+        return str(self.config["material"]["law"])
+
+    @property
+    def held(self) -> tuple[float | None, float | None]:
+        """Prescribed displacements of the end along x and y, mm."""
+        return self.config["end"]["x_mm"], self.config["end"]["y_mm"]
+
+
+def ends_of(sweep: Path) -> list[EndState]:
+    """The end in III at every point and pressure of a sweep."""
+    found = []
+    for folder in _folders(sweep):
+        config = json.loads((folder / "states" / "configuration.json").read_text(encoding="utf-8"))["config"]
+        curves = _curves(folder)
+        for row in json.loads((folder / "experiments.json").read_text(encoding="utf-8")):
+            if row["experiment"] == "III" and "reaction_N" in row:
+                curve = Centreline(*np.array(curves["III", row["pressure_kPa"]]).T[:3])
+                position, force = (row["end_x_mm"], row["end_y_mm"]), tuple(row["reaction_N"])
+                found.append(EndState(config, row["pressure_kPa"], position, (force[0], force[1]), curve))
+    return found
+
+
+def laws_of(sweep: Path) -> dict[tuple[str, str], ArmLaw]:
+    """The arms' own laws of a sweep by body family and material law."""
+    found = {}
+    for folder in _folders(sweep):
+        path = folder / "law.json"
+        if path.is_file():
+            config = json.loads((folder / "states" / "configuration.json").read_text(encoding="utf-8"))["config"]
+            key = str(config["geometry"]["family"]), str(config["material"]["law"])
+            found[key] = SavedLaw.read(path).law
+    return found
+
+
+def _folders(sweep: Path) -> list[Path]:
     points = json.loads((sweep / "sweep.json").read_text(encoding="utf-8"))["points"]
-    return [state for point in points if point["folder"] for state in _states(sweep / point["folder"])]
+    return [sweep / point["folder"] for point in points if point["folder"]]
 
 
 def unreached(sweep: Path) -> list[str]:
@@ -72,17 +126,25 @@ def _states(folder: Path) -> Iterator[State]:
     config = json.loads((folder / "states" / "configuration.json").read_text(encoding="utf-8"))["config"]
     rows = json.loads((folder / "experiments.json").read_text(encoding="utf-8"))
     forces = {(row["experiment"], row["pressure_kPa"]): row.get("reaction_N") for row in rows}
-    curves: dict[tuple[str, float], list[list[float]]] = {}
-    with (folder / "curves.csv").open(encoding="utf-8", newline="") as file:
-        for row in csv.DictReader(file):
-            key = (row["experiment"], float(row["pressure_kPa"]))
-            columns = ("s_mm", "x_mm", "y_mm", "moment_N_mm")
-            curves.setdefault(key, []).append([float(row[name]) for name in columns])
+    curves = _curves(folder)
     for pressure in sorted({p for name, p in curves if name == "III"} & {p for name, p in curves if name == "II"}):
         free, loaded = (np.array(curves[name, pressure]).T for name in ("II", "III"))
         force = forces["III", pressure]
         tested = TestedCurves(Centreline(*free[:3]), Centreline(*loaded[:3]), (float(force[0]), float(force[1])))
-        yield State(folder, config, pressure, _pitch(config["geometry"]), tested, float(loaded[3, -1]))
+        unclamped = curves.get(("I", pressure))
+        apart = None if unclamped is None else Centreline(*np.array(unclamped).T[:3])
+        yield State(folder, config, pressure, _pitch(config["geometry"]), tested, float(loaded[3, -1]), apart)
+
+
+def _curves(folder: Path) -> dict[tuple[str, float], list[list[float]]]:
+    """Rows of s, x, y (mm) and M (N mm) by experiment and pressure (kPa)."""
+    curves: dict[tuple[str, float], list[list[float]]] = {}
+    columns = ("s_mm", "x_mm", "y_mm", "moment_N_mm")
+    with (folder / "curves.csv").open(encoding="utf-8", newline="") as file:
+        for row in csv.DictReader(file):
+            key = (row["experiment"], float(row["pressure_kPa"]))
+            curves.setdefault(key, []).append([float(row[name]) for name in columns])
+    return curves
 
 
 def _pitch(geometry: Mapping[str, Any]) -> float:
@@ -91,3 +153,12 @@ def _pitch(geometry: Mapping[str, Any]) -> float:
 
     design = FAMILIES[geometry["family"]](**{key: value for key, value in geometry.items() if key != "family"})
     return float(design.pitch)
+
+
+def weight_of(state: State) -> float:
+    """m g of the arm, N."""
+    from geometry.families import FAMILIES
+
+    geometry = dict(state.config["geometry"])
+    volume = FAMILIES[geometry.pop("family")](**geometry).solid_volume
+    return float(volume * state.config["material"]["density_tonne_mm3"] * STANDARD_GRAVITY)

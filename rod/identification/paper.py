@@ -11,9 +11,12 @@ paper_cells takes the curvature as the mean over one pitch. paper_process takes 
 kernel c exp(-(s - s')^2 / (2 L^2)) and white noise, with a length scale L that is given, because the paper states none
 and its d depends on L. Between nodes the process smooths over about L, and at the clamp it lacks data on one side:
 there the curvature sinks towards zero. `single_rigidity_control` shows what this does to a rod that has one rigidity.
+The process has the mean zero, so something is subtracted from the coordinates before, which the paper does not state
+either; how the curve ends at the clamp, and with it alpha1, depends on what that is (`Subtracted`).
 """
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from scipy.linalg import eigh
@@ -26,6 +29,9 @@ from rod.law import RodError, TwoSlopes
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 
+#: what is subtracted from a coordinate before it becomes a process: the chord between the ends, the chord and then the
+#: mean of what is left, or the mean alone
+Subtracted = Literal["chord", "chord and mean", "mean"]
 #: range of d over the length
 BREAKS = (0.02, 0.45)
 #: points on either side of d that a line needs at least
@@ -100,7 +106,9 @@ def paper_cells(curves: TestedCurves, pitch: float, d: float | None = None) -> F
     return _free_lines(s, kappa[1] - kappa[0], curves.moment(s), (length, CELL_BREAKS), d)
 
 
-def paper_process(curves: TestedCurves, length_scale: float, d: float | None = None) -> FreeLines:
+def paper_process(
+    curves: TestedCurves, length_scale: float, d: float | None = None, *, subtracted: Subtracted = "chord"
+) -> FreeLines:
     """Two free lines from curvatures of a Gaussian process with the given length scale (mm), on the whole curve.
 
     Each curve has a process of its own, with the amplitude and the noise of maximum likelihood. Raises `RodError` for a
@@ -108,7 +116,7 @@ def paper_process(curves: TestedCurves, length_scale: float, d: float | None = N
     """
     if not length_scale > 0.0:
         raise RodError(f"A length scale must be positive, not {length_scale} mm.")
-    free, loaded = (_Process.fitted(curve, length_scale) for curve in (curves.free, curves.loaded))
+    free, loaded = (_Process.fitted(curve, length_scale, subtracted) for curve in (curves.free, curves.loaded))
     return _of_processes(curves, free, loaded, d)
 
 
@@ -138,12 +146,13 @@ class _Process:
     length_scale: float  #: mm
     noise: float  #: mm
     inverse: Array  #: (n, n), of the correlation with the noise over the amplitude
+    subtracted: Subtracted
 
     @staticmethod
-    def fitted(curve: Centreline, length_scale: float) -> "_Process":
+    def fitted(curve: Centreline, length_scale: float, subtracted: Subtracted = "chord") -> "_Process":
         """Amplitude and noise of maximum likelihood: the amplitude in closed form, their ratio by search."""
         s = curve.s
-        shapes = np.column_stack([_without_chord(s, coordinate) for coordinate in (curve.x, curve.y)])
+        shapes = np.column_stack([_rest(s, coordinate, subtracted) for coordinate in (curve.x, curve.y)])
         values, vectors = eigh(np.exp(-0.5 * ((s[:, None] - s[None, :]) / length_scale) ** 2))
         values, squares = np.maximum(values, 0.0), (vectors.T @ shapes) ** 2
 
@@ -157,7 +166,7 @@ class _Process:
         bounds = (np.log(LEAST_NOISE), np.log(MOST_NOISE))
         ratio = float(np.exp(minimize_scalar(minus_likelihood, bounds=bounds, method="bounded").x))
         inverse = (vectors / (values + ratio)) @ vectors.T
-        return _Process(curve, length_scale, float(np.sqrt(ratio * variance(ratio))), inverse)
+        return _Process(curve, length_scale, float(np.sqrt(ratio * variance(ratio))), inverse, subtracted)
 
     def curvature(self, at: Array) -> Array:
         """(m,) 1/mm at arc lengths (m,) mm from the clamp: equation (6) with the derivatives of the posterior means."""
@@ -165,8 +174,9 @@ class _Process:
         u = (at[:, None] - s[None, :]) / self.length_scale
         k = np.exp(-0.5 * u**2)
         first, second = -u * k / self.length_scale, (u**2 - 1.0) * k / self.length_scale**2
-        weights = [self.inverse @ _without_chord(s, values) for values in coordinates]
-        x1, y1 = (first @ w + _slope(s, values) for w, values in zip(weights, coordinates, strict=True))
+        weights = [self.inverse @ _rest(s, values, self.subtracted) for values in coordinates]
+        slopes = [0.0 if self.subtracted == "mean" else _slope(s, values) for values in coordinates]
+        x1, y1 = (first @ w + slope for w, slope in zip(weights, slopes, strict=True))
         x2, y2 = (second @ w for w in weights)
         return np.asarray((x1 * y2 - x2 * y1) / np.hypot(x1, y1) ** 3)
 
@@ -182,9 +192,12 @@ def _slope(s: Array, values: Array) -> float:
     return float((values[-1] - values[0]) / (s[-1] - s[0]))
 
 
-def _without_chord(s: Array, values: Array) -> Array:
-    """(n,) the distance of a coordinate from the chord between the ends."""
-    return np.asarray(values - values[0] - _slope(s, values) * (s - s[0]))
+def _rest(s: Array, values: Array, subtracted: Subtracted) -> Array:
+    """(n,) what is left of a coordinate."""
+    if subtracted == "mean":
+        return np.asarray(values - values.mean())
+    rest = values - values[0] - _slope(s, values) * (s - s[0])
+    return np.asarray(rest - rest.mean() if subtracted == "chord and mean" else rest)
 
 
 def _free_lines(s: Array, delta: Array, moment: Array, breaks: tuple[float, float], d: float | None) -> FreeLines:
