@@ -78,7 +78,6 @@ def _solve_in_worker(case: LoadCase, scene: Scene, store: Store) -> Outcome:
     return _solve(case, scene, store, worker_progress(), known_limit())
 
 
-<<<<<<< HEAD
 def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
     """Follow the load path of one case from its stored states on; II tells its limit when it ends, however it ends."""
     limit_kPa = 0.0
@@ -92,13 +91,8 @@ def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress, known
 
 
 def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
-    experiment = fem.Experiment.of(case.experiment, scene.body, case.end_y_mm, case.force_N)
-=======
-def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress) -> Outcome:
-    """Follow the load path of one case from its stored states on."""
     at_end = case.end
     experiment = fem.Experiment.of(case.experiment, scene.body, at_end.y_mm, at_end.force_N, at_end.x_mm)
->>>>>>> 68e614d (pipeline: experiment III with a force or both coordinates of the end, a given d, and a named reference weight)
     material = scene.material
     effects = scene.effects(case.schedule.reference_MPa)
     model = experiment.model(material, effects, scene.config.mesh.formulation)
@@ -175,18 +169,11 @@ class _PathListener:
 def failure_in_kPa(end: fem.End, case: LoadCase) -> str:
     """Why a path ended, in the units of the configuration."""
     reached, target = (f"{case.schedule.pressure_at(factor):.4g} kPa" for factor in (end.reached, end.target))
-<<<<<<< HEAD
-    if case.end_y_mm and end.constant_fraction < 1.0:
-        reached += f" with the end moved {end.constant_fraction * case.end_y_mm:.4g} mm"
-        target += f" and {case.end_y_mm:g} mm"
-    limit = f"the limit is at {case.schedule.pressure_at(end.limit):.4g} kPa; " if end.limit else ""
-    return f"no equilibrium found beyond {reached} on the way to {target}: {limit}{end.cause}"
-=======
     if end.constant_fraction < 1.0 and (acting := case.on_end):
         reached += f" with {100 * end.constant_fraction:.3g} % of {acting} at the end"
         target += " with all of it"
-    return f"no equilibrium found beyond {reached} on the way to {target}: {end.cause}"
->>>>>>> 68e614d (pipeline: experiment III with a force or both coordinates of the end, a given d, and a named reference weight)
+    limit = f"the limit is at {case.schedule.pressure_at(end.limit):.4g} kPa; " if end.limit else ""
+    return f"no equilibrium found beyond {reached} on the way to {target}: {limit}{end.cause}"
 
 
 def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:
