@@ -68,8 +68,8 @@ def _formulation(design: Design, law: str, nu: float, against_locking: bool | No
         return "p2", f"with a Poisson ratio of {nu:.3g} nothing locks"
     if law == "svk" and design.outer_corners:
         return "p2p0", (
-            "mixed elements, which are more accurate, end early at the sharp corners of the gaps: the St. "
-            "Venant-Kirchhoff law has no solution where these are compressed (other laws have one)"
+            "mixed elements, which are more accurate, end early at the bottom of the gaps, with fillets too: a surface "
+            "of the St. Venant-Kirchhoff law buckles where it is compressed to 0.66 of its length, other laws bear more"
         )
     return MOST_ACCURATE, f"it does not lock at a Poisson ratio of {nu:.3g} and its error falls fastest with the mesh"
 
