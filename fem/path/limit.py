@@ -16,7 +16,7 @@ from geometry.arrays import Array
 #: growth of the largest rate of strain between two points from which it announces a limit
 GROWTH = 1.05
 #: length of the way between two points over the longer one of both rates times the increment, beyond which it is a
-#: jump. It is at most 1.06 on the hard cases, 1.2 where contact acts from rest on; where a thin wall snaps 1.7 to 2.8
+#: jump. It is at most 1.06 on the hard cases, 1.2 where contact acts from rest on; where a thin wall snaps 1.7 to 1.8
 LONGEST_WAY = 1.4
 #: largest difference between the way and the mean of both rates times the increment, relative to the way, of an
 #: increment that passes an announced limit or loses the stability
