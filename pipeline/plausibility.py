@@ -82,7 +82,7 @@ def _strong_pressure(config: Config) -> str:
     pressure = config.pressures_kPa[-1]
     return (
         f"{beginning} are {load / LARGEST_LOAD:.2g} times what such an arm usually bears before its walls inflate like "
-        f"balloons; check the units (kPa, MPa), or begin with {_two_digits(pressure * LARGEST_LOAD / load):g} kPa"
+        f"balloons; check the units (kPa, MPa), or stay well below {_two_digits(pressure * LARGEST_LOAD / load):g} kPa"
     )
 
 
@@ -109,11 +109,12 @@ def _few_pressures(config: Config) -> str:
     count = len(config.pressures_kPa) + config.added_pressures
     if count > 2 or config.law == "cell":
         return ""
-    untested = "how the parameters change with it" if count == 1 else "whether they are linear in it"
-    high = config.pressures_kPa[-1]
+    untested = "how the parameters change" if count == 1 else "whether the parameters are linear in the pressure"
+    load, _ = _load(config)
+    high = config.pressures_kPa[-1] * min(1.0, LARGEST_LOAD / load)
     suggested = ", ".join(f"{_two_digits(fraction * high):g} kPa" for fraction in (0.25, 0.5, 0.75, 1.0))
     number = "one pressure" if count == 1 else "two pressures"
-    return f"with {number} nothing tests {untested}; give three or more, for example pressures: [{suggested}]"
+    return f"{number} cannot tell {untested}; give three or more, for example pressures: [{suggested}]"
 
 
 def _volume_change(solved: Solved) -> str:
@@ -139,9 +140,10 @@ def _large_strain(solved: Solved) -> str:
     if max(high.extremes.max_stretch, 1.0 / low.extremes.min_stretch) <= SMALL_STRAIN:
         return ""
     return (
-        f"the walls are stretched by {low.extremes.min_stretch:.2f} to {high.extremes.max_stretch:.2f} (at "
-        f"{high.pressure_kPa:g} kPa), and St. Venant-Kirchhoff (svk) is a law for small strains: on the silicone of "
-        "docs/materials.md it holds up to 1.08; fit another law to a tensile test with pneurod material"
+        f"stretches in the walls go from {low.extremes.min_stretch:.2f} (compressed) to "
+        f"{high.extremes.max_stretch:.2f} (at {high.pressure_kPa:g} kPa), and St. Venant-Kirchhoff (svk) is a law for "
+        "small strains: for the silicone Elastosil M 4601 it holds up to a stretch of 1.08; fit another law to a "
+        "tensile test with pneurod material"
     )
 
 

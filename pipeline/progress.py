@@ -130,7 +130,7 @@ class _Clock:
         if self._solved == 0 or missing <= 0:
             return ""
         pace = (time.monotonic() - self._began) / self._solved
-        return f"about {duration(pace * missing)} left"
+        return f"this stage: {duration(pace * missing)} left"
 
 
 @final

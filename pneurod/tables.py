@@ -23,6 +23,7 @@ _BOOLEANS = ("d_is_at_most", "d_is_at_least", "single_line_suffices")
 _CURVES = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
     *("moment_N_mm", "rod_x_mm", "rod_y_mm", "rod_kappa_per_mm"),
+    *("arm_law_x_mm", "arm_law_y_mm", "arm_law_kappa_per_mm"),
 )
 #: columns that a frame has even without rows; further ones of the files come behind them
 _FIRST: dict[str, tuple[str, ...]] = {

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import fem
 from pipeline.store.result_folder import ResultFolder
 
 HERE = Path(__file__).resolve().parent.parent
@@ -30,6 +31,7 @@ PATIENCE = 300.0
 
 @pytest.fixture(scope="module")
 def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    fem.compile_kernels("p2p0")  # in a fresh clone they are written into a cache, which is no file of a run
     folder = tmp_path_factory.mktemp("endings")
     (folder / "short.yaml").write_text(SHORT, encoding="utf-8")
     return folder

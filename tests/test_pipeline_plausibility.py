@@ -38,15 +38,18 @@ def test_the_shipped_designs_are_plausible(config: str) -> None:
 @pytest.mark.parametrize(
     ("setting", "sentence"),
     [
-        ("pressures=[0.1 MPa, 0.2 MPa, 0.4 MPa]", "inflate like balloons; check the units (kPa, MPa), or begin with"),
+        ("pressures=[0.1 MPa, 0.2 MPa, 0.4 MPa]", "inflate like balloons; check the units (kPa, MPa), or stay well"),
         ("pressures=[10 Pa, 20 Pa, 30 Pa]", "will hardly bend the arm; check the units (kPa, MPa, GPa), or give"),
         ("material.E=300 MPa", "will hardly bend the arm"),
         (
             "geometry.chambers=6",
             "6.5 pitches; this arm of 62 mm has 6.2 of 10 mm; give more geometry.chambers",
         ),
-        ("pressures=[20 kPa]", "with one pressure nothing tests how the parameters change with it; give three or more"),
-        ("pressures=[10 kPa, 20 kPa]", "with two pressures nothing tests whether they are linear in it; give three"),
+        ("pressures=[20 kPa]", "one pressure cannot tell how the parameters change; give three or more"),
+        (
+            "pressures=[10 kPa, 20 kPa]",
+            "two pressures cannot tell whether the parameters are linear in the pressure; give three",
+        ),
     ],
 )
 def test_what_is_unusual_is_said_before_anything_is_solved(setting: str, sentence: str) -> None:
@@ -73,8 +76,8 @@ def solved(min_J: float, stretches: tuple[float, float], kappa_0: float, *settin
     ("states", "settings", "sentence"),
     [
         ((0.6, (0.95, 1.05), 0.01), (), "loses up to 40 % of its volume at (1.0, 2.0, 3.0) mm (II, 20 kPa)"),
-        ((0.9, (0.95, 1.3), 0.01), (), "stretched by 0.95 to 1.30 (at 20 kPa), and St. Venant-Kirchhoff"),
-        ((0.9, (0.8, 1.05), 0.01), (), "stretched by 0.80 to 1.05"),
+        ((0.9, (0.95, 1.3), 0.01), (), "from 0.95 (compressed) to 1.30 (at 20 kPa), and St. Venant-Kirchhoff"),
+        ((0.9, (0.8, 1.05), 0.01), (), "from 0.80 (compressed) to 1.05"),
         ((0.9, (0.95, 1.05), 1e-4), (), "hardly bends: at 20 kPa its curvature adds up to 0.01 rad"),
     ],
 )
@@ -109,7 +112,7 @@ def test_a_pressure_without_parameters_fails_a_run_only_where_it_leaves_no_rod(
     monkeypatch: pytest.MonkeyPatch, arm: Scene, identified: tuple[str, ...], other_rod: bool, fails: bool
 ) -> None:
     reason = "no five parameters at 10 kPa: the rod carries no moment"
-    monkeypatch.setattr(added_pressures, "identify_all", lambda outcomes, pitch: (identified, (reason,)))
+    monkeypatch.setattr(added_pressures, "identify_all", lambda outcomes, pitch, d_mm: (identified, (reason,)))
     found = identify_run(arm, CONTEXT, NONE, other_rod)
     assert (found.failures, found.remarks) == (((reason,), ()) if fails else ((), (reason,)))
     assert found.parameters == identified

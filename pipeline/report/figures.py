@@ -16,6 +16,15 @@ from pipeline.validation.rods import ARM_LAW, FIVE
 
 
 @dataclass(frozen=True)
+class DrawnRod:
+    """A rod in the tables of curves, and how it is drawn."""
+
+    columns: str  #: how the names of its columns begin
+    name: str  #: of its curves
+    entry: "Entry"
+
+
+@dataclass(frozen=True)
 class Entry:
     """What a line style or a colour means."""
 
@@ -32,16 +41,20 @@ class Figure:
     pressures: tuple[float, ...]  #: kPa, at which the slider stops; fewer than two: no slider
 
 
+RODS = (
+    DrawnRod("rod", "rod", Entry("rod", "rod, five parameters")),
+    DrawnRod("arm_law", "rod of the arm's own law", Entry("own", "rod, the arm's own law")),
+)
+
+
 def of_experiment(results: Results, experiment: str) -> Figure | None:
     """Shape and curvature of the material curve, finite elements and rod; None where no pressure was reached."""
     curves = sorted((c for c in results.curves if c.experiment == experiment), key=lambda curve: curve.pressure_kPa)
     if not curves:
         return None
-    with_rod = any(curve.has("rod_x_mm") for curve in curves)
     shape = Chart("Shape", "x (mm)", "y (mm)", _shapes(results, curves), lengths=True)
     curvature = Chart("Curvature", "s (mm)", "κ (1/mm)", _curvatures(results, curves))
-    entries = [Entry("line", "finite elements"), *([Entry("rod", "rod, five parameters")] if with_rod else [])]
-    return _figure(results, [curve.pressure_kPa for curve in curves], [shape, curvature], entries)
+    return _figure(results, [curve.pressure_kPa for curve in curves], [shape, curvature], _entries(curves))
 
 
 def validation_shapes(results: Results) -> Figure | None:
@@ -58,8 +71,7 @@ def validation_shapes(results: Results) -> Figure | None:
     ]
     if not charts:
         return None
-    entries = [Entry("line", "finite elements"), Entry("rod", "rod, five parameters")]
-    return _figure(results, [curve.pressure_kPa for curve in curves], charts, entries)
+    return _figure(results, [curve.pressure_kPa for curve in curves], charts, _entries(curves))
 
 
 def moments(results: Results) -> Figure | None:
@@ -149,14 +161,22 @@ def _figure(results: Results, pressures: Sequence[float], charts: Sequence[Chart
     return Figure(tuple(charts), (*swatches, *entries), distinct)
 
 
+def _entries(curves: Sequence[Curve]) -> list[Entry]:
+    """The finite elements, and the rods that at least one of the curves has."""
+    rods = [rod.entry for rod in RODS if any(curve.has(f"{rod.columns}_x_mm") for curve in curves)]
+    return [Entry("line", "finite elements"), *rods]
+
+
 def _shapes(results: Results, curves: Sequence[Curve]) -> tuple[Marks, ...]:
     marks = []
     for curve in curves:
         label = ", ".join(filter(None, (curve.load, f"{curve.pressure_kPa:g} kPa")))
         at = (colour(results, curve.pressure_kPa), curve.pressure_kPa)
         marks.append(Marks(curve["x_mm"], curve["y_mm"], f"finite elements, {label}", "line", *at))
-        if curve.has("rod_x_mm"):
-            marks.append(Marks(curve["rod_x_mm"], curve["rod_y_mm"], f"rod, {label}", "rod", None, curve.pressure_kPa))
+        for rod in RODS:
+            if curve.has(f"{rod.columns}_x_mm"):
+                x, y = curve[f"{rod.columns}_x_mm"], curve[f"{rod.columns}_y_mm"]
+                marks.append(Marks(x, y, f"{rod.name}, {label}", rod.entry.style, None, curve.pressure_kPa))
     return tuple(marks)
 
 
@@ -166,9 +186,10 @@ def _curvatures(results: Results, curves: Sequence[Curve]) -> tuple[Marks, ...]:
         label, at = f"{curve.pressure_kPa:g} kPa", (colour(results, curve.pressure_kPa), curve.pressure_kPa)
         spread = curve["kappa_std_per_mm"] if curve.has("kappa_std_per_mm") else None
         marks.append(Marks(curve["s_mm"], curve["kappa_per_mm"], f"finite elements, {label}", "line", *at, spread))
-        if curve.experiment == "III" and curve.has("rod_kappa_per_mm"):
-            rod = curve["rod_kappa_per_mm"]
-            marks.append(Marks(curve["s_mm"], rod, f"rod, {label}", "rod", None, curve.pressure_kPa))
+        for rod in RODS:
+            if curve.experiment == "III" and curve.has(f"{rod.columns}_kappa_per_mm"):
+                kappa, style = curve[f"{rod.columns}_kappa_per_mm"], rod.entry.style
+                marks.append(Marks(curve["s_mm"], kappa, f"{rod.name}, {label}", style, None, curve.pressure_kPa))
     return tuple(marks)
 
 

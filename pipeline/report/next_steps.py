@@ -38,12 +38,16 @@ def _loads(results: Results) -> list[str]:
 
 
 def _use(results: Results, rod: str) -> list[str]:
-    if not rod or not results.pressures:
+    pressures = results.reached_pressures if rod == ARM_LAW else results.identified_pressures
+    if not rod or not pressures:
         return []
     file = results.directory / ("law.json" if rod == ARM_LAW else "parameters.json")
     stretch = {EXTENSIBLE: " --stretch", FIVE: " --no-stretch"}.get(rod, "")
-    pressure = f"--pressure '{results.pressures[-1]:g} kPa'"
-    return [
-        f"To use the rod: pneurod rod {file} {pressure} --force '[0 N, 0.05 N]'{stretch}; "
-        f"for another program: pneurod export {results.directory}."
-    ]
+    pressure = f"--pressure '{pressures[-1]:g} kPa'"
+    steps = [f"To use the rod: pneurod rod {file} {pressure} --force '[0 N, 0.05 N]'{stretch}"]
+    if results.parameters:
+        steps.append(
+            "To use the rod with five parameters in another program (csv, json, pyelastica, mujoco, somo or sorosim): "
+            f"pneurod export {results.directory} --to pyelastica"
+        )
+    return steps

@@ -170,9 +170,13 @@ def linear_range(results: Results) -> list[str]:
     if covered is None:
         sentences = ["There are no three neighbouring pressures at which α₁, α₂ and κ₀(l/2) all lie on straight lines."]
     else:
-        sentences = [f"α₁, α₂ and κ₀(l/2) are linear in the pressure from {covered[0]:g} to {covered[1]:g} kPa."]
-        if not results.parameters.get("linear_range_tested"):
-            sentences.append("This is not tested: two pressures always lie on a straight line.")
+        if results.parameters.get("linear_range_tested"):
+            sentences = [f"α₁, α₂ and κ₀(l/2) are linear in the pressure from {covered[0]:g} to {covered[1]:g} kPa."]
+        else:
+            sentences = [
+                "Whether α₁, α₂ and κ₀(l/2) are linear in the pressure was not tested: two pressures always lie on a "
+                "straight line."
+            ]
     for row in rows:
         departures = [
             f"{'+' if value > 0.0 else ''}{percent(value)} at {pressure:g} kPa"

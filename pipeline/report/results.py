@@ -125,6 +125,12 @@ class Results:
         return tuple(sorted(occurring))
 
     @property
+    def reached_pressures(self) -> tuple[float, ...]:
+        """The pressures at which at least one experiment has an equilibrium, ascending, kPa."""
+        reached = {row.pressure_kPa for row in self.experiments if row.reached}
+        return tuple(sorted(reached)) or tuple(sorted({curve.pressure_kPa for curve in self.curves}))
+
+    @property
     def identified_pressures(self) -> tuple[float, ...]:
         """The pressures of the parameters, kPa."""
         return tuple(self.parameters.get("pressures_kPa", ()))

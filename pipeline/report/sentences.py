@@ -11,7 +11,7 @@ from pipeline.validation.rods import EXTENSIBLE, FIVE
 
 def opening(results: Results) -> str:
     """What the report is about, in one or two sentences."""
-    pressures = ", ".join(f"{pressure:g}" for pressure in results.pressures)
+    pressures = ", ".join(f"{pressure:g}" for pressure in results.reached_pressures)
     if not results.curves and not results.experiments:
         return "No pressure was reached; the report shows the configuration only."
     body = f"A body {number(results.length)} mm long was simulated at {pressures} kPa"
@@ -50,7 +50,7 @@ def agreement_of_rod(results: Results) -> list[str]:
         )
         parts = [
             _largest(rows, "distance_over_length", 100.0, "the largest distance between the curves is {value} % of l"),
-            _largest(extensible, "distance_over_length", 100.0, "with the extensible rod {value} %"),
+            _largest(extensible, "distance_over_length", 100.0, "with the rod that stretches {value} %"),
             _largest(rows, "end_angle_error_rad", 180.0 / np.pi, "the largest error of the end angle is {value}°"),
             _largest(rows, "force_error", 100.0, "that of the end force {value} %"),
         ]

@@ -7,8 +7,7 @@ from pipeline.validation.rods import FIVE
 
 def untested(results: Results) -> list[str]:
     """What the numbers of a run do not show; empty where nothing was solved."""
-    pressures = results.pressures
-    if not pressures:
+    if not results.reached_pressures:
         return []
     return [*_loads(results), *_range(results), *_slopes(results), _reality(results)]
 
@@ -33,7 +32,7 @@ def _loads(results: Results) -> list[str]:
 
 
 def _range(results: Results) -> list[str]:
-    low, high = results.pressures[0], results.pressures[-1]
+    low, high = results.reached_pressures[0], results.reached_pressures[-1]
     below = f"below {number(low)} kPa and " if low > 0.0 else ""
     return [f"Not tested: pressures {below}above {number(high)} kPa."]
 

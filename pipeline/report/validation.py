@@ -65,13 +65,13 @@ class RodErrors:
     def sentence(self) -> str:
         """How wrong the rod is, in and out of sample."""
         parts = []
-        for k, sample in enumerate(("in sample", "under loads that nothing was fitted to")):
+        for k, sample in enumerate(("in sample", "out of sample (loads that nothing was fitted to)")):
             distance, force = self.distance[k], self.force[k]
             if distance is not None:
                 of_force = "" if force is None else f", the force by at most {percent(force)}"
                 parts.append(f"{sample} the shape is wrong by at most {percent(distance)} of l{of_force}")
         if self.missing:
-            parts.append(f"under {_count(self.missing)} it gives no answer")
+            parts.append(f"under {_count(self.missing)} it has no solution")
         return f"{_sentence_case(TITLES[self.rod])}: {'; '.join(parts)}."
 
 
@@ -95,8 +95,10 @@ def rod_to_take(results: Results) -> list[str]:
     best = ordered[0]
     first = f"Take {TITLES[best.rod]} ({best.rod})"
     if len(ordered) > 1:
-        loads = sum(best.loads)
-        first += f": its largest error over {loads} loads and pressures is the smallest, {percent(best.largest)}"
+        first += (
+            f": of {len(ordered)} rods its largest error against finite elements on the same mesh is the smallest, "
+            f"{percent(best.largest)} (of the length in the shape, of the force at the end)"
+        )
     return [f"{first}.", *(errors.sentence() for errors in ordered)]
 
 

@@ -216,5 +216,7 @@ def option_value(option: str, text: str, dimension: Dimension) -> float:
 def _pair(option: str, text: str, dimension: Dimension) -> tuple[float, float]:
     values = text.strip().removeprefix("[").removesuffix("]").split(",")
     if len(values) != 2:
-        raise InputError(f"{option}: '{text}' is not a pair; write it as [{dimension.example}, {dimension.example}]")
+        raise InputError(
+            f"{option}: '{text}' is not a pair; write x and y, for example [0 {dimension.unit}, {dimension.example}]"
+        )
     return option_value(option, values[0], dimension), option_value(option, values[1], dimension)

@@ -10,13 +10,16 @@ from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.store.json_values import JsonObject
-from pipeline.validation.rods import ArmRods, FittedRod, NoSolution, PredictedRod, Rods
+from pipeline.validation.rods import ARM_LAW, FIVE, ArmRods, FittedRod, NoSolution, PredictedRod, Rods
 from rod import Load, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
 
 CURVE_COLUMNS = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
     *("moment_N_mm", "rod_x_mm", "rod_y_mm", "rod_kappa_per_mm"),
+    *("arm_law_x_mm", "arm_law_y_mm", "arm_law_kappa_per_mm"),
 )
+#: the rods in the tables of curves, in the order of their columns
+_SHOWN = (FIVE, ARM_LAW)
 
 
 #: the errors in a row of validation.json; null where the rod has no equilibrium or where there is no such quantity
@@ -58,10 +61,10 @@ class Comparison:
         """The state of the finite elements."""
         return self.state.record
 
-    @property
-    def shape(self) -> RodSolution | None:
-        """The rod that the tables of curves show: the first one with an equilibrium."""
-        return next((rod.solution for rod in self.rods if isinstance(rod.solution, RodSolution)), None)
+    def shape(self, name: str) -> RodSolution | None:
+        """The rod of this name; None where it was not compared or has no equilibrium."""
+        solutions = (rod.solution for rod in self.rods if rod.rod == name)
+        return next((solution for solution in solutions if isinstance(solution, RodSolution)), None)
 
     def rows(self) -> list[JsonObject]:
         """A row of validation.json per rod; distances over the length, angle in rad, force and curvature relative."""
@@ -177,25 +180,33 @@ def _solution(rod: FittedRod | PredictedRod, record: Record) -> RodSolution | No
 
 def curve_rows(outcomes: Outcomes, comparisons: Sequence[Comparison], pitch: float) -> list[tuple[Any, ...]]:
     """Rows of curves.csv at the cell-averaged curvature's points, in the order of `CURVE_COLUMNS`."""
-    shapes = {(c.record.experiment, c.record.pressure_kPa): c.shape for c in comparisons}
+    by_state = {(c.record.experiment, c.record.pressure_kPa): c for c in comparisons}
     rows: list[tuple[Any, ...]] = []
     for record in outcomes.records:
-        rows.extend(rows_of(record, shapes.get((record.experiment, record.pressure_kPa)), pitch))
+        rows.extend(rows_of(record, by_state.get((record.experiment, record.pressure_kPa)), pitch))
     return rows
 
 
-def rows_of(record: Record, shape: RodSolution | None, pitch: float) -> list[tuple[Any, ...]]:
-    """The curve of one record and its rod, in the order of `CURVE_COLUMNS`."""
+def rows_of(record: Record, comparison: Comparison | None, pitch: float) -> list[tuple[Any, ...]]:
+    """The curve of one record and of the rods it is compared with, in the order of `CURVE_COLUMNS`."""
     curve = record.centreline
     moment = moment_from_load(curve, record.load)
     s = curve.s - curve.s[0]
     kappa, std = _curvature(curve, s, pitch)
     middles = 0.5 * (s[1:] + s[:-1])
     theta = np.interp(s, middles, np.unwrap(curve.angle))
-    rod = shape.positions(s) if shape is not None else np.full((len(s), 2), np.nan)
-    bent = np.full(len(s), np.nan) if shape is None else _curvature(Centreline(s, rod[:, 0], rod[:, 1]), s, pitch)[0]
-    table = np.column_stack([s, curve.x, curve.y, theta, kappa, std, moment.value, rod, bent])
+    shapes = (None if comparison is None else comparison.shape(name) for name in _SHOWN)
+    rods = [column for shape in shapes for column in _rod_columns(shape, s, pitch)]
+    table = np.column_stack([s, curve.x, curve.y, theta, kappa, std, moment.value, *rods])
     return [(record.experiment, record.pressure_kPa, *values) for values in table.tolist()]
+
+
+def _rod_columns(shape: RodSolution | None, s: Array, pitch: float) -> tuple[Array, Array, Array]:
+    """x, y and cell-averaged curvature of a rod at s (n,); NaN without one."""
+    if shape is None:
+        return (np.full(len(s), np.nan),) * 3
+    x, y = shape.positions(s).T
+    return x, y, _curvature(Centreline(s, x, y), s, pitch)[0]
 
 
 def _curvature(curve: Centreline, s: Array, pitch: float) -> tuple[Array, Array]:

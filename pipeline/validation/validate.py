@@ -46,7 +46,7 @@ class Validated:
         """Write validation.json (what is in sample first), laws.json and validation_curves.csv."""
         store.save_json("validation.json", [row for c in (*in_sample, *self.comparisons) for row in c.rows()])
         store.save_json("laws.json", [law.row() for law in self.laws])
-        rows = [(c.state.load, *row) for c in self.comparisons for row in rows_of(c.record, c.shape, c.pitch)]
+        rows = [(c.state.load, *row) for c in self.comparisons for row in rows_of(c.record, c, c.pitch)]
         store.save_rows("validation_curves.csv", VALIDATION_COLUMNS, rows)
 
 

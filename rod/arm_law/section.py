@@ -107,7 +107,9 @@ def bracket(pressures: Sequence[float], pressure: float) -> tuple[int, int, floa
     if exact.size:
         return int(exact[0]), int(exact[0]), 0.0
     if not p[0] < pressure < p[-1]:
-        raise RodError(f"The law goes from {p[0]:g} to {p[-1]:g} kPa; {pressure:g} kPa is outside.")
+        raise RodError(
+            f"The law goes from {p[0]:g} to {p[-1]:g} kPa; {pressure:g} kPa is outside, and it is not extrapolated."
+        )
     upper = int(np.searchsorted(p, pressure))
     return upper - 1, upper, float((pressure - p[upper - 1]) / (p[upper] - p[upper - 1]))
 
