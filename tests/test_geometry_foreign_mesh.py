@@ -221,7 +221,7 @@ def test_files_that_cannot_be_used(case: str, tmp_path: Path, capfd: pytest.Capt
         ({"tip": 40}, "tip", "no flat face in the plane x = 40 mm"),
         ({"clamp": 60, "tip": 60}, "clamp", "both at x = 60 mm"),
         ({"curve": 20}, "curve", "y = 20 mm lies outside the body"),
-        ({"curve": 6}, "curve", "outside the material from 3 to 57 mm behind the clamp"),
+        ({"curve": 6}, "curve", "outside the material from 3 to 57 mm behind the clamp; .* for example y = 0.46"),
         ({"symmetric": True}, "symmetric", "true is for a file that holds the half"),
         ({"unit": 1000}, "file", "is its file in another unit than 1000 mm"),
     ],
