@@ -55,7 +55,7 @@ def _overview(claims: Sequence[Claim]) -> str:
 def _summary(claim: Claim, law: str) -> str:
     """The readings of one law that count, and whether they hold."""
     found = [r for r in claim.readings if r.law == law and r.status is not None]
-    return "; ".join(_named(r) for r in found)
+    return "; ".join(_named(r) for r in found) or ("not yet measured" if claim.readings else "")
 
 
 def _named(reading: Reading) -> str:

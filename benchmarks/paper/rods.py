@@ -16,7 +16,7 @@ class RodShape:
     solution: RodSolution
     points: Array  #: (n, 2) mm, at the nodes of the curve
     largest: float  #: distance from the curve over the length
-    rms: float  #: root mean square of the distances from the curve without its stretch, over the length
+    rms: float  #: root mean square of the distances over the length; from the curve without its stretch if it has none
     force_error: float  #: of F_y over that of the finite elements; nan in II
 
 
@@ -45,8 +45,9 @@ def _shape(state: State, rod: Rod, load: Load, loaded: bool) -> RodShape:
         np.hypot(*(points - np.column_stack([shape.x, shape.y])).T) / state.length
         for shape in (curve, without_stretch(curve))
     ]
+    of_rms = distances[0] if np.any(solution.stretch != 1.0) else distances[1]
     error = float(solution.force[1]) / state.curves.force[1] - 1.0 if loaded else float("nan")
-    return RodShape(solution, points, float(distances[0].max()), float(np.sqrt(np.mean(distances[1] ** 2))), error)
+    return RodShape(solution, points, float(distances[0].max()), float(np.sqrt(np.mean(of_rms**2))), error)
 
 
 def under_force(state: State, law: FiveParameters | TwoSlopes | ArmLaw, force: tuple[float, float]) -> Array:
