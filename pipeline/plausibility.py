@@ -52,7 +52,7 @@ def of_mesh(mesh: Mesh) -> tuple[str, ...]:
     return (
         f"the flattest of the {quality.count} elements has a radius ratio of {quality.minimum:.2g} (a regular one "
         f"has 1), near ({where}) mm, where stresses may be inaccurate and large deformation may end early; look for a "
-        "small edge or a thin gap of the drawing there, or take another mesh.size",
+        "small edge or a thin gap of the body there, or mesh it with another size",
     )
 
 

@@ -328,9 +328,9 @@ def settings(draw: st.DrawFn, whole: dict[str, Any]) -> tuple[str, ...]:
 
 @st.composite
 def configurations(draw: st.DrawFn) -> Written:
-    """One of five sound in form, three of five with a few wrong values, one of five with junk in the text."""
+    """Two of six sound in form, three of six with a few wrong values, one of six with junk in the text."""
     whole = draw(document())
-    kind = draw(st.sampled_from(["sound", "wrong", "wrong", "wrong", "junk"]))
+    kind = draw(st.sampled_from(["sound", "sound", "wrong", "wrong", "wrong", "junk"]))
     given: tuple[str, ...] = ()
     if kind == "wrong":
         for _ in range(draw(st.integers(1, 3))):

@@ -62,7 +62,8 @@ def test_rounding_does_not_decide_where_the_path_ends(model: fem.Model, relative
 def test_a_limit_just_passed_costs_no_more_than_a_few_states(model: fem.Model) -> None:
     small, before = end_of(model, 0.5, 1.0, 1.25)
     assert len(before.steps) == 2
-    assert small.factorizations <= 3 * max(step.factorizations for step in before.steps)
+    # two attempts at the limit, the second one from near, and the equilibria on the way to it
+    assert small.factorizations <= 3.5 * max(step.factorizations for step in before.steps)
 
 
 def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> None:

@@ -100,7 +100,7 @@ def test_parameters_show_three_estimators_with_intervals(results: Path) -> None:
 
 def test_the_report_shows_loads_laws_and_estimators(results: Path) -> None:
     html = (results / "report.html").read_text(encoding="utf-8")
-    for text in ("The same numbers by other ways", "rod fit", "Why free offsets fail", "end at +3 mm"):
+    for text in ("The same parameters by other methods", "rod fit", "Why free offsets fail", "end at +3 mm"):
         assert text in html
     assert "are linear in the pressure" in html or "There are no three neighbouring pressures" in html
     assert 'id="figure-validation"' in html

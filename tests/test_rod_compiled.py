@@ -9,6 +9,7 @@ import pytest
 
 from geometry.arrays import Array
 from rod import FiveParameters, Rod
+from rod.arm_law import integration
 from rod.compiled import CompiledLater
 from rod.mechanics import continuation, shooting
 
@@ -56,6 +57,14 @@ def test_a_path_without_equilibrium_is_told_in_plain_python_too(monkeypatch: pyt
     found = plain("converge")(rod, unknowns, np.zeros(2), np.zeros(3), np.ones(3, bool), states)
     assert found == (False, 0.0)
     assert not math.isfinite(states[-1, 0]) or abs(states[-1, 0]) > 1e3
+
+
+def test_an_absurd_force_on_the_arm_law_raises_nothing_in_plain_python() -> None:
+    law = integration.LawArrays(-1.0, 1.0, *(np.full(3, value) for value in (0.0, 0.01, 1.0, 0.0, 50.0, 10.0)))
+    states: Array = np.empty((6, 4))
+    with np.errstate(all="ignore"):
+        outside = integration.integrate(law, 50.0, np.array([0.0, 1e308]), np.zeros(4), states)
+    assert outside == math.inf
 
 
 def test_a_program_that_solves_many_rods_compiles() -> None:

@@ -186,7 +186,8 @@ class PathFollower:
         to stable equilibria as well.
         """
         if increments.passes_limit or (increments.cutbacks and increments.nears_limit):
-            return _Effort(ITERATIONS_NEAR_LIMIT, 0 if self.is_stable else None)
+            unstable = MAX_UNSTABLE if self.points[-1].touching else 0
+            return _Effort(ITERATIONS_NEAR_LIMIT, unstable if self.is_stable else None)
         iterations = RETRY_ITERATIONS if increments.cutbacks else None
         if not (self._follows_load and self.is_stable):
             return _Effort(iterations, None)
@@ -296,7 +297,11 @@ class PathFollower:
     def _end(self, reached: Control, increments: Increments, before: _Costs, failure: StepFailed) -> End:
         last, law = self.points[-1], law_limit_clause(self.system, self.points[-1].state)
         limit = increments.limit if increments.limit_is_confirmed else None
+        if limit is not None and limit > increments.lowest_failed > reached.value:
+            limit = increments.lowest_failed  # a load without an equilibrium is not below the limit
         cause = str(failure) + law + near_limit_point(self.system, last, bool(law), limit is not None)
+        if increments.is_exhausted:
+            cause = f"the search ended after {increments.tried} increments; the last one that failed: {cause}"
         factorizations = (_Costs.of(self.system) - before).factorizations
         ways = reached.value, reached.constant_fraction, increments.cutbacks
         return End(self.control.name, increments.target, *ways, factorizations, cause, limit)

@@ -20,6 +20,8 @@ STABLE_INCREMENT, STABLE_INCREMENT_LOAD = 1 / 16, 0.02
 NEAR = 0.1
 #: how far an increment may pass an announced limit, over the distance to the limit; and as a fraction of the load
 PASSED, PASSED_LOAD = 4.0, 0.02
+#: largest distance from which the load without an equilibrium was tried, over the accuracy
+TRIED_FROM = 1 / 2
 #: smallest increment on the way to an announced limit, over the accuracy
 SMALLEST_NEAR_LIMIT = 1 / 4
 
@@ -40,7 +42,7 @@ class Increments:
     cutbacks: int = 0
     limit: float | None = None  #: value at which the path announces its end
     _limit_before: float | None = None  #: the same, one equilibrium earlier
-    _tried: int = 0
+    tried: int = 0  #: number of increments so far
     _increment: float = 1.0
     _failed: float = field(default=np.inf)  #: the lowest fraction that was not reached
     _distance: float = 0.0  #: from how far
@@ -100,7 +102,7 @@ class Increments:
 
     def accepted(self, fraction: float, iterations: int, limit: float | None) -> None:
         """An equilibrium was found there in so many iterations; `limit` is the value at which the path now ends."""
-        self._tried += 1
+        self.tried += 1
         placed = fraction < min(1.0, self.reached + self._increment)
         self.reached, self.limit, self._limit_before = fraction, limit, self.limit
         if not placed and iterations <= QUICK_ITERATIONS:
@@ -113,7 +115,7 @@ class Increments:
 
     def failed(self, fraction: float, unstable: bool, inverted: bool = False) -> None:
         """None was found there, or no stable one, or one in which an element is turned inside out."""
-        self.cutbacks, self._tried = self.cutbacks + 1, self._tried + 1
+        self.cutbacks, self.tried = self.cutbacks + 1, self.tried + 1
         self._failed, self._distance = fraction, fraction - self.reached
         self._unstable, self._inverted = unstable, inverted
         self._increment = self._distance / 2
@@ -123,7 +125,7 @@ class Increments:
         """Whether no smaller increment is worth trying."""
         if self.is_confirmed_or_exhausted:
             return True
-        if self._inverted and self._distance <= self._load_fraction(LIMIT_ACCURACY):
+        if self._inverted and self.cutbacks > 1 and self._distance <= self._load_fraction(LIMIT_ACCURACY):
             return True
         smallest = self.smallest
         if self._limit_fraction is not None:
@@ -133,7 +135,17 @@ class Increments:
     @property
     def is_confirmed_or_exhausted(self) -> bool:
         """Whether the path ended at the limit that it announced, or enough increments were tried."""
-        return self.cutbacks >= MAX_CUTBACKS or self._tried >= MAX_INCREMENTS or self.limit_is_confirmed
+        return self.is_exhausted or self.limit_is_confirmed
+
+    @property
+    def is_exhausted(self) -> bool:
+        """Whether enough increments were tried."""
+        return self.cutbacks >= MAX_CUTBACKS or self.tried >= MAX_INCREMENTS
+
+    @property
+    def lowest_failed(self) -> float:
+        """The lowest value that was not reached; infinite where none failed."""
+        return self.start + self._failed * (self.target - self.start)
 
     @property
     def limit_is_confirmed(self) -> bool:
@@ -141,7 +153,10 @@ class Increments:
         limit = self._limit_fraction
         if limit is None or not (self._unstable or self._limit_is_settled):
             return False
-        return self._failed - self.reached <= self._accuracy and not self._is_doubtful
+        is_near = self._failed - self.reached <= self._accuracy
+        # a load that failed from far away may be reached from near
+        was_near = self._distance <= TRIED_FROM * self._accuracy
+        return is_near and was_near and not self._is_doubtful
 
     @property
     def _is_doubtful(self) -> bool:

@@ -64,7 +64,7 @@ def numbers_of(parameters: Parameters, stride: int = 1, fit_seconds: float = 0.0
         alpha1_N_mm2=numbers["alpha1"].value,
         alpha2_N_mm2=numbers["alpha2"].value,
         d_mm=numbers["d"].value if parameters.by_cells.two_lines else None,
-        force_N=loaded.load.force[1],
+        force_N=loaded.load.force[1] or loaded.load.force_size,  # that along x where none acts along y
         end_mm=free.summary.end_mm,
         alpha2_std_N_mm2=numbers["alpha2"].std,
         stress_error=max(free.summary.stress_error, loaded.summary.stress_error),

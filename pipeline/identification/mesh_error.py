@@ -73,7 +73,7 @@ def _measured(free: Record, loaded: Record, pitch: float) -> dict[str, float]:
     kappa_0 = cell_averaged(free.centreline, pitch)
     return {
         "kappa_0": float(np.interp(kappa_0.length / 2, kappa_0.s, kappa_0.kappa)),
-        "force": loaded.load.force[1],
+        "force": loaded.load.force_size,
     }
 
 

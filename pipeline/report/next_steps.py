@@ -38,7 +38,8 @@ def _loads(results: Results) -> list[str]:
 
 
 def _use(results: Results, rod: str) -> list[str]:
-    pressures = results.reached_pressures if rod == ARM_LAW else results.identified_pressures
+    of_law = tuple(results.arm_law.get("pressures_kPa", ()))
+    pressures = of_law if rod == ARM_LAW else results.identified_pressures
     if not rod or not pressures:
         return []
     file = results.directory / ("law.json" if rod == ARM_LAW else "parameters.json")

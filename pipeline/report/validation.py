@@ -94,7 +94,9 @@ def rod_to_take(results: Results) -> list[str]:
         return []
     best = ordered[0]
     first = f"Take {TITLES[best.rod]} ({best.rod})"
-    if len(ordered) > 1:
+    if best.largest > min(errors.largest for errors in ordered):
+        first += f": the others have no solution for more of the loads; its largest error is {percent(best.largest)}"
+    elif len(ordered) > 1:
         first += (
             f": of {len(ordered)} rods its largest error against finite elements on the same mesh is the smallest, "
             f"{percent(best.largest)} (of the length in the shape, of the force at the end)"

@@ -40,6 +40,15 @@ class KnownLimit:
         )
 
 
+def asks(case: LoadCase) -> bool:
+    """Whether an experiment asks for the limit of II: I does, and III where the height of its end alone is held.
+
+    With other conditions at the end the limits were not compared.
+    """
+    is_usual = case.experiment == "I" or (case.held == (False, True) and not any(case.end.force_N))
+    return case.name in OTHERS and is_usual
+
+
 def in_order(cases: list[LoadCase]) -> list[LoadCase]:
     """The case of II first: those that wait for it must not keep it from starting."""
     return sorted(cases, key=lambda case: case.name != FIRST)

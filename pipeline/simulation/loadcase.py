@@ -63,7 +63,9 @@ class LoadCase:
         """The load besides the pressure in words; empty for the three experiments."""
         if self.experiment == "dead":
             return f"dead force {self.end.force_N[0]:g}, {self.end.force_N[1]:g} N"
-        return f"end at {self.end.y_mm:+g} mm" if self.name != self.experiment else ""
+        if self.name == self.experiment:
+            return ""
+        return self.on_end if self.end.y_mm is None else f"end at {self.end.y_mm:+g} mm"
 
 
 def schedule(config: Config, pressures_kPa: tuple[float, ...] | None = None) -> PressureSchedule:

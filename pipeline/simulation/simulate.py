@@ -10,7 +10,7 @@ from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.processes import available_cores, process_pool
 from pipeline.progress import Progress
-from pipeline.simulation.known_limit import FIRST, OTHERS, KnownLimit, in_order
+from pipeline.simulation.known_limit import FIRST, KnownLimit, asks, in_order
 from pipeline.simulation.loadcase import LoadCase, identification_case
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
@@ -82,7 +82,7 @@ def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress, known
     """Follow the load path of one case from its stored states on; II tells its limit when it ends, however it ends."""
     limit_kPa = 0.0
     try:
-        outcome = _followed(case, scene, store, progress, known if case.name in OTHERS else None)
+        outcome = _followed(case, scene, store, progress, known if asks(case) else None)
         limit_kPa = outcome.failure.limit_kPa if outcome.failure else 0.0
         return outcome
     finally:
@@ -111,7 +111,8 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
         failure = Failure(pressure, failure_in_kPa(end, case), end.cutbacks, end.factorizations, limit_kPa)
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:
-        failure = Failure(case.schedule.pressures_kPa[len(steps)], intersection, 0, 0)
+        limit_kPa = failure.limit_kPa if failure else 0.0
+        failure = Failure(case.schedule.pressures_kPa[len(steps)], intersection, 0, 0, limit_kPa)
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))
     pressures = case.schedule.pressures_kPa[: len(steps)]
     return Outcome(

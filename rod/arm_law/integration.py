@@ -52,12 +52,18 @@ def _cubic(values: Array, slopes: Array, i: int, t: float, step: float) -> tuple
 def _rate(law: LawArrays, z: Array, fx: float, fy: float, out: Array) -> float:
     """Right-hand side for z = (theta, M, x, y); returns by how much the effective moment leaves the table, N mm."""
     angle, moment = float(z[0]), float(z[1])
+    if not (math.isfinite(angle) and math.isfinite(moment)):
+        out[:] = math.nan
+        return math.inf
     cosine, sine = math.cos(angle), math.sin(angle)
     axial, across = fx * cosine + fy * sine, fy * cosine - fx * sine
     last = len(law.kappa) - 1
     effective, kappa, stretch, i, t = moment, 0.0, 1.0, 0, 0.0
     for _ in range(ITERATIONS):
         position = (effective - law.first) / law.step
+        if not math.isfinite(position):
+            out[:] = math.nan
+            return math.inf
         i = min(max(math.floor(position), 0), last - 1)
         t = position - i
         if t < 0.0 or t > 1.0:  # outside: the end value, and the caller is told
