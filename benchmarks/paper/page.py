@@ -8,7 +8,8 @@ from string import Template
 from textwrap import fill
 from typing import Any
 
-from benchmarks.paper.claims import SAME, SLOPE_BY_PROCESS, SLOPE_OF_ONE_RIGIDITY, STRAIGHT, SUBTRACTED
+from benchmarks.paper.claims.common import SAME, STRAIGHT
+from benchmarks.paper.claims.rigidities import SLOPE_BY_PROCESS, SLOPE_OF_ONE_RIGIDITY, SUBTRACTED
 from benchmarks.paper.estimates import LENGTH_SCALE, PROCESS
 from benchmarks.paper.reading import CONTRADICTED, FAILS, HOLDS, OPEN, Claim, Reading, claim_from_record
 from benchmarks.peers.page import table
