@@ -105,6 +105,17 @@ def test_unit_of_a_brep_file(folder: Path) -> None:
         design_of(path)
 
 
+def test_a_step_file_stores_its_unit(folder: Path) -> None:
+    """The CAD kernel converts it to mm, so that a second unit would scale the body twice."""
+    path = save(folder / "unit.step", finger)
+    for suffix in (".step", ".stp", ".STP"):
+        copy = path.replace(folder / f"unit{suffix}")
+        with pytest.raises(DesignError, match="unit: STEP files store their unit; leave it out"):
+            design_of(copy, unit=25.4)
+        assert design_of(copy, unit=1).solid_volume == pytest.approx(SOLID, rel=1e-7)
+        path = copy
+
+
 def asymmetric(occ: Any) -> None:
     occ.fuse(finger(occ), [box(occ, (20, 12, 3), (25, 14, 5))])
 

@@ -15,6 +15,7 @@ from tests.foreign_bodies import (
     INLET,
     bar,
     bar_with_inlet,
+    half_bar,
     meshed,
     standing_bar,
     two_chambers,
@@ -91,6 +92,24 @@ def test_the_clamp_at_the_other_end(folder: Path) -> None:
         CadFile(str(path), 1.5, clamp=60, tip=0, symmetric=False, air={"cavity": (50, 1, 1)})
 
 
+def half_knobbed(occ: Any) -> Any:
+    """The half z >= 0 of the bar with a knob at (50, 12, 0)."""
+    return occ.fuse(half_bar(occ), [box(occ, (48, 12, 0), (52, 14, 6))])[0]
+
+
+def test_a_half_solid_may_be_clamped_at_the_other_end(folder: Path) -> None:
+    path = save(folder / "half.step", half_knobbed)
+    for air in ({}, {"cavity": (50, 5, 1)}):
+        design = CadFile(str(path), 1.5, clamp=60, tip=0, air=air)
+        assert design.solid_volume == pytest.approx(BAR_VOLUME + 2 * 4 * 2 * 6, rel=1e-6)
+        assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-6)
+    mesh = design.body(4.0).mesh
+    top = mesh.points[mesh.points[:, 1] > 13]
+    assert (top[:, 0].min(), top[:, 0].max()) == pytest.approx((8, 12))
+    assert (mesh.points[:, 2].min(), mesh.points[:, 2].max()) == pytest.approx((0, 7.5))
+    assert 2 * mesh.enclosed_volume("cavity") == pytest.approx(BAR_AIR, rel=1e-6)
+
+
 def test_solids_that_touch_are_united(folder: Path) -> None:
     path = save(folder / "pair.step", two_solids)
     with pytest.raises(DesignError, match=r"holds 2 solids; unite them to one, or write unite: true"):
@@ -132,6 +151,8 @@ def test_an_inlet_at_the_clamp_of_a_mesh_is_closed(folder: Path, kind: str) -> N
     assert mesh.area("clamp") == pytest.approx(180 - np.pi * 1.5**2, rel=1e-2)  # elements of 4 mm around the hole
     named = reader(str(path), 1.5, plug=True, air={"cavity": (1, 6, 0)})
     assert named.cavity_volume == pytest.approx(design.cavity_volume, rel=1e-9)
+    with pytest.raises(DesignError, match=r"the point \(-1, 6, 0\) mm lies behind the plane of the clamp, x = 0 mm"):
+        reader(str(path), 1.5, plug=True, air={"cavity": (-1, 6, 0)})
 
 
 def test_axis_and_angle_of_all_turns() -> None:

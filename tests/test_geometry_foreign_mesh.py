@@ -1,5 +1,6 @@
 """Meshes of other programs: formats, faces by planes, cavities, the material curve, directions, and what is refused."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from geometry.foreign.shells import windings
 from geometry.manifold import check_manifold, check_untangled
 from geometry.meshing.solid import session
 from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, bar, half_bar, meshed, tube, two_chambers, write_mesh
+from tests.step_bodies import box
 
 
 @pytest.fixture(scope="module")
@@ -147,12 +149,67 @@ def test_several_cavities_are_chosen_by_points(folder: Path) -> None:
             MeshFile(str(path), curve=1.5, air=air)
 
 
+def half_of_two(occ: Any) -> Any:
+    """The half z >= 0 of the bar with two chambers."""
+    return occ.intersect(two_chambers(occ), [box(occ, (-1, -1, 0), (61, 20, 8))])[0]
+
+
+def test_both_cavities_of_a_half_need_a_name(folder: Path) -> None:
+    path = str(write_mesh(folder / "half_of_two.vtu", *meshed(half_of_two, 4.0)))
+    for plug in (False, True):
+        with pytest.raises(DesignError, match=r"air: the body has one more cavity, around \(44, 6.5, 2.5\) mm"):
+            MeshFile(path, curve=1.5, symmetric=True, plug=plug, air={"near": (20, 5, 1)})
+    design = MeshFile(path, curve=1.5, symmetric=True, air={"near": (20, 5, 1), "far": (44, 6.5, 2.5)})
+    assert design.cavity_volumes == pytest.approx({"near": 1820, "far": 1820})
+
+
+@pytest.mark.parametrize("half", [False, True])
+def test_positions_in_sentences_are_those_of_the_file(half: bool, folder: Path) -> None:
+    """The bar reaches from 100 to 160 mm and is clamped at its larger x; what a sentence proposes can be written."""
+    points, tets = meshed(half_of_two if half else two_chambers, 4.0)
+    path = str(write_mesh(folder / "moved.vtu", np.add(points, [100, 0, 0]), tets))
+    with pytest.raises(DesignError, match=r"around \(116, 6.5, .*\) mm; \(144, 6.5") as caught:
+        MeshFile(path, curve=1.5, clamp=160, tip=100, symmetric=half)
+    proposed = [float(x) for x in re.findall(r"([-0-9.]+) mm[],]", caught.value.sentence)[-3:]]
+    with pytest.raises(DesignError, match=r"one more cavity, around \(144, 6.5") as caught:
+        MeshFile(path, curve=1.5, clamp=160, tip=100, symmetric=half, air={"cavity": tuple(proposed)})
+    assert caught.value.keys == ("air",)
+    design = MeshFile(
+        path, curve=1.5, clamp=160, tip=100, symmetric=half, air={"a": tuple(proposed), "b": (144, 6.5, 1)}
+    )
+    assert design.cavity_volumes == pytest.approx({"a": 1820, "b": 1820})
+    walls = design.fixed_body.mesh.points[np.unique(design.fixed_body.mesh.faces["a"])]
+    assert walls[:, 0].min() == pytest.approx(31)
+    for at, where in (((144, 1, 1), "in the material"), ((144, 30, 1), "outside the body")):
+        with pytest.raises(DesignError, match=where):
+            MeshFile(path, curve=1.5, clamp=160, tip=100, symmetric=half, air={"a": at})
+
+
 def test_points_that_every_element_has_for_itself_are_joined(
     folder: Path, plain: tuple[np.ndarray, np.ndarray]
 ) -> None:
     points, tets = plain
     path = write_mesh(folder / "loose.vtu", points[tets].reshape(-1, 3), np.arange(tets.size).reshape(-1, 4))
     check_bar(MeshFile(str(path), curve=1.5))
+
+
+def test_curved_edges_of_points_that_are_joined(folder: Path) -> None:
+    """The two ends of a tube with ten nodes per element share no point, then no elements do: the body is the same."""
+    points, tets = meshed(tube, 4.0, order=2)
+    whole = MeshFile(str(write_mesh(folder / "whole10.vtu", points, tets)), curve=-6)
+    left = points[tets[:, :4]].mean(axis=1)[:, 0] < 25
+    halves = [points[tets[side]].reshape(-1, 3) for side in (left, ~left)]
+    kept = [np.unique(tets[side], return_inverse=True) for side in (left, ~left)]
+    two = [numbers.reshape(-1, 10) for _, numbers in kept]
+    parts = np.vstack([two[0], two[1] + len(kept[0][0])])
+    for name, split, elements in (
+        ("two", np.vstack([points[used] for used, _ in kept]), parts),
+        ("loose", np.vstack(halves), np.arange(tets.size).reshape(-1, 10)),
+    ):
+        design = MeshFile(str(write_mesh(folder / f"{name}10.vtu", split, elements)), curve=-6)
+        assert len(design.fixed_body.mesh.curved) == len(whole.fixed_body.mesh.curved) > 100
+        assert design.solid_volume == pytest.approx(whole.solid_volume, rel=1e-9)
+        assert design.cavity_volume == pytest.approx(whole.cavity_volume, rel=1e-9)
 
 
 def test_solid_angle_of_a_closed_surface(plain: tuple[np.ndarray, np.ndarray]) -> None:

@@ -97,6 +97,10 @@ BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
     "tangled": (with_moved_vertex, r"tangled: at \d+ of their faces .* such as near \("),
     "narrow sym": (with_narrow_sym, "all of the boundary in the plane z = 0, and it leaves out"),
     "sym elsewhere": (with_sym_elsewhere, "sym must lie in the plane z = 0; a triangle of it is near"),
+    "half without sym": (
+        lambda mesh: renamed(mesh, sym="rest"),
+        "cavity is open in the plane z = 0, and .* no face named sym",
+    ),
     "half below": (with_half_below, "must be the half z >= 0, but it reaches to"),
 }
 
@@ -123,6 +127,15 @@ def test_meshes_that_cannot_be_used(case: str, pneunet: Path, tmp_path: Path) ->
     with pytest.raises(DesignError, match=sentence) as caught:
         MeshFile(str(tmp_path / "bad.msh"), curve=1)
     assert caught.value.keys[0] == "file"
+
+
+def test_a_whole_body_with_names_is_no_half(pneunet: Path, tmp_path: Path) -> None:
+    Mesh.read(pneunet).mirrored().write(tmp_path / "whole.msh")
+    path = str(tmp_path / "whole.msh")
+    assert MeshFile(path, curve=1).solid_volume == pytest.approx(MeshFile(str(pneunet), curve=1).solid_volume)
+    with pytest.raises(DesignError, match="symmetric, file: the mesh names its faces, and none of them is sym"):
+        MeshFile(path, curve=1, symmetric=True)
+    assert MeshFile(str(pneunet), curve=1, symmetric=True).fixed_body.half
 
 
 def test_a_named_mesh_is_divided_along_the_curve(pneunet: Path) -> None:

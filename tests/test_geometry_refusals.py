@@ -41,6 +41,16 @@ def test_a_length_that_may_be_zero_is_no_other_number(family: type[Design], key:
     assert family(**{key: 0}) == family()
 
 
+def test_a_fillet_is_none_or_not_tiny() -> None:
+    """One of 0.02 mm would give a half cell 9000 elements."""
+    for radius in (0.001, 0.02, 0.099):
+        with pytest.raises(
+            DesignError, match=f"^fillet: must be 0 for sharp edges or at least 0.1 mm, not {radius:g} mm"
+        ):
+            PneuNet(fillet=radius)
+    assert PneuNet(fillet=0.1).fillet == 0.1
+
+
 @pytest.mark.parametrize("chambers", [0, -3, 2.0, True, "eleven"])
 @pytest.mark.parametrize("family", [PneuNet, Semicircular, Rectangular])
 def test_chambers_must_be_counted(family: type[Design], chambers: object) -> None:

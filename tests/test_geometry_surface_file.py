@@ -170,6 +170,27 @@ def test_surfaces_that_cannot_be_used(case: str, stl: Path, tmp_path: Path, capf
     assert capfd.readouterr() == ("", "")
 
 
+def test_position_and_names_are_checked_before_filling(stl: Path, folder: Path) -> None:
+    points, triangles = triangles_of(stl)
+    for shift in (7.5, 20):
+        path = written(folder / "aside.stl", np.add(points, [0, 0, shift]), triangles)
+        with pytest.raises(DesignError, match=r"file: the body reaches from z = .* save both halves"):
+            SurfaceFile(str(path), curve=1.5)
+    for name in ("clamp", "tip", "sym", "outer"):
+        with pytest.raises(DesignError, match=rf"air\.{name}: a cavity cannot be named {name}"):
+            SurfaceFile(str(stl), curve=1.5, air={name: (30, 5, 0)})
+
+
+def test_faces_with_more_than_four_corners_are_named(tmp_path: Path) -> None:
+    """A closed prism on a pentagon: its two ends have five corners."""
+    corners = [(x, np.sin(angle), np.cos(angle)) for x in (0, 9) for angle in np.arange(5) * 2 * np.pi / 5]
+    sides = [f"f {k + 1} {(k + 1) % 5 + 1} {(k + 1) % 5 + 6} {k + 6}" for k in range(5)]
+    lines = [f"v {x} {y} {z}" for x, y, z in corners] + sides + ["f 5 4 3 2 1", "f 6 7 8 9 10"]
+    (tmp_path / "prism.obj").write_text("\n".join(lines))
+    with pytest.raises(DesignError, match=r"file: .* has faces with more than four corners; save it with triangles"):
+        SurfaceFile(str(tmp_path / "prism.obj"), curve=0)
+
+
 def test_what_only_filling_shows(stl: Path) -> None:
     with pytest.raises(DesignError, match=r"curve: the line y = 6 mm, z = 0 is outside the material from 3 to 57 mm"):
         SurfaceFile(str(stl), curve=6).body(5.0)

@@ -62,6 +62,8 @@ class CadFile(Design):
         for key, value in (("cell", self.cell), ("unit", self.unit)):
             if value is not None and not isinstance(value, CellPlanes) and not (isfinite(value) and value > 0):
                 raise DesignError(key, f"must be a positive length, not {value!r}")
+        if self.unit != 1 and path.suffix.lower() in (".step", ".stp"):
+            raise DesignError("unit", "STEP files store their unit; leave it out")
         object.__setattr__(self, "air", dict(self.air))
         object.__setattr__(self, "axes", tuple(self.axes))
         clamp, tip = self._ends
@@ -107,7 +109,7 @@ class CadFile(Design):
         """The body with its clamp at the smaller x.
 
         An arm that is clamped at its larger x is turned about y by half a turn; a symmetric one has its halves
-        exchanged by that, so that z keeps its sign.
+        exchanged by that, so that z keeps its sign; where the file holds the half z >= 0 alone, it is mirrored back.
         """
         (clamp, tip), turn = self._ends, rotation(self.axes)
         air = dict(self.air)

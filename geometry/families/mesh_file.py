@@ -19,6 +19,7 @@ from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh, MeshError
 from geometry.meshing.cad_import import Point
 from geometry.meshing.mirror import slices
+from geometry.topology import open_edges
 
 
 @final
@@ -129,15 +130,35 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
     check_untangled(mesh)
     if "sym" in mesh.faces:
         check_half(mesh)
+    elif placing.half:
+        raise DesignError(
+            ("symmetric", "file"),
+            f"the mesh names its faces, and none of them is sym; it has {', '.join(mesh.faces)}: name the faces of the "
+            "half in the plane z = 0 sym, or leave symmetric out for a whole body",
+        )
     mesh, length = _in_frame(mesh)
     mesh = divided(mesh, placing.curve, length)
     names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
     if "cavity" not in names:
         raise MeshError(f"the mesh has no face named cavity; it has {', '.join(mesh.faces)}")
     for name in names:
+        if "sym" not in mesh.faces:
+            _refuse_half(mesh, name)
         if not mesh.enclosed_volume(name) > 0:
             raise MeshError(f"the face {name} encloses material, not air")
     return Placed(mesh, length, names)
+
+
+def _refuse_half(mesh: Mesh, name: str) -> None:
+    """Raise `MeshError` where the cavity `name` of a body without a face sym is open in the plane z = 0."""
+    edges = mesh.points[open_edges(mesh.faces[name], len(mesh.points))]
+    off = np.abs(edges).max(axis=1) if len(edges) else np.empty((0, 3))
+    tolerance = 1e-7 * np.ptp(mesh.points, axis=0).max()
+    if ((off[:, 2] <= tolerance) & (off[:, 0] > tolerance)).any():
+        raise MeshError(
+            f"the face {name} is open in the plane z = 0, and the mesh has no face named sym; it has "
+            f"{', '.join(mesh.faces)}: name all faces of the half z >= 0 in that plane sym, or close {name}"
+        )
 
 
 def _in_frame(mesh: Mesh) -> tuple[Mesh, float]:

@@ -11,6 +11,9 @@ from geometry.meshing.mirror import Repetition
 from geometry.meshing.shapes import Box, Fillet, Shape
 from geometry.meshing.solid import Solid, mesh_solid
 
+#: smallest radius of a rounded edge, mm; elements beside it are as small as a third of its arc
+SMALLEST_FILLET = 0.1
+
 
 @final
 @dataclass(frozen=True)
@@ -37,7 +40,9 @@ class PneuNet(SymmetricDesign):
     side_wall: float = 2.0  #: thickness of chamber walls across z
     roof: float = 2.0  #: thickness of chamber roofs
     channel: float = 2.0  #: width and height of the air channel
-    fillet: float = 0.0  #: radius of the rounded edges where chamber walls stand on the strip; 0 for sharp edges
+    fillet: float = (
+        0.0  #: radius of rounded edges where chamber walls stand on the strip; 0 (sharp edges) or at least 0.1 mm
+    )
 
     def __post_init__(self) -> None:
         check_numbers(self, counts=["chambers"], or_zero=["fillet"])
@@ -45,6 +50,12 @@ class PneuNet(SymmetricDesign):
         check_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
         check_less(self, "roof", "chamber_height", because="the cavity must rise above the strip")
         check_less(self, "channel", "strip", because="a channel as high as the strip would open into the gaps")
+        if 0 < self.fillet < SMALLEST_FILLET:
+            raise DesignError(
+                "fillet",
+                f"must be 0 for sharp edges or at least {SMALLEST_FILLET:g} mm, not {self.fillet:g} mm: elements at "
+                "a rounded edge are as small as a third of its arc",
+            )
         check_less(self, "fillet", "gap", 0.5, "the fillets at both sides of a gap meet")
         check_less(self, "fillet", "chamber_height", because="it rounds the edge below the chamber's wall")
         across = self.width - 2 * self.side_wall

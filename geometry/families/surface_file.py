@@ -55,7 +55,9 @@ class SurfaceFile(Design):
                 raise DesignError(key, f"must be a positive length, not {value!r}")
         object.__setattr__(self, "air", dict(self.air))
         object.__setattr__(self, "axes", tuple(self.axes))
-        _ = self.surface, self.length, self.cavity_volumes
+        _ = self.surface, self.length
+        self._check_middle()
+        _ = self.cavity_volumes
 
     @cached_property
     def surface(self) -> Surface:
@@ -67,6 +69,16 @@ class SurfaceFile(Design):
         surface = scaled(read, self.unit * rotation(self.axes).T)
         check_dimensions(surface.points, self.unit)
         return surface
+
+    def _check_middle(self) -> None:
+        """Raise `DesignError` unless z = 0 lies within the body."""
+        low, high = self.surface.points[:, 2].min(), self.surface.points[:, 2].max()
+        if not low < 0 < high or min(-low, high) <= FLAT * max(self.extent):
+            raise DesignError(
+                "file",
+                f"the body reaches from z = {low:.4g} to {high:.4g} mm, and the material curve runs at z = 0; move it "
+                "in its file so that its middle is at z = 0, and save both halves",
+            )
 
     @cached_property
     def digest(self) -> str:

@@ -76,31 +76,34 @@ def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
     content: in mm and in the directions of the arm. Raises `DesignError`, and `MeshError` for elements that cannot be
     used.
     """
-    points, tets = joined(content.points, content.tets)
-    clamp, tip = ends_of(points, placing)
-    points, curved = _from_clamp(points, content.curved, clamp, tip, placing.half)
-    length = abs(tip - clamp)
+    points, tets, curved = joined(content)
+    ends = ends_of(points, placing)
     _check_across(points, placing)
-    points = _in_planes(points, length, placing)
-    plain = Mesh(points, tets, {}, curved)
-    check_manifold(plain)
-    check_untangled(plain)
-    mesh = divided(plain, placing.curve, length)
-    cavities, named = _named(mesh, length, placing, _moved(placing, clamp, tip))
+    before = Mesh(points, tets, {})  # its positions are those that a user knows
+    check_manifold(before)
+    check_untangled(before)
+    move = Move(ends, placing.half)
+    points, length = _in_planes(move.there(points), move.length, placing), move.length
+    mesh = divided(Mesh(points, tets, {}, CurvedEdges(curved.ends, move.there(curved.middles))), placing.curve, length)
+    cavities, named = _named(mesh, placing, move)
     return Placed(Mesh(mesh.points, mesh.tets, named, mesh.curved), length, cavities)
 
 
-def joined(points: Array, tets: Index) -> tuple[Array, Index]:
-    """Points (n, 3) and tetrahedra; points at the same position become one where parts of the mesh share none.
+def joined(content: FileMesh) -> tuple[Array, Index, CurvedEdges]:
+    """Points (n, 3), tetrahedra and curved edges; points at the same position become one where parts of the mesh share
+    none.
 
     Some programs write the points of each part or element for themselves.
     """
-    mesh = Mesh(points, tets, {})
-    if count_components(mesh) == 1:
-        return points, tets
+    points, tets = content.points, content.tets
+    if count_components(Mesh(points, tets, {})) == 1:
+        return points, tets, content.curved
     size = float(np.ptp(points, axis=0).max())
     _, first, same = np.unique(np.round(points / (1e-7 * size)), axis=0, return_index=True, return_inverse=True)
-    return points[first], same.reshape(-1)[tets]
+    same = same.reshape(-1)
+    points, tets = points[first], same[tets]
+    # an edge that two parts have is curved in both of them or in none, whichever had it curved
+    return points, tets, content.curved.renumbered(same).usable(points, tets)
 
 
 def ends_of(points: Array, placing: Placing) -> tuple[float, float]:
@@ -124,22 +127,34 @@ def ends_of(points: Array, placing: Placing) -> tuple[float, float]:
     return clamp, tip
 
 
-def _from_clamp(points: Array, curved: CurvedEdges, clamp: float, tip: float, half: bool) -> tuple[Array, CurvedEdges]:
-    """Points and edges with the clamp at x = 0 and the tip at a larger x.
+@dataclass(frozen=True)
+class Move:
+    """The motion that brings the clamp to x = 0 and the tip to a larger x.
 
     An arm that is clamped at its larger x is turned about y by half a turn; a half body is mirrored, which gives its
     other half.
     """
-    turn = np.array([1.0, 1.0, 1.0]) if tip > clamp else np.array([-1.0, 1.0, 1.0 if half else -1.0])
-    shift = np.array([clamp, 0.0, 0.0])
-    return (points - shift) * turn, CurvedEdges(curved.ends, (curved.middles - shift) * turn)
 
+    ends: tuple[float, float]  #: x of clamp and tip, mm
+    half: bool
 
-def _moved(placing: Placing, clamp: float, tip: float) -> dict[str, Point]:
-    """The points in the air, moved as the body is."""
-    turn = np.array([1.0, 1.0, 1.0]) if tip > clamp else np.array([-1.0, 1.0, 1.0 if placing.half else -1.0])
-    moved = {name: (np.array(point) - [clamp, 0.0, 0.0]) * turn for name, point in placing.air.items()}
-    return {name: (float(x), float(y), float(z)) for name, (x, y, z) in moved.items()}
+    @property
+    def length(self) -> float:
+        """mm."""
+        return abs(self.ends[1] - self.ends[0])
+
+    @property
+    def _signs(self) -> Array:
+        forward = self.ends[1] > self.ends[0]
+        return np.array([1.0, 1.0, 1.0]) if forward else np.array([-1.0, 1.0, 1.0 if self.half else -1.0])
+
+    def there(self, points: Array) -> Array:
+        """Points (n, 3) after the motion."""
+        return (points - [self.ends[0], 0.0, 0.0]) * self._signs
+
+    def back(self, points: Array) -> Array:
+        """Where points (n, 3) were before the motion."""
+        return points * self._signs + [self.ends[0], 0.0, 0.0]
 
 
 def _check_across(points: Array, placing: Placing) -> None:
@@ -225,12 +240,14 @@ def curve_gap(mesh: Mesh, curve_y: float, length: float) -> tuple[float, float] 
     return next(((stops[k], stops[k + 1]) for k, ok in enumerate(filled) if not ok), None)
 
 
-def _named(
-    mesh: Mesh, length: float, placing: Placing, air: Mapping[str, Point]
-) -> tuple[tuple[str, ...], dict[str, Index]]:
-    """Names of the cavities, and the triangles of all faces by name. Raises `DesignError`."""
-    points, boundary = mesh.points, mesh.boundary
+def _named(mesh: Mesh, placing: Placing, move: Move) -> tuple[tuple[str, ...], dict[str, Index]]:
+    """Names of the cavities, and the triangles of all faces by name. Raises `DesignError`.
+
+    Cavities are looked for where the body was before the motion, so that sentences have positions that a user knows.
+    """
+    points, boundary, length = mesh.points, mesh.boundary, move.length
     tolerance = 1e-9 * float(np.ptp(points, axis=0).max())
+    original, clamp = move.back(points), move.ends[0]
     named = {}
     mirrors: list[tuple[int, float]] = []
     free = boundary
@@ -238,12 +255,12 @@ def _named(
         sym = lies_in(points, boundary, (2, 0.0), tolerance)
         named["sym"], free = boundary[sym], boundary[~sym]
         mirrors.append((2, 0.0))
-    outside, inner = parts_of(points, free, 0.0 if placing.plug else None, tolerance)
+    outside, inner = parts_of(original, free, clamp if placing.plug else None, tolerance)
     if not inner:
-        refuse_open(points, free, (0.0, length), placing.plug, tolerance)
+        refuse_open(original, free, move.ends, placing.plug, tolerance)
     if placing.plug:
-        mirrors.append((0, 0.0))
-    cavities = named_cavities(points, inner, boundary, air, mirrors)
+        mirrors.append((0, clamp))
+    cavities = named_cavities(original, inner, boundary, placing.air, mirrors)
     walls = np.vstack(list(cavities.values()))
     outside = free[find_rows(free, walls, len(points)) < 0]
     for name, position in (("clamp", 0.0), ("tip", length)):
@@ -256,8 +273,6 @@ def _named(
             )
         named[name], outside = outside[flat], outside[~flat]
     for name, walls in cavities.items():
-        if name in ("clamp", "tip", "sym", "outer"):
-            raise DesignError(f"air.{name}", f"a cavity cannot be named {name}; choose another name")
         if not Mesh(points, mesh.tets, {name: walls}).enclosed_volume(name) > 0:
             raise DesignError(f"air.{name}", f"the surface of {name} encloses material, not air")
     named |= cavities

@@ -10,6 +10,8 @@ from geometry.topology import open_edges, row_keys, triangle_edges
 
 #: a point in the middle of the air sees the walls around it under the solid angle 4 pi
 FULL_ANGLE = 4 * np.pi
+#: names of faces that are no cavities
+TAKEN = ("clamp", "tip", "sym", "outer")
 
 
 def shells(triangles: Index, count: int) -> list[Index]:
@@ -98,8 +100,12 @@ def named_cavities(
     """The walls of each cavity by name: around the points `air` (mm), or `cavity` where there is one cavity alone.
 
     points: (n, 3), mm. inner: walls (k, 3) of each cavity. surface: all triangles of the boundary. mirrors: planes
-    (axis, position) in which walls may be open. Raises `DesignError` unless every cavity has exactly one point in it.
+    (axis, position) in which walls may be open: x of the clamp, z = 0 of a half. Raises `DesignError` unless every
+    cavity has exactly one point in it.
     """
+    for name in TAKEN:
+        if name in air:
+            raise DesignError(f"air.{name}", f"a cavity cannot be named {name}; choose another name")
     if not air:
         if len(inner) > 1:
             places = "; ".join(_place(points, walls) for walls in inner)
@@ -117,8 +123,15 @@ def named_cavities(
         at = np.array(given, dtype=float)
         holder = next((k for k, corners in enumerate(closed) if abs(windings(at, corners)) > 0.5), None)
         coordinates = "(" + ", ".join(f"{x:g}" for x in given) + ") mm"
+        for plane in (position for axis, position in mirrors if axis == 0):
+            if holder is not None and (at[0] - plane) * (_middle(points, inner[holder])[0] - plane) < 0:
+                raise DesignError(
+                    f"air.{name}",
+                    f"the point {coordinates} lies behind the plane of the clamp, x = {plane:g} mm; give a point in a "
+                    "cavity",
+                )
         if holder is None:
-            where = "in the material" if windings(at, whole) > 0.5 else "outside the body or in an open cavity"
+            where = "in the material" if abs(windings(at, whole)) > 0.5 else "outside the body or in an open cavity"
             raise DesignError(f"air.{name}", f"the point {coordinates} lies {where}; give a point in a closed cavity")
         if holder in taken:
             raise DesignError(
@@ -127,11 +140,20 @@ def named_cavities(
         taken[holder] = name
         named[name] = inner[holder]
     for k, walls in enumerate(inner):
-        if k not in taken and not len(open_edges(walls, len(points))):  # a hole in the clamped face may have no name
+        if k not in taken and not _opens_at(points, walls, mirrors):  # a hole in the clamped face may have no name
             raise DesignError(
                 "air", f"the body has one more cavity, around {_place(points, walls)}; name it by a point in it"
             )
     return named
+
+
+def _opens_at(points: Array, walls: Index, mirrors: list[tuple[int, float]]) -> bool:
+    """Whether walls are open in the plane of the clamp, one of axis 0."""
+    rim = points[open_edges(walls, len(points))]
+    tolerance = 1e-5 * float(np.ptp(points, axis=0).max())
+    return any(
+        bool((np.abs(rim[:, :, 0] - position) <= tolerance).all(axis=1).any()) for axis, position in mirrors if not axis
+    )
 
 
 def lies_in(points: Array, triangles: Index, plane: tuple[int, float], tolerance: float) -> Mask:

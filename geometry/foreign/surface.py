@@ -41,6 +41,8 @@ def read_surface(path: Path) -> Surface:
     content = read_content(path)
     blocks = [np.asarray(block.data, dtype=np.int64) for block in content.cells if block.type == "triangle"]
     for block in content.cells:
+        if block.type == "polygon":
+            raise MeshError(f"the surface file {path} has faces with more than four corners; save it with triangles")
         if block.type == "quad":
             blocks += [np.asarray(block.data, dtype=np.int64)[:, corners] for corners in ([0, 1, 2], [0, 2, 3])]
     if not sum(map(len, blocks)):

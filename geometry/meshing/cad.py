@@ -130,6 +130,10 @@ def cad_session(body: CadBody) -> Iterator[tuple[Any, list[Volume], dict[Volume,
     with session() as gmsh:
         solid = import_solid(gmsh, body.source)
         low, high = bounds(gmsh, [solid])
+        if body.half and body.turned and high[2] <= 1e-6 * (high[0] - low[0]):
+            gmsh.model.occ.mirror([solid], 0, 0, 1, 0)  # the half z >= 0 of the file has been turned to z <= 0
+            gmsh.model.occ.synchronize()
+            low, high = bounds(gmsh, [solid])
         _check_position(body, low, high)
         if body.half and low[2] < -1e-6 * (high[0] - low[0]):
             _check_symmetric(gmsh, solid)
