@@ -40,9 +40,7 @@ class PneuNet(SymmetricDesign):
     side_wall: float = 2.0  #: thickness of chamber walls across z
     roof: float = 2.0  #: thickness of chamber roofs
     channel: float = 2.0  #: width and height of the air channel
-    fillet: float = (
-        0.0  #: radius of rounded edges where chamber walls stand on the strip; 0 (sharp edges) or at least 0.1 mm
-    )
+    fillet: float = 0.0  #: radius of rounded edges below the chamber walls; 0 (sharp edges) or at least 0.1 mm
 
     def __post_init__(self) -> None:
         check_numbers(self, counts=["chambers"], or_zero=["fillet"])
