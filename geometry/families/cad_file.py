@@ -3,29 +3,28 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from hashlib import sha256
-from math import isfinite
 from pathlib import Path
 from typing import ClassVar, final
 
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.design import Body, Design, DesignError, check_size
+from geometry.design import Body, DesignError, check_size
+from geometry.families.from_file import FileDesign
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
-from geometry.foreign.frame import SAME, Axes, rotation, usual_cell
+from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.meshing.cad import CadBody, CadMeasures, measure, measure_thinnest_wall, mesh_cad
 from geometry.meshing.cad_import import SUFFIXES, CadSource, Point, file_bounds
 from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
-from geometry.meshing.mirror import Repetition, slices
+from geometry.meshing.mirror import Repetition
 
 
 @final
 @dataclass(frozen=True)
-class CadFile(Design):
+class CadFile(FileDesign):
     """One solid from a STEP or BREP file; all lengths in mm.
 
     In the frame of the arm (`axes`) x is along the length, y up, z across, and the body is symmetric about z = 0 (or
@@ -59,13 +58,10 @@ class CadFile(Design):
             )
         if not path.is_file():
             raise DesignError("file", f"{path} does not exist")
-        for key, value in (("cell", self.cell), ("unit", self.unit)):
-            if value is not None and not isinstance(value, CellPlanes) and not (isfinite(value) and value > 0):
-                raise DesignError(key, f"must be a positive length, not {value!r}")
+        self._check_lengths()
         if self.unit != 1 and path.suffix.lower() in (".step", ".stp"):
             raise DesignError("unit", "STEP files store their unit; leave it out")
-        object.__setattr__(self, "air", dict(self.air))
-        object.__setattr__(self, "axes", tuple(self.axes))
+        self._keep_own_copies()
         clamp, tip = self._ends
         if clamp == tip:
             raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
@@ -95,11 +91,6 @@ class CadFile(Design):
         """Where the cells lie; None where it is not known."""
         return find_cells(self._cad, self.cell) if isinstance(self.cell, CellPlanes) else None
 
-    @cached_property
-    def digest(self) -> str:
-        """SHA-256 of the file, so that results of an older file of the same name are not reused."""
-        return sha256(Path(self.file).read_bytes()).hexdigest()
-
     def _source(self, turn: Array) -> CadSource:
         first, second, third = (tuple(float(x) for x in row) for row in turn)
         return CadSource(Path(self.file), self.unit, (first, second, third), self.unite)  # type: ignore[arg-type]
@@ -112,12 +103,11 @@ class CadFile(Design):
         exchanged by that, so that z keeps its sign; where the file holds the half z >= 0 alone, it is mirrored back.
         """
         (clamp, tip), turn = self._ends, rotation(self.axes)
-        air = dict(self.air)
-        if tip < clamp:
+        air, turned = dict(self.air), tip < clamp
+        if turned:
             clamp, tip, turn = -clamp, -tip, np.diag([-1.0, 1.0, -1.0]) @ turn
             side = 1.0 if self.symmetric else -1.0
             air = {name: (-x, y, side * z) for name, (x, y, z) in air.items()}
-        turned = self._ends[1] < self._ends[0]
         return CadBody(self._source(turn), clamp, tip, self.curve, self.symmetric, air, self.plug, turned)
 
     @property
@@ -128,16 +118,6 @@ class CadFile(Design):
     def extent(self) -> tuple[float, float, float]:
         x, y, z = (float(side) for side in np.subtract(self.measures.high, self.measures.low))
         return (x, y, z)
-
-    @property
-    def curve_y(self) -> float:
-        return self.curve
-
-    @property
-    def pitch(self) -> float:
-        if isinstance(self.cell, CellPlanes):
-            return 2 * self.cell.half_pitch
-        return slices(self.length, self.cell or usual_cell(self.length))[1]
 
     @property
     def solid_volume(self) -> float:

@@ -3,28 +3,26 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from hashlib import sha256
-from math import isfinite
 from pathlib import Path
 from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.design import Body, Design, DesignError
+from geometry.design import Body, DesignError
+from geometry.families.from_file import FileDesign, nominal_pitch
 from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
 from geometry.foreign.file import FileMesh, read_mesh_file
-from geometry.foreign.frame import SAME, Axes, usual_cell
+from geometry.foreign.frame import SAME, Axes
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh, MeshError
 from geometry.meshing.cad_import import Point
-from geometry.meshing.mirror import slices
 from geometry.topology import open_edges
 
 
 @final
 @dataclass(frozen=True)
-class MeshFile(Design):
+class MeshFile(FileDesign):
     """A mesh of tetrahedra with 4 or 10 nodes from a file (VTK, VTU, Abaqus, Nastran, Gmsh, MED, ...); lengths in mm.
 
     Its ends are flat faces in the planes x = clamp and x = tip, its cavities closed surfaces within it, chosen by a
@@ -49,11 +47,8 @@ class MeshFile(Design):
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
-        for key, value in (("cell", self.cell), ("unit", self.unit)):
-            if value is not None and not (isfinite(value) and value > 0):
-                raise DesignError(key, f"must be a positive length, not {value!r}")
-        object.__setattr__(self, "air", dict(self.air))
-        object.__setattr__(self, "axes", tuple(self.axes))
+        self._check_lengths()
+        self._keep_own_copies()
         _ = self.fixed_body
 
     @cached_property
@@ -67,16 +62,11 @@ class MeshFile(Design):
             given = self.clamp is not None or self.tip is not None or self.air or self.plug
             by_planes = given or not _has_names(content)
             placed = placed_by_planes(content, placing) if by_planes else _placed_by_names(content, placing)
-            pitch = slices(placed.length, self.cell or usual_cell(placed.length))[1]
+            pitch = nominal_pitch(placed.length, self.cell)
             half = "sym" in placed.mesh.faces
             return Body(placed.mesh, self.family, placed.length, pitch, self.curve, half, placed.cavities)
         except MeshError as error:
             raise DesignError("file", str(error)) from error
-
-    @cached_property
-    def digest(self) -> str:
-        """SHA-256 of the file, so that results of an older file of the same name are not reused."""
-        return sha256(Path(self.file).read_bytes()).hexdigest()
 
     @property
     def length(self) -> float:
@@ -86,14 +76,6 @@ class MeshFile(Design):
     def extent(self) -> tuple[float, float, float]:
         x, y, z = (float(side) for side in np.ptp(self.fixed_body.mesh.points, axis=0))
         return (x, y, 2 * z if self.fixed_body.half else z)
-
-    @property
-    def curve_y(self) -> float:
-        return self.curve
-
-    @property
-    def pitch(self) -> float:
-        return self.fixed_body.pitch
 
     @property
     def solid_volume(self) -> float:

@@ -3,23 +3,21 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from hashlib import sha256
-from math import isfinite
 from pathlib import Path
 from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.design import Body, Design, DesignError, check_size
+from geometry.design import Body, DesignError, check_size
+from geometry.families.from_file import FileDesign
 from geometry.foreign.body import FLAT, Placed, Placing, check_dimensions, ends_of, placed_by_planes
 from geometry.foreign.fill import fill
-from geometry.foreign.frame import SAME, Axes, rotation, usual_cell
+from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.shells import named_cavities, parts_of, refuse_open
 from geometry.foreign.surface import Surface, enclosed, read_surface, scaled, thinnest
 from geometry.grading import OFF, Grading
 from geometry.mesh import MeshError
 from geometry.meshing.cad_import import Point
-from geometry.meshing.mirror import slices
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
 LARGEST_ERROR = 0.01
@@ -29,7 +27,7 @@ FINER = (0.65, 0.4)
 
 @final
 @dataclass(frozen=True)
-class SurfaceFile(Design):
+class SurfaceFile(FileDesign):
     """The closed surface of a body from a file (STL, PLY, OBJ or OFF): its outside and the walls of its air; mm.
 
     Gmsh fills it with elements. Its ends are flat faces in the planes x = clamp and x = tip; cavities are the closed
@@ -50,11 +48,8 @@ class SurfaceFile(Design):
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
-        for key, value in (("cell", self.cell), ("unit", self.unit)):
-            if value is not None and not (isfinite(value) and value > 0):
-                raise DesignError(key, f"must be a positive length, not {value!r}")
-        object.__setattr__(self, "air", dict(self.air))
-        object.__setattr__(self, "axes", tuple(self.axes))
+        self._check_lengths()
+        self._keep_own_copies()
         _ = self.surface, self.length
         self._check_middle()
         _ = self.cavity_volumes
@@ -80,11 +75,6 @@ class SurfaceFile(Design):
                 "in its file so that its middle is at z = 0, and save both halves",
             )
 
-    @cached_property
-    def digest(self) -> str:
-        """SHA-256 of the file, so that results of an older file of the same name are not reused."""
-        return sha256(Path(self.file).read_bytes()).hexdigest()
-
     @property
     def _placing(self) -> Placing:
         return Placing(self.curve, self.clamp, self.tip, self.air, False, 1.0, plug=self.plug)
@@ -98,14 +88,6 @@ class SurfaceFile(Design):
     def extent(self) -> tuple[float, float, float]:
         x, y, z = (float(side) for side in np.ptp(self.surface.points, axis=0))
         return (x, y, z)
-
-    @property
-    def curve_y(self) -> float:
-        return self.curve
-
-    @property
-    def pitch(self) -> float:
-        return slices(self.length, self.cell or usual_cell(self.length))[1]
 
     @property
     def solid_volume(self) -> float:

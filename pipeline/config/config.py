@@ -15,7 +15,7 @@ from typing import Any, Literal, final, get_args
 import fem.materials
 from fem.elements import automatic_element
 from fem.materials import LAWS
-from geometry import CadFile, CellPlanes, Design, MeshFile, SurfaceFile
+from geometry import CellPlanes, Design, FileDesign
 from pipeline.store.json_values import Json, JsonObject
 
 #: whether an effect acts; auto leaves it to the program
@@ -321,7 +321,7 @@ def _record(value: Any) -> Json:
 def _dimensions(design: Any) -> dict[str, Json]:
     """The keys of a design as in the YAML; a file stands there with the digest of what is in it."""
     values: dict[str, Any] = {field.name: getattr(design, field.name) for field in fields(design)}
-    if isinstance(design, CadFile | MeshFile | SurfaceFile):
+    if isinstance(design, FileDesign):
         values |= {"file": Path(design.file).name, "sha256": design.digest}
     if "air" in values:
         values["air"] = {name: list(point) for name, point in values["air"].items()}

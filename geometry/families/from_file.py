@@ -1,0 +1,55 @@
+"""Bodies from files: what drawings, meshes and surfaces share."""
+
+from collections.abc import Mapping
+from functools import cached_property
+from hashlib import sha256
+from math import isfinite
+from pathlib import Path
+
+from geometry.design import Design, DesignError
+from geometry.foreign.frame import Axes, usual_cell
+from geometry.meshing.cad_import import Point
+from geometry.meshing.cells import CellPlanes
+from geometry.meshing.mirror import slices
+
+
+class FileDesign(Design):
+    """A body that a file describes. A family is a dataclass with the fields named here, all lengths in mm."""
+
+    file: str
+    curve: float
+    air: Mapping[str, Point]
+    cell: float | CellPlanes | None
+    unit: float
+    axes: Axes
+
+    def _check_lengths(self) -> None:
+        """Raise `DesignError` unless the lengths that the file does not tell are positive."""
+        for key, value in (("cell", self.cell), ("unit", self.unit)):
+            if value is not None and not isinstance(value, CellPlanes) and not (isfinite(value) and value > 0):
+                raise DesignError(key, f"must be a positive length, not {value!r}")
+
+    def _keep_own_copies(self) -> None:
+        """Keep the values of `air` and `axes`, whatever happens to what was given."""
+        object.__setattr__(self, "air", dict(self.air))
+        object.__setattr__(self, "axes", tuple(self.axes))
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of the file, so that results of an older file of the same name are not reused."""
+        return sha256(Path(self.file).read_bytes()).hexdigest()
+
+    @property
+    def curve_y(self) -> float:
+        return self.curve
+
+    @property
+    def pitch(self) -> float:
+        if isinstance(self.cell, CellPlanes):
+            return 2 * self.cell.half_pitch
+        return nominal_pitch(self.length, self.cell)
+
+
+def nominal_pitch(length: float, cell: float | None) -> float:
+    """Length (mm) of the equal parts of a length that are about `cell` long; None for the usual length of a cell."""
+    return slices(length, cell or usual_cell(length))[1]
