@@ -2,11 +2,11 @@
 
     python benchmarks/sweep.py [points] [workers] > table
 
-Each point is experiment II of the pneu-net at one pressure on a coarse mesh, with another wall and another height of
-the chambers. The process that does one after the other has as many threads as the machine has cores, as a single run
-has; a second one has one thread, as each worker has. Kernels are compiled before, and each part has a process of its
-own, which solves one point before the clock starts; the sweep's clock includes the start of its workers. Only a machine
-without other load gives a meaningful ratio.
+Each point is experiments I, II and III of the pneu-net at two pressures on a coarse mesh, with another wall and height
+of the chambers. The process that does one after the other has as many threads as the machine has cores, as a single
+run has; a second one has one thread, as each worker has. Kernels are compiled before, and each of these processes
+solves one point before its clock starts. The sweep is `pneurod sweep` from its start to its exit, with all imports, the start
+of the workers, the table and the picture. Only a machine without other load gives a meaningful ratio.
 """
 
 import os
@@ -23,13 +23,11 @@ sys.path.insert(0, str(HERE))
 from pipeline.processes import THREADS, available_cores  # noqa: E402
 from pipeline.sweep.points import Point, points_of  # noqa: E402
 from pipeline.sweep.spec import read_sweep  # noqa: E402
-from pipeline.sweep.study import Course, run_sweep  # noqa: E402
-from pipeline.sweep.workers import LocalWorkers  # noqa: E402
 
 SWEEP = """
 name: benchmark
 base: {base}
-run: II
+run: [I, II, III]
 set: {{mesh.size: 5 mm, pressures: [10 kPa, 20 kPa]}}
 latin_hypercube:
   points: {points}
@@ -79,6 +77,16 @@ def in_own_process(file: Path, out: Path, threads: int) -> float:
     return float(ended.stdout)
 
 
+def as_sweep(file: Path, out: Path, jobs: int) -> float:
+    """Seconds of `pneurod sweep` from its start to its exit."""
+    command = [sys.executable, "-m", "pipeline", "sweep", str(file), "--out", str(out), "--jobs", str(jobs)]
+    begin = time.perf_counter()
+    ended = subprocess.run(command, cwd=HERE, capture_output=True, text=True)
+    if ended.returncode:
+        sys.exit(ended.stderr)
+    return time.perf_counter() - begin
+
+
 def main(points: int, jobs: int) -> None:
     """Print the seconds of the three and their ratios."""
     with tempfile.TemporaryDirectory() as name:
@@ -87,12 +95,7 @@ def main(points: int, jobs: int) -> None:
         file.write_text(SWEEP.format(base=HERE / "configs" / "pneunet_coarse.yaml", points=points), encoding="utf-8")
         cores = available_cores()
         alone = {threads: in_own_process(file, folder / f"alone{threads}", threads) for threads in {1, cores}}
-        begin = time.perf_counter()
-        report = run_sweep(
-            read_sweep(file), folder / "sweep", Course(LocalWorkers.of(jobs, None), False, False, lambda _: None)
-        )
-        report.raise_if_failed()
-        spent = time.perf_counter() - begin
+        spent = as_sweep(file, folder / "sweep", jobs)
         say(f"{points} designs, {cores} cores, {time.strftime('%Y-%m-%d')}, load {os.getloadavg()[0]:.1f}\n")
         say("| how | s | over the sweep |\n|---|---:|---:|")
         for threads, seconds in sorted(alone.items()):

@@ -10,12 +10,12 @@ from typing import Any
 
 from benchmarks.paper.claims.common import SAME, STRAIGHT
 from benchmarks.paper.claims.rigidities import SLOPE_BY_PROCESS, SLOPE_OF_ONE_RIGIDITY, SUBTRACTED
+from benchmarks.paper.data import LAWS
 from benchmarks.paper.estimates import LENGTH_SCALE, PROCESS
 from benchmarks.paper.reading import CONTRADICTED, FAILS, HOLDS, OPEN, Claim, Reading, claim_from_record
 from benchmarks.peers.page import table
 
 TEMPLATE = Path(__file__).with_name("page.md")
-LAWS = ("svk", "hencky")
 WIDTH = 118  #: characters of a line
 _SYMBOLS = {"alpha1": "α₁", "alpha2": "α₂"}
 

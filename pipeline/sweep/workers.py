@@ -6,16 +6,22 @@ from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+import dask
 from dask.utils import parse_bytes
 from distributed import Client, Future, KilledWorker, LocalCluster, as_completed
 from distributed.comm import CommClosedError
 from distributed.system import MEMORY_LIMIT
 
 from pipeline.errors import InputError, RunFailed
-from pipeline.processes import THREADS
+from pipeline.processes import KEPT_MEMORY, THREADS
 from pipeline.sweep.record import INTERRUPTED, PointRecord
 from pipeline.sweep.task import PointTask, solve
 
+#: settings of Dask for local workers: a worker gets its next point when it is free, not one ahead of time
+_SETTINGS = {
+    "distributed.nanny.pre-spawn-environ": {**dict.fromkeys(THREADS, "1"), **KEPT_MEMORY},
+    "distributed.scheduler.worker-saturation": 1.0,
+}
 #: how long a scheduler may take to answer, seconds
 PATIENCE = 10
 
@@ -77,6 +83,7 @@ def connected(workers: LocalWorkers | RemoteScheduler) -> Iterator[Connected]:
             )
         return
     with (
+        dask.config.set(_SETTINGS),
         LocalCluster(
             n_workers=workers.jobs,
             threads_per_worker=1,
@@ -84,7 +91,6 @@ def connected(workers: LocalWorkers | RemoteScheduler) -> Iterator[Connected]:
             memory_limit=workers.memory,
             dashboard_address="127.0.0.1:0",
             silence_logs=logging.CRITICAL,
-            env=dict.fromkeys(THREADS, "1"),
         ) as cluster,
         Client(cluster) as client,
     ):
