@@ -13,7 +13,10 @@ else:
     def __getattr__(name: str) -> Any:
         """The name of `fem.public`; raises AttributeError where there is none."""
         if name == "__all__" or not name.startswith("_"):
-            import fem.public as public
+            from fem.collector import paused
+
+            with paused():
+                import fem.public as public
 
             if name in (*public.__all__, "__all__"):
                 return getattr(public, name)

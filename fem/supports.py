@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fem.discretisation import Discretisation
 from geometry.arrays import Array, Index
@@ -217,7 +216,7 @@ def nodes_at(where: Where, space: Discretisation) -> Index:
             raise SupportError(f"faces {where[0]!r} and {where[1]!r} have no common edge")
         return nodes
     positions = where.positions(space) if isinstance(where, Line) else np.atleast_2d(np.asarray(where, dtype=float))
-    distance, nodes = cKDTree(space.points).query(positions)
+    distance, nodes = _nearest(space.points, positions)
     if distance.max() > NEAR * np.ptp(space.points, axis=0).max():
         worst = positions[int(np.argmax(distance))]
         raise SupportError(f"no node at {tuple(np.round(worst, 6))} mm; the nearest is {distance.max():.3g} mm away")
@@ -246,8 +245,16 @@ def _matching(nodes: Index, targets: Index, space: Discretisation) -> Index:
         raise SupportError(f"{nodes.shape[0]} nodes cannot be tied to {targets.shape[0]}: their numbers must be equal")
     positions, others = space.points[nodes], space.points[targets]
     translated = positions + (others.mean(axis=0) - positions.mean(axis=0))
-    distance, order = cKDTree(others).query(translated)
+    distance, order = _nearest(others, translated)
     if distance.max() > NEAR * np.ptp(space.points, axis=0).max() or np.unique(order).shape[0] != order.shape[0]:
         worst = positions[int(np.argmax(distance))]
         raise SupportError(f"the node at {tuple(np.round(worst, 6))} mm has no counterpart among those it is tied to")
     return targets[order]
+
+
+def _nearest(points: Array, positions: Array) -> tuple[Array, Index]:
+    """Distance (k,) from each of the positions (k, 3) to the nearest of the points (n, 3), and its number."""
+    from scipy.spatial import cKDTree  # loaded where it is needed: most models name faces only
+
+    distance, nearest = cKDTree(points).query(positions)
+    return distance, nearest

@@ -1,5 +1,7 @@
 """The two linear solvers against dense algebra, and their messages for singular matrices."""
 
+import subprocess
+import sys
 from collections.abc import Callable
 
 import numpy as np
@@ -151,3 +153,14 @@ def test_a_singular_matrix_in_single_precision_is_refused_by_its_solution() -> N
     root = indefinite(20, 0, 1)
     with pytest.raises(SingularMatrix, match="a part of the body is not held"):
         factorized(in_single_precision, root @ np.diag([0.0] + [1.0] * 19) @ root).solve(np.arange(20.0))
+
+
+@WITH_PARDISO
+def test_the_mkl_is_not_searched_for() -> None:
+    """pypardiso looks through all files of the environment with `glob`, when it is imported and for each solver."""
+    forbidden = "import glob\ndef search(*arguments, **options): raise SystemExit('searched')\nglob.glob = search\n"
+    command = f"{forbidden}from fem.equations.linear import Pardiso, _runtime\nprint(bool(_runtime()))\nPardiso()"
+    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=False)
+    if done.stdout.strip() == "False":
+        pytest.skip("the MKL does not come from its Python package")
+    assert done.returncode == 0, done.stderr

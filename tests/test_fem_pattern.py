@@ -50,6 +50,25 @@ def test_blocks_are_added_where_a_dense_matrix_has_them(fraction: float) -> None
     np.testing.assert_array_equal(dense(pattern, data), expected)
 
 
+@pytest.mark.parametrize("fraction", [0.0, 0.3, 0.8])
+def test_the_columns_of_a_pair_begin_where_they_are_found(fraction: float) -> None:
+    nodes = 25
+    rows, columns = random_pairs(nodes, 120, seed=2)
+    rows, columns = rows[rows != columns], columns[rows != columns]
+    fixed = random_components(nodes, fraction, seed=7)
+    pattern = Pattern.of(fixed, np.unique(rows * nodes + columns))
+    starts = pattern.starts_of(rows, columns)
+    assert starts.shape == (rows.size, 3)
+    for row, column, found in zip(rows, columns, starts, strict=True):
+        free = pattern.node_dof[column][~fixed[column]]
+        for dof, start in zip(pattern.node_dof[row], found, strict=True):
+            if dof < 0 or free.size == 0:
+                assert start == -1
+            else:
+                assert pattern.indptr[dof] <= start < pattern.indptr[dof + 1]
+                np.testing.assert_array_equal(pattern.indices[start : start + free.size], free)
+
+
 def test_a_pattern_is_enlarged_by_new_pairs() -> None:
     nodes = 12
     fixed = random_components(nodes, 0.3, seed=3)

@@ -1,11 +1,13 @@
 """Every kernel is compiled once, before the run."""
 
+import gc
 from types import ModuleType
 
 import pytest
 from bodies import box
 
 import fem
+from fem.collector import paused
 from fem.kernels import element, mixed, recovery, surface, tangent
 from fem.post.recovery import stress_error
 
@@ -32,3 +34,16 @@ def test_nothing_is_compiled_once_a_run_has_begun(formulation: str) -> None:
         model = fem.Model(mesh, law, supports, [fem.Pressure("top", 1e-3)], formulation)
         stress_error(fem.follow(model, [1.0]).steps[0], law)
     assert signatures() == before
+
+
+def test_the_garbage_collector_pauses_and_passes_over_what_was_loaded() -> None:
+    assert gc.isenabled()
+    with paused():
+        assert not gc.isenabled()
+        with paused():
+            pass
+        assert not gc.isenabled()
+    assert gc.isenabled()
+    fem.compile_kernels()
+    assert gc.isenabled()
+    assert gc.get_freeze_count() > 100_000

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from fem.discretisation import Faces
 from geometry.arrays import Array, Index, Mask
@@ -124,6 +123,8 @@ class _Triangles:
         size until a triangle of opposite normal lies beside their ray, or they have left the surface's box: what is
         nearest in space may be the wall they are on.
         """
+        from scipy.spatial import cKDTree
+
         size, tree = self.size, cKDTree(self.centre)
         low, high = self.centre.min(axis=0) - size, self.centre.max(axis=0) + size
         count = min(CANDIDATES, self.centre.shape[0])

@@ -45,23 +45,6 @@ class LawValues:
     dilatation_gradient: Array
 
 
-NOT_ISOTROPIC = np.empty((0, 2))
-
-
-def lame_constants(tangent: Array, points: int) -> Array:
-    """(q, 2) lambda and mu at the stress points of a tangent (1, q or 1, 6, 6) that is isotropic and the same in all
-    elements; (0, 2) for others."""
-    if tangent.shape[0] > 1:
-        return NOT_ISOTROPIC
-    first, second = tangent[0, :, 0, 1], tangent[0, :, 3, 3]
-    isotropic = np.zeros_like(tangent[0])
-    isotropic[:, :3, :3] = first[:, None, None]
-    isotropic += second[:, None, None] * np.diag([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
-    if not np.array_equal(isotropic, tangent[0]):
-        return NOT_ISOTROPIC
-    return np.array(np.broadcast_to(np.column_stack([first, second]), (points, 2)), order="C")
-
-
 class Formulation(ABC):
     """A law on a discretisation."""
 

@@ -70,6 +70,18 @@ class Pattern:
             raise MissingPairs("the pattern does not hold a pair of nodes")
         return np.where(off, self.offset[position], 0)
 
+    def starts_of(self, rows: Index, columns: Index) -> NDArray[np.int32]:
+        """Where the columns of node pairs rows <= columns (...) begin among the values, in the row of each component.
+
+        (..., 3), -1 where that component of the first node is prescribed, or all of the second node are. Of no meaning
+        for pairs of a node with itself. Raises `MissingPairs` where the pattern does not hold a pair.
+        """
+        dofs = self.node_dof[rows]
+        rank = np.cumsum(dofs >= 0, axis=-1) - 1  # among the free components of the node
+        behind = (self.free[rows] + self.offset_of(rows, columns))[..., None] - rank
+        held = (dofs < 0) | (self.free[columns] == 0)[..., None]
+        return np.where(held, -1, self.indptr[dofs] + behind).astype(np.int32)
+
     def scatter(self, data: Array, rows: Index, columns: Index, values: Array, offset: Index) -> None:
         """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); offset (m,) as `offset_of` gives it."""
         scatter_blocks(self.matrix(data), rows, columns, values, offset)

@@ -30,7 +30,7 @@ class TangentStorage:
     """
 
     pattern: Pattern  #: of the assembled tangent
-    element_offset: Index  #: (e, pairs) of the node pairs a <= b of each element, as `Pattern.offset_of` gives them
+    element_starts: NDArray[np.int32]  #: (e, pairs, 3) of the node pairs a <= b of each element (`Pattern.starts_of`)
     pressure_offsets: PressureOffsets
 
     def __init__(
@@ -88,7 +88,7 @@ class TangentStorage:
         self.pattern = pattern = Pattern.of(prescribed, keys)
         a, b = np.triu_indices(space.nodes.shape[1])
         first, second = space.nodes[:, a], space.nodes[:, b]
-        self.element_offset = pattern.offset_of(np.minimum(first, second), np.maximum(first, second))
+        self.element_starts = pattern.starts_of(np.minimum(first, second), np.maximum(first, second))
         self.pressure_offsets = self._formulation.offsets(pattern)
         self._last = {}
         self._reduction = None

@@ -8,7 +8,7 @@ from fem.discretisation import Discretisation
 from fem.effects.effect import Terms
 from fem.equations.clock import Clock
 from fem.equations.constraints import Constraints
-from fem.equations.formulation import formulation_of, lame_constants
+from fem.equations.formulation import formulation_of
 from fem.equations.linear import LinearSolver
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, Change, State
@@ -151,11 +151,10 @@ class System:
         with self.clock.timing("assembly"):
             pattern, moves = self.storage.pattern, bool(np.any(increment))
             data, coupling = np.zeros(pattern.indices.shape[0]), np.zeros_like(x)
-            lame = lame_constants(assembly.law_values.tangent, state.stress.shape[1])
-            law = LawArrays(state.stress, assembly.law_values.tangent, lame)
+            law = LawArrays(state.stress, assembly.law_values.tangent)
             product = Product(increment if moves else NO_INCREMENT, coupling)
-            matrix, offset = pattern.matrix(data), self.storage.element_offset
-            tangent_matrix(self.space.arrays, law, state.displacement, offset, matrix, product)
+            matrix, starts = pattern.matrix(data), self.storage.element_starts
+            tangent_matrix(self.space.arrays, law, state.displacement, starts, matrix, product)
             for blocks, offset in zip(hessians, offsets, strict=True):
                 pattern.scatter(data, blocks.rows, blocks.columns, blocks.values, offset)
                 if moves:

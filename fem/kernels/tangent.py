@@ -1,7 +1,15 @@
 """The tangent of the body, compiled by numba: most of what an iteration costs beside the factorization.
 
-Axes and addressing as in `fem.kernels.element`. The tangent of one element is k (i, a, j, b), the last axis contiguous,
-so that the inner loops run over nodes and can be vectorised by the compiler.
+Axes and addressing as in `fem.kernels.element`. Elements are taken `LANES` at a time and ``lane`` is the number within
+such a group: it is the last axis of all work space, so that the innermost loops run over elements and the compiler
+turns them into vector instructions, whatever the law and the number of nodes. (It does so only where the number of
+elements in a group, here `lanes`, is not a constant of the compilation.)
+
+At each stress point the material tangent and the stress make one tensor A of the reference configuration,
+
+    A_iKjL = F_iM C_MKNL F_jN + S_KL delta_ij,    k_ab,ij = sum w grad N_a,K A_iKjL grad N_b,L,
+
+the tangent of the first Piola-Kirchhoff stress by the displacement gradient. Only node pairs a <= b are computed.
 """
 
 from typing import NamedTuple
@@ -9,16 +17,16 @@ from typing import NamedTuple
 import numpy as np
 from numba import njit, prange
 
-from fem.kernels.element import (
-    FAST,
-    ElementArrays,
-    ReducedMatrix,
-    at_nodes,
-    deformation_gradient,
-    gradients,
-    scatter_block,
-)
+from fem.kernels.element import FAST, VOIGT, ElementArrays, ReducedMatrix
 from geometry.arrays import Array, Index
+
+#: elements in a group: one vector register of eight doubles, or two of four
+LANES = 8
+#: largest number of nodes of an element, and of its node pairs a <= b
+NODES, PAIRS = 10, 55
+#: (3, 3) Voigt component of each pair of axes
+COMPONENT = np.zeros((3, 3), dtype=np.int64)
+COMPONENT[VOIGT[:, 0], VOIGT[:, 1]] = COMPONENT[VOIGT[:, 1], VOIGT[:, 0]] = np.arange(6)
 
 
 class LawArrays(NamedTuple):
@@ -26,7 +34,6 @@ class LawArrays(NamedTuple):
 
     stress: Array  #: (e, q, v) second Piola-Kirchhoff stress of the geometric term, MPa
     tangent: Array  #: (e, q, v, v) dS/dE, MPa; (1, q or 1, v, v) where it is the same in all elements
-    lame: Array  #: (q, 2) lambda and mu, MPa, where the tangent is lambda 1 x 1 + 2 mu I everywhere; (0, 2) elsewhere
 
 
 class Product(NamedTuple):
@@ -37,198 +44,188 @@ class Product(NamedTuple):
 
 
 @njit(cache=True, inline="always")
-def _strain_matrix(f: Array, grad_n: Array, b: Array, row: int) -> None:
-    """B (v, 3 n), components before nodes, into the rows of b from `row` on: E to first order is B du at F = f."""
-    n = grad_n.shape[0]
-    for a in range(n):
-        g0, g1, g2 = grad_n[a, 0], grad_n[a, 1], grad_n[a, 2]
-        for i in range(3):
-            r = i * n + a
-            b[row, r] = f[i, 0] * g0
-            b[row + 1, r] = f[i, 1] * g1
-            b[row + 2, r] = f[i, 2] * g2
-            b[row + 3, r] = f[i, 0] * g1 + f[i, 1] * g0
-            b[row + 4, r] = f[i, 1] * g2 + f[i, 2] * g1
-            b[row + 5, r] = f[i, 0] * g2 + f[i, 2] * g0
-
-
-@njit(cache=True, inline="always")
-def _weighted_tangent_times(c: Array, w: float, b: Array, row: int, cb: Array) -> None:
-    """w C B, for the six rows of b from `row` on, into those of cb; c (v, v) has zeros for many laws."""
-    for v in range(6):
-        cb[row + v] = 0.0
-        for m in range(6):
-            cvm = c[v, m] * w
-            if cvm != 0.0:
-                cb[row + v] += cvm * b[row + m]
-
-
-@njit(cache=True, inline="always")
-def _weighted_stress_times(s: Array, w: float, g: Array, row: int, sg: Array) -> None:
-    """w S grad N_a, for the gradients in the three rows of g (.., a) from `row` on, into those of sg."""
-    for a in range(g.shape[1]):
-        g0, g1, g2 = g[row, a], g[row + 1, a], g[row + 2, a]
-        sg[row, a] = w * (s[0] * g0 + s[3] * g1 + s[5] * g2)
-        sg[row + 1, a] = w * (s[3] * g0 + s[1] * g1 + s[4] * g2)
-        sg[row + 2, a] = w * (s[5] * g0 + s[4] * g1 + s[2] * g2)
-
-
-@njit(cache=True, inline="always")
-def _transposed(grad_n: Array, g: Array, row: int) -> None:
-    """The gradients grad_n (a, i) into the three rows of g (.., a) from `row` on."""
+def _deformation(reference: Array, values: Array, inverse: Array, lanes: int, along: Array, f: Array) -> None:
+    """F (3 i + j, lane) from displacements values (3 a + i, lane) and the inverse Jacobian (3 k + j, lane)."""
+    along[:] = 0.0
+    for a in range(reference.shape[0]):
+        r0, r1, r2 = reference[a, 0], reference[a, 1], reference[a, 2]
+        for lane in range(lanes):
+            for i in range(3):
+                value = values[3 * a + i, lane]
+                along[3 * i, lane] += value * r0
+                along[3 * i + 1, lane] += value * r1
+                along[3 * i + 2, lane] += value * r2
     for i in range(3):
-        for a in range(grad_n.shape[0]):
-            g[row + i, a] = grad_n[a, i]
+        for j in range(3):
+            unit = 1.0 if i == j else 0.0
+            for lane in range(lanes):
+                f[3 * i + j, lane] = (
+                    unit
+                    + along[3 * i, lane] * inverse[j, lane]
+                    + along[3 * i + 1, lane] * inverse[3 + j, lane]
+                    + along[3 * i + 2, lane] * inverse[6 + j, lane]
+                )
 
 
 @njit(cache=True, inline="always")
-def _mirrored(k: Array, n: int) -> None:
-    """The n x n blocks of k (3 n, 3 n) below the diagonal from those above it."""
-    for i in range(1, 3):
-        for j in range(i):
-            for a in range(n):
-                for b in range(n):
-                    k[i * n + a, j * n + b] = k[j * n + b, i * n + a]
-
-
-@njit(cache=True)
-def _element_tangent(elements: ElementArrays, law: LawArrays, e: int, u: Array, k: Array) -> None:
-    """sum_q w (B^T C B + G(S)) of element e into k (3 n, 3 n), components before nodes.
-
-    The strain matrices of all points stand below each other, so that each of the two parts is one matrix product.
-    """
-    nodes, inverse, reference = elements.nodes[e], elements.inverse[e], elements.reference
-    weight, stress, tangent = elements.weight[e], law.stress[e], law.tangent[e if law.tangent.shape[0] > 1 else 0]
-    n, points = nodes.shape[0], reference.shape[0]
-    f = np.empty((3, 3))
-    b = np.empty((6 * points, 3 * n))
-    cb = np.empty((6 * points, 3 * n))
-    g = np.empty((3 * points, n))
-    sg = np.empty((3 * points, n))
-    grad_n = np.empty((n, 3))
-    values = np.empty((n, 3))
-    at_nodes(nodes, u, values)
-    for q in range(points):
-        w = weight[q]
-        at = inverse[q if inverse.shape[0] > 1 else 0]
-        gradients(at, reference[q], grad_n)
-        deformation_gradient(at, reference[q], values, f)
-        _strain_matrix(f, grad_n, b, 6 * q)
-        _weighted_tangent_times(tangent[q if tangent.shape[0] > 1 else 0], w, b, 6 * q, cb)
-        _transposed(grad_n, g, 3 * q)
-        _weighted_stress_times(stress[q], w, g, 3 * q, sg)
-    np.dot(b.T, cb, k)
-    geometric = np.dot(g.T, sg)
-    for i in range(3):
-        for a in range(n):
-            for bb in range(n):
-                k[i * n + a, i * n + bb] += geometric[a, bb]
-
-
-@njit(cache=True, error_model="numpy", fastmath=FAST)
-def _isotropic_element_tangent(elements: ElementArrays, law: LawArrays, e: int, u: Array, k: Array) -> None:
-    """The same for C = lambda 1 x 1 + 2 mu I, constant at each point.
-
-    With h_a = F grad N_a the block of two nodes is lambda h_a h_b^T + mu h_b h_a^T + mu (grad N_a . grad N_b) F F^T.
-    Blocks above the diagonal and on it are computed, the others are their mirror images.
-    """
-    nodes, inverse, reference = elements.nodes[e], elements.inverse[e], elements.reference
-    weight, stress, lame = elements.weight[e], law.stress[e], law.lame
-    n = nodes.shape[0]
-    f = np.empty((3, 3))
-    ff = np.empty((3, 3))
-    grad_n = np.empty((n, 3))
-    values = np.empty((n, 3))
-    g = np.empty((3, n))
-    h = np.empty((3, n))
-    sg = np.empty((3, n))
-    k[:] = 0.0
-    at_nodes(nodes, u, values)
-    for q in range(reference.shape[0]):
-        w = weight[q]
-        lam, mu = lame[q, 0] * w, lame[q, 1] * w
-        at = inverse[q if inverse.shape[0] > 1 else 0]
-        gradients(at, reference[q], grad_n)
-        deformation_gradient(at, reference[q], values, f)
-        _transposed(grad_n, g, 0)
-        for i in range(3):
-            for a in range(n):
-                h[i, a] = f[i, 0] * g[0, a] + f[i, 1] * g[1, a] + f[i, 2] * g[2, a]
-            for j in range(3):
-                ff[i, j] = mu * (f[i, 0] * f[j, 0] + f[i, 1] * f[j, 1] + f[i, 2] * f[j, 2])
-        _weighted_stress_times(stress[q], w, g, 0, sg)
-        for a in range(n):
-            g0, g1, g2 = g[0, a], g[1, a], g[2, a]
-            h0, h1, h2 = h[0, a], h[1, a], h[2, a]
-            for b in range(n):
-                product = g0 * g[0, b] + g1 * g[1, b] + g2 * g[2, b]
-                geometric = g0 * sg[0, b] + g1 * sg[1, b] + g2 * sg[2, b]
-                k[a, b] += (lam + mu) * h0 * h[0, b] + ff[0, 0] * product + geometric
-                k[n + a, n + b] += (lam + mu) * h1 * h[1, b] + ff[1, 1] * product + geometric
-                k[2 * n + a, 2 * n + b] += (lam + mu) * h2 * h[2, b] + ff[2, 2] * product + geometric
-                k[a, n + b] += lam * h0 * h[1, b] + mu * h1 * h[0, b] + ff[0, 1] * product
-                k[a, 2 * n + b] += lam * h0 * h[2, b] + mu * h2 * h[0, b] + ff[0, 2] * product
-                k[n + a, 2 * n + b] += lam * h1 * h[2, b] + mu * h2 * h[1, b] + ff[1, 2] * product
-    _mirrored(k, n)
-
-
-@njit(cache=True, inline="always")
-def _scatter(matrix: ReducedMatrix, nodes: Index, k: Array, offset: Index, block: Array) -> None:
-    """Add k (3 n, 3 n) to the reduced upper triangle; offset (pair,), block (3, 3) is work space."""
-    node_dof, row_start, free, data = matrix.node_dof, matrix.row_start, matrix.free, matrix.data
-    n = nodes.shape[0]
-    pair = 0
-    for a in range(n):
-        for b in range(a, n):
-            swap = nodes[b] < nodes[a]
-            first, second = (b, a) if swap else (a, b)
-            low, high = nodes[first], nodes[second]
-            if a != b and free[low] == 3 and free[high] == 3:
+def _tensor(c: Array, s: Array, f: Array, lanes: int, A: Array) -> None:
+    """A (3 j + L, 3 i + K, lane) from the weighted material tangent c (6 v + m, lane) and stress s (v, lane)."""
+    for j in range(3):
+        for L in range(3):
+            n0, n1, n2 = COMPONENT[0, L], COMPONENT[1, L], COMPONENT[2, L]
+            for lane in range(lanes):
+                f0, f1, f2 = f[3 * j, lane], f[3 * j + 1, lane], f[3 * j + 2, lane]
+                x0 = c[n0, lane] * f0 + c[n1, lane] * f1 + c[n2, lane] * f2
+                x1 = c[6 + n0, lane] * f0 + c[6 + n1, lane] * f1 + c[6 + n2, lane] * f2
+                x2 = c[12 + n0, lane] * f0 + c[12 + n1, lane] * f1 + c[12 + n2, lane] * f2
+                x3 = c[18 + n0, lane] * f0 + c[18 + n1, lane] * f1 + c[18 + n2, lane] * f2
+                x4 = c[24 + n0, lane] * f0 + c[24 + n1, lane] * f1 + c[24 + n2, lane] * f2
+                x5 = c[30 + n0, lane] * f0 + c[30 + n1, lane] * f1 + c[30 + n2, lane] * f2
                 for i in range(3):
-                    start = row_start[node_dof[low, 0] + i] + 3 - i + offset[pair]
-                    data[start] += k[i * n + first, second]
-                    data[start + 1] += k[i * n + first, n + second]
-                    data[start + 2] += k[i * n + first, 2 * n + second]
-            else:
+                    g0, g1, g2 = f[3 * i, lane], f[3 * i + 1, lane], f[3 * i + 2, lane]
+                    A[3 * j + L, 3 * i, lane] = g0 * x0 + g1 * x3 + g2 * x5
+                    A[3 * j + L, 3 * i + 1, lane] = g0 * x3 + g1 * x1 + g2 * x4
+                    A[3 * j + L, 3 * i + 2, lane] = g0 * x5 + g1 * x4 + g2 * x2
+            for lane in range(lanes):
+                A[3 * j + L, 3 * j, lane] += s[n0, lane]
+                A[3 * j + L, 3 * j + 1, lane] += s[n1, lane]
+                A[3 * j + L, 3 * j + 2, lane] += s[n2, lane]
+
+
+@njit(cache=True, inline="always")
+def _add_pairs(reference: Array, inverse: Array, A: Array, lanes: int, g: Array, t: Array, k: Array) -> None:
+    """Add the contribution of a stress point to k (pair, 3 i + j, lane).
+
+    Work space: g (3 a + K, lane) for the gradients of the shape functions, t (9 j + 3 i + K, lane) for A grad N_b.
+    """
+    n = reference.shape[0]
+    for b in range(n):
+        r0, r1, r2 = reference[b, 0], reference[b, 1], reference[b, 2]
+        for lane in range(lanes):
+            for K in range(3):
+                g[3 * b + K, lane] = r0 * inverse[K, lane] + r1 * inverse[3 + K, lane] + r2 * inverse[6 + K, lane]
+        for j in range(3):
+            for lane in range(lanes):
+                g0, g1, g2 = g[3 * b, lane], g[3 * b + 1, lane], g[3 * b + 2, lane]
+                for m in range(9):
+                    t[9 * j + m, lane] = (
+                        A[3 * j, m, lane] * g0 + A[3 * j + 1, m, lane] * g1 + A[3 * j + 2, m, lane] * g2
+                    )
+        for a in range(b + 1):
+            pair = a * n - a * (a + 1) // 2 + b
+            for lane in range(lanes):
+                g0, g1, g2 = g[3 * a, lane], g[3 * a + 1, lane], g[3 * a + 2, lane]
                 for i in range(3):
                     for j in range(3):
-                        block[i, j] = k[i * n + first, j * n + second]
-                scatter_block(matrix, block, low, high, offset[pair])
+                        k[pair, 3 * i + j, lane] += (
+                            g0 * t[9 * j + 3 * i, lane]
+                            + g1 * t[9 * j + 3 * i + 1, lane]
+                            + g2 * t[9 * j + 3 * i + 2, lane]
+                        )
+
+
+@njit(cache=True, inline="always")
+def _scatter(matrix: ReducedMatrix, nodes: Index, starts: Index, k: Array, begin: int, lanes: int) -> None:
+    """Add the pairs k (pair, 3 i + j, lane) of the elements from `begin` on to the reduced upper triangle.
+
+    starts (e, pair, i): where the columns of the pair begin in row i, -1 where that row is prescribed.
+    """
+    node_dof, row_start, free, data = matrix.node_dof, matrix.row_start, matrix.free, matrix.data
+    pair = 0
+    for a in range(nodes.shape[1]):
+        for b in range(a, nodes.shape[1]):
+            for lane in range(lanes):
+                first, second = nodes[begin + lane, a], nodes[begin + lane, b]
+                if a == b:
+                    for i in range(3):
+                        row = node_dof[first, i]
+                        if row >= 0:
+                            for j in range(i, 3):
+                                column = node_dof[first, j]
+                                if column >= 0:
+                                    data[row_start[row] + column - row] += k[pair, 3 * i + j, lane]
+                    continue
+                swap = second < first
+                columns = first if swap else second
+                along, across = (1, 3) if swap else (3, 1)
+                for i in range(3):
+                    start = starts[begin + lane, pair, i]
+                    if start >= 0:
+                        if free[columns] == 3:
+                            data[start] += k[pair, i * along, lane]
+                            data[start + 1] += k[pair, i * along + across, lane]
+                            data[start + 2] += k[pair, i * along + 2 * across, lane]
+                        else:
+                            for j in range(3):
+                                if node_dof[columns, j] >= 0:
+                                    data[start] += k[pair, i * along + j * across, lane]
+                                    start += 1
             pair += 1
 
 
 @njit(cache=True, inline="always")
-def _times(nodes: Index, k: Array, du: Array, force: Array) -> None:
-    """Add k du to force (n, 3)."""
-    n = nodes.shape[0]
-    for a in range(n):
-        for i in range(3):
-            value = 0.0
-            for b in range(n):
+def _times(nodes: Index, k: Array, lane: int, du: Array, force: Array) -> None:
+    """Add the element's tangent times du to force (n, 3)."""
+    pair = 0
+    for a in range(nodes.shape[0]):
+        for b in range(a, nodes.shape[0]):
+            for i in range(3):
                 for j in range(3):
-                    value += k[i * n + a, j * n + b] * du[nodes[b], j]
-            force[nodes[a], i] += value
+                    force[nodes[a], i] += k[pair, 3 * i + j, lane] * du[nodes[b], j]
+                    if a != b:
+                        force[nodes[b], j] += k[pair, 3 * i + j, lane] * du[nodes[a], i]
+            pair += 1
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, parallel=True, error_model="numpy", fastmath=FAST)
 def tangent_matrix(
-    elements: ElementArrays, law: LawArrays, u: Array, offset: Index, matrix: ReducedMatrix, product: Product
+    elements: ElementArrays, law: LawArrays, u: Array, starts: Index, matrix: ReducedMatrix, product: Product
 ) -> None:
     """Add the tangent at displacements u (n, 3) to the reduced upper triangle, and K du to the product's force.
 
-    offset (e, pair) as `fem.equations.pattern` gives it, the pairs of nodes a <= b of an element in order.
+    starts (e, pair, 3) as `fem.equations.pattern` gives them, the pairs of nodes a <= b of an element in order.
     """
     colours, chunks, nodes = elements.colours, elements.chunks, elements.nodes
-    n = nodes.shape[1]
-    for c in range(colours.shape[0] - 1):
-        for chunk in prange(colours[c], colours[c + 1]):
-            k = np.empty((3 * n, 3 * n))
-            block = np.empty((3, 3))
-            for e in range(chunks[chunk], chunks[chunk + 1]):
-                if law.lame.shape[0] > 0:
-                    _isotropic_element_tangent(elements, law, e, u, k)
-                else:
-                    _element_tangent(elements, law, e, u, k)
-                _scatter(matrix, nodes[e], k, offset[e], block)
+    reference, weight, stress, tangent = elements.reference, elements.weight, law.stress, law.tangent
+    n, points = nodes.shape[1], reference.shape[0]
+    for colour in range(colours.shape[0] - 1):
+        for chunk in prange(colours[colour], colours[colour + 1]):
+            values = np.empty((3 * NODES, LANES))
+            inverse = np.empty((9, LANES))
+            along = np.empty((9, LANES))
+            f = np.empty((9, LANES))
+            c = np.empty((36, LANES))
+            s = np.empty((6, LANES))
+            A = np.empty((9, 9, LANES))
+            g = np.empty((3 * NODES, LANES))
+            t = np.empty((27, LANES))
+            k = np.empty((PAIRS, 9, LANES))
+            end = chunks[chunk + 1]
+            for begin in range(chunks[chunk], end, LANES):
+                lanes = min(LANES, end - begin)
+                k[:] = 0.0
+                for lane in range(lanes):
+                    e = begin + lane
+                    for a in range(n):
+                        for i in range(3):
+                            values[3 * a + i, lane] = u[nodes[e, a], i]
+                for q in range(points):
+                    for lane in range(lanes):
+                        e = begin + lane
+                        w = weight[e, q]
+                        at = elements.inverse[e, q if elements.inverse.shape[1] > 1 else 0]
+                        law_at = tangent[e if tangent.shape[0] > 1 else 0, q if tangent.shape[1] > 1 else 0]
+                        for i in range(3):
+                            for j in range(3):
+                                inverse[3 * i + j, lane] = at[i, j]
+                        for v in range(6):
+                            s[v, lane] = w * stress[e, q, v]
+                            for m in range(6):
+                                c[6 * v + m, lane] = w * law_at[v, m]
+                    _deformation(reference[q], values, inverse, lanes, along, f)
+                    _tensor(c, s, f, lanes, A)
+                    _add_pairs(reference[q], inverse, A, lanes, g, t, k)
+                _scatter(matrix, nodes, starts, k, begin, lanes)
                 if product.du.shape[0] > 0:
-                    _times(nodes[e], k, product.du, product.force)
+                    for lane in range(lanes):
+                        _times(nodes[begin + lane], k, lane, product.du, product.force)
