@@ -7,8 +7,8 @@ SHELL := /bin/bash
 BIN := .venv/bin
 READY := .venv/.ready
 PEERS := .venv-peers
-# a sweep that does not reach a point ends with status 1, and the others go on
-paper_sweeps := pneunet forces arms contact cells heights lengths
+# those with the longest points first
+paper_sweeps := cells lengths heights arms pneunet contact forces
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy scaling
 .PHONY: help setup $(all_targets) test slow hard fuzz kills wheel examples lint types docs doctor bench-peers clean
@@ -47,15 +47,11 @@ sweep: $(READY)  ## nine designs of the coarse arm, the arm's own law of each: t
 	@$(BIN)/pneurod sweep examples/sweep.yaml
 
 paper-coarse: $(READY)  ## figures and claims of the paper again on coarse meshes, in results/paper_coarse
-	@for sweep in $(paper_sweeps); do
-		$(BIN)/pneurod sweep configs/paper/coarse/$$sweep.yaml --out results/paper_coarse/$$sweep || [ $$? -eq 1 ]
-	done
+	@$(BIN)/pneurod sweep $(paper_sweeps:%=configs/paper/coarse/%.yaml) --out results/paper_coarse || [ $$? -eq 1 ]
 	$(BIN)/python -m benchmarks.paper results/paper_coarse
 
 paper: $(READY)  ## the same on the meshes of the shipped configurations, in results/paper
-	@for sweep in $(paper_sweeps); do
-		$(BIN)/pneurod sweep configs/paper/fine/$$sweep.yaml --out results/paper/$$sweep || [ $$? -eq 1 ]
-	done
+	@$(BIN)/pneurod sweep $(paper_sweeps:%=configs/paper/fine/%.yaml) --out results/paper || [ $$? -eq 1 ]
 	$(BIN)/python -m benchmarks.paper results/paper
 
 material: $(READY)  ## the constants of every law from the tensile tests of the example

@@ -5,8 +5,8 @@
 Each point is experiments I, II and III of the pneu-net at two pressures on a coarse mesh, with another wall and height
 of the chambers. The process that does one after the other has as many threads as the machine has cores, as a single
 run has; a second one has one thread, as each worker has. Kernels are compiled before, and each of these processes
-solves one point before its clock starts. The sweep is `pneurod sweep` from its start to its exit, with all imports, the start
-of the workers, the table and the picture. Only a machine without other load gives a meaningful ratio.
+solves one point before its clock starts. The sweep is `pneurod sweep` from its start to its exit, with all imports, the
+start of the workers, the table and the picture. Only a machine without other load gives a meaningful ratio.
 """
 
 import os

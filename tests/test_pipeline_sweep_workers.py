@@ -15,7 +15,7 @@ import pytest
 from pipeline.errors import InputError
 from pipeline.sweep import study, workers
 from pipeline.sweep.spec import Sweep, read_sweep
-from pipeline.sweep.study import Course, SweepReport, run_sweep
+from pipeline.sweep.study import Course, RequestedSweep, SweepReport, run_sweep, run_sweeps
 from pipeline.sweep.workers import LocalWorkers, RemoteScheduler
 
 HERE = Path(__file__).resolve().parent.parent
@@ -92,6 +92,29 @@ def test_finished_points_are_not_solved_again(sweep: Sweep, results: Path, monke
     assert table(results) == before
     with pytest.raises(Exception, match="1 of 4 points did not finish"):
         report.raise_if_failed()
+
+
+def test_several_sweeps_share_the_workers_and_each_has_its_table(
+    file: Path, sweep: Sweep, results: Path, tmp_path: Path
+) -> None:
+    text = SWEEP.replace("[1 mm, 4.5 mm] ", "[1 mm] ").replace("tiny_walls", "other")
+    file.with_name("other.yaml").write_text(text, encoding="utf-8")
+    other = read_sweep(file.with_name("other.yaml"))
+    requests = [RequestedSweep(sweep, tmp_path / "first"), RequestedSweep(other, tmp_path / "second")]
+    said: list[str] = []
+    reports = run_sweeps(requests, Course(LocalWorkers.of(2, "4 GB"), False, False, said.append))
+    assert table(tmp_path / "first") == table(results)
+    assert [[point.record.status for point in report.points] for report in reports] == [
+        ["finished", "finished", "refused", "finished"],
+        ["finished", "finished"],
+    ]
+    rows = (tmp_path / "second" / "sweep.csv").read_text().splitlines()
+    first = (tmp_path / "first" / "sweep.csv").read_text().splitlines()
+    assert rows == first[:5]
+    assert said[0] == "5 points, 0 of them kept from earlier"
+    assert len([line for line in said if "finished after" in line]) == 5
+    with pytest.raises(InputError, match="two sweeps would write into this folder"):
+        run_sweeps([requests[0], requests[0]], Course(LocalWorkers.of(2, "4 GB"), False, False, said.append))
 
 
 def test_a_killed_sweep_continues_without_its_finished_points(file: Path, results: Path, tmp_path: Path) -> None:

@@ -25,8 +25,10 @@ class Data:
 
     @cached_property
     def sweeps(self) -> dict[str, Path]:
-        """By name; those that came to their end."""
-        return {path.parent.name: path.parent for path in sorted(self.folder.glob("*/sweep.csv"))}
+        """By name without `paper_`; those that came to their end."""
+        return {
+            path.parent.name.removeprefix("paper_"): path.parent for path in sorted(self.folder.glob("*/sweep.csv"))
+        }
 
     @cached_property
     def estimates(self) -> dict[str, list[Estimate]]:

@@ -13,6 +13,9 @@ from rod.arm_law.section import SectionLaw, section_at
 
 #: states of the cell that are solved
 CHECKS = 5
+#: rigidity against bending over the median of the law below which it is not checked: where the moment hardly rises any
+#: more, as before a limit point, a small difference of the moment is a large one of the curvature
+SOFTEST = 0.1
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:
     """Rows (CHECKS,) of the law, by rising amount of the moment: one in each of as many equal ranges of the moment,
     where what the slopes of both curves predict differs most."""
     difference = np.interp(section.kappa, *doubts(lower, upper))
-    ranges = np.array_split(np.arange(len(section.moment)), CHECKS)
+    flexibility = np.abs(section.kappa_slope)
+    ranges = np.array_split(np.flatnonzero(flexibility <= np.median(flexibility) / SOFTEST), CHECKS)
     rows = np.array([own[int(np.argmax(difference[own]))] for own in ranges])
     return np.asarray(rows[np.argsort(np.abs(section.moment[rows]), kind="stable")])

@@ -11,9 +11,10 @@ from pipeline.processes import available_cores
 
 
 def sweep(
-    file: Annotated[Path, typer.Argument(metavar="SWEEP", help="Base configuration and axes in YAML.")],
+    files: Annotated[list[Path], typer.Argument(metavar="SWEEP...", help="Base configuration and axes in YAML.")],
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Result folder. [default: results/NAME]")
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Result folder; of several: DIR/NAME. [default: results/NAME]"),
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler instead of workers on this machine.")
@@ -31,13 +32,18 @@ def sweep(
             raise InputError("--scheduler: its workers are started apart; leave out --jobs and --memory")
 
         from pipeline.sweep.spec import read_sweep
-        from pipeline.sweep.study import Course, run_sweep
+        from pipeline.sweep.study import Course, RequestedSweep, run_sweeps
         from pipeline.sweep.workers import LocalWorkers, RemoteScheduler
 
-        requested = read_sweep(file)
+        sweeps = [read_sweep(file) for file in files]
         local = LocalWorkers.of(jobs or available_cores(), memory)
         workers = local if scheduler is None else RemoteScheduler(scheduler)
-        folder = out or Path("results") / requested.name
-        report = run_sweep(requested, folder, Course(workers, fresh, retry, print_lines))
-        print_lines(f"{report.sentence()}; table: {folder / 'sweep.csv'}, picture: {folder / 'sweep.svg'}")
-        report.raise_if_failed()
+        parent = out or Path("results")
+        folders = [parent / sweep.name if out is None or len(sweeps) > 1 else out for sweep in sweeps]
+        requests = [RequestedSweep(sweep, folder) for sweep, folder in zip(sweeps, folders, strict=True)]
+        reports = run_sweeps(requests, Course(workers, fresh, retry, print_lines))
+        for report in reports:
+            folder = report.directory
+            print_lines(f"{report.sentence()}; table: {folder / 'sweep.csv'}, picture: {folder / 'sweep.svg'}")
+        for report in reports:
+            report.raise_if_failed()

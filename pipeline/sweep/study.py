@@ -3,10 +3,11 @@
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.errors import RunFailed
+from pipeline.errors import InputError, RunFailed
 from pipeline.progress import duration
 from pipeline.store.atomic_file import stale_parts
 from pipeline.store.json_values import JsonObject
@@ -84,29 +85,84 @@ class SweepReport:
         }
 
 
-def run_sweep(sweep: Sweep, out: Path, course: Course) -> SweepReport:
-    """Solve the points of a sweep that `out` does not hold yet, and write the table and the picture of all.
+@dataclass(frozen=True)
+class RequestedSweep:
+    """A sweep and the folder of its results."""
 
-    A point that fails is a row with its reason. Raises InputError for a sweep that is refused, a scheduler that cannot
-    be reached and a folder that cannot be used, OSError where a file cannot be written, and RunFailed where the
-    scheduler ends; finished points are kept then.
+    sweep: Sweep
+    out: Path
+
+
+def run_sweep(sweep: Sweep, out: Path, course: Course) -> SweepReport:
+    """One sweep, as `run_sweeps` solves several."""
+    (report,) = run_sweeps([RequestedSweep(sweep, out)], course)
+    return report
+
+
+def run_sweeps(requests: Sequence[RequestedSweep], course: Course) -> tuple[SweepReport, ...]:
+    """Solve the points of sweeps that their folders do not hold yet, all with the same workers, in the given order.
+
+    The table and the picture of a sweep are written when its last point has ended. A point that fails is a row with its
+    reason. Raises InputError for a sweep that is refused, two sweeps with one folder, a scheduler that cannot be
+    reached and a folder that cannot be used, OSError where a file cannot be written, and RunFailed where the scheduler
+    ends; finished points are kept then.
     """
-    points = points_of(sweep)
-    folder = open_folder(out)
-    with locked(folder.directory):
-        for part in stale_parts(folder.directory):
+    folders = [request.out.resolve() for request in requests]
+    if twice := [str(request.out) for request, path in zip(requests, folders, strict=True) if folders.count(path) > 1]:
+        raise InputError(f"{twice[0]}: two sweeps would write into this folder; give them different names")
+    sweeps = [_SweepInProgress(request, points_of(request.sweep)) for request in requests]
+    with ExitStack() as locks:
+        for own in sweeps:
+            locks.enter_context(locked(own.folder.directory))
+            own.begin(course)
+        _solve(sweeps, course)
+    return tuple(own.report for own in sweeps)
+
+
+class _SweepInProgress:
+    """One sweep on its way: its tasks, and the records that are known."""
+
+    def __init__(self, request: RequestedSweep, points: Sequence[Point | RefusedPoint]) -> None:
+        self.sweep = request.sweep
+        self.points = points
+        self.folder = open_folder(request.out)
+        self.tasks = _tasks(request.sweep, points, self.folder)
+        self.records: dict[str, PointRecord] = {}
+
+    def begin(self, course: Course) -> None:
+        """Clear what is left of interrupted writing and of earlier sweeps, and read the records that are kept."""
+        for part in stale_parts(self.folder.directory):
             part.unlink(missing_ok=True)
         if course.fresh:
-            _clear(folder)
-        folder.save_json(RECORD, {"name": sweep.name})
-        records = _records(_tasks(sweep, points, folder), course)
-        report = SweepReport(out, sweep, tuple(_table_point(point, records) for point in points))
-        columns = columns_of(sweep.keys, report.points)
+            _clear(self.folder)
+        self.folder.save_json(RECORD, {"name": self.sweep.name})
+        for name, task in self.tasks.items():
+            kept = kept_record(ResultFolder(task.folder), task.key)
+            if kept is not None and (kept.status == FINISHED or not course.retry):
+                self.records[name] = kept
+            elif course.retry:
+                (task.folder / "sweep_point.json").unlink(missing_ok=True)
+
+    @property
+    def missing(self) -> list[PointTask]:
+        """The tasks without a record."""
+        return [task for name, task in self.tasks.items() if name not in self.records]
+
+    @property
+    def report(self) -> SweepReport:
+        """All points; every one of them has a record."""
+        points = tuple(_table_point(point, self.records) for point in self.points)
+        return SweepReport(self.folder.directory, self.sweep, points)
+
+    def save(self) -> None:
+        """Write the table, the picture and sweep.json. Raises OSError."""
+        report = self.report
+        columns = columns_of(self.sweep.keys, report.points)
         rows = table_rows(columns, report.points)
-        save_table(folder, rows)
-        folder.save_text("sweep.svg", svg_picture(sweep.name, sweep.run, sweep.axes, columns, rows))
-        folder.save_json(RECORD, report.record())
-    return report
+        save_table(self.folder, rows)
+        picture = svg_picture(self.sweep.name, self.sweep.run, self.sweep.axes, columns, rows)
+        self.folder.save_text("sweep.svg", picture)
+        self.folder.save_json(RECORD, report.record())
 
 
 def _tasks(sweep: Sweep, points: Sequence[Point | RefusedPoint], folder: ResultFolder) -> dict[str, PointTask]:
@@ -122,29 +178,29 @@ def _tasks(sweep: Sweep, points: Sequence[Point | RefusedPoint], folder: ResultF
     }
 
 
-def _records(tasks: Mapping[str, PointTask], course: Course) -> dict[str, PointRecord]:
-    """The records of all tasks, kept ones first."""
-    records: dict[str, PointRecord] = {}
-    for name, task in tasks.items():
-        kept = kept_record(ResultFolder(task.folder), task.key)
-        if kept is not None and (kept.status == FINISHED or not course.retry):
-            records[name] = kept
-    missing = [task for name, task in tasks.items() if name not in records]
-    course.say(f"{len(tasks)} points, {len(records)} of them kept from earlier")
-    if not missing:
-        return records
-    for task in missing if course.retry else ():
-        (task.folder / "sweep_point.json").unlink(missing_ok=True)
+def _solve(sweeps: Sequence[_SweepInProgress], course: Course) -> None:
+    """Complete the records of all sweeps, and write what belongs to a sweep as soon as its records are complete."""
+    owners = {task.folder: own for own in sweeps for task in own.missing}
+    number = sum(len(own.tasks) for own in sweeps)
+    course.say(f"{number} points, {number - len(owners)} of them kept from earlier")
+    for own in sweeps:
+        if not own.missing:
+            own.save()
+    if not owners:
+        return
     with connected(course.workers) as workers:
         course.say(workers.sentence)
         begin = time.monotonic()
-        for number, (task, record) in enumerate(workers.records(missing), start=1):
-            records[task.folder.name] = record
-            left = (time.monotonic() - begin) / number * (len(missing) - number)
+        missing = [task for own in sweeps for task in own.missing]
+        for ended, (task, record) in enumerate(workers.records(missing), start=1):
+            own = owners[task.folder]
+            own.records[task.folder.name] = record
+            left = (time.monotonic() - begin) / ended * (len(missing) - ended)
             reason = f": {record.reason}" if record.reason else ""
-            ended = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}"
-            course.say(f"{number} of {len(missing)}: {ended}; about {duration(left)} left")
-    return records
+            sentence = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}"
+            course.say(f"{ended} of {len(missing)}: {sentence}; about {duration(left)} left")
+            if not own.missing:
+                own.save()
 
 
 def _table_point(point: Point | RefusedPoint, records: Mapping[str, PointRecord]) -> TablePoint:

@@ -63,7 +63,7 @@ class Connected:
         Raises OSError where a folder cannot be written, and RunFailed where the scheduler ends or has workers without
         pneurod.
         """
-        futures = {self.client.submit(solve, task, key=f"{task.folder.name}-{task.key}"): task for task in tasks}
+        futures = {self.client.submit(solve, task, key=f"{task.folder}-{task.key}"): task for task in tasks}
         try:
             for future in as_completed(futures):
                 yield futures[future], _record(future)
