@@ -8,7 +8,7 @@ from fem.effects.loads import Gravity, LineForce, Pressure
 from fem.effects.membrane import LayerError, StrainLimitingLayer
 from fem.equations.linear import available_solver
 from fem.experiments import Experiment
-from fem.materials import Hencky, Material, MaterialError, MooneyRivlin, NeoHooke, StVenantKirchhoff, Yeoh
+from fem.materials import Hencky, Material, MaterialError, MooneyRivlin, NeoHooke, Ogden, StVenantKirchhoff, Yeoh
 from fem.materials.material import Uniaxial
 from fem.materials.rubber import IsochoricLaw
 from fem.model import Model
@@ -44,6 +44,7 @@ __all__ = [
     "NeoHooke",
     "NewtonOptions",
     "NotConverged",
+    "Ogden",
     "PathObserver",
     "PathOptions",
     "Prescribed",

@@ -94,9 +94,9 @@ def _number(row: EffectRow, name: str) -> str:
 
 def law_table(fits: Fits, name: str) -> Table:
     """The fits with this name (`ALL` or `WIDEST` of `pipeline.material.fits`); laws without a fit are listed below."""
-    columns = ("law", "constants, MPa", "rms MPa", "holds for", "limit", "stable for")
+    columns = ("law", "constants (MPa)", "rms MPa", "holds for", "limit", "stable for")
     refused = [fit for both in fits.laws.values() if isinstance(fit := both[name], Refused)]
-    below = "\n".join(f"{fit.law} {fit.reason}" for fit in refused) or None
+    below = "\n".join(f"{fit.name} {fit.reason}" for fit in refused) or None
     table = Table(*columns, box=None, pad_edge=False, title=f"fitted to {name}", caption=below)
     table.title_justify = table.caption_justify = "left"
     for column in table.columns:
@@ -108,7 +108,7 @@ def law_table(fits: Fits, name: str) -> Table:
         if isinstance(fit, LawFit):
             holds = "nowhere" if fit.valid_range is None else _stretches(*fit.valid_range)
             stable = _stretches(*fit.solved.stretch_limits)
-            table.add_row(fit.law, _constants(fit), f"{fit.rms:.2g}", holds, fit.limited_by, stable)
+            table.add_row(fit.name, _constants(fit), f"{fit.rms:.2g}", holds, fit.limited_by, stable)
     return table
 
 

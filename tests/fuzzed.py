@@ -10,7 +10,7 @@ import yaml
 from hypothesis import strategies as st
 
 from fem.elements import ELEMENTS
-from fem.materials import LAWS
+from fem.materials import LAWS, Constant
 from geometry import FAMILIES, GRADINGS
 from pipeline.config.schema import EFFECTS
 
@@ -208,12 +208,20 @@ def own_geometry(draw: st.DrawFn) -> dict[str, Any]:
     return chosen
 
 
+def _constant(kind: Constant) -> st.SearchStrategy[Any]:
+    """A constant of a law; lists have one entry, or lengths that need not agree."""
+    stress, exponent = quantity(1.0, "MPa"), st.sampled_from([2.0, 1.3, -2, 5, 0])
+    if kind in (Constant.STRESSES, Constant.EXPONENTS):
+        entry = stress if kind is Constant.STRESSES else exponent
+        return st.lists(entry, min_size=1, max_size=1) | entry | st.lists(entry, max_size=3)
+    return stress
+
+
 @st.composite
 def document(draw: st.DrawFn) -> dict[str, Any]:
     """A configuration in which every key is known and of the right kind, though perhaps not of the right size."""
     law = draw(st.sampled_from([*LAWS]))
     usual = {"nu": st.sampled_from([0, 0.3, 0.495, 0.49999, *[0.45] * 5, -0.9, -1.0, 0.5]) | st.floats(0, 0.499)}
-    stress = quantity(1.0, "MPa")
     shape = draw(geometry())
     whole: dict[str, Any] = {
         "name": draw(st.text(max_size=6) if draw(seldom(20)) else st.sampled_from(["arm", "arm-2.b", "x_7"])),
@@ -221,7 +229,7 @@ def document(draw: st.DrawFn) -> dict[str, Any]:
         "material": {
             "law": law,
             "density": draw(quantity(1130.0, "kg/m^3")),
-            **{name: draw(usual.get(name, stress)) for name in LAWS[law].constants()},
+            **{name: draw(usual.get(name, _constant(kind))) for name, kind in LAWS[law].constants().items()},
         },
         "mesh": {"size": "auto" if draw(seldom(20)) else draw(quantity(6.0, "mm")), **draw(of_the_mesh())},
     }

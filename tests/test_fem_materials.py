@@ -15,6 +15,7 @@ from fem import (
     MooneyRivlin,
     NeoHooke,
     NewtonOptions,
+    Ogden,
     PathOptions,
     StVenantKirchhoff,
     Yeoh,
@@ -22,7 +23,8 @@ from fem import (
 )
 from fem.materials import Constant
 from fem.materials.hencky import divided_difference
-from fem.materials.rubber import stable_range
+from fem.materials.ogden import difference_of_powers
+from fem.materials.rubber_law import stable_range
 from fem.materials.tensors import COLUMN, ROW, CauchyGreen, voigt
 from geometry.arrays import Array
 
@@ -61,13 +63,18 @@ def test_the_kinds_of_constants_are_those_of_the_fields() -> None:
         "kappa": Constant.POSITIVE_STRESS,
     }
     assert Hencky.constants() == {"E": Constant.POSITIVE_STRESS, "nu": Constant.POISSON_RATIO}
-    assert [constant.unit for constant in Constant] == [" MPa", " MPa", ""]
+    assert Ogden.constants() == {
+        "mu": Constant.STRESSES,
+        "alpha": Constant.EXPONENTS,
+        "kappa": Constant.POSITIVE_STRESS,
+    }
+    assert [constant.unit for constant in Constant] == [" MPa", " MPa", "", " MPa", ""]
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_law_from_a_tensile_test_has_the_given_poisson_ratio(name: str) -> None:
     law = LAWS[name]
-    constants = {constant: getattr(law, constant) for constant in law.uniaxial_terms(np.ones(1))}
+    constants = {constant: getattr(law, constant) for constant in law.constants() if constant not in ("nu", "kappa")}
     other = type(law).from_uniaxial(constants, 0.4)
     assert other.poisson_ratio == pytest.approx(0.4)
     assert {constant: getattr(other, constant) for constant in constants} == constants
@@ -141,7 +148,7 @@ def test_impossible_strains_give_finite_numbers(name: str, part: str) -> None:
 def test_a_pure_volume_change_depends_on_the_bulk_modulus_alone() -> None:
     swollen = np.zeros((1, 1, 6))
     swollen[..., :3] = 0.5 * (1.3**2 - 1)
-    for name in ("neo_hooke", "mooney_rivlin", "yeoh"):
+    for name in ("neo_hooke", "mooney_rivlin", "yeoh", "ogden"):
         parts = LAWS[name].shear(swollen), LAWS[name].volumetric(swollen)
         assert sum(part.energy[0, 0] for part in parts) == pytest.approx(1.5 * (1.3**3 - 1) ** 2)
         cauchy = sum(part.stress[0, 0] for part in parts) * 1.3**2 / 1.3**3
@@ -155,6 +162,72 @@ def test_mooney_rivlin_and_yeoh_contain_neo_hooke() -> None:
         response = other.shear(strain)
         np.testing.assert_allclose(response.stress, neo.stress, atol=1e-14)
         np.testing.assert_allclose(response.tangent, neo.tangent, atol=1e-13)
+
+
+@pytest.mark.parametrize("strain", [strains(0.01), strains(0.2), SPECIAL], ids=["small", "large", "special"])
+@pytest.mark.parametrize(
+    ("ogden", "other"),
+    [
+        (Ogden((0.4,), (2.0,), 3.0), NeoHooke(0.4, 3.0)),
+        (Ogden((0.3, -0.1), (2.0, -2.0), 3.0), MooneyRivlin(0.15, 0.05, 3.0)),
+        (Ogden((0.1, 0.2, -0.1), (2.0, 2.0, -2.0), 3.0), MooneyRivlin(0.15, 0.05, 3.0)),
+    ],
+    ids=["neo-Hooke", "Mooney-Rivlin", "a term in two parts"],
+)
+def test_ogden_contains_neo_hooke_and_mooney_rivlin(ogden: Ogden, other: fem.Material, strain: Array) -> None:
+    for part in ("shear", "volumetric"):
+        found, expected = getattr(ogden, part)(strain), getattr(other, part)(strain)
+        np.testing.assert_allclose(found.energy, expected.energy, atol=1e-13)
+        np.testing.assert_allclose(found.stress, expected.stress, atol=1e-13)
+        np.testing.assert_allclose(found.tangent, expected.tangent, atol=1e-12)
+
+
+def test_differences_of_powers_of_close_and_of_equal_numbers() -> None:
+    """Against sums of products for whole exponents, which have no difference in them."""
+    x = 1.3 * (1 + np.concatenate([[0.0], np.geomspace(1e-16, 50.0, 200), -np.geomspace(1e-16, 0.99, 200)]))
+    y = np.full_like(x, 1.3)
+    for n in (1, 2, 5):
+        powers = sum(x ** (n - 1 - k) * y**k for k in range(n))
+        np.testing.assert_allclose(difference_of_powers(x, y, n), powers, rtol=1e-14 * 10)
+        np.testing.assert_allclose(difference_of_powers(x, y, -n), -powers / (x * y) ** n, rtol=1e-13)
+    np.testing.assert_allclose(difference_of_powers(y, y, -0.35), -0.35 * 1.3**-1.35, rtol=1e-15)
+
+
+def log_hessian(law: Ogden, stretches: Array) -> Array:
+    """(2, 2) second derivative of psi by the logarithms of two principal stretches, the third following from J = 1."""
+    weight = sum(mu * a * stretches**a for mu, a in law.terms)
+    return np.array([[weight[0] + weight[2], weight[2]], [weight[2], weight[1] + weight[2]]])
+
+
+def test_ogden_is_stable_at_every_strain_where_all_products_are_positive() -> None:
+    """Drucker: more stress for more strain, so the second derivative is positive definite in all states."""
+    stable, unstable = LAWS["ogden"], Ogden((0.4, 0.02), (2.0, -4.0), 3.0)
+    assert isinstance(stable, Ogden)
+    assert (stable.always_stable, unstable.always_stable) == (True, False)
+    logs = np.random.default_rng(3).normal(scale=1.0, size=(500, 2))
+    states = np.exp(np.column_stack([logs, -logs.sum(axis=1)]))
+    lowest = {law: min(np.linalg.eigvalsh(log_hessian(law, s))[0] for s in states) for law in (stable, unstable)}
+    assert lowest[stable] > 0 > lowest[unstable]
+    assert stable.stretch_limits == (0.0, np.inf)
+    assert set(stable.drucker_limits().values()) == {(0.0, np.inf)}
+
+
+def test_the_strains_at_which_ogden_is_stable() -> None:
+    """The second derivative is positive definite just within the limits and not just beyond; the same state has the
+    same limit in two tests: equibiaxial tension to b is uniaxial compression to b^-2."""
+    law = Ogden((0.4, 0.02), (2.0, -4.0), 3.0)
+    limits = law.drucker_limits()
+    for name, (low, high) in limits.items():
+        for end, inside in ((low, 1.001), (high, 0.999)):
+            if 0 < end < np.inf:
+                s = np.array([end * inside])
+                states = {"uniaxial tension": [s, s**-0.5, s**-0.5], "equibiaxial tension": [s, s, s**-2.0]}
+                stretches = np.ravel(states.get(name, [s, s**0, 1 / s]))
+                assert np.linalg.eigvalsh(log_hessian(law, stretches))[0] > 0
+                outside = stretches ** (1 + 2 * np.log(1 / inside) / np.log(end))
+                assert np.linalg.eigvalsh(log_hessian(law, outside))[0] < 0
+    assert limits["uniaxial tension"][0] == pytest.approx(limits["equibiaxial tension"][1] ** -2, rel=5e-3)
+    assert limits["plane strain tension"][0] == pytest.approx(1 / limits["plane strain tension"][1], rel=5e-3)
 
 
 def test_the_divided_difference_is_continuous_where_its_series_takes_over() -> None:
@@ -196,6 +269,11 @@ def test_stretch_limits() -> None:
         (lambda: NeoHooke(1.0, -1.0), "neo-Hooke: kappa = -1 MPa must be positive"),
         (lambda: MooneyRivlin(0.1, -0.1, 1.0), "Mooney-Rivlin: c10 [+] c01 = 0 MPa must be positive"),
         (lambda: Yeoh(-0.1, 0.1, 0.0, 1.0), "Yeoh: c10 = -0.1 MPa must be positive"),
+        (lambda: Ogden((0.1, 0.2), (2.0,), 1.0), "Ogden: mu has 2 and alpha 1 entries; both need one for each term"),
+        (lambda: Ogden((), (), 1.0), "Ogden: mu has 0 and alpha 0 entries"),
+        (lambda: Ogden((0.1,), (0.0,), 1.0), r"Ogden: alpha = \[0.0\] must be finite numbers other than 0"),
+        (lambda: Ogden((0.1,), (-2.0,), 1.0), "Ogden: half the sum of mu times alpha = -0.1 MPa must be positive"),
+        (lambda: Ogden((0.1,), (2.0,), 0.0), "Ogden: kappa = 0 MPa must be positive"),
         (lambda: Yeoh(0.1, 0.1, 0.0, float("nan")), "Yeoh: kappa = nan MPa must be positive"),
     ],
 )

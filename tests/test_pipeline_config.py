@@ -289,6 +289,8 @@ def test_a_rubber_law_takes_nu_instead_of_kappa(configs: Path) -> None:
         "neo_hooke, mu: 0.4 MPa",
         "mooney_rivlin, c10: 0.15 MPa, c01: 0.05 MPa",
         "yeoh, c10: 0.2 MPa, c20: 0 MPa, c30: 0 MPa",
+        "ogden, mu: [0.4 MPa], alpha: [2]",
+        "ogden, mu: 0.4 MPa, alpha: 2",
     ):
         config = load_config(coarse, [f"material={{law: {constants}, nu: 0.49}}"])
         assert config.material.built().poisson_ratio == pytest.approx(0.49, rel=1e-12)
@@ -369,11 +371,37 @@ def test_a_configuration_takes_every_element(configs: Path, name: str) -> None:
 
 @pytest.mark.parametrize("name", LAWS)
 def test_a_configuration_takes_every_law_with_its_constants(configs: Path, name: str) -> None:
-    values = {name: 0.3 if kind is Constant.POISSON_RATIO else 0.5 for name, kind in LAWS[name].constants().items()}
-    texts = [f"{constant}: {value}{LAWS[name].constants()[constant].unit}" for constant, value in values.items()]
+    kinds, usual = LAWS[name].constants(), {Constant.POISSON_RATIO: 0.3}
+    values: dict[str, float | tuple[float, ...]] = {name: usual.get(kind, 0.5) for name, kind in kinds.items()}
+    texts = [f"{constant}: {value}{kinds[constant].unit}" for constant, value in values.items()]
+    for constant, kind in kinds.items():
+        if kind in (Constant.STRESSES, Constant.EXPONENTS):
+            values[constant] = (0.5,)
     material = f"material={{law: {name}, density: 1130 kg/m^3, {', '.join(texts)}}}"
     config = load_config(configs / "pneunet_coarse.yaml", [material])
     assert config.material.built() == LAWS[name](**values)
+
+
+def test_the_terms_of_ogden_are_lists(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    terms = "mu: [630 kPa, 0.0012 MPa, -0.01 MPa], alpha: [1.3, 5, -2]"
+    config = load_config(coarse, [f"material={{law: ogden, {terms}, nu: 0.495}}"])
+    assert config.material.built() == fem.Ogden(
+        (0.63, 0.0012, -0.01), (1.3, 5.0, -2.0), config.material.constants["kappa"]
+    )
+    assert config.record()["material"]["mu"] == [0.63, 0.0012, -0.01]
+    assert config.material.built().poisson_ratio == pytest.approx(0.495)
+    for constants, sentence in (
+        ("mu: [0.4 MPa, 0.1 MPa], alpha: [2]", "material: Ogden: mu has 2 and alpha 1 entries; both need one for each"),
+        ("mu: [0.4], alpha: [2]", "material.mu[1]: 0.4 has no unit; write a stress with its unit"),
+        ("mu: [0.4 MPa], alpha: [2 mm]", "material.alpha[1]: '2 mm' is not a plain number"),
+        ("mu: [0.4 MPa], alpha: [0]", "material: Ogden: alpha = [0.0] must be finite numbers other than 0"),
+        ("mu: [0.4 MPa], alpha: [-2]", "material: Ogden: half the sum of mu times alpha = -0.4 MPa must be positive"),
+        ("mu: [0.4 MPa]", "material.alpha: is missing; for example 'alpha: [2]'"),
+        ("mu: [], alpha: []", "material.mu[1]: [] is not a stress"),
+        ("mu: [400 GPa], alpha: [2]", "material.mu: with 400 GPa the highest pressure is 3.1e-08 E"),
+    ):
+        assert sentence in refusal(coarse, f"material={{law: ogden, {constants}, nu: 0.49}}")
 
 
 def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> None:

@@ -25,7 +25,7 @@ LIBRARIES: dict[str, set[str]] = {
     "fem": {"numpy", "scipy", "skfem", "numba", "ipctk", "pypardiso"},
     "rod": {"numpy", "scipy", "sklearn", "numba"},
     "pipeline": {
-        *("numpy", "numba", "packaging", "yaml", "pydantic", "pint"),
+        *("numpy", "scipy", "numba", "packaging", "yaml", "pydantic", "pint"),
         *("pyvista", "typer", "rich", "jinja2", "plotly", "matplotlib", "distributed", "dask", "pyarrow"),
     },
     "pneurod": {"numpy", "pandas"},

@@ -1,7 +1,8 @@
 """Hyperelastic laws: energy, stress and tangent. Importing this needs numpy alone."""
 
 from fem.materials.hencky import Hencky
-from fem.materials.material import Constant, Material, MaterialError
+from fem.materials.material import Constant, LinearLaw, Material, MaterialError
+from fem.materials.ogden import Ogden
 from fem.materials.rubber import MooneyRivlin, NeoHooke, Yeoh
 from fem.materials.st_venant_kirchhoff import StVenantKirchhoff
 
@@ -9,10 +10,12 @@ __all__ = [
     "LAWS",
     "Constant",
     "Hencky",
+    "LinearLaw",
     "Material",
     "MaterialError",
     "MooneyRivlin",
     "NeoHooke",
+    "Ogden",
     "StVenantKirchhoff",
     "Yeoh",
 ]
@@ -24,4 +27,5 @@ LAWS: dict[str, type[Material]] = {
     "neo_hooke": NeoHooke,
     "mooney_rivlin": MooneyRivlin,
     "yeoh": Yeoh,
+    "ogden": Ogden,
 }

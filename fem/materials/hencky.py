@@ -6,12 +6,11 @@ from typing import final
 import numpy as np
 
 from fem.materials.material import Dilatation, Response, TwoModuli, Uniaxial, quadratic
-from fem.materials.tensors import MIN_DETERMINANT, CauchyGreen, voigt
+from fem.materials.tensors import MIN_DETERMINANT, PAIRS, CauchyGreen, principal_basis
 from geometry.arrays import Array
 
 #: eigenvalues of C closer than this are treated as one in divided differences (error 1e-13 there)
 CLOSE = 1e-3
-PAIRS = ((0, 1), (1, 2), (0, 2))
 
 
 @final
@@ -44,10 +43,7 @@ class Hencky(TwoModuli):
         log = np.log(value)
         principal = mu * log / value
         # S = sum_a S_a N_a N_a^T; dS follows from the principal stresses and their divided differences (Ogden 1984)
-        normal = np.stack([voigt(outer3(axes[..., a], axes[..., a])) for a in range(3)], axis=-2)
-        mixed = np.stack(
-            [voigt(outer3(axes[..., a], axes[..., b]) + outer3(axes[..., b], axes[..., a])) for a, b in PAIRS], axis=-2
-        )
+        normal, mixed = principal_basis(axes)
         diagonal = 2 * mu * (1 - log) / value**2
         rotation = np.stack([mu * divided_difference(value[..., a], value[..., b]) for a, b in PAIRS], axis=-1)
         basis = np.concatenate([normal, mixed], axis=-2)
@@ -64,11 +60,6 @@ class Hencky(TwoModuli):
     def dilatation(self, strain: Array) -> Dilatation:
         c = CauchyGreen.of(strain)
         return Dilatation(0.5 * np.log(c.determinant), c.inverse, -2 * c.inverse_derivative)
-
-
-def outer3(first: Array, second: Array) -> Array:
-    """first x second (..., 3, 3) of vectors (..., 3)."""
-    return first[..., :, None] * second[..., None, :]
 
 
 def divided_difference(first: Array, second: Array) -> Array:

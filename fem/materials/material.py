@@ -9,7 +9,7 @@ with an entry in `fem.materials.LAWS` that is all a new law needs.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from enum import Enum
 from typing import Annotated, ClassVar, Self, get_type_hints
@@ -29,14 +29,18 @@ class Constant(Enum):
     STRESS = "stress, MPa"
     POSITIVE_STRESS = "stress above zero, MPa"
     POISSON_RATIO = "Poisson's ratio, dimensionless"
+    STRESSES = "a stress for each term, MPa"
+    EXPONENTS = "an exponent for each term, dimensionless"
 
     @property
     def unit(self) -> str:
-        """As it follows a number in a configuration; empty for a dimensionless constant."""
-        return "" if self is Constant.POISSON_RATIO else " MPa"
+        """As it follows each number in a configuration; empty for a dimensionless constant."""
+        return "" if self in (Constant.POISSON_RATIO, Constant.EXPONENTS) else " MPa"
 
 
 Stress = Annotated[float, Constant.STRESS]
+Stresses = Annotated[tuple[float, ...], Constant.STRESSES]
+Exponents = Annotated[tuple[float, ...], Constant.EXPONENTS]
 PositiveStress = Annotated[float, Constant.POSITIVE_STRESS]
 PoissonRatio = Annotated[float, Constant.POISSON_RATIO]
 
@@ -95,18 +99,10 @@ class Material(ABC):
 
     @classmethod
     @abstractmethod
-    def from_uniaxial(cls, constants: Mapping[str, float], nu: float) -> Self:
-        """The law with the constants (MPa) that a tensile test determines, and the Poisson ratio nu at small strain.
+    def from_uniaxial(cls, constants: Mapping[str, float | tuple[float, ...]], nu: float) -> Self:
+        """The law with the constants that a tensile test determines, and the Poisson ratio nu at small strain.
 
         Raises `MaterialError`.
-        """
-
-    @classmethod
-    @abstractmethod
-    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
-        """The nominal stress at stretches (n,) is the sum of these terms (n,), each times its constant.
-
-        Rubber-like laws are incompressible here, because a tensile test does not determine kappa.
         """
 
     @abstractmethod
@@ -146,6 +142,18 @@ class Material(ABC):
         """Uniaxial stretches between which the law can be trusted to be stable."""
 
 
+class LinearLaw(Material):
+    """A law whose stress in a tensile test is linear in its constants."""
+
+    @classmethod
+    @abstractmethod
+    def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:
+        """The nominal stress at stretches (n,) is the sum of these terms (n,), each times its constant.
+
+        Rubber-like laws are incompressible here, because a tensile test does not determine kappa.
+        """
+
+
 def check_moduli(E: float, nu: float) -> None:
     """Refuse moduli for which the linearised law is not positive definite."""
     if not E > 0:
@@ -155,7 +163,7 @@ def check_moduli(E: float, nu: float) -> None:
 
 
 @dataclass(frozen=True)
-class TwoModuli(Material):
+class TwoModuli(LinearLaw):
     """A law that is given by Young's modulus E in MPa and Poisson's ratio nu. Raises `MaterialError`."""
 
     E: PositiveStress
@@ -165,8 +173,9 @@ class TwoModuli(Material):
         check_moduli(self.E, self.nu)
 
     @classmethod
-    def from_uniaxial(cls, constants: Mapping[str, float], nu: float) -> Self:
-        return cls(**constants, nu=nu)
+    def from_uniaxial(cls, constants: Mapping[str, float | tuple[float, ...]], nu: float) -> Self:
+        law: Callable[..., Self] = cls
+        return law(**constants, nu=nu)
 
     @property
     def lame(self) -> tuple[float, float]:

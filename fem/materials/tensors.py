@@ -18,6 +18,8 @@ IDENTITY = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
 SYMMETRIC = np.diag([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 #: lower bound of det C: Newton's iterates may pass through states that no body can have
 MIN_DETERMINANT = 1e-12
+#: pairs of principal axes
+PAIRS = ((0, 1), (1, 2), (0, 2))
 
 
 def voigt(tensor: Array) -> Array:
@@ -33,6 +35,15 @@ def outer(first: Array, second: Array) -> Array:
 def scaled(factor: Array, tensor: Array) -> Array:
     """factor (...) times the tensors (..., 6) or (..., 6, 6)."""
     return factor.reshape(factor.shape + (1,) * (tensor.ndim - factor.ndim)) * tensor
+
+
+def principal_basis(axes: Array) -> tuple[Array, Array]:
+    """N_a x N_a for each of the three axes and N_a x N_b + N_b x N_a for `PAIRS`, (..., 3, 6) both, of orthonormal
+    axes in the columns of (..., 3, 3)."""
+    vectors = np.swapaxes(axes, -1, -2)
+    normal = vectors[..., ROW] * vectors[..., COLUMN]
+    first, second = vectors[..., [a for a, _ in PAIRS], :], vectors[..., [b for _, b in PAIRS], :]
+    return normal, first[..., ROW] * second[..., COLUMN] + second[..., ROW] * first[..., COLUMN]
 
 
 @dataclass(frozen=True)

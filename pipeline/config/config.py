@@ -42,7 +42,7 @@ class Material:
     """The law of the solid and its constants."""
 
     law: str  #: as in the YAML: svk
-    constants: Mapping[str, float]  #: stresses in MPa
+    constants: Mapping[str, float | tuple[float, ...]]  #: stresses in MPa
     density_tonne_mm3: float | None  #: None where it is not given; only gravity and the mass of the arm need it
 
     def built(self) -> fem.materials.Material:
@@ -254,7 +254,7 @@ class Config:
             "geometry": {"family": self.family, **_dimensions(self.design)},
             "material": {
                 "law": self.material.law,
-                **self.material.constants,
+                **{name: _record(value) for name, value in self.material.constants.items()},
                 "density_tonne_mm3": self.material.density_tonne_mm3,
             },
         }

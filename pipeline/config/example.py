@@ -1,5 +1,6 @@
 """A commented configuration to start from, written from the schema: every key with its unit, default and range."""
 
+from fem.materials import LAWS
 from geometry import FAMILIES, CadFile
 from pipeline.config.reference import REQUIRED, KeyEntry, effect_keys, general_keys, geometry_keys, material_keys
 from pipeline.config.schema import OWN
@@ -13,6 +14,7 @@ _WIDTH = 34
 
 def example(family: str) -> str:
     """The text of a configuration of a body family. Raises KeyError for another name."""
+    *others, last = LAWS
     design = CadFile if family == OWN else FAMILIES[family]
     general = {entry.key: entry for entry in general_keys()}
     lines = [
@@ -26,7 +28,7 @@ def example(family: str) -> str:
         *(_line(entry, "  ", live=True) for entry in geometry_keys(design)),
         "",
         "material:",
-        f"  {'law: svk':<{_WIDTH}}# svk, hencky, neo_hooke, mooney_rivlin or yeoh, each with its own constants",
+        f"  {'law: svk':<{_WIDTH}}# {', '.join(others)} or {last}, each with its own constants",
         *(_line(entry, "  ", live=True) for entry in material_keys("svk")),
         "",
         _line(general.pop("pressures"), "", live=True),

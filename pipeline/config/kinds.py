@@ -143,8 +143,8 @@ def _state(value: Any) -> Any:
     return state
 
 
-def _names(value: Any) -> Any:
-    """One name, or several."""
+def _listed(value: Any) -> Any:
+    """One entry, or several."""
     return value if isinstance(value, list) and value else [value]
 
 
@@ -234,6 +234,18 @@ Directions = Annotated[
 ]
 Stress = Annotated[float, _in(STRESS), Field(examples=[STRESS.example]), Written("MPa", "any")]
 PositiveStress = Annotated[Stress, AfterValidator(_above_zero), Written("MPa", "above 0")]
+Stresses = Annotated[
+    tuple[Annotated[float, _in(STRESS)], ...],
+    BeforeValidator(_listed),
+    Field(strict=False, examples=["[0.4 MPa]"]),
+    Written("MPa", "a list, one for each term"),
+]
+Exponents = Annotated[
+    tuple[Annotated[float, BeforeValidator(_number)], ...],
+    BeforeValidator(_listed),
+    Field(strict=False, examples=["[2]"]),
+    Written("1", "a list, one for each term; not 0"),
+]
 PositiveDensity = Annotated[
     float,
     _in(DENSITY),
@@ -299,7 +311,7 @@ Name = Annotated[
 Text = Annotated[str, Field(min_length=1), Written("", "a text")]
 FaceNames = Annotated[
     tuple[Text, ...],
-    BeforeValidator(_names),
+    BeforeValidator(_listed),
     Field(strict=False, examples=["[gap, cavity]"]),
     Written("", "names of faces"),
 ]

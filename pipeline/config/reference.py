@@ -25,12 +25,15 @@ MATERIAL = {
     "E": "Young's modulus",
     "nu": "Poisson's ratio; with a rubber law instead of `kappa` = 2 μ (1 + ν) / (3 (1 - 2 ν)), μ at small strain",
     "mu": "shear modulus",
+    "alpha": "exponent α_i of each term",
     "kappa": "bulk modulus",
     "c10": "first constant, of the first invariant",
     "c01": "second constant, of the second invariant",
     "c20": "constant of the square of the first invariant",
     "c30": "constant of its cube",
 }
+#: what a key means for one law, where it means something else there
+MATERIAL_OF_LAW = {("ogden", "mu"): "modulus μ_i of each term; the shear modulus is half the sum of μ_i α_i"}
 REQUIRED = "required"
 _MARKED = re.compile(r"<!-- keys: (\w+) -->\n.*?<!-- end of keys -->", re.DOTALL)
 _COMMENT = re.compile(r"^    (\w+): [^#\n]*  #: (.*)$", re.MULTILINE)
@@ -104,7 +107,9 @@ def material_keys(law: str) -> list[KeyEntry]:
         written = _written(kinds[name])
         optional = name == "density" or (schema.BULK in names and name in ("nu", schema.BULK))
         default = "none" if optional else REQUIRED
-        entries.append(KeyEntry(name, written.unit, written.allowed, default, MATERIAL[name], _EXAMPLES[name]))
+        meaning, example = MATERIAL_OF_LAW.get((law, name), MATERIAL[name]), _EXAMPLES[name]
+        example = f"[{example}]" if "list" in written.allowed else example
+        entries.append(KeyEntry(name, written.unit, written.allowed, default, meaning, example))
     return entries
 
 
@@ -113,6 +118,7 @@ _EXAMPLES = {
     "E": "1.2 MPa",
     "nu": "0.495",
     "mu": "0.4 MPa",
+    "alpha": "2",
     "kappa": "20 MPa",
     "density": "1130 kg/m^3",
     "c10": "0.12 MPa",
@@ -201,10 +207,14 @@ def _material_table() -> str:
     rows.append(f"| `law` | | {', '.join(f'`{law}`' for law in LAWS)} | all | {MATERIAL['law']} |")
     entries = {law: {entry.key: entry for entry in material_keys(law)} for law in LAWS}
     for key in MATERIAL:
-        laws = [law for law in LAWS if key in entries[law]]
-        if laws:
-            entry, of = entries[laws[0]][key], "all" if len(laws) == len(LAWS) else ", ".join(f"`{n}`" for n in laws)
-            rows.append(f"| `{key}` | {entry.unit} | {entry.allowed} | {of} | {entry.meaning} |")
+        laws: dict[str, list[str]] = {}  # by what stands in the other columns
+        for law in LAWS:
+            if key in entries[law]:
+                entry = entries[law][key]
+                row = f"| `{key}` | {entry.unit} | {entry.allowed} | LAWS | {entry.meaning} |"
+                laws.setdefault(row, []).append(law)
+        for row, names in laws.items():
+            rows.append(row.replace("LAWS", "all" if len(names) == len(LAWS) else ", ".join(f"`{n}`" for n in names)))
     return "\n".join(rows)
 
 

@@ -23,6 +23,7 @@ from pipeline.config.kinds import (
     Directions,
     Ends,
     Experiments,
+    Exponents,
     FaceNames,
     Forces,
     Formulation,
@@ -44,6 +45,7 @@ from pipeline.config.kinds import (
     PressuresBetween,
     State,
     Stress,
+    Stresses,
     Text,
     Tolerance,
     Unit,
@@ -56,6 +58,8 @@ CONSTANTS: dict[Constant, Any] = {
     Constant.STRESS: Stress,
     Constant.POSITIVE_STRESS: PositiveStress,
     Constant.POISSON_RATIO: PoissonRatio,
+    Constant.STRESSES: Stresses,
+    Constant.EXPONENTS: Exponents,
 }
 #: the constant of a rubber law for which Poisson's ratio may be given
 BULK = "kappa"

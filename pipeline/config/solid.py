@@ -29,7 +29,7 @@ def solid(document: Document, content: Any, law: str) -> Material:
     return material
 
 
-def _bulk_modulus(document: Document, section: Any, law: str, given: dict[str, float]) -> float:
+def _bulk_modulus(document: Document, section: Any, law: str, given: dict[str, Any]) -> float:
     """kappa in MPa as it is given, or from nu: 2 mu (1 + nu) / (3 (1 - 2 nu)) with the initial shear modulus mu."""
     if section.nu is None and section.kappa is None:
         raise document.wrong(("material", BULK), "is missing; for example 'kappa: 20 MPa', or instead 'nu: 0.495'")
@@ -76,8 +76,12 @@ def check_stiffness(document: Document, material: Material, pressures: tuple[flo
 
 def _in_gpa(document: Document, material: Material) -> list[tuple[str, str]]:
     """Names and numbers of the constants, other than the bulk modulus, that are written in GPa."""
-    written = {name: _GPA.fullmatch(str(document.content["material"].get(name))) for name in material.constants}
-    return [(name, number[1]) for name, number in written.items() if number is not None and name != BULK]
+    found = []
+    for name in material.constants:
+        value = document.content["material"].get(name)
+        written = [_GPA.fullmatch(str(entry)) for entry in (value if isinstance(value, list) else [value])]
+        found += [(name, number[1]) for number in written if number is not None and name != BULK]
+    return found
 
 
 def _unit_meant(document: Document) -> str:

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.materials import LAWS, MaterialError, StVenantKirchhoff
+from fem.materials import MaterialError, StVenantKirchhoff
 from pipeline.config.units import DENSITY, STRAIN, Dimension, convert
 from pipeline.errors import InputError
+from pipeline.material.forms import FORMS
 from pipeline.material.law_fit import LawFit, Refused, fit_all, fit_widest
 from pipeline.material.mean_curve import MeanCurve
 from pipeline.material.moduli import Moduli, moduli
@@ -52,7 +53,7 @@ class Fits:
     tests: tuple[TensileTest, ...]
     curve: MeanCurve
     moduli: Moduli
-    laws: Mapping[str, Mapping[str, LawFit | Refused]]  #: law -> fitted to `ALL` and to `WIDEST`
+    laws: Mapping[str, Mapping[str, LawFit | Refused]]  #: name -> fitted to `ALL` and to `WIDEST`
 
     @property
     def usable(self) -> dict[str, LawFit]:
@@ -72,7 +73,7 @@ def fit_laws(tests: Sequence[TensileTest], options: FitOptions) -> Fits:
             ALL: fit_all(law, curve, options.nu, options.within),
             WIDEST: fit_widest(law, curve, options.nu, options.within),
         }
-        for law in LAWS
+        for law in FORMS
     }
     return Fits(options, kept, curve, moduli(kept, options.break_strain), laws)
 

@@ -1,7 +1,7 @@
 """Every law fitted to tensile tests: its constants, their errors, and the range of stretch over which it is valid.
 
-The laws of rubber are fitted as incompressible, which rubber nearly is and which makes every law linear in its
-constants; kappa then follows from the given Poisson ratio. Validity is judged for the law as the solver has it, with
+The laws of rubber are fitted as incompressible (`pipeline.material.forms`), which rubber nearly is; kappa then follows
+from the given Poisson ratio. Validity is judged for the law as the solver has it, with
 that kappa: at every stretch of the range the law is stable, and its nominal stress is within a relative tolerance of
 the mean measured curve (plus the uncertainty of that curve).
 """
@@ -11,19 +11,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.materials import LAWS, Constant, Material, MaterialError
+from fem.materials import Material, MaterialError
 from geometry.arrays import Array, Mask
+from pipeline.material.forms import FORMS, Form
 from pipeline.material.mean_curve import MeanCurve
-from pipeline.material.regression import TooFewPoints, least_squares, regress
+from pipeline.material.regression import TooFewPoints, regress
 
 
 @dataclass(frozen=True)
 class LawFit:
     """One law, fitted to the points within a range of stretch."""
 
+    name: str  #: of the law, for Ogden's with the number of its terms
     law: str  #: as in the YAML
-    constants: Mapping[str, float]  #: fitted, MPa
-    errors: Mapping[str, float]  #: their standard errors, MPa
+    constants: Mapping[str, float]  #: fitted, MPa; exponents without unit
+    errors: Mapping[str, float]  #: their standard errors, in the same units
     by_tests: bool  #: as in `Regression`
     points: int
     fitted_range: tuple[float, float]  #: stretches of the first and the last point that it was fitted to
@@ -38,50 +40,62 @@ class LawFit:
 class Refused:
     """A law for which the data give no admissible constants, or no valid range."""
 
-    law: str
+    name: str
     reason: str
 
 
-def fit_all(law: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFit | Refused:
+def fit_all(name: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFit | Refused:
     """The law fitted to all points within the stretches that it admits."""
-    low, high = _possible_stretches(law, nu)
-    return _fit(law, curve, (curve.stretch > low) & (curve.stretch < high), nu, tolerance)
+    form = FORMS[name]
+    low, high = form.possible_stretches(nu)
+    return _fit(form, curve, (curve.stretch > low) & (curve.stretch < high), nu, tolerance)
 
 
-def fit_widest(law: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFit | Refused:
+def fit_widest(name: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFit | Refused:
     """The law fitted to the widest range of points around rest over all of which it is valid."""
+    form = FORMS[name]
     reach, points = np.abs(np.log(curve.nodes)), np.abs(np.log(curve.stretch))
     resolved = reach[curve.resolves(tolerance)]
     if not len(resolved):
-        return Refused(law, f"cannot be judged: the scatter of the points exceeds {100 * tolerance:g} % of the stress")
-    for largest in np.unique(reach[reach >= resolved.min()])[::-1]:
+        return Refused(name, f"cannot be judged: the scatter of the points exceeds {100 * tolerance:g} % of the stress")
+    failures, ends = [], np.unique(reach[reach >= resolved.min()])[::-1]
+    ends = ends[:: -(-len(ends) // form.ranges)]
+    for largest in ends:
         selected = points <= largest * (1 + 1e-9)
         try:
-            constants = least_squares(_matrix(law, curve.stretch[selected]), curve.stress[selected])
-            valid = _valid(LAWS[law].from_uniaxial(_named(law, constants), nu), curve, tolerance)
-        except (TooFewPoints, MaterialError):
+            constants = form.fitted(curve.stretch[selected], curve.stress[selected])
+            valid = _valid(form.solved(constants, nu), curve, tolerance)
+        except (TooFewPoints, MaterialError) as failure:
+            failures.append(failure)
             continue
         if valid[reach <= largest].all():
-            return _fit(law, curve, selected, nu, tolerance)
-    return Refused(law, f"is nowhere within {100 * tolerance:g} % of the data")
+            return _fit(form, curve, selected, nu, tolerance)
+    if len(failures) == len(ends):
+        return Refused(name, f"cannot be fitted: {failures[0]}")
+    return Refused(name, f"is nowhere within {100 * tolerance:g} % of the data")
 
 
-def _fit(law: str, curve: MeanCurve, selected: Mask, nu: float, tolerance: float) -> LawFit | Refused:
-    matrix, stretch = _matrix(law, curve.stretch), curve.stretch[selected]
+def _fit(form: Form, curve: MeanCurve, selected: Mask, nu: float, tolerance: float) -> LawFit | Refused:
+    """The constants and, from the law linearised at them, their errors."""
+    stretch, stress = curve.stretch[selected], curve.stress[selected]
     try:
-        regression = regress(matrix[selected], curve.stress[selected], curve.tests[selected])
-        solved = LAWS[law].from_uniaxial(_named(law, regression.coefficients), nu)
+        constants = form.fitted(stretch, stress)
+        slopes = form.slopes(constants, stretch)
+        linearised = stress - form.nominal(constants, stretch) + slopes @ constants
+        regression = regress(slopes, linearised, curve.tests[selected])
+        solved = form.solved(constants, nu)
     except TooFewPoints as failure:
-        return Refused(law, f"cannot be fitted: {failure}")
+        return Refused(form.name, f"cannot be fitted: {failure}")
     except MaterialError as failure:
-        return Refused(law, f"has no admissible constants for these data: {failure}")
-    residuals = solved.uniaxial(stretch).nominal - curve.stress[selected]
-    incompressible = _matrix(law, curve.nodes) @ regression.coefficients
+        return Refused(form.name, f"has no admissible constants for these data: {failure}")
+    residuals = solved.uniaxial(stretch).nominal - stress
+    incompressible = form.nominal(constants, curve.nodes)
     valid_range, limited_by = _valid_range(solved, curve, incompressible, tolerance)
     return LawFit(
-        law,
-        _named(law, regression.coefficients),
-        _named(law, regression.errors),
+        form.name,
+        form.law,
+        form.named(constants),
+        form.named(regression.errors),
         regression.by_tests,
         int(selected.sum()),
         (float(stretch.min()), float(stretch.max())),
@@ -127,19 +141,3 @@ def _valid(solved: Material, curve: MeanCurve, tolerance: float) -> Mask:
 def _stable(solved: Material, curve: MeanCurve) -> Mask:
     low, high = solved.stretch_limits
     return np.asarray((curve.nodes > low) & (curve.nodes < high))
-
-
-def _matrix(law: str, stretch: Array) -> Array:
-    """(n, k) nominal stress per unit of each constant."""
-    return np.column_stack(list(LAWS[law].uniaxial_terms(stretch).values()))
-
-
-def _named(law: str, constants: Array) -> dict[str, float]:
-    return dict(zip(LAWS[law].uniaxial_terms(np.ones(1)), constants.tolist(), strict=True))
-
-
-def _possible_stretches(law: str, nu: float) -> tuple[float, float]:
-    """The stretches at which a bar of the law can be; they are limited for laws that have a Poisson ratio."""
-    if Constant.POISSON_RATIO not in LAWS[law].constants().values():
-        return 0.0, np.inf
-    return LAWS[law].from_uniaxial(dict.fromkeys(LAWS[law].uniaxial_terms(np.ones(1)), 1.0), nu).stretch_limits

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 
-from fem.materials import LAWS, Constant
+from fem.materials import LAWS, Constant, Ogden
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
 from pipeline.material.moduli import PAPER, check_high_modulus
+from pipeline.report.formatting import listed
 
 #: |stretch - 1| below which large scatter needs no sentence
 NEAR_REST = 0.02
@@ -23,11 +24,16 @@ def with_error(value: float, error: float) -> str:
 
 def yaml_block(fit: LawFit, density: str) -> str:
     """The section `material` of a configuration with this law."""
-    constants = [
-        f"{name}: {getattr(fit.solved, name):{'g' if kind is Constant.POISSON_RATIO else '.6g'}}{kind.unit}"
-        for name, kind in LAWS[fit.law].constants().items()
-    ]
+    constants = [f"{name}: {_value(fit, name, kind)}" for name, kind in LAWS[fit.law].constants().items()]
     return f"material: {{law: {fit.law}, {', '.join(constants)}, density: {density}}}"
+
+
+def _value(fit: LawFit, name: str, kind: Constant) -> str:
+    """A constant as a configuration takes it."""
+    value = getattr(fit.solved, name)
+    if isinstance(value, tuple):
+        return f"[{', '.join(f'{entry:.6g}{kind.unit}' for entry in value)}]"
+    return f"{value:{'g' if kind is Constant.POISSON_RATIO else '.6g'}}{kind.unit}"
 
 
 def moduli_sentences(fits: Fits) -> list[str]:
@@ -47,7 +53,7 @@ def moduli_sentences(fits: Fits) -> list[str]:
 
 def caveats(fits: Fits) -> list[str]:
     """What to know before choosing a law."""
-    return [*_high_modulus(fits), *_kappa(fits), *_scatter(fits), *_compression(fits)]
+    return [*_high_modulus(fits), *_kappa(fits), *_stability(fits), *_scatter(fits), *_compression(fits)]
 
 
 def _high_modulus(fits: Fits) -> list[str]:
@@ -68,9 +74,29 @@ def _kappa(fits: Fits) -> list[str]:
     if not limited:
         return []
     return [
-        f"The range of {' and '.join(limited)} is limited by kappa, which follows from nu = {fits.options.nu:g}: "
+        f"The range of {listed(limited)} is limited by kappa, which follows from nu = {fits.options.nu:g}: "
         "the same constants in an incompressible law reach further; a larger --nu extends the range."
     ]
+
+
+def _stability(fits: Fits) -> list[str]:
+    """Drucker's stability of Ogden's law."""
+    fitted = {fit.name: fit.solved for fit in fits.usable.values() if isinstance(fit.solved, Ogden)}
+    stable = [name for name, law in fitted.items() if law.always_stable]
+    sentences = []
+    for name, law in fitted.items():
+        if name not in stable:
+            limits = [f"{low:.3g} and {high:.3g} in {test}" for test, (low, high) in law.drucker_limits().items()]
+            sentences.append(
+                f"{name} is stable in Drucker's sense (more stress for more strain) between stretches "
+                f"{', '.join(limits).replace('inf', '∞')}; elsewhere not, because mu alpha < 0 in one of its terms."
+            )
+    if stable:
+        sentences.append(
+            f"{listed(stable)}: stable in Drucker's sense (more stress for more strain) at every strain, because "
+            "mu alpha > 0 in every term."
+        )
+    return sentences
 
 
 def _scatter(fits: Fits) -> list[str]:

@@ -179,11 +179,10 @@ def _dimensions(run: Mapping[str, Any]) -> list[tuple[str, str]]:
     lengths = [f"{name.replace('_', ' ')} {number(v)}" for name, v in geometry.items() if isinstance(v, float)]
     rows += [("dimensions (mm)", ", ".join(lengths))] if lengths else []
     constants = [
-        f"{name} = {number(v)}" for name, v in material.items() if isinstance(v, float) and "density" not in name
+        f"{name} = {_cell(v)}" for name, v in material.items() if isinstance(v, float | list) and "density" not in name
     ]
-    rows += (
-        [("material", f"law {material.get('law')}, {', '.join(constants)} (MPa; nu without unit)")] if material else []
-    )
+    law = f"law {material.get('law')}, {', '.join(constants)} (MPa; nu and alpha without unit)"
+    rows += [("material", law)] if material else []
     unknowns = max((run.get("degrees_of_freedom") or {"": 0}).values())
     size = f"{number(mesh['size_mm'])} mm, " if isinstance(mesh.get("size_mm"), float) else ""
     rows += [("mesh", f"{size}elements {mesh.get('formulation')}, {unknowns} unknowns")] if mesh else []

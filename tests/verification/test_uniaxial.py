@@ -18,6 +18,7 @@ from fem import (
     MooneyRivlin,
     NeoHooke,
     NewtonOptions,
+    Ogden,
     PathOptions,
     Prescribed,
     Step,
@@ -70,8 +71,9 @@ def test_hencky(formulation: str, stretch: float) -> None:
         (NeoHooke(0.4, BULK), lambda x: 0.2, 0.0),
         (MooneyRivlin(0.15, 0.05, BULK), lambda x: 0.15, 0.05),
         (Yeoh(0.11, 0.02, 0.001, BULK), lambda x: 0.11 + 0.04 * x + 0.003 * x**2, 0.0),
+        (Ogden((0.3, -0.1), (2.0, -2.0), BULK), lambda x: 0.15, 0.05),
     ],
-    ids=["neo-Hooke", "Mooney-Rivlin", "Yeoh"],
+    ids=["neo-Hooke", "Mooney-Rivlin", "Yeoh", "Ogden"],
 )
 def test_rubber(formulation: str, stretch: float, law: Material, slope, second: float) -> None:
     _, found, across = pulled(law, stretch, formulation)
@@ -85,7 +87,12 @@ def test_rubber(formulation: str, stretch: float, law: Material, slope, second: 
 @pytest.mark.parametrize("stretch", [0.7, 1.5])
 @pytest.mark.parametrize(
     "law",
-    [NeoHooke(0.4, 4.0), MooneyRivlin(0.15, 0.05, 4.0), Yeoh(0.11, 0.02, 0.001, 4.0)],
+    [
+        NeoHooke(0.4, 4.0),
+        MooneyRivlin(0.15, 0.05, 4.0),
+        Yeoh(0.11, 0.02, 0.001, 4.0),
+        Ogden((0.3, 0.02, -0.01), (1.3, 5.0, -2.0), 4.0),
+    ],
     ids=lambda law: type(law).__name__,
 )
 def test_compressible_rubber(formulation: str, stretch: float, law: Material) -> None:
