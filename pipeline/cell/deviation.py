@@ -13,9 +13,6 @@ from rod.arm_law.section import SectionLaw, section_at
 
 #: states of the cell that are solved
 CHECKS = 5
-#: rigidity against bending over the median of the law below which it is not checked: where the moment hardly rises any
-#: more, as before a limit point, a small difference of the moment is a large one of the curvature
-SOFTEST = 0.1
 
 
 @dataclass(frozen=True)
@@ -32,24 +29,27 @@ DEVIATION_KEYS = {"kappa_per_mm": "kappa"}
 def largest_deviation(piece: BendingPiece, lower: CellCurve, upper: CellCurve) -> Deviation:
     """The deviation at CHECKS states of the cell halfway between two pressures.
 
-    Raises `PieceFailed` where the cell does not reach a curvature of the law, and `RodError` where there is no law.
+    From the state of the smallest moment the cell is bent to one side and then to the other: a change of the sides at
+    once may lead to equilibria in which a wall has buckled, which the law does not describe. Raises `PieceFailed` where
+    the cell does not reach a curvature of the law, and `RodError` where there is no law.
     """
     section = section_at((lower, upper), 0.5 * (lower.pressure + upper.pressure))
     pressure, rows = section.pressure / 1000.0, _doubtful(section, lower, upper)
     angles = section.kappa * piece.body.length
-    state, largest = inflated(piece, pressure, float(angles[rows[0]])), 0.0
-    for row in rows:
-        state = piece.solve(pressure, float(angles[row]), state)
-        difference = (state.moment - section.moment[row]) * section.kappa_slope[row]
-        largest = max(largest, abs(float(difference)))
+    first, largest = rows[np.argmin(np.abs(section.moment[rows]))], 0.0
+    middle = inflated(piece, pressure, float(angles[first]))
+    for side in (rows[rows >= first], rows[rows < first][::-1]):
+        state = middle
+        for row in side:
+            state = piece.solve(pressure, float(angles[row]), state)
+            difference = (state.moment - section.moment[row]) * section.kappa_slope[row]
+            largest = max(largest, abs(float(difference)))
     return Deviation(largest)
 
 
 def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:
-    """Rows (CHECKS,) of the law, by rising amount of the moment: one in each of as many equal ranges of the moment,
-    where what the slopes of both curves predict differs most."""
+    """Rows (CHECKS,) of the law, rising: one in each of as many equal ranges of the moment, where what the slopes of
+    both curves predict differs most."""
     difference = np.interp(section.kappa, *doubts(lower, upper))
-    flexibility = np.abs(section.kappa_slope)
-    ranges = np.array_split(np.flatnonzero(flexibility <= np.median(flexibility) / SOFTEST), CHECKS)
-    rows = np.array([own[int(np.argmax(difference[own]))] for own in ranges])
-    return np.asarray(rows[np.argsort(np.abs(section.moment[rows]), kind="stable")])
+    ranges = np.array_split(np.arange(len(section.moment)), CHECKS)
+    return np.array([own[int(np.argmax(difference[own]))] for own in ranges])
