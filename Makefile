@@ -111,7 +111,7 @@ docs: $(READY)  ## the documentation as a site in build/site; broken links and w
 doctor: $(READY)  ## what is installed, what is missing, and the command that installs it
 	@$(BIN)/pneurod doctor
 
-bench-peers: $(READY) $(PEERS)/.ready  ## pneurod compared with NGSolve, FElupe, scikit-fem and CalculiX: docs/peers.md (half an hour)
+bench-peers: $(READY) $(PEERS)/.ready  ## pneurod compared with NGSolve and FElupe: docs/peers.md (six minutes on a machine without other load)
 	@$(BIN)/python -m benchmarks.peers --fresh --python $(PEERS)/bin/python
 
 clean:  ## remove results and caches; the virtual environments stay

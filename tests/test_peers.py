@@ -7,10 +7,25 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.peers import by_calculix, page
-from benchmarks.peers.__main__ import PEERS
-from benchmarks.peers.problem import Body, Outcome, PathResult
-from benchmarks.peers.runs import Peer, Run, RunFailed, Session, measured, middle, plan
+from benchmarks.peers import by_calculix, load, page
+from benchmarks.peers.__main__ import PEERS, chosen
+from benchmarks.peers.own import Case
+from benchmarks.peers.problem import Body, Outcome, PathResult, busy_threads, thread_seconds
+from benchmarks.peers.runs import (
+    Peer,
+    Round,
+    Run,
+    RunFailed,
+    Session,
+    Spread,
+    check_threads,
+    checked,
+    fresh,
+    measured,
+    plan,
+    ratios,
+    warm,
+)
 from benchmarks.peers.stepping import NoEquilibrium, Stepping, newton
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -21,10 +36,18 @@ def body() -> Body:
     return Body.read()
 
 
-def run(peer: str, path: str = "four", solve: float = 1.0, factorizations: int = 10, note: str = "") -> Run:
+def run(
+    peer: str,
+    path: str = "four",
+    solve: float = 1.0,
+    factorizations: int = 10,
+    note: str = "",
+    number: int = 1,
+    date: str = "2026-11-21",
+) -> Run:
     answers = {"5": (-0.33955159, -11.09217995, 3705.51217)}
-    outcome = Outcome(f"{peer} 1.0", "LU", answers, 4, 1, factorizations, 0.5, solve, solve, note)
-    return Run(peer, path, outcome, cpu=solve + 0.5, wall=solve + 0.6, peak=100.0)
+    outcome = Outcome(f"{peer} 1.0", "LU", answers, 4, 1, factorizations, 0.5, solve, solve, 1, note)
+    return Run(peer, path, outcome, solve + 0.5, solve + 0.6, 100.0, date, number, 0.02)
 
 
 def test_middles_of_edges_lie_between_their_ends(body: Body) -> None:
@@ -122,50 +145,139 @@ def test_what_calculix_prints_is_read(body: Body, tmp_path: Path) -> None:
 
 def test_runs_are_interleaved_and_go_on_where_they_stopped() -> None:
     peers = [Peer("a", "by_a"), Peer("b", "by_b", repetitions=1, paths=("four",))]
-    names = [(peer.name, path) for peer, path in plan(peers, 2, [])]
-    assert names == [("a", "four"), ("a", "straight"), ("b", "four"), ("a", "four"), ("a", "straight")]
-    left = [(peer.name, path) for peer, path in plan(peers, 2, [run("a"), run("b"), run("a")])]
-    assert left == [("a", "straight"), ("a", "straight")]
+    names = [(number, [(peer.name, path) for peer, path in left]) for number, left in plan(peers, 2, [])]
+    whole = [("a", "four"), ("a", "straight")]
+    assert names == [(1, [*whole, ("b", "four")]), (2, whole)]
+    done = [run("a"), run("b"), run("a", path="straight"), run("a", number=2)]
+    assert [(number, len(left), left[0][1]) for number, left in plan(peers, 2, done)] == [(2, 1, "straight")]
+    assert plan(peers, 1, done) == []
 
 
-def test_the_middle_of_runs_is_their_median() -> None:
-    runs = [run("a", solve=seconds) for seconds in (1.0, 5.0, 2.0)]
-    assert middle(runs).outcome.solve_cpu == 2.0
-    assert middle(runs).cpu == 2.5
+def test_peers_are_chosen_by_name_and_pneurod_runs_beside_them() -> None:
+    assert [peer.name for peer in chosen([])] == ["pneurod", "NGSolve", "FElupe"]
+    assert [peer.name for peer in chosen(["CalculiX"])] == ["pneurod", "CalculiX"]
+    with pytest.raises(ValueError, match="Calculix: no peer of that name; there are pneurod, NGSolve"):
+        chosen(["Calculix"])
+
+
+def test_median_and_range() -> None:
+    assert Spread.of([3.0, 1.0, 2.0]) == Spread(2.0, 1.0, 3.0)
+    assert Spread.of([3.0, 1.0, 2.0]).text() == "2.0 (1.0 to 3.0)"
+    assert Spread.of([1.0, 1.0]).text() == "1.0"
+
+
+def test_ratios_are_formed_within_a_round() -> None:
+    """The second round ran on a slower machine: both took twice as long, and the ratio is the same."""
+    ours = [run("a", solve=2.0), run("a", solve=4.0, number=2), run("a", solve=9.0, date="2026-11-20")]
+    theirs = [run("b", solve=20.0), run("b", solve=40.0, number=2)]
+    assert ratios(theirs, ours, warm) == Spread(10.0, 10.0, 10.0)
+    assert ratios(theirs, ours, fresh) == Spread.of([20.5 / 2.5, 40.5 / 4.5])
+    with pytest.raises(ValueError, match="b, four: no round in which pneurod ran too"):
+        ratios([run("b", number=3)], ours, warm)
+
+
+def test_runs_that_counted_differently_are_no_sample() -> None:
+    assert checked([run("a"), run("a", solve=2.0)]) == run("a")
     with pytest.raises(ValueError, match="different numbers of factorizations"):
-        middle([run("a"), run("a", factorizations=11)])
+        checked([run("a"), run("a", factorizations=11)])
+
+
+def test_a_path_computed_by_several_threads_is_refused() -> None:
+    alone = run("a").outcome
+    check_threads("a", "four", alone)
+    for several in (replace(alone, threads=2), replace(alone, solve_cpu=1.9)):
+        with pytest.raises(RunFailed, match="a, four: more than one thread computed"):
+            check_threads("a", "four", several)
+
+
+def test_threads_that_compute_are_counted() -> None:
+    before = {"1": 2.0, "2": 0.5}
+    assert busy_threads(before, {"1": 12.0, "2": 0.55, "3": 0.0}) == 1
+    assert busy_threads(before, {"1": 7.0, "2": 0.5, "3": 4.0}) == 2
+    assert busy_threads({}, {}) == 1
+    assert thread_seconds() == {} or max(thread_seconds().values()) > 0.0
+
+
+STAT = "cpu  {busy} 0 0 {idle} {waiting} 0 0 0 0 0\ncpu0 1 0 0 1 0 0 0 0 0 0\ncpu1 1 0 0 1 0 0 0 0 0 0\nintr 5\n"
+
+
+def test_cores_in_use_are_those_that_do_not_idle() -> None:
+    before = load.Ticks.read(STAT.format(busy=1000, idle=5000, waiting=10))
+    assert before == load.Ticks(idle=5010, total=6010, cores=2)
+    after = load.Ticks.read(STAT.format(busy=1150, idle=5400, waiting=60))
+    assert load.busy_cores(before, after) == pytest.approx(2 * 150 / 600)
+    assert load.busy_cores(before, before) == 0.0
+
+
+def test_a_round_on_a_busy_machine_is_refused() -> None:
+    def readings(busy: int) -> list[load.Ticks]:
+        return [load.Ticks(0, 0, 2), load.Ticks(600 - busy, 600, 2)]
+
+    waited: list[float] = []
+    quiet = readings(busy=30)
+    assert load.measured(lambda: quiet.pop(0), waited.append) == pytest.approx(0.1)
+    assert waited == [load.SAMPLE]
+    loaded = readings(busy=60)
+    with pytest.raises(load.Busy, match=r"use 0\.20 cores; a round begins with at most 0\.15"):
+        load.measured(lambda: loaded.pop(0), waited.append)
 
 
 def test_a_peer_that_fails_says_so() -> None:
     with pytest.raises(RunFailed, match=r"x, four: exit status 1: .*by_nobody"):
-        measured(Peer("x", "by_nobody"), "four", sys.executable)
+        measured(Peer("x", "by_nobody"), "four", sys.executable, Round("2026-11-21", 1, None))
 
 
 def test_the_table_of_costs_names_ratios_and_what_is_missing() -> None:
-    peers = [Peer("ours", "by_a"), Peer("slow", "by_b"), Peer("stuck", "by_c"), Peer("absent", "by_d")]
-    runs = [run("ours", solve=2.0), run("slow", solve=30.0), run("stuck", note="no equilibrium")]
-    result = page.medians(runs)
-    lines = page.costs(peers, "four", result, {"absent": "not installed: `apt-get install it`"}).splitlines()
+    peers = [Peer("pneurod", "by_a"), Peer("slow", "by_b"), Peer("stuck", "by_c"), Peer("absent", "by_d")]
+    runs = [run("pneurod", solve=2.0), run("slow", solve=30.0), run("stuck", note="no equilibrium")]
+    runs += [run("pneurod", solve=4.0, number=2), run("slow", solve=40.0, number=2)]
+    session = Session("a machine", runs, {"absent": "not installed: `apt-get install it`"})
+    lines = page.costs(peers, "four", session).splitlines()
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     assert {len(row) for row in cells} == {10}
-    assert cells[3] == ["slow", "4 (1)", "10", "30.0", "30.0", "15.0", "0.5", "30.5", "12.2", "100"]
+    assert cells[3][:5] == ["slow", "4 (1)", "10", "35.5 (30.5 to 40.5)", "10.6 (9.0 to 12.2)"]
+    assert cells[3][5:] == ["35.0 (30.0 to 40.0)", "12.5 (10.0 to 15.0)", "100", "2", "2026-11-21"]
     assert cells[4][1].startswith("stopped above 5 kPa after 10 factorizations")
     assert cells[5][:2] == ["absent", "not installed: `apt-get install it`"]
 
 
-def test_the_page_warns_of_a_processor_that_was_not_free() -> None:
-    assert page.shared([run("a"), run("b")]) == ""
-    assert "wall seconds are 4.0 times" in page.shared([replace(run("a"), wall=6.0)])
+def test_only_the_last_session_of_a_peer_counts_with_its_own_rounds() -> None:
+    """A peer that takes minutes stays with its date, and is compared with pneurod as it was then."""
+    old = {"date": "2026-11-20"}
+    runs = [run("pneurod", solve=4.0, **old), run("slow", solve=400.0, **old), run("quick", solve=8.0, **old)]
+    runs += [run("pneurod", solve=2.0), run("quick", solve=6.0)]
+    session = Session("a machine", runs, {})
+    lines = page.costs([Peer(name, "by") for name in ("pneurod", "quick", "slow")], "four", session).splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+    assert [(row[0], row[6], row[9]) for row in cells] == [
+        ("pneurod", "1.0", "2026-11-21"),
+        ("quick", "3.0", "2026-11-21"),
+        ("slow", "100.0", "2026-11-20"),
+    ]
+    session.forget({"pneurod", "quick"}, "2026-11-21")
+    assert [(kept.peer, kept.date) for kept in session.runs] == [("pneurod", "2026-11-20"), ("slow", "2026-11-20")]
+
+
+def test_the_page_says_how_busy_the_machine_was() -> None:
+    runs = [run("a"), replace(run("a", number=2), busy=0.11), replace(run("b", date="2026-11-20"), busy=None)]
+    first, second = page.loads(runs).splitlines()
+    assert first.startswith("- 2026-11-21: before its rounds other programs used 0.02, 0.11 cores; wall seconds")
+    assert second.startswith("- 2026-11-20: without a check of the load")
 
 
 def test_a_session_is_kept_whole(tmp_path: Path) -> None:
     session = Session("a machine", [run("a"), run("a", path="straight")], {"b": "not installed"})
+    session.add(Case("a mesh", 200, 5, 3.0, 0.4, 1.5, "2026-11-20"))
+    session.add(Case("a mesh", 200, 5, 2.0, 0.3, 1.4, "2026-11-21"))
+    session.add(Case("another mesh", 100, 5, 2.0, 0.3, 1.4, "2026-11-21"))
+    assert [(case.name, case.cpu) for case in session.own] == [("another mesh", 2.0), ("a mesh", 2.0)]
     session.save(tmp_path / "peers.json")
     assert Session.load(tmp_path / "peers.json") == session
     assert [path.name for path in tmp_path.iterdir()] == ["peers.json"]
 
 
-def test_the_page_is_that_of_the_kept_runs() -> None:
+def test_page_and_readme_are_those_of_the_kept_runs() -> None:
     session = Session.load(DOCS / "peers.json")
     assert PEERS[0].name in {run.peer for run in session.runs} <= {peer.name for peer in PEERS}
     assert (DOCS / "peers.md").read_text(encoding="utf-8") == page.page(PEERS, session)
+    assert page.readme(PEERS, session) in (DOCS.parent / "README.md").read_text(encoding="utf-8")

@@ -2,7 +2,10 @@
 
     make bench-peers        # or: python -m benchmarks.peers --python .venv-peers/bin/python
 
-Runs are interleaved and stored one by one; the same command continues a session. `--fresh` starts a new one.
+Runs are interleaved and stored one by one; the same command continues the rounds of the same day. Before each round the
+load of the machine is measured, and the round is refused while other programs compute. `--fresh` forgets the runs of
+the chosen peers; those of other peers stay with their date. Without names, the peers that take minutes for a run
+(scikit-fem with SuperLU, CalculiX, NGSolve with compiled forms) are left out.
 """
 
 import argparse
@@ -10,18 +13,29 @@ import os
 import platform
 import shutil
 import sys
+from collections.abc import Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 
+from benchmarks.peers import load
 from benchmarks.peers.page import page
-from benchmarks.peers.runs import ROOT, Peer, RunFailed, Session, measured, plan
+from benchmarks.peers.runs import ROOT, Peer, Round, RunFailed, Session, case, measured, plan
 
 PEERS = (
     Peer("pneurod", "by_pneurod", own=True),
     Peer("NGSolve", "by_ngsolve"),
-    Peer("NGSolve, forms as C++", "by_ngsolve", options=("--cpp",), command="c++", package="g++"),
+    Peer("NGSolve, forms as C++", "by_ngsolve", options=("--cpp",), command="c++", package="g++", default=False),
     Peer("FElupe", "by_felupe"),
-    Peer("scikit-fem and SciPy", "by_skfem", repetitions=1, paths=("four",)),
-    Peer("CalculiX", "by_calculix", command="ccx", package="calculix-ccx", repetitions=1, paths=("four",)),
+    Peer("scikit-fem and SciPy", "by_skfem", repetitions=1, paths=("four",), default=False),
+    Peer(
+        "CalculiX",
+        "by_calculix",
+        command="ccx",
+        package="calculix-ccx",
+        repetitions=1,
+        paths=("four",),
+        default=False,
+    ),
 )
 
 
@@ -39,33 +53,75 @@ def absent(peer: Peer) -> str:
     return f"not installed: `apt-get install --no-install-recommends {peer.package}`"
 
 
+def chosen(names: Sequence[str]) -> list[Peer]:
+    """The peers of these names, and pneurod with them; those that run by default where there are none.
+
+    Raises ValueError for a name that is none of a peer.
+    """
+    if unknown := set(names) - {peer.name for peer in PEERS}:
+        known = ", ".join(peer.name for peer in PEERS)
+        raise ValueError(f"{', '.join(sorted(unknown))}: no peer of that name; there are {known}")
+    return [peer for peer in PEERS if (peer.name in names or peer.own if names else peer.default)]
+
+
+def say(sentence: str) -> None:
+    """To the terminal."""
+    print(sentence, flush=True)  # noqa: T201
+
+
+def run_rounds(session: Session, peers: Sequence[Peer], options: argparse.Namespace, stored: Path, date: str) -> bool:
+    """Run what is left of the rounds; False where the machine was too busy for the next one."""
+    today = [run for run in session.runs if run.date == date]
+    for number, left in plan(peers, options.rounds, today):
+        try:
+            busy = load.measured()
+        except load.Busy as reason:
+            say(f"round {number} is not run: {reason}")
+            return False
+        say(f"round {number}: other programs use {busy:.2f} cores")
+        for peer, path in left:
+            try:
+                python = sys.executable if peer.own else options.python
+                run = measured(peer, path, python, Round(date, number, busy))
+            except RunFailed as failure:
+                session.missing[peer.name] = str(failure)
+                say(str(failure))
+                continue
+            session.runs.append(run)
+            session.save(stored)
+            say(f"{peer.name}, {path}: {run.outcome.factorizations} factorizations, {run.cpu:.1f} s CPU")
+    return True
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("peers", nargs="*", help="their names; pneurod runs beside them in each round")
     parser.add_argument("--python", default=".venv-peers/bin/python", help="of the peers' virtual environment")
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--at-most", type=int, default=sys.maxsize, help="number of runs this time")
-    parser.add_argument("--fresh", action="store_true", help="forget the runs stored so far")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--fresh", action="store_true", help="forget the runs of these peers")
+    parser.add_argument("--own", nargs="*", default=[], help='of pneurod alone: "coarse", or sizes of meshes in mm')
     parser.add_argument("--out", type=Path, default=ROOT / "docs", help="folder of peers.md and peers.json")
     options = parser.parse_args()
-    stored = options.out / "peers.json"
-    session = Session(machine()) if options.fresh or not stored.exists() else Session.load(stored)
+    try:
+        peers = [peer for peer in chosen(options.peers) if not absent(peer)]
+    except ValueError as reason:
+        parser.error(str(reason))
+    stored, date = options.out / "peers.json", datetime.now(UTC).date().isoformat()
+    session = Session.load(stored) if stored.exists() else Session(machine())
+    session.machine = machine()
+    names = {peer.name for peer in peers}
+    if options.fresh:
+        session.forget(names, date)
     session.missing = {peer.name: why for peer in PEERS if (why := absent(peer))}
-    if not session.runs:
-        measured(PEERS[0], "four", sys.executable)  # not counted: compiles the kernels where they are not on disk yet
-    left = [(peer, path) for peer, path in plan(PEERS, options.rounds, session.runs) if not absent(peer)]
-    for peer, path in left[: options.at_most]:
-        try:
-            run = measured(peer, path, sys.executable if peer.own else options.python)
-        except RunFailed as failure:
-            session.missing[peer.name] = str(failure)
-            print(failure, file=sys.stderr)  # noqa: T201
-            continue
-        session.runs.append(run)
+    if options.rounds and plan(peers, options.rounds, [run for run in session.runs if run.date == date]):
+        measured(PEERS[0], "four", sys.executable, Round(date, 0, None))  # not counted: compiles the kernels
+    complete = run_rounds(session, peers, options, stored, date)
+    for what in options.own:
+        session.add(case(what, sys.executable, date))
         session.save(stored)
-        print(f"{peer.name}, {path}: {run.outcome.factorizations} factorizations, {run.cpu:.1f} s CPU", flush=True)  # noqa: T201
     session.save(stored)
     (options.out / "peers.md").write_text(page(PEERS, session), encoding="utf-8")
-    return 0
+    return 0 if complete else 1
 
 
 if __name__ == "__main__":

@@ -1,14 +1,19 @@
-"""The tables of docs/peers.md."""
+"""The tables of docs/peers.md and the one in README.md."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from statistics import median
 from string import Template
 
 from benchmarks.peers.problem import REFERENCE
-from benchmarks.peers.runs import Peer, Run, Session, middle
+from benchmarks.peers.runs import Peer, Run, Session, Spread, checked, fresh, ratios, warm
 
 TEMPLATE = Path(__file__).with_name("page.md")
+#: the peers of the table in README.md
+IN_README = ("NGSolve", "FElupe", "scikit-fem and SciPy", "CalculiX")
+
+Seconds = Callable[[Run], float]
+Latest = Mapping[tuple[str, str], Sequence[Run]]
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -17,40 +22,41 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
-def medians(runs: Sequence[Run]) -> dict[tuple[str, str], Run]:
-    """(peer, path): the middle of its runs."""
+def latest(runs: Sequence[Run]) -> dict[tuple[str, str], list[Run]]:
+    """(peer, path): its runs in the last session that had any."""
     keys = dict.fromkeys((run.peer, run.path) for run in runs)
-    return {key: middle([run for run in runs if (run.peer, run.path) == key]) for key in keys}
+    last = {key: max(run.date for run in runs if (run.peer, run.path) == key) for key in keys}
+    return {key: [run for run in runs if (run.peer, run.path, run.date) == (*key, last[key])] for key in keys}
 
 
-def costs(peers: Sequence[Peer], path: str, measured: Mapping[tuple[str, str], Run], missing: Mapping[str, str]) -> str:
-    """Cost of the path for each of the peers, and its ratio to the first of them."""
-    head = ["", "increments (failed)", "factorizations", "CPU s", "wall s", "CPU / pneurod"]
-    head += ["set-up CPU s", "whole process CPU s", "whole / pneurod", "peak MB"]
-    first = measured[peers[0].name, path]
+def costs(peers: Sequence[Peer], path: str, session: Session) -> str:
+    """Cost of the path for each of the peers, and its ratio to the first of them in the same rounds."""
+    head = ["", "increments (failed)", "factorizations", "fresh: CPU s", "fresh / pneurod"]
+    head += ["warm: CPU s", "warm / pneurod", "peak MB", "rounds", "measured"]
+    measured = latest(session.runs)
     rows = []
     for peer in peers:
-        run = measured.get((peer.name, path))
-        if run is None or run.outcome.note:
-            why = missing.get(peer.name, "not run") if run is None else stopped(run)
+        runs = measured.get((peer.name, path))
+        if runs is None or runs[0].outcome.note:
+            why = session.missing.get(peer.name, "not run") if runs is None else stopped(runs[0])
             rows.append([peer.name, why, *[""] * (len(head) - 2)])
             continue
-        spent = run.outcome
-        rows.append(
-            [
-                peer.name,
-                f"{spent.increments} ({spent.failed})",
-                f"{spent.factorizations}",
-                f"{spent.solve_cpu:.1f}",
-                f"{spent.solve_wall:.1f}",
-                f"{spent.solve_cpu / first.outcome.solve_cpu:.1f}",
-                f"{spent.set_up_cpu:.1f}",
-                f"{run.cpu:.1f}",
-                f"{run.cpu / first.cpu:.1f}",
-                f"{run.peak:.0f}",
-            ]
-        )
+        spent = checked(runs).outcome
+        counts = [f"{spent.increments} ({spent.failed})", f"{spent.factorizations}"]
+        peak = f"{median(run.peak for run in runs):.0f}"
+        seconds = [text for way in (fresh, warm) for text in _seconds(peers[0], runs, session, way)]
+        rows.append([peer.name, *counts, *seconds, peak, f"{len(runs)}", runs[0].date])
     return table(head, rows)
+
+
+def _seconds(first: Peer, runs: Sequence[Run], session: Session, way: Seconds) -> tuple[str, str]:
+    """CPU seconds of a peer, and their ratio to those of the first."""
+    return Spread.of([way(run) for run in runs]).text(), ratio(first, runs, session, way).text()
+
+
+def ratio(first: Peer, runs: Sequence[Run], session: Session, way: Seconds) -> Spread:
+    """Seconds of runs of one peer on one path over those of the first peer in the same rounds."""
+    return ratios(runs, [run for run in session.runs if (run.peer, run.path) == (first.name, runs[0].path)], way)
 
 
 def stopped(run: Run) -> str:
@@ -60,17 +66,17 @@ def stopped(run: Run) -> str:
     return f"stopped above {reached:g} kPa after {spent.factorizations} factorizations, {spent.solve_cpu:.0f} s CPU"
 
 
-def answers(peers: Sequence[Peer], measured: Mapping[tuple[str, str], Run]) -> str:
+def answers(peers: Sequence[Peer], measured: Latest) -> str:
     """Tip and volume at the four pressures, and their distance from the reference."""
     head = ["", "p kPa", "u_x mm", "u_y mm", "V mm³", "error of u mm", "error of u %", "error of V %"]
     rows = []
     for pressure, (x, y, volume) in REFERENCE.items():
         rows.append(["reference", f"{pressure:g}", f"{x:.6f}", f"{y:.6f}", f"{volume:.4f}", "", "", ""])
         for peer in peers:
-            run = measured.get((peer.name, "four"))
-            if run is None or f"{pressure:g}" not in run.outcome.answers:
+            runs = measured.get((peer.name, "four"))
+            if not runs or f"{pressure:g}" not in runs[0].outcome.answers:
                 continue
-            got = run.outcome.answers[f"{pressure:g}"]
+            got = runs[0].outcome.answers[f"{pressure:g}"]
             off, long = distance(got, (x, y, volume)), (x * x + y * y) ** 0.5
             rows.append([peer.name, f"{pressure:g}", f"{got[0]:.6f}", f"{got[1]:.6f}", f"{got[2]:.4f}"])
             rows[-1] += [f"{off:.1e}", f"{100 * off / long:.1e}", f"{100 * abs(got[2] / volume - 1):.1e}"]
@@ -82,30 +88,73 @@ def distance(got: Sequence[float], true: Sequence[float]) -> float:
     return float(((got[0] - true[0]) ** 2 + (got[1] - true[1]) ** 2) ** 0.5)
 
 
-def shared(runs: Sequence[Run]) -> str:
-    """A warning where the processor was not free: one thread's wall seconds are then more than its CPU seconds."""
-    stretch = median(run.wall / run.cpu for run in runs)
-    if stretch < 1.3:
-        return ""
-    return (
-        f" **Other programs ran at the same time**: wall seconds are {stretch:.1f} times the CPU seconds, and these are"
-        " higher than on a free machine. Ratios are less sure than the digits suggest."
-    )
+def loads(runs: Sequence[Run]) -> str:
+    """How busy the machine was before the rounds of each session, and how far wall and CPU seconds were apart."""
+    sentences = []
+    for date in sorted({run.date for run in runs}, reverse=True):
+        session = [run for run in runs if run.date == date]
+        stretch = median(run.wall / run.cpu for run in session)
+        rounds = {run.number: run.busy for run in session if run.busy is not None}
+        known = ", ".join(f"{busy:.2f}" for _, busy in sorted(rounds.items()))
+        before = f"before its rounds other programs used {known} cores" if known else "without a check of the load"
+        sentences.append(f"{date}: {before}; wall seconds were {stretch:.2f} times the CPU seconds.")
+    return "\n".join(f"- {sentence}" for sentence in sentences)
+
+
+def larger(session: Session) -> str:
+    """What pneurod was measured on besides."""
+    head = ["", "degrees of freedom", "factorizations", "CPU s", "s per factorization", "peak GB", "measured"]
+    rows = [
+        [
+            case.name,
+            f"{case.unknowns}",
+            f"{case.factorizations}",
+            f"{case.cpu:.1f}",
+            f"{case.factorization:.2f}",
+            f"{case.peak:.2f}",
+            case.date,
+        ]
+        for case in session.own
+    ]
+    return table(head, rows)
+
+
+def readme(peers: Sequence[Peer], session: Session) -> str:
+    """The table of README.md: ratios of CPU seconds, medians with their range."""
+    head = ["code", "factorizations to 5, 17, 31 and 45 kPa", "fresh", "warm"]
+    head += ["factorizations to 45 kPa without intermediate pressures", "fresh", "warm"]
+    measured = latest(session.runs)
+    rows = []
+    for name in (peers[0].name, *IN_README):
+        row = [name]
+        for path in ("four", "straight"):
+            runs = measured.get((name, path))
+            if runs is None:
+                row += ["not run", "", ""]
+                continue
+            shown = (ratio(peers[0], runs, session, way) for way in (fresh, warm))
+            row += [f"{checked(runs).outcome.factorizations}", *(_short(spread) for spread in shown)]
+        rows.append(row)
+    return table(head, rows)
+
+
+def _short(spread: Spread) -> str:
+    """To two or three digits."""
+    return spread.text(0 if spread.median >= 20.0 or spread.median == 1.0 else 1)
 
 
 def page(peers: Sequence[Peer], session: Session) -> str:
     """docs/peers.md."""
-    measured = medians(session.runs)
-    listed = []
+    measured, listed = latest(session.runs), []
     for peer in peers:
-        runs = [run for run in session.runs if run.peer == peer.name and run.path == peer.paths[0]]
-        if runs:
-            listed.append([peer.name, runs[0].outcome.package, runs[0].outcome.solver, str(len(runs))])
+        if runs := measured.get((peer.name, peer.paths[0])):
+            listed.append([peer.name, runs[0].outcome.package, runs[0].outcome.solver])
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
         machine=session.machine,
-        shared=shared(session.runs),
-        packages=table(["", "package", "factorizes with", "runs"], listed),
-        four=costs(peers, "four", measured, session.missing),
-        straight=costs(peers, "straight", measured, session.missing),
+        loads=loads(session.runs),
+        packages=table(["", "package", "factorizes with"], listed),
+        four=costs(peers, "four", session),
+        straight=costs(peers, "straight", session),
+        larger=larger(session),
         answers=answers(peers, measured),
     )

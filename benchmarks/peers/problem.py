@@ -130,7 +130,25 @@ class Outcome:
     set_up_cpu: float  #: s before the first increment: imports, mesh, spaces, compiling; from the start of the process
     solve_cpu: float  #: s
     solve_wall: float  #: s
+    threads: int = 1  #: that used the processor on the way
     note: str = ""  #: why the path ended early; empty when it did not
+
+
+def thread_seconds() -> dict[str, float]:
+    """CPU seconds of each thread of this process so far, by its number; empty where the system does not say."""
+    tick = os.sysconf("SC_CLK_TCK")
+    seconds = {}
+    for stat in Path("/proc/self/task").glob("*/stat"):
+        fields = stat.read_text().rpartition(")")[2].split()  # user and system ticks are numbers 14 and 15 (proc(5))
+        seconds[stat.parent.name] = (int(fields[11]) + int(fields[12])) / tick
+    return seconds
+
+
+def busy_threads(before: dict[str, float], after: dict[str, float]) -> int:
+    """Threads that used more than a hundredth of the CPU between two calls of `thread_seconds`, at least one."""
+    spent = {thread: seconds - before.get(thread, 0.0) for thread, seconds in after.items()}
+    total = sum(spent.values())
+    return max(1, sum(seconds > 0.01 * total for seconds in spent.values()))
 
 
 @dataclass(frozen=True)
@@ -166,7 +184,7 @@ def report(
         parser.add_argument(flag, action="store_true")
     options = parser.parse_args()
     walk = set_up()
-    begin = Clock.now()
+    threads, begin = thread_seconds(), Clock.now()
     path = walk(PATHS[options.path])
     end = Clock.now()
     outcome = Outcome(
@@ -179,6 +197,7 @@ def report(
         set_up_cpu=begin.cpu,
         solve_cpu=end.cpu - begin.cpu,
         solve_wall=end.wall - begin.wall,
+        threads=busy_threads(threads, thread_seconds()),
         note=path.note,
     )
     options.out.write_text(json.dumps(asdict(outcome), indent=1), encoding="utf-8")

@@ -2,17 +2,20 @@
 
 import json
 import os
+import resource
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from statistics import median
 from time import perf_counter
 
+from benchmarks.peers.own import Case
 from benchmarks.peers.problem import Outcome
 
 ROOT = Path(__file__).resolve().parents[2]
+OWN = "pneurod"  #: with which the others are compared
 THREADS = ("OMP", "MKL", "OPENBLAS", "NUMBA")
 
 
@@ -26,7 +29,8 @@ class Peer:
     options: tuple[str, ...] = ()
     command: str = ""  #: a program that must be there
     package: str = ""  #: the Debian package that brings it
-    repetitions: int = 3  #: at the most
+    repetitions: int = 5  #: at the most
+    default: bool = True  #: runs unless peers are named
     paths: tuple[str, ...] = ("four", "straight")
 
 
@@ -40,20 +44,56 @@ class Run:
     cpu: float  #: s, user and system, from start to exit
     wall: float  #: s
     peak: float  #: MB, largest resident set
+    date: str  #: of the session, year-month-day
+    number: int  #: of the round
+    busy: float | None = None  #: cores that other programs used before the round; None where that was not measured
+
+
+#: CPU over wall seconds of a path above which more than one thread computed
+ONE_THREAD = 1.03
 
 
 class RunFailed(RuntimeError):
     """A peer ended without an outcome; the sentence is the last line of its output."""
 
 
-def measured(peer: Peer, path: str, python: str) -> Run:
-    """Run a peer once; raises `RunFailed`."""
+@dataclass(frozen=True)
+class Round:
+    """When runs are made, and on what machine."""
+
+    date: str
+    number: int
+    busy: float | None
+
+
+def measured(peer: Peer, path: str, python: str, when: Round) -> Run:
+    """Run a peer once; raises `RunFailed`, also where more than one thread computed."""
+    written, used, wall = processed(peer.name, python, peer.module, (path,), peer.options)
+    outcome = outcome_of(written)
+    check_threads(peer.name, path, outcome)
+    cpu, peak = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
+    return Run(peer.name, path, outcome, cpu, wall, peak, when.date, when.number, when.busy)
+
+
+def case(what: str, python: str, date: str) -> Case:
+    """Run pneurod alone on what `benchmarks.peers.own` knows; raises `RunFailed`."""
+    written, _, _ = processed(f"pneurod, {what}", python, "own", (what,))
+    return Case(**{**written, "date": date})
+
+
+def processed(
+    name: str, python: str, module: str, words: Sequence[str], options: Sequence[str] = ()
+) -> tuple[dict, resource.struct_rusage, float]:
+    """What a module of this folder writes in a process of its own, what that used, and the wall seconds.
+
+    Raises `RunFailed`.
+    """
     environment = {name: os.environ[name] for name in ("HOME", "LANG", "TMPDIR") if name in os.environ}
     environment["PATH"] = f"{Path(python).absolute().parent}:{os.environ['PATH']}"
-    environment |= {f"{name}_NUM_THREADS": "1" for name in THREADS}
+    environment |= {f"{library}_NUM_THREADS": "1" for library in THREADS}
     with tempfile.TemporaryDirectory() as folder:
         out, log = Path(folder, "outcome.json"), Path(folder, "log")
-        command = [python, "-m", f"benchmarks.peers.{peer.module}", path, str(out), *peer.options]
+        command = [python, "-m", f"benchmarks.peers.{module}", *words, str(out), *options]
         with log.open("w") as output:
             begin = perf_counter()
             process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=output, stderr=output)
@@ -62,37 +102,85 @@ def measured(peer: Peer, path: str, python: str) -> Run:
         process.returncode = os.waitstatus_to_exitcode(status)
         if process.returncode or not out.exists():
             lines = log.read_text(errors="replace").strip().splitlines() or ["without output"]
-            raise RunFailed(f"{peer.name}, {path}: exit status {process.returncode}: {lines[-1]}")
-        outcome = outcome_of(json.loads(out.read_text(encoding="utf-8")))
-    return Run(peer.name, path, outcome, used.ru_utime + used.ru_stime, wall, used.ru_maxrss / 1024)
+            raise RunFailed(f"{name}, {words[0]}: exit status {process.returncode}: {lines[-1]}")
+        return json.loads(out.read_text(encoding="utf-8")), used, wall
 
 
-def plan(peers: Sequence[Peer], rounds: int, done: Sequence[Run]) -> list[tuple[Peer, str]]:
-    """What is still to be run, interleaved: every peer once, then every peer again."""
-    left = []
-    for number in range(rounds):
-        for peer in peers:
-            for path in peer.paths:
-                before = sum(run.peer == peer.name and run.path == path for run in done)
-                if before <= number < peer.repetitions:
-                    left.append((peer, path))
-    return left
+def check_threads(name: str, path: str, outcome: Outcome) -> None:
+    """Raise `RunFailed` where a path was not computed by one thread: seconds would not be those of the others."""
+    several = outcome.threads > 1 or outcome.solve_cpu > ONE_THREAD * outcome.solve_wall + 0.05
+    if several:
+        spent = f"{outcome.solve_cpu:.2f} s of CPU in {outcome.solve_wall:.2f} s by {outcome.threads} threads"
+        raise RunFailed(f"{name}, {path}: more than one thread computed ({spent})")
 
 
-def middle(runs: Sequence[Run]) -> Run:
-    """The medians of several runs of one peer on one path; what does not vary is taken from the first.
+def plan(peers: Sequence[Peer], rounds: int, done: Sequence[Run]) -> list[tuple[int, list[tuple[Peer, str]]]]:
+    """What is still to be run, interleaved: in each round every peer once. Rounds with nothing left are left out."""
+    made = {(run.peer, run.path, run.number) for run in done}
+    plans = []
+    for number in range(1, rounds + 1):
+        left = [
+            (peer, path)
+            for peer in peers
+            for path in peer.paths
+            if number <= peer.repetitions and (peer.name, path, number) not in made
+        ]
+        if left:
+            plans.append((number, left))
+    return plans
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The median of several numbers, with the smallest and the largest."""
+
+    median: float
+    least: float
+    largest: float
+
+    @classmethod
+    def of(cls, numbers: Sequence[float]) -> "Spread":
+        """Of at least one number."""
+        return cls(median(numbers), min(numbers), max(numbers))
+
+    def text(self, digits: int = 1) -> str:
+        """The median, and the range in brackets where there is one."""
+        if self.least == self.largest:
+            return f"{self.median:.{digits}f}"
+        return f"{self.median:.{digits}f} ({self.least:.{digits}f} to {self.largest:.{digits}f})"
+
+
+def fresh(run: Run) -> float:
+    """CPU seconds of the whole process."""
+    return run.cpu
+
+
+def warm(run: Run) -> float:
+    """CPU seconds of the path in a process in which everything is loaded."""
+    return run.outcome.solve_cpu
+
+
+def ratios(runs: Sequence[Run], own: Sequence[Run], seconds: Callable[[Run], float]) -> Spread:
+    """Seconds of a peer's runs over those of our own in the same round of the same session.
+
+    Raises ValueError where no round has both.
+    """
+    ours = {(run.date, run.number): seconds(run) for run in own}
+    shared = [seconds(run) / ours[run.date, run.number] for run in runs if (run.date, run.number) in ours]
+    if not shared:
+        raise ValueError(f"{runs[0].peer}, {runs[0].path}: no round in which pneurod ran too")
+    return Spread.of(shared)
+
+
+def checked(runs: Sequence[Run]) -> Run:
+    """The first of several runs of one peer on one path, for what does not vary.
 
     Raises ValueError where runs of one program on one mesh counted differently: they are not one sample.
     """
     first = runs[0]
     if any(run.outcome.factorizations != first.outcome.factorizations for run in runs):
         raise ValueError(f"{first.peer}, {first.path}: the runs took different numbers of factorizations")
-    seconds = {
-        name: median(getattr(run.outcome, name) for run in runs) for name in ("set_up_cpu", "solve_cpu", "solve_wall")
-    }
-    outcome = Outcome(**{**asdict(first.outcome), **seconds})
-    whole = {name: median(getattr(run, name) for run in runs) for name in ("cpu", "wall", "peak")}
-    return Run(first.peer, first.path, outcome, **whole)
+    return first
 
 
 def outcome_of(written: dict) -> Outcome:
@@ -103,18 +191,31 @@ def outcome_of(written: dict) -> Outcome:
 
 @dataclass
 class Session:
-    """What has been run so far, and where."""
+    """What has been run so far, and where; runs of earlier sessions stay until their peer is run again."""
 
     machine: str
     runs: list[Run] = field(default_factory=list)
     missing: dict[str, str] = field(default_factory=dict)  #: peer: why there is no run of it
+    own: list[Case] = field(default_factory=list)  #: what pneurod was run on besides
 
     @classmethod
     def load(cls, path: Path) -> "Session":
         """A session that was kept."""
         written = json.loads(path.read_text(encoding="utf-8"))
         runs = [Run(**{**run, "outcome": outcome_of(run["outcome"])}) for run in written["runs"]]
-        return cls(written["machine"], runs, written["missing"])
+        own = [Case(**case) for case in written.get("own", [])]
+        return cls(written["machine"], runs, written["missing"], own)
+
+    def forget(self, peers: Collection[str], date: str) -> None:
+        """Leave out the runs of these peers; those of pneurod stay where a peer that stays is compared with them."""
+        kept = [run for run in self.runs if run.peer not in peers]
+        dates = {run.date for run in kept} - {date}
+        self.runs = [run for run in self.runs if run in kept or (run.peer == OWN and run.date in dates)]
+
+    def add(self, case: Case) -> None:
+        """A further measurement of pneurod alone, in place of an earlier one of the same name."""
+        others = [other for other in self.own if other.name != case.name]
+        self.own = sorted([*others, case], key=lambda other: other.unknowns)
 
     def save(self, path: Path) -> None:
         """Keep the session, whole."""
