@@ -74,6 +74,7 @@ class Discretisation:
     weight: Array  #: (e, q) quadrature weights times volume, mm3
     element: Element
     surfaces: Mapping[str, Faces]
+    regions: Mapping[str, Index]  #: name -> (m,) elements of a region with a material of its own
 
     @classmethod
     def of(cls, mesh: Mesh, formulation: str) -> "Discretisation":
@@ -86,7 +87,8 @@ class Discretisation:
         points = np.ascontiguousarray(basis.doflocs[:, ::3].T)
         if element.quadratic and len(mesh.curved):
             points[mesh.points.shape[0] + _edge_numbers(grid, mesh.curved.ends)] = mesh.curved.middles
-        nodes, chunks, colours = _in_chunks(nodes, mesh.points)
+        nodes, chunks, colours, order = _in_chunks(nodes, mesh.points)
+        place = np.argsort(order)
         reference, vertex_shape, fraction = _stress_points(basis, tetrahedron, element)
         curved = element.quadratic and len(mesh.curved) > 0
         inverse, weight = (_curved if curved else _straight)(points[nodes], reference, fraction)
@@ -101,6 +103,7 @@ class Discretisation:
             weight=weight,
             element=element,
             surfaces=_surfaces(mesh, grid if element.quadratic else None),
+            regions={name: np.sort(place[tets]) for name, tets in mesh.regions.items()},
         )
 
     @property
@@ -149,10 +152,12 @@ def _curved(corners: Array, reference: Array, fraction: Array) -> tuple[Array, A
     return np.ascontiguousarray(np.linalg.inv(jacobian)), np.ascontiguousarray(weight)
 
 
-def _in_chunks(nodes: Index, vertices: Array) -> tuple[Index, Index, Index]:
-    """The elements nodes (e, a) sorted into chunks along the body's longest side, by colour; `chunks` and `colours`."""
+def _in_chunks(nodes: Index, vertices: Array) -> tuple[Index, Index, Index, Index]:
+    """The elements nodes (e, a) sorted into chunks along the body's longest side, by colour; `chunks` and `colours`;
+    the former numbers (e,) of the sorted elements."""
     centre = vertices[nodes[:, :4]].mean(axis=1)
-    nodes = nodes[np.argsort(centre[:, np.ptp(vertices, axis=0).argmax()], kind="stable")]
+    along = np.argsort(centre[:, np.ptp(vertices, axis=0).argmax()], kind="stable")
+    nodes = nodes[along]
     count = min(max(nodes.shape[0] // MIN_CHUNK_SIZE, 1), MAX_CHUNKS)
     chunks = np.linspace(0, nodes.shape[0], count + 1).astype(np.int64)
     colour = chunk_colours(chunks, np.ascontiguousarray(nodes[:, :4]), vertices.shape[0])
@@ -160,7 +165,8 @@ def _in_chunks(nodes: Index, vertices: Array) -> tuple[Index, Index, Index]:
     parts = [np.arange(chunks[chunk], chunks[chunk + 1]) for chunk in order]
     begins = np.concatenate([[0], np.cumsum([part.shape[0] for part in parts])])
     colours = np.concatenate([[0], np.cumsum(np.bincount(colour))])
-    return np.ascontiguousarray(nodes[np.concatenate(parts)]), begins.astype(np.int64), colours.astype(np.int64)
+    sorted_ = np.concatenate(parts)
+    return np.ascontiguousarray(nodes[sorted_]), begins.astype(np.int64), colours.astype(np.int64), along[sorted_]
 
 
 def _stress_points(basis: skfem.Basis, tetrahedron: skfem.Element, element: Element) -> tuple[Array, Array, Array]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem.effects.effect import Effect
 from fem.effects.loads import LineForce
-from fem.materials.material import Material
+from fem.materials.regions import Solid
 from fem.model import Model
 from fem.solution import Step
 from fem.supports import Fixed, Line, Prescribed, Support, nodes_at
@@ -71,7 +71,7 @@ class Experiment:
         acting = force if name in ("III", "dead") else (0.0, 0.0)
         return cls(name, body, (*plane, *supports[name]), edge, curve, acting)
 
-    def model(self, material: Material, effects: Sequence[Effect], formulation: str) -> Model:
+    def model(self, material: Solid, effects: Sequence[Effect], formulation: str) -> Model:
         """The model of this experiment."""
         return Model(self.body.mesh, material, list(self.supports), [*effects, *self._dead_force()], formulation)
 

@@ -11,7 +11,7 @@ from fem.elements import element_of
 from fem.equations.constraints import Constraints
 from fem.equations.linear import LinearSolver, available_solver
 from fem.equations.system import System
-from fem.materials.material import Material
+from fem.materials.regions import Solid, laws_of
 from fem.supports import Support
 from geometry import Mesh
 
@@ -19,14 +19,14 @@ from geometry import Mesh
 @final
 @dataclass(frozen=True)
 class Model:
-    """Body, law, supports and effects.
+    """Body, law or laws by region, supports and effects.
 
     formulation: a name of `fem.elements.ELEMENTS`; by default "p2p0", quadratic tetrahedra with the volumetric part of
     the law at one point. Raises ValueError for another one.
     """
 
     mesh: Mesh = field(repr=False)
-    material: Material
+    material: Solid
     supports: list[Support]
     effects: list[Effect]
     formulation: str = "p2p0"
@@ -41,6 +41,6 @@ class Model:
 
     def system(self, solver: Callable[[], LinearSolver] | None = None) -> System:
         """The assembled equations, with the given linear solver or the best one installed."""
-        terms = tuple(effect.bind(self.space, self.material) for effect in self.effects)
+        terms = tuple(effect.bind(self.space, laws_of(self.material)[""]) for effect in self.effects)
         constraints = Constraints.of(self.supports, self.space)
         return System(self.space, self.material, terms, constraints, (solver or available_solver())())

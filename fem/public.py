@@ -10,12 +10,13 @@ from fem.equations.linear import available_solver
 from fem.experiments import Experiment
 from fem.materials import Hencky, Material, MaterialError, MooneyRivlin, NeoHooke, Ogden, StVenantKirchhoff, Yeoh
 from fem.materials.material import Uniaxial
+from fem.materials.regions import ByRegion, Solid, laws_of
 from fem.materials.rubber import IsochoricLaw
 from fem.model import Model
 from fem.path.follower import PathObserver, PathOptions
 from fem.path.loadpath import follow, follow_volume
 from fem.path.newton import NewtonOptions
-from fem.post.extremes import outside_stable_range, position_text
+from fem.post.extremes import outside_stable_range, position_text, unstable_stretch
 from fem.post.fields import element_fields
 from fem.post.recovery import StressError, stress_error
 from fem.post.self_intersection import crossing_at_rest, self_intersection_clause
@@ -26,6 +27,7 @@ from fem.warm_up import compile_kernels
 __all__ = [
     "ACTIVATION",
     "OVERLAP",
+    "ByRegion",
     "ContactError",
     "Discretisation",
     "Effect",
@@ -52,6 +54,7 @@ __all__ = [
     "Seconds",
     "SelfContact",
     "SharedPlane",
+    "Solid",
     "Solution",
     "StVenantKirchhoff",
     "Step",
@@ -69,10 +72,12 @@ __all__ = [
     "element_fields",
     "follow",
     "follow_volume",
+    "laws_of",
     "outside_stable_range",
     "position_text",
     "self_intersection_clause",
     "step_from_arrays",
     "step_to_arrays",
     "stress_error",
+    "unstable_stretch",
 ]

@@ -1,15 +1,20 @@
 """Designs: the checked dimensions of a body family, and the meshed body they give."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
-from dataclasses import fields
+from collections.abc import Iterable, Mapping, Sequence
+from copy import copy
+from dataclasses import fields, replace
+from itertools import pairwise
 from math import isfinite
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Self
+
+import numpy as np
 
 from geometry.body import Body
 from geometry.grading import OFF, Grading
 from geometry.mesh import Mesh
 from geometry.meshing.mirror import Repetition
+from geometry.meshing.shapes import Box, Shape
 
 #: Largest number of elements that is meshed: more do not fit into the memory of a workstation.
 MOST_TETS = 3_000_000
@@ -45,6 +50,8 @@ class Design(ABC):
     """
 
     family: ClassVar[str]  #: the name of the family in a config
+    #: the regions that are parts of the mesh; no dimension, and given by `with_regions`
+    regions = ()  # type: tuple[str, ...]
 
     @property
     @abstractmethod
@@ -80,6 +87,31 @@ class Design(ABC):
     @abstractmethod
     def thinnest_wall(self) -> float:
         """Thickness of the thinnest wall of the body, mm."""
+
+    @property
+    def base_top(self) -> float | None:
+        """Height of the base plate, mm, which is the region `base` (0 <= y <= base_top); None for a body without."""
+        return None
+
+    @property
+    def region_volumes(self) -> Mapping[str, float]:
+        """Exact volume (both halves) of each region that may have a material of its own, mm3."""
+        length, _, width = self.extent
+        return {} if self.base_top is None else {"base": length * self.base_top * width}
+
+    def with_regions(self, names: Iterable[str]) -> Self:
+        """The same dimensions, with these regions as parts of the mesh (`Mesh.regions`), faces between them and the
+        rest.
+
+        Raises `DesignError` for a region that the body does not have.
+        """
+        divided = copy(self)
+        object.__setattr__(divided, "regions", tuple(names))  # a frozen dataclass, of which it is no field
+        for name in divided.regions:
+            if name not in self.region_volumes:
+                known = f"it has {', '.join(self.region_volumes)}" if self.region_volumes else "it has none"
+                raise DesignError(f"materials.{name}", f"this body has no region of that name; {known}")
+        return divided
 
     @property
     def outer_corners(self) -> bool:
@@ -148,6 +180,9 @@ class Design(ABC):
         return self.repetition(size, grading)
 
     def _body(self, mesh: Mesh, length: float, half: bool) -> Body:
+        if "base" in self.regions and self.base_top is not None:
+            below = mesh.points[mesh.tets, 1].mean(axis=1) < self.base_top
+            mesh = replace(mesh, regions={"base": np.flatnonzero(below)})
         return Body(mesh, self.family, length, self.pitch, self.curve_y, half, self.cavities)
 
     @property
@@ -173,6 +208,15 @@ class SymmetricDesign(Design):
     def repetition(self, size: float, grading: Grading) -> Repetition:
         """The end piece and the half cell, z >= 0, with elements of at most `size` mm, a size that `check_size`
         accepts."""
+
+    def base_plate(self, start: float, stop: float) -> tuple[list[list[Shape]], float]:
+        """Blocks of the half z >= 0 of the base plate, start <= x <= stop, and the height up to which they reach, mm.
+
+        That is the material curve, and the top of the plate where it is a region.
+        """
+        half = self.extent[2] / 2
+        heights = [0.0, self.curve_y, *([self.base_top] if "base" in self.regions and self.base_top else [])]
+        return [[Box((start, low, 0), (stop, high, half))] for low, high in pairwise(heights)], heights[-1]
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
         """The meshed half z >= 0; `size` is the element edge that Gmsh aims at, mm.

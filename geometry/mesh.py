@@ -4,7 +4,7 @@ import contextlib
 import io
 import warnings
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -37,6 +37,7 @@ class Mesh:
     tets: Index  #: (m, 4) vertex indices, positively oriented, read-only
     faces: Mapping[str, Index]  #: name -> (k, 3) vertex indices of boundary triangles, outward, read-only
     curved: CurvedEdges = NO_CURVED_EDGES  #: edges with a middle that is not halfway, for quadratic elements
+    regions: Mapping[str, Index] = field(default_factory=dict)  #: name -> (m,) tetrahedra of a part of the body
 
     def __post_init__(self) -> None:
         points, tets, faces = _checked(self.points, self.tets, self.faces)
@@ -59,10 +60,11 @@ class Mesh:
         object.__setattr__(self, "curved", self.curved.renumbered(new))
         oriented = {name: _frozen(self._outward(name, triangles)) for name, triangles in faces.items()}
         object.__setattr__(self, "faces", MappingProxyType(oriented))
+        object.__setattr__(self, "regions", MappingProxyType({name: _members(self, name) for name in self.regions}))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # a read-only mapping cannot be pickled; the copy is checked and frozen like any other mesh
-        return Mesh, (self.points, self.tets, dict(self.faces), self.curved)
+        return Mesh, (self.points, self.tets, dict(self.faces), self.curved, dict(self.regions))
 
     def _outward(self, name: str, triangles: Index) -> Index:
         """The boundary triangles, outward oriented, with the vertices of `triangles` (k, 3).
@@ -196,7 +198,8 @@ class Mesh:
         points = np.vstack([self.points, self.points[unshared] * [1, 1, -1]])
         faces = {name: np.vstack([f, image[f]]) for name, f in self.faces.items() if name != "sym"}
         mirrored = CurvedEdges(image[self.curved.ends], self.curved.middles * [1, 1, -1])
-        return Mesh(points, np.vstack([self.tets, image[self.tets]]), faces, self.curved.joined(mirrored))
+        regions = {name: np.concatenate([tets, tets + len(self.tets)]) for name, tets in self.regions.items()}
+        return Mesh(points, np.vstack([self.tets, image[self.tets]]), faces, self.curved.joined(mirrored), regions)
 
 
 def _checked(points: Array, tets: Index, faces: Mapping[str, Index]) -> tuple[Array, Index, dict[str, Index]]:
@@ -212,6 +215,14 @@ def _checked(points: Array, tets: Index, faces: Mapping[str, Index]) -> tuple[Ar
         if indices.size and (indices.min() < 0 or indices.max() >= len(points)):
             raise MeshError(f"{name} uses a point that the mesh does not have")
     return points, tets, groups
+
+
+def _members(mesh: Mesh, name: str) -> Index:
+    """The tetrahedra of a region, sorted. Raises `MeshError` for numbers of no tetrahedron."""
+    tets = np.unique(np.asarray(mesh.regions[name], dtype=np.int64))
+    if not len(tets) or tets[0] < 0 or tets[-1] >= len(mesh.tets):
+        raise MeshError(f"the region {name} has no tetrahedra, or some that the mesh does not have")
+    return _frozen(tets)
 
 
 def _frozen(array: Frozen) -> Frozen:

@@ -31,6 +31,9 @@ def body_table(file: Path, design: Design, body: Body) -> Table:
     table.add_row(
         "solid", f"{halves * body.mesh.volume:.7g} mm3 in the full body; closed form {design.solid_volume:.7g}"
     )
+    for name, tets in body.mesh.regions.items():
+        found, drawn = halves * float(body.mesh.volumes[tets].sum()), design.region_volumes[name]
+        table.add_row(f"of it {name}", f"{found:.7g} mm3; closed form {drawn:.7g}")
     table.add_row(body.cavities[0], f"{halves * air:.7g} mm3 in the full body; closed form {design.cavity_volume:.7g}")
     table.add_row("tetrahedra", str(quality.count))
     at = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)

@@ -255,6 +255,13 @@ def extras() -> dict[str, st.SearchStrategy[Any]]:
     pressures = st.lists(st.floats(0.5, 60.0), min_size=1, max_size=4, unique=True)
     return {
         "pressures": pressures.map(lambda values: [f"{value:.4g} kPa" for value in sorted(values)]),
+        "materials": st.dictionaries(
+            st.sampled_from(["base", "base", "base", "roof"]),
+            st.fixed_dictionaries(
+                {"law": st.just("svk"), "E": quantity(5.0, "MPa"), "nu": st.sampled_from([0.3, 0.49])}
+            ),
+            max_size=1,
+        ),
         "end": st.fixed_dictionaries({}, optional={"y": quantity(5.0, "mm")}),
         "added_pressures": st.integers(-1, 5),
         "validation": st.fixed_dictionaries({}, optional={"end_y": st.lists(quantity(5.0, "mm"), max_size=2)}),

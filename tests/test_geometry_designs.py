@@ -39,6 +39,40 @@ DESIGNS = [
 ]
 
 
+@pytest.mark.parametrize(
+    "design",
+    [PneuNet(chambers=2, fillet=0.5), Semicircular(chambers=2), SemicircularSingle(length=20), Rectangular(chambers=2)],
+    ids=lambda design: design.family,
+)
+def test_the_base_is_a_part_of_the_mesh_with_the_volume_of_the_plate(design: Design) -> None:
+    divided = design.with_regions(["base"])
+    body, (length, _, width) = divided.body(4.0), design.extent
+    assert body.mesh.volume == pytest.approx(design.body(4.0).mesh.volume, rel=1e-3)
+    height = body.edge("clamp")[0, 1] * 2
+    assert divided.region_volumes == pytest.approx({"base": length * height * width})
+    for piece, share in (
+        (body, 0.5),
+        (body.full(), 1.0),
+        (divided.half_cell(4.0), None),
+        (divided.tip_piece(1, 4.0), None),
+    ):
+        tets = piece.mesh.regions["base"]
+        part = 0.5 * piece.length / length if share is None else share
+        assert piece.mesh.volumes[tets].sum() == pytest.approx(part * length * height * width, rel=1e-9)
+        inside = piece.mesh.points[piece.mesh.tets[tets], 1]
+        outside = np.delete(piece.mesh.points[piece.mesh.tets, 1], tets, axis=0)
+        assert inside.max() == pytest.approx(height)
+        assert outside.min() == pytest.approx(height)
+    assert design.body(4.0).mesh.regions == {}
+
+
+def test_a_body_without_such_a_region_is_refused() -> None:
+    with pytest.raises(DesignError, match="this body has no region of that name; it has none"):
+        BisectedCircle().with_regions(["base"])
+    with pytest.raises(DesignError, match="this body has no region of that name; it has base"):
+        PneuNet().with_regions(["roof"])
+
+
 @lru_cache
 def meshed(design: Design, size: float) -> Body:
     return design.body(size)

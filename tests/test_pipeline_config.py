@@ -16,7 +16,7 @@ from pipeline.config.load import load_config
 from pipeline.config.schema import EFFECTS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
-from pipeline.simulation.scene import Scene
+from pipeline.simulation.scene import Scene, material_of
 
 
 def refusal(path: Path, *overrides: str) -> str:
@@ -402,6 +402,42 @@ def test_the_terms_of_ogden_are_lists(configs: Path) -> None:
         ("mu: [400 GPa], alpha: [2]", "material.mu: with 400 GPa the highest pressure is 3.1e-08 E"),
     ):
         assert sentence in refusal(coarse, f"material={{law: ogden, {constants}, nu: 0.49}}")
+
+
+def test_a_region_has_a_material_of_its_own(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    base = "materials.base={law: neo_hooke, mu: 0.6 MPa, nu: 0.49, density: 2000 kg/m^3}"
+    config, plain = load_config(coarse, [base]), load_config(coarse)
+    assert config.materials["base"].built().shear_modulus == 0.6
+    assert config.record()["materials"]["base"]["law"] == "neo_hooke"
+    assert "materials" not in plain.record()
+    assert config.hash != plain.hash
+    assert config.poisson_ratio == plain.poisson_ratio == 0.495
+    volume = config.design.region_volumes["base"]
+    assert config.mass_tonne == pytest.approx(plain.mass_tonne + volume * (2000 - 1130) * 1e-12)
+    material = material_of(config)
+    assert isinstance(material, fem.ByRegion)
+    assert material.body == plain.material.built()
+    for setting, sentence in (
+        (
+            "materials={roof: {law: svk, E: 1 MPa, nu: 0.4}}",
+            "materials.roof: this body has no region of that name; it has",
+        ),
+        ("materials=stiff", "must hold the names of regions, for example 'materials: {base: {law: svk"),
+        ("materials.base=3 MPa", "must hold keys, for example 'base: {law: svk, ...}'"),
+        ("materials.base={E: 1 MPa}", "materials.base.law: is missing; allowed: svk"),
+        ("materials.base={law: svk, E: 1 MPa}", "materials.base.nu: is missing; for example"),
+        ("materials.base={law: svk, E: 1, nu: 0.4}", "E: 1 has no unit"),
+        ("materials.base={law: yeoh, c10: 1 MPa, c20: 0 MPa, c30: 0 MPa}", "kappa: is missing"),
+        (
+            "materials.base={law: mooney_rivlin, c10: 1 MPa, c01: -1 MPa, kappa: 9 MPa}",
+            "materials.base: Mooney-Rivlin: ",
+        ),
+    ):
+        assert sentence in refusal(coarse, setting), setting
+    assert "materials.base.density: is missing, and gravity needs it" in refusal(
+        coarse, "materials.base={law: svk, E: 1 MPa, nu: 0.4}", "effects.gravity=on"
+    ).replace("--set materials.base: density", "--set materials.base: materials.base.density")
 
 
 def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> None:

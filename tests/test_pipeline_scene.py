@@ -5,7 +5,9 @@ from pathlib import Path
 import pytest
 
 import fem
+from fem.cell.response import slopes
 from geometry import Body
+from pipeline.cell.pieces import ArmPieces
 from pipeline.config.config import CavityPressure, Config, StrainLimitingLayer
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
@@ -174,3 +176,18 @@ def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None
     off = arm("effects.self_contact=off")
     assert Scene.meshed(off).contact_faces == ()
     assert Scene(arm(), half).contact_faces == half.cavities
+
+
+def test_an_arm_of_two_materials_is_softer_or_stiffer_than_one_of_one(configs: Path) -> None:
+    """A half cell with a base six times as stiff, as the arm's own law takes it: between those of one material."""
+    usual = ["mesh.size=6 mm", "geometry.chambers=3", "material={law: neo_hooke, mu: 0.1 MPa, nu: 0.49}"]
+    stiff = "law: neo_hooke, mu: 0.6 MPa, nu: 0.49"
+    rigidities = []
+    for more in ([], [f"materials.base={{{stiff}}}"], [f"material={{{stiff}}}"]):
+        scene = Scene.meshed(load_config(configs / "pneunet_coarse.yaml", [*usual, *more]))
+        assert set(scene.body.mesh.regions) == ({"base"} if "materials" in str(more) else set())
+        piece = ArmPieces(scene.config, None).cell
+        rigidities.append(slopes(piece, piece.solve(0.0, 1e-6, piece.rest())).moment_by_angle)
+    soft, both, stiffest = rigidities
+    assert stiffest == pytest.approx(6 * soft, rel=1e-3)
+    assert 1.5 * soft < both < 0.7 * stiffest

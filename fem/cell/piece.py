@@ -29,7 +29,7 @@ from fem.equations.linear import LinearTimes, available_solver
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, State
 from fem.equations.system import System
-from fem.materials.material import Material
+from fem.materials.regions import Solid, laws_of
 from fem.path.control import LoadControl
 from fem.path.newton import NewtonOptions, Start, StepFailed, solve
 from fem.post.extremes import extremes_of, strain_at_stress_points
@@ -85,7 +85,7 @@ class BendingPiece:
     def __init__(
         self,
         body: Body,
-        material: Material,
+        material: Solid,
         start: Boundary,
         formulation: str = "p2p0",
         pressures: Mapping[str, float] | None = None,
@@ -103,7 +103,7 @@ class BendingPiece:
         if dhat is not None and "gap" in body.mesh.faces:
             acting.append(MirrorContact("gap", "tip", dhat))
             acting.append(SelfContact("gap", dhat, starts_inactive=True))
-        self.terms = tuple(effect.bind(self.space, material) for effect in (*acting, *effects))
+        self.terms = tuple(effect.bind(self.space, laws_of(material)[""]) for effect in (*acting, *effects))
         self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
         self._shear_system: System | None = None

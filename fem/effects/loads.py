@@ -1,7 +1,7 @@
 """Loads: pressure that follows the surface, weight, and forces of constant direction; and the volume behind faces."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import final
 
 import numpy as np
@@ -91,18 +91,23 @@ def volume_gradient(faces: Faces, x: Array) -> Array:
 class Gravity(Effect):
     """Weight of the body: density in tonne/mm3, acceleration (3,) in mm/s2 at load factor 1.
 
+    regions: densities of regions of the mesh, by their names.
+
     With ramp=False it is applied in full from the first target on.
     """
 
     density: float
     acceleration: tuple[float, float, float] = (0.0, -9810.0, 0.0)
     ramp: bool = True
+    regions: Mapping[str, float] = field(default_factory=dict)
 
     def bind(self, space: Discretisation, material: Material) -> "DeadForceTerm":
         """The potential of the consistent nodal weights."""
-        mass = np.zeros(space.points.shape[0])
+        mass, density = np.zeros(space.points.shape[0]), np.full(space.nodes.shape[0], self.density)
+        for name, of_region in self.regions.items():
+            density[space.regions[name]] = of_region
         nodal = np.array(space.element.shape.nodal_weights)
-        np.add.at(mass, space.nodes, self.density * space.volume[:, None] * nodal)
+        np.add.at(mass, space.nodes, (density * space.volume)[:, None] * nodal)
         force = mass[:, None] * np.asarray(self.acceleration)
         return DeadForceTerm("gravity", force, constant_fraction=None if self.ramp else 0.0)
 

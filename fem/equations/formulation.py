@@ -25,7 +25,8 @@ from fem.discretisation import Discretisation
 from fem.elements import Volumetric
 from fem.equations.pattern import Pattern
 from fem.kernels.mixed import pressure_columns
-from fem.materials.material import Material, MaterialError, Response
+from fem.materials.material import MaterialError, Response
+from fem.materials.regions import Laws, Solid
 from geometry.arrays import Array, Index
 
 #: where in the pattern the columns of each element's pressures begin in the rows of its nodes, (e, 4 or 10, 0 or 4),
@@ -89,10 +90,10 @@ class Formulation(ABC):
         """Change of d Pi / d p (v,) with a change of the strains (e, q, 6)."""
 
 
-def formulation_of(space: Discretisation, material: Material) -> Formulation:
-    """The law on a discretisation, with pressure unknowns where it was made for them; raises `MaterialError`."""
-    mixed = space.element.volumetric is Volumetric.PRESSURE
-    return Mixed(space, material) if mixed else DisplacementOnly(space, material)
+def formulation_of(space: Discretisation, solid: Solid) -> Formulation:
+    """The laws on a discretisation, with pressure unknowns where it was made for them; raises `MaterialError`."""
+    laws = Laws.on(solid, space.regions, space.nodes.shape[0])
+    return Mixed(space, laws) if space.element.volumetric is Volumetric.PRESSURE else DisplacementOnly(space, laws)
 
 
 NO_PRESSURE = np.empty(0)
@@ -104,7 +105,7 @@ class DisplacementOnly(Formulation):
     """The volumetric part is evaluated at the displacement's strain: at all points, or at the centroid alone."""
 
     space: Discretisation
-    material: Material
+    laws: Laws
 
     @property
     def unknowns(self) -> int:
@@ -116,12 +117,12 @@ class DisplacementOnly(Formulation):
 
     def evaluate(self, strain: Array, pressure: Array) -> LawValues:
         if self.space.element.fully_integrated:
-            shear, volumetric = self.material.shear(strain), self.material.volumetric(strain)
+            shear, volumetric = self.laws.shear(strain), self.laws.volumetric(strain)
             energy, stress = shear.energy + volumetric.energy, shear.stress + volumetric.stress
             tangent = shear.tangent + volumetric.tangent
         else:
             points = self.space.element.shape.points
-            shear, volumetric = self.material.shear(strain[:, :points]), self.material.volumetric(strain[:, points:])
+            shear, volumetric = self.laws.shear(strain[:, :points]), self.laws.volumetric(strain[:, points:])
             energy = np.concatenate([shear.energy, volumetric.energy], axis=1)
             stress = np.concatenate([shear.stress, volumetric.stress], axis=1)
             tangent = np.concatenate([_per_point(shear, points), _per_point(volumetric, 1)], axis=1)
@@ -158,33 +159,49 @@ def _per_point(response: Response, points: int) -> Array:
 @final
 @dataclass(frozen=True)
 class Mixed(Formulation):
-    """Continuous linear pressure beside the quadratic displacement. Raises `MaterialError`."""
+    """Linear pressure beside the quadratic displacement, continuous within each material. Raises `MaterialError`.
+
+    Where two laws meet the pressure jumps, so that the vertices between them have one for each.
+    """
 
     space: Discretisation
-    material: Material
+    laws: Laws
 
     def __post_init__(self) -> None:
-        if not self.material.volumetric_modulus > 0:
-            raise MaterialError(
-                f"the mixed formulation needs a positive volumetric modulus, this law has "
-                f"{self.material.volumetric_modulus:g} MPa; take p2 or p2p0"
-            )
+        for law, _ in self.laws.parts:
+            if not law.volumetric_modulus > 0:
+                raise MaterialError(
+                    f"the mixed formulation needs a positive volumetric modulus, this law has "
+                    f"{law.volumetric_modulus:g} MPa; take p2 or p2p0"
+                )
 
     @cached_property
     def unknowns(self) -> int:
-        return int(self.space.vertices.max()) + 1
+        return int(self._pressures.max()) + 1
 
     @cached_property
     def element_unknowns(self) -> Index:
-        pressures = self.space.vertices + self.space.points.shape[0]
-        return np.concatenate([self.space.nodes, pressures], axis=1)
+        return np.concatenate([self.space.nodes, self._pressures + self.space.points.shape[0]], axis=1)
+
+    @cached_property
+    def _pressures(self) -> Index:
+        """(e, 4) numbers of the pressures at the vertices of each element."""
+        vertices, count = self.space.vertices, len(self.laws.parts)
+        if count == 1:
+            return vertices
+        _, number = np.unique(vertices * count + self.laws.part_of_element[:, None], return_inverse=True)
+        return np.ascontiguousarray(number.reshape(vertices.shape), dtype=np.int64)
+
+    @cached_property
+    def _modulus(self) -> Array | float:
+        """m of each element, (e, 1), MPa; one number where there is one law."""
+        return self.laws.per_element(lambda law: law.volumetric_modulus)
 
     def evaluate(self, strain: Array, pressure: Array) -> LawValues:
-        shear, theta = self.material.shear(strain), self.material.dilatation(strain)
+        shear, theta = self.laws.shear(strain), self.laws.dilatation(strain)
         pressures = self._pressure_at_points(pressure)
-        modulus = self.material.volumetric_modulus
         return LawValues(
-            shear.energy + pressures * (theta.value - 0.5 * pressures / modulus),
+            shear.energy + pressures * (theta.value - 0.5 * pressures / self._modulus),
             shear.stress + pressures[..., None] * theta.gradient,
             np.ascontiguousarray(shear.tangent + pressures[..., None, None] * theta.hessian)
             if theta.hessian.any()
@@ -194,13 +211,13 @@ class Mixed(Formulation):
         )
 
     def pressure_of(self, strain: Array) -> Array:
-        theta = self.material.dilatation(strain).value
-        scale = self.material.volumetric_modulus / self.material.shear_modulus
+        theta = self.laws.dilatation(strain).value
+        scale = self.laws.first.volumetric_modulus / self._pressure_unit
         return np.asarray(scale * self._mass_factor.solve(self._integrated(theta)))
 
     def pressure_residual(self, law_values: LawValues, change: Array, pressure: Array) -> Array:
         theta = law_values.dilatation + np.sum(law_values.dilatation_gradient * change, axis=-1)
-        theta = theta - self._pressure_at_points(pressure) / self.material.volumetric_modulus
+        theta = theta - self._pressure_at_points(pressure) / self._modulus
         return self._integrated(theta) * self._pressure_unit
 
     def stress_change(self, law_values: LawValues, pressure: Array) -> Array | float:
@@ -217,7 +234,7 @@ class Mixed(Formulation):
         space = self.space
         elements = space.arrays._replace(weight=self._pressure_unit * space.weight)
         gradient, matrix = law_values.dilatation_gradient, pattern.matrix(data)
-        pressure_columns(elements, displacement, space.vertex_shape, gradient, offsets[0], matrix)
+        pressure_columns(elements, self._pressures, displacement, space.vertex_shape, gradient, offsets[0], matrix)
         pattern.scatter(data, *self._compressibility, offsets[1])
 
     def pressure_coupling(self, law_values: LawValues, change: Array) -> Array:
@@ -226,24 +243,25 @@ class Mixed(Formulation):
     @property
     def _pressure_unit(self) -> float:
         """MPa per unit of the pressure unknowns."""
-        return self.material.shear_modulus
+        return self.laws.first.shear_modulus
 
     def _pressure_at_points(self, pressure: Array) -> Array:
         """(e, q) MPa."""
-        return self._pressure_unit * np.asarray(pressure[self.space.vertices] @ self.space.vertex_shape.T)
+        return self._pressure_unit * np.asarray(pressure[self._pressures] @ self.space.vertex_shape.T)
 
     def _integrated(self, values: Array) -> Array:
         """int N_v values dX (v,) of values (e, q)."""
         local = (values * self.space.weight) @ self.space.vertex_shape
-        integrals = np.bincount(self.space.vertices.ravel(), local.ravel(), minlength=self.unknowns)
+        integrals = np.bincount(self._pressures.ravel(), local.ravel(), minlength=self.unknowns)
         return np.asarray(integrals, dtype=float)
 
     @cached_property
     def _mass(self) -> sp.csr_matrix:
-        """(v, v) int N_v N_w dX, mm3."""
-        shape, vertices = self.space.vertex_shape, self.space.vertices
-        local = np.einsum("eq,qa,qb->eab", self.space.weight, shape, shape)
-        rows, columns = np.repeat(vertices, 4, axis=1), np.tile(vertices, (1, 4))
+        """(v, v) int N_v N_w dX, mm3, each element times the modulus m of the body over its own."""
+        shape, numbers = self.space.vertex_shape, self._pressures
+        weight = self.space.weight * (self.laws.first.volumetric_modulus / self._modulus)
+        local = np.einsum("eq,qa,qb->eab", weight, shape, shape)
+        rows, columns = np.repeat(numbers, 4, axis=1), np.tile(numbers, (1, 4))
         return sp.csr_matrix((local.ravel(), (rows.ravel(), columns.ravel())), shape=(self.unknowns,) * 2)
 
     @cached_property
@@ -251,7 +269,7 @@ class Mixed(Formulation):
         """Second derivative by the pressures, which is constant, as blocks of pairs of unknowns."""
         mass = sp.triu(self._mass, format="coo")
         blocks = np.zeros((mass.nnz, 3, 3))
-        blocks[:, 0, 0] = -(self._pressure_unit**2) / self.material.volumetric_modulus * mass.data
+        blocks[:, 0, 0] = -(self._pressure_unit**2) / self.laws.first.volumetric_modulus * mass.data
         first = self.space.points.shape[0]
         return mass.row.astype(np.int64) + first, mass.col.astype(np.int64) + first, blocks
 

@@ -15,7 +15,7 @@ from fem.equations.state import Assembly, Change, State
 from fem.equations.storage import TangentStorage
 from fem.kernels import element as kernels
 from fem.kernels.tangent import LawArrays, Product, tangent_matrix
-from fem.materials.material import Material
+from fem.materials.regions import Solid, laws_of
 from geometry.arrays import Array
 
 NO_INCREMENT = np.empty((0, 3))
@@ -31,7 +31,7 @@ class System:
     def __init__(
         self,
         space: Discretisation,
-        material: Material,
+        material: Solid,
         terms: Terms,
         constraints: Constraints,
         solver: LinearSolver,
@@ -106,7 +106,8 @@ class System:
         rotated bars of all laws they are at most a fifth of it.
         """
         rest = np.zeros((1, 6))
-        stiffness = float((self.material.shear(rest).tangent + self.material.volumetric(rest).tangent).max())
+        laws = laws_of(self.material).values()
+        stiffness = max(float((law.shear(rest).tangent + law.volumetric(rest).tangent).max()) for law in laws)
         size = (float(self.space.weight[:, self.space.shear_points].sum()) / self.space.nodes.shape[0]) ** (1 / 3)
         return float(4 * stiffness * size * np.finfo(float).eps * np.sqrt(self.space.points.shape[0]))
 

@@ -17,12 +17,19 @@ from geometry.arrays import Array, Index
 
 @njit(cache=True, parallel=True)
 def pressure_columns(
-    elements: ElementArrays, u: Array, shape: Array, dilatation: Array, offset: Index, matrix: ReducedMatrix
+    elements: ElementArrays,
+    pressures: Index,
+    u: Array,
+    shape: Array,
+    dilatation: Array,
+    offset: Index,
+    matrix: ReducedMatrix,
 ) -> None:
     """Add int (B(u)^T d theta / d E) N_m to the columns of the pressures m in the reduced upper triangle.
 
-    shape (q, 4) are the linear shape functions at the stress points, dilatation (e, q, v) or (1, 1, v) the derivative
-    d theta / d E, offset (e, a, 4) where the pressures' columns begin; pressure v is node n + v.
+    pressures (e, 4) are the numbers of the pressures, shape (q, 4) are the linear shape functions at the stress points,
+    dilatation (e, q, v) or (1, 1, v) the derivative d theta / d E, offset (e, a, 4) where the pressures' columns begin;
+    pressure v is node n + v.
     """
     colours, chunks, nodes = elements.colours, elements.chunks, elements.nodes
     inverse, reference, weight = elements.inverse, elements.reference, elements.weight
@@ -55,4 +62,4 @@ def pressure_columns(
                     for m in range(4):
                         for i in range(3):
                             block[i, 0] = k[a, i, m]
-                        scatter_block(matrix, block, nodes[e, a], first + nodes[e, m], offset[e, a, m])
+                        scatter_block(matrix, block, nodes[e, a], first + pressures[e, m], offset[e, a, m])

@@ -7,7 +7,7 @@ from fem.equations.system import System
 from fem.path.modes import critical_mode, stiffness_ratio_mode
 from fem.path.newton import Converged
 from fem.path.predictor import PathPoint
-from fem.post.extremes import extremes_of, outside_stable_range, position_text, strain_at_stress_points
+from fem.post.extremes import position_text, unstable_stretch
 
 #: fraction of the elastic stiffness that is left, where least is left, below which a path that ends is at a limit
 #: point; 0.2 % before the largest pressure of an arm of rubber it is 0.14
@@ -20,8 +20,7 @@ EARLY_LIMITS = {"p2p0": " (p2p0 elements are too soft and reach limit points up 
 
 def law_limit_clause(system: System, state: State) -> str:
     """A clause for a law that was driven out of its limits; empty otherwise."""
-    worst = extremes_of(system.space, *strain_at_stress_points(system.space, state.displacement))
-    clause = outside_stable_range(worst, system.material)
+    clause = unstable_stretch(system.space, state.displacement, system.material)
     return f"; there {clause}" if clause else ""
 
 

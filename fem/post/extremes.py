@@ -5,6 +5,7 @@ import numpy as np
 from fem.discretisation import Discretisation
 from fem.kernels.element import VOIGT, green_lagrange
 from fem.materials.material import Material
+from fem.materials.regions import ByRegion, Laws, Solid
 from fem.solution import Extremes
 from geometry.arrays import Array, Index
 
@@ -25,14 +26,17 @@ def principal_stretches(strain: Array) -> Array:
     return np.asarray(np.sqrt(np.maximum(np.linalg.eigvalsh(c), 0.0)))
 
 
-def extremes_of(space: Discretisation, strain: Array, jacobian: Array) -> Extremes:
-    """Extreme J and stretches over all stress points, with the element centres (mm) they belong to, from the
-    Green-Lagrange strain (e, q, 6) and det F (e, q)."""
+def extremes_of(
+    space: Discretisation, strain: Array, jacobian: Array, elements: Index | slice = slice(None)
+) -> Extremes:
+    """Extreme J and stretches over all stress points of some elements, with the element centres (mm) they belong to,
+    from the Green-Lagrange strain (e, q, 6) and det F (e, q)."""
+    strain, jacobian, vertices = strain[elements], jacobian[elements], space.vertices[elements]
     low, high = _candidates(strain)
     least, largest = principal_stretches(strain[low])[..., 0], principal_stretches(strain[high])[..., 2]
 
     def centre(element: int) -> tuple[float, float, float]:
-        x, y, z = space.points[space.vertices[element]].mean(axis=0)
+        x, y, z = space.points[vertices[element]].mean(axis=0)
         return float(x), float(y), float(z)
 
     return Extremes(
@@ -59,6 +63,20 @@ def _candidates(strain: Array) -> tuple[tuple[Index, ...], tuple[Index, ...]]:
     slack = 1e-12 * np.abs(mean).max()
     low, high = mean - 2 * size <= (mean - size).min() + slack, mean + 2 * size >= (mean + size).max() - slack
     return np.nonzero(low), np.nonzero(high)
+
+
+def unstable_stretch(space: Discretisation, displacement: Array, solid: Solid) -> str:
+    """A clause that names a stretch at displacements (n, 3) outside the stable range of a law, and its region; empty
+    where all are inside."""
+    strain, jacobian = strain_at_stress_points(space, displacement)
+    if not isinstance(solid, ByRegion):
+        return outside_stable_range(extremes_of(space, strain, jacobian), solid)
+    clauses = []
+    for law, elements in Laws.on(solid, space.regions, space.nodes.shape[0]).parts:
+        if clause := outside_stable_range(extremes_of(space, strain, jacobian, elements), law):
+            names = [name for name, other in solid.regions.items() if other == law and law != solid.body]
+            clauses.append(f"in the region {' and '.join(names)} {clause}" if names else clause)
+    return "; ".join(clauses)
 
 
 def outside_stable_range(extremes: Extremes, material: Material) -> str:

@@ -4,13 +4,13 @@ import numpy as np
 
 from fem.equations.formulation import formulation_of
 from fem.kernels.element import VOIGT
-from fem.materials.material import Material
+from fem.materials.regions import Solid
 from fem.post.extremes import principal_stretches, strain_at_stress_points
 from fem.solution import Step
 from geometry.arrays import Array
 
 
-def element_fields(step: Step, material: Material) -> dict[str, Array]:
+def element_fields(step: Step, material: Solid) -> dict[str, Array]:
     """Largest principal stretch (e,), J (e,) and Cauchy stress (e, 6; xx, yy, zz, xy, yz, xz; MPa), element means."""
     space = step.space
     strain, jacobian = strain_at_stress_points(space, step.displacement)

@@ -40,6 +40,10 @@ class PartitionedDesign(SymmetricDesign):
         return self.base / 2
 
     @property
+    def base_top(self) -> float:
+        return self.base
+
+    @property
     def pitch(self) -> float:
         return self.chamber_length + self.partition
 

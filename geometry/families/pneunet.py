@@ -100,6 +100,10 @@ class PneuNet(SymmetricDesign):
         return min(self.wall, self.side_wall, self.roof, self.base, self.strip)
 
     @property
+    def base_top(self) -> float:
+        return self.base
+
+    @property
     def outer_corners(self) -> bool:
         return True
 
@@ -123,12 +127,12 @@ class PneuNet(SymmetricDesign):
         def plates_and_block(
             start: float, stop: float, chamber: tuple[float, float], fillets: list[Fillet]
         ) -> list[list[Shape]]:
-            low, half = (start, 0.0, 0.0), self.base / 2
+            plate, bottom = self.base_plate(start, stop)
             return [
-                [Box(low, (stop, half, z))],
+                *plate,
                 [
-                    Box((start, half, 0), (stop, self.base + self.strip, z)),
-                    Box((chamber[0], half, 0), (chamber[1], ceiling, z)),
+                    Box((start, bottom, 0), (stop, self.base + self.strip, z)),
+                    Box((chamber[0], bottom, 0), (chamber[1], ceiling, z)),
                     *fillets,
                 ],
             ]

@@ -65,10 +65,8 @@ class Rectangular(PartitionedDesign):
         return min(self.partition, self.end_wall, self.base, self.side_wall, self.roof)
 
     def _bar(self, start: float, stop: float) -> list[list[Shape]]:
-        return [
-            [Box((start, 0, 0), (stop, self.base / 2, self.width / 2))],
-            [Box((start, self.base / 2, 0), (stop, self.height, self.width / 2))],
-        ]
+        plate, bottom = self.base_plate(start, stop)
+        return [*plate, [Box((start, bottom, 0), (stop, self.height, self.width / 2))]]
 
     def _cavity(self, start: float, stop: float) -> Box:
         return Box((start, self.base, 0), (stop, self.height - self.roof, self.width / 2 - self.side_wall))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import hypot, pi
 from typing import ClassVar, final
 
-from geometry.design import DesignError, check_less, check_numbers
+from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
 from geometry.families.partitioned import PartitionedDesign
 from geometry.meshing.shapes import Box, RoundBar, Shape
 
@@ -61,18 +61,17 @@ class Semicircular(PartitionedDesign):
         return min(self.wall, self.base, self.partition, self.end_wall)
 
     def _bar(self, start: float, stop: float) -> list[list[Shape]]:
-        return dome(start, stop, self.radius, self.base)
+        return dome(self, start, stop, self.radius, self.base)
 
     def _cavity(self, start: float, stop: float) -> Shape:
         return cavity(start, stop, self.radius - self.wall, self.base)
 
 
-def dome(start: float, stop: float, radius: float, base: float) -> list[list[Shape]]:
-    """The half z >= 0 of a base plate, cut at half its thickness, with a half disc on it; start <= x <= stop, in mm."""
-    return [
-        [Box((start, 0, 0), (stop, base / 2, radius))],
-        [Box((start, base / 2, 0), (stop, base, radius)), cavity(start, stop, radius, base)],
-    ]
+def dome(design: SymmetricDesign, start: float, stop: float, radius: float, base: float) -> list[list[Shape]]:
+    """The half z >= 0 of the base plate of a design, cut at half its thickness, with a half disc on it; start <= x <=
+    stop, in mm."""
+    (plate, bottom), disc = design.base_plate(start, stop), cavity(start, stop, radius, base)
+    return [*plate, [disc] if bottom == base else [Box((start, bottom, 0), (stop, base, radius)), disc]]
 
 
 def cavity(start: float, stop: float, radius: float, base: float) -> RoundBar:

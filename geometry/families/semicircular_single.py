@@ -43,6 +43,10 @@ class SemicircularSingle(SymmetricDesign):
         return self.base / 2
 
     @property
+    def base_top(self) -> float:
+        return self.base
+
+    @property
     def pitch(self) -> float:
         return nominal_cells(self.length - 2 * self.end_wall, self.radius)[1]
 
@@ -64,10 +68,10 @@ class SemicircularSingle(SymmetricDesign):
         middle = self.end_wall + pitch / 2
         edge = middle + pitch / 2
         inner = self.radius - self.wall
-        material = {"end": dome(0, middle, self.radius, self.base)}
+        material = {"end": dome(self, 0, middle, self.radius, self.base)}
         hollow = [cavity(self.end_wall, middle, inner, self.base)]
         if count > 1:
-            material["cell"] = dome(middle, edge, self.radius, self.base)
+            material["cell"] = dome(self, middle, edge, self.radius, self.base)
             hollow.append(cavity(middle, edge, inner, self.base))
         return Repetition(mesh_solid(Solid(material, {"cavity": hollow}), size, grading), middle, edge, 2 * (count - 1))
 

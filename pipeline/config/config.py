@@ -49,6 +49,11 @@ class Material:
         """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
         return LAWS[self.law](**self.constants)
 
+    def record(self) -> JsonObject:
+        """The law, its constants and the density, ready for JSON."""
+        constants = {name: _record(value) for name, value in self.constants.items()}
+        return {"law": self.law, **constants, "density_tonne_mm3": self.density_tonne_mm3}
+
 
 @dataclass(frozen=True)
 class AlongAxis:
@@ -234,7 +239,8 @@ class Config:
     name: str
     family: str
     design: Design
-    material: Material
+    material: Material  #: of the body, but for the regions below
+    materials: Mapping[str, Material]  #: of the regions that have one of their own, by name
     pressures_kPa: tuple[float, ...]  #: ascending
     experiments: tuple[str, ...]  #: II, III, and I where it is solved
     end: End
@@ -252,12 +258,10 @@ class Config:
         """Everything that decides the results, ready for JSON, with the keys of the YAML and their units."""
         special: dict[str, Json] = {
             "geometry": {"family": self.family, **_dimensions(self.design)},
-            "material": {
-                "law": self.material.law,
-                **{name: _record(value) for name, value in self.material.constants.items()},
-                "density_tonne_mm3": self.material.density_tonne_mm3,
-            },
+            "material": self.material.record(),
         }
+        if self.materials:
+            special["materials"] = {name: material.record() for name, material in self.materials.items()}
         sections = {key: _record(getattr(self, key)) for key in _SECTIONS}
         mesh = {key: value for key, value in asdict(self.mesh).items() if key != "chosen"}
         return {"name": self.name, **special, **sections, "mesh": _record(mesh)}
@@ -278,9 +282,20 @@ class Config:
 
     @property
     def mass_tonne(self) -> float | None:
-        """Mass of the solid; None without a density."""
+        """Mass of the solid; None without a density, also of one region."""
+        total, rest = 0.0, self.design.solid_volume
+        for name, material in self.materials.items():
+            if material.density_tonne_mm3 is None:
+                return None
+            total += material.density_tonne_mm3 * self.design.region_volumes[name]
+            rest -= self.design.region_volumes[name]
         density = self.material.density_tonne_mm3
-        return None if density is None else density * self.design.solid_volume
+        return None if density is None else density * rest + total
+
+    @property
+    def poisson_ratio(self) -> float:
+        """The largest one of all materials at small strain, which decides about locking."""
+        return max(material.built().poisson_ratio for material in (self.material, *self.materials.values()))
 
     def with_effect(self, effect: str, state: State) -> "Config":
         """The same with one effect switched; the element follows incompressibility."""
@@ -288,7 +303,7 @@ class Config:
         config = replace(self, effects=replace(self.effects, **{effect: switched}))
         if effect != "incompressibility":
             return config
-        element = automatic_element(self.material.built().poisson_ratio, None if state == "auto" else state == "on")
+        element = automatic_element(self.poisson_ratio, None if state == "auto" else state == "on")
         chosen = {key: why for key, why in self.mesh.chosen.items() if key != "formulation"}
         return replace(config, mesh=replace(self.mesh, formulation=element.name, chosen=chosen))
 
@@ -302,9 +317,8 @@ class Config:
         return replace(self, mesh=replace(self.mesh, size_mm=size_mm))
 
 
-_SECTIONS = tuple(
-    field.name for field in fields(Config) if field.name not in ("name", "family", "design", "material", "source")
-)
+_SPECIAL = ("name", "family", "design", "material", "materials", "source")
+_SECTIONS = tuple(field.name for field in fields(Config) if field.name not in _SPECIAL)
 
 
 def _record(value: Any) -> Json:

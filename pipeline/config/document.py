@@ -33,14 +33,17 @@ class Document:
                 return f"{self.override} {_dotted(given)}: {inside}{complaint}"
         return f"{self.path}: {_dotted(key)}: {complaint}"
 
-    def choice(self, key: tuple[str, str], allowed: tuple[str, ...]) -> str:
-        """The text at `section.name`, one of `allowed`. Raises InputError."""
-        section, name = key
-        if section not in self.content:
-            raise self.wrong((section,), f"is missing; for example '{section}: {{{name}: {allowed[0]}, ...}}'")
-        inside = self.content[section]
-        if not isinstance(inside, Mapping):
-            raise self.wrong((section,), f"must hold keys, for example '{section}: {{{name}: {allowed[0]}, ...}}'")
+    def choice(self, key: tuple[str, ...], allowed: tuple[str, ...]) -> str:
+        """The text at `section.name` or deeper, one of `allowed`. Raises InputError."""
+        *sections, name = key
+        inside: Any = self.content
+        for depth, section in enumerate(sections, start=1):
+            above, example = tuple(sections[:depth]), f"for example '{section}: {{{name}: {allowed[0]}, ...}}'"
+            if section not in inside:
+                raise self.wrong(above, f"is missing; {example}")
+            inside = inside[section]
+            if not isinstance(inside, Mapping):
+                raise self.wrong(above, f"must hold keys, {example}")
         if name not in inside:
             raise self.wrong(key, f"is missing; allowed: {', '.join(allowed)}")
         if inside[name] not in allowed:

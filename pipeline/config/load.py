@@ -3,7 +3,7 @@
 A refusal is one sentence for each thing that is wrong: `FILE: key: what is wrong; what is allowed`.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
@@ -28,7 +28,7 @@ from pipeline.config.config import (
 )
 from pipeline.config.document import Document, read_document
 from pipeline.config.schema import OWN, checked, own_design
-from pipeline.config.solid import check_stiffness, solid
+from pipeline.config.solid import check_stiffness, solids
 from pipeline.errors import InputError
 
 #: units at the end of the names of values; the keys of the YAML have none
@@ -49,16 +49,16 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
 
 def config_of(document: Document) -> Config:
     """The configuration that a document describes. Raises InputError as `load_config`."""
-    content, family, law = checked(document)
+    content, family, laws = checked(document)
     refusals: list[str] = []
-    material = _attempt(refusals, solid, document, content, law)
-    if material is not None:
-        _attempt(refusals, check_stiffness, document, material, content.pressures)
+    materials = _attempt(refusals, solids, document, content, laws)
+    if materials is not None:
+        _attempt(refusals, check_stiffness, document, materials[""], content.pressures)
     _attempt(refusals, _check_together, document, content)
-    design = _attempt(refusals, _design, document, content, family)
-    if design is None or material is None:
+    design = _attempt(refusals, _design, document, content, family, [name for name in laws if name])
+    if design is None or materials is None:
         raise InputError(*refusals)
-    mesh = _attempt(refusals, _mesh, document, content, design, material)
+    mesh = _attempt(refusals, _mesh, document, content, design, materials)
     effects = _attempt(refusals, _effects, document, design, content.effects)
     validation = _attempt(refusals, _validation, document, content, design.length)
     _attempt(refusals, _check_identification, document, content.identification, design.length)
@@ -68,7 +68,8 @@ def config_of(document: Document) -> Config:
         name=content.name,
         family=family,
         design=design,
-        material=material,
+        material=materials.pop(""),
+        materials=materials,
         pressures_kPa=content.pressures,
         experiments=content.experiments,
         end=_end(content.end),
@@ -117,7 +118,7 @@ def _effects(document: Document, design: Design, content: Any) -> Effects:
     return Effects(pressure, **{name: _section(kind, getattr(content, name)) for name, kind in others.items()})
 
 
-def _design(document: Document, content: Any, family: str) -> Design:
+def _design(document: Document, content: Any, family: str, regions: Sequence[str]) -> Design:
     values = {key: value for key, value in content.geometry if key != "family"}
     try:
         if family == OWN:
@@ -125,6 +126,7 @@ def _design(document: Document, content: Any, family: str) -> Design:
             design: Design = own_design(values["file"])(**values)
         else:
             design = FAMILIES[family](**values)
+        design = design.with_regions(regions)
     except DesignError as refused:
         raise _refused(document, refused, values) from None
     if isinstance(design, MeshFile) and content.accuracy is not None:
@@ -216,7 +218,7 @@ def _check_together(document: Document, content: Any) -> None:
         )
 
 
-def _mesh(document: Document, content: Any, design: Design, material: Material) -> MeshSettings:
+def _mesh(document: Document, content: Any, design: Design, materials: Mapping[str, Material]) -> MeshSettings:
     """The mesh as given, and as the program chooses it where it is not; AUTO where an accuracy decides the size."""
     keys, accuracy = content.mesh, content.accuracy is not None
     if isinstance(design, MeshFile):
@@ -225,9 +227,9 @@ def _mesh(document: Document, content: Any, design: Design, material: Material) 
     else:
         given, coarser = GivenMesh(keys.size, keys.formulation, getattr(keys, "grading", None)), keys.coarser
     state = content.effects.incompressibility.state
-    nu = material.built().poisson_ratio
+    nu = max(material.built().poisson_ratio for material in materials.values())
     try:
-        chosen = chosen_mesh(design, material.law, nu, None if state == "auto" else state == "on", given)
+        chosen = chosen_mesh(design, materials[""].law, nu, None if state == "auto" else state == "on", given)
         planned = accuracy and given.size_mm is None
         size = COARSEST * min(design.extent) if planned else chosen.size_mm
         if not isinstance(design, MeshFile):

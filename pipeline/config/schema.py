@@ -1,5 +1,6 @@
 """The shape of a configuration: which keys there are and of what kind each is (`pipeline.config.kinds`)."""
 
+from collections.abc import Mapping
 from dataclasses import MISSING, Field, fields
 from pathlib import Path
 from typing import Annotated, Any, get_type_hints
@@ -63,6 +64,8 @@ CONSTANTS: dict[Constant, Any] = {
 }
 #: the constant of a rubber law for which Poisson's ratio may be given
 BULK = "kappa"
+#: the section of the regions that have a material of their own
+MATERIALS = "materials"
 #: The family of a body that the user has drawn.
 OWN = "own"
 
@@ -158,25 +161,38 @@ class _Document(_Section):
     effects: _Effects = _Effects()
 
 
-def checked(document: Document) -> tuple[Any, str, str]:
-    """What `document` says, by keys with the numbers in mm, N, MPa and kPa; the family of its body and its law.
+def checked(document: Document) -> tuple[Any, str, dict[str, str]]:
+    """What `document` says, by keys with the numbers in mm, N, MPa and kPa; the family of its body, and its laws by the
+    region, that of the body with an empty name.
 
     Raises InputError.
     """
     refusals: list[str] = []
     family = _choice(document, ("geometry", "family"), (*FAMILIES, OWN), refusals)
-    law = _choice(document, ("material", "law"), tuple(LAWS), refusals)
-    model = _model(None if family is None else _design(family, document), law)
+    keys = {"": ("material", "law")} | {name: (MATERIALS, name, "law") for name in _regions(document, refusals)}
+    laws = {name: _choice(document, key, tuple(LAWS), refusals) for name, key in keys.items()}
+    model = _model(None if family is None else _design(family, document), laws)
     try:
         content = model.model_validate(document.content)
-        if family is not None and law is not None:
-            return content, family, law
+        found = {name: law for name, law in laws.items() if law is not None}
+        if family is not None and len(found) == len(laws) and not refusals:
+            return content, family, found
     except pydantic.ValidationError as refused:
         refusals += document.refusal(refused.errors(), model).sentences
     raise InputError(*refusals)
 
 
-def _choice(document: Document, key: tuple[str, str], allowed: tuple[str, ...], refusals: list[str]) -> str | None:
+def _regions(document: Document, refusals: list[str]) -> list[str]:
+    """The names of the regions with a material of their own; a refusal more where they are written in another way."""
+    regions = document.content.get(MATERIALS, {})
+    if isinstance(regions, Mapping) and all(isinstance(name, str) and name for name in regions):
+        return list(regions)
+    example = "'materials: {base: {law: svk, E: 5 MPa, nu: 0.495}}'"
+    refusals.append(document.sentence((MATERIALS,), f"must hold the names of regions, for example {example}"))
+    return []
+
+
+def _choice(document: Document, key: tuple[str, ...], allowed: tuple[str, ...], refusals: list[str]) -> str | None:
     """The name at a key; where it is none of those allowed, None and one more refusal."""
     try:
         return document.choice(key, allowed)
@@ -200,16 +216,24 @@ def own_design(file: str) -> type[CadFile] | type[MeshFile] | type[SurfaceFile]:
     return MeshFile if suffix in MESH_SUFFIXES else CadFile
 
 
-def _model(design: Any, law: str | None) -> type[pydantic.BaseModel]:
-    """The shape of a document about a body of the class `design` made of a solid that obeys `law`.
+def _model(design: Any, laws: Mapping[str, str | None]) -> type[pydantic.BaseModel]:
+    """The shape of a document about a body of the class `design` made of solids that obey `laws`, by region.
 
     Where one of them is None, anything may stand in its section.
     """
     geometry: Any = (Any, None) if design is None else (geometry_model(design), ...)
-    material: Any = (Any, None) if law is None else (material_model(law), ...)
+    kinds: dict[str, Any] = {
+        name: (Any, None) if law is None else (material_model(law), ...) for name, law in laws.items()
+    }
+    material = kinds.pop("")
+    regions: Any = (Any, None)
+    if kinds:
+        regions = (pydantic.create_model("Materials", __base__=_Section, **kinds), ...)
     section = {MeshFile: _ReadyMesh, SurfaceFile: _FilledMesh}.get(design, _Mesh)
     mesh: Any = (section, section())
-    return pydantic.create_model("Document", __base__=_Document, geometry=geometry, material=material, mesh=mesh)
+    return pydantic.create_model(
+        "Document", __base__=_Document, geometry=geometry, material=material, materials=regions, mesh=mesh
+    )
 
 
 def geometry_model(design: Any) -> Any:

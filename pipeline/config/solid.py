@@ -1,13 +1,14 @@
 """The material of a configuration: its constants, and whether its stiffness fits the pressures."""
 
 import re
+from collections.abc import Mapping
 from typing import Any
 
 import fem.materials
 from fem.materials import LAWS
 from pipeline.config.config import Material
 from pipeline.config.document import Document
-from pipeline.config.schema import BULK
+from pipeline.config.schema import BULK, MATERIALS
 from pipeline.errors import InputError
 
 #: the largest pressure over the initial Young's modulus with which a body is solved
@@ -17,40 +18,52 @@ SMALLEST_PRESSURE = 1e-3
 _GPA = re.compile(r"\s*\+?(\d+\.?\d*|\.\d+)\s*GPa\s*")
 
 
-def solid(document: Document, content: Any, law: str) -> Material:
-    """The material with all constants of its law, kappa from nu where nu is given. Raises InputError."""
-    given = {name: getattr(content.material, name) for name in LAWS[law].constants()}
+def solids(document: Document, content: Any, laws: Mapping[str, str]) -> dict[str, Material]:
+    """The material of the body, whose name is empty, and of each region, all of whose laws are given by name.
+
+    With all constants, kappa from nu where nu is given. Raises InputError.
+    """
+    return {
+        name: _solid(document, content, (MATERIALS, name) if name else ("material",), law) for name, law in laws.items()
+    }
+
+
+def _solid(document: Document, content: Any, key: tuple[str, ...], law: str) -> Material:
+    section = content
+    for name in key:
+        section = getattr(section, name)
+    given = {name: getattr(section, name) for name in LAWS[law].constants()}
     if BULK in given:
-        given[BULK] = _bulk_modulus(document, content.material, law, given)
-    material = Material(law, given, content.material.density)
-    initial_modulus(document, material)  # refuses constants that do not go together
+        given[BULK] = _bulk_modulus(document, key, section, law, given)
+    material = Material(law, given, section.density)
+    initial_modulus(document, material, key)  # refuses constants that do not go together
     if content.effects.gravity.state == "on" and material.density_tonne_mm3 is None:
-        raise document.wrong(("material", "density"), "is missing, and gravity needs it; for example 1130 kg/m^3")
+        raise document.wrong((*key, "density"), "is missing, and gravity needs it; for example 1130 kg/m^3")
     return material
 
 
-def _bulk_modulus(document: Document, section: Any, law: str, given: dict[str, Any]) -> float:
+def _bulk_modulus(document: Document, key: tuple[str, ...], section: Any, law: str, given: dict[str, Any]) -> float:
     """kappa in MPa as it is given, or from nu: 2 mu (1 + nu) / (3 (1 - 2 nu)) with the initial shear modulus mu."""
     if section.nu is None and section.kappa is None:
-        raise document.wrong(("material", BULK), "is missing; for example 'kappa: 20 MPa', or instead 'nu: 0.495'")
+        raise document.wrong((*key, BULK), "is missing; for example 'kappa: 20 MPa', or instead 'nu: 0.495'")
     if section.nu is None:
         return float(section.kappa)
     if section.kappa is not None:
-        raise document.wrong_together((("material", "nu"), ("material", BULK)), "give nu or kappa, not both")
+        raise document.wrong_together(((*key, "nu"), (*key, BULK)), "give nu or kappa, not both")
     try:
         others = {name: value for name, value in given.items() if name != BULK}
         return float(LAWS[law].from_uniaxial(others, section.nu).kappa)  # type: ignore[attr-defined]
     except fem.materials.MaterialError as failure:
-        raise InputError(f"{document.path}: material: {failure}") from None
+        raise InputError(f"{document.path}: {'.'.join(key)}: {failure}") from None
 
 
-def initial_modulus(document: Document, material: Material) -> float:
+def initial_modulus(document: Document, material: Material, key: tuple[str, ...] = ("material",)) -> float:
     """Young's modulus at small strain, MPa. Raises InputError for constants that the law cannot have together."""
     try:
         law = material.built()
         return 2.0 * law.shear_modulus * (1.0 + law.poisson_ratio)
     except fem.materials.MaterialError as failure:
-        raise InputError(f"{document.path}: material: {failure}") from None
+        raise InputError(f"{document.path}: {'.'.join(key)}: {failure}") from None
 
 
 def check_stiffness(document: Document, material: Material, pressures: tuple[float, ...]) -> None:

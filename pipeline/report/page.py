@@ -178,15 +178,20 @@ def _dimensions(run: Mapping[str, Any]) -> list[tuple[str, str]]:
     rows = [(name, value) for name, value in geometry.items() if not isinstance(value, float)]
     lengths = [f"{name.replace('_', ' ')} {number(v)}" for name, v in geometry.items() if isinstance(v, float)]
     rows += [("dimensions (mm)", ", ".join(lengths))] if lengths else []
-    constants = [
-        f"{name} = {_cell(v)}" for name, v in material.items() if isinstance(v, float | list) and "density" not in name
-    ]
-    law = f"law {material.get('law')}, {', '.join(constants)} (MPa; nu and alpha without unit)"
-    rows += [("material", law)] if material else []
+    rows += [("material", _law(material))] if material else []
+    rows += [(f"material of {name}", _law(other)) for name, other in (config.get("materials") or {}).items()]
     unknowns = max((run.get("degrees_of_freedom") or {"": 0}).values())
     size = f"{number(mesh['size_mm'])} mm, " if isinstance(mesh.get("size_mm"), float) else ""
     rows += [("mesh", f"{size}elements {mesh.get('formulation')}, {unknowns} unknowns")] if mesh else []
     return [(name, str(value)) for name, value in rows if value is not None]
+
+
+def _law(material: Mapping[str, Any]) -> str:
+    """A law with its constants."""
+    constants = [
+        f"{name} = {_cell(v)}" for name, v in material.items() if isinstance(v, float | list) and "density" not in name
+    ]
+    return f"law {material.get('law')}, {', '.join(constants)} (MPa; nu and alpha without unit)"
 
 
 def _pictures(results: Results, titles: Mapping[str, str]) -> list[_Picture]:

@@ -93,5 +93,5 @@ def _symmetry(scene: Scene) -> tuple[str, str]:
 
 
 def _incompressibility(config: Config) -> tuple[str, str]:
-    element, nu = ELEMENTS[config.mesh.formulation], config.material.built().poisson_ratio
+    element, nu = ELEMENTS[config.mesh.formulation], config.poisson_ratio
     return "off" if element.fully_integrated else "on", f"nu = {nu:.5g}: {element.summary}"

@@ -1,6 +1,9 @@
 """All pictures and fields of a run."""
 
-from geometry import Body
+import numpy as np
+
+from geometry import Body, Mesh
+from geometry.arrays import Array
 from pipeline.drawing.pictures import Colour, draw_body, draw_deformed, write_fields, write_series
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.surfaces import at_nodes, save_surfaces
@@ -27,9 +30,19 @@ def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
     store.save_json(_DRAWN, drawn)
 
 
+def region_field(mesh: Mesh) -> dict[str, Array]:
+    """The number of the region of each tetrahedron (m,), 0 where it has none; empty for a mesh without regions."""
+    if not mesh.regions:
+        return {}
+    number = np.zeros(len(mesh.tets))
+    for count, tets in enumerate(mesh.regions.values(), start=1):
+        number[tets] = count
+    return {"region": number}
+
+
 def _draw(body: Body, outcomes: Outcomes, store: Store) -> None:
     mesh = body.mesh
-    write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets)
+    write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets, region_field(mesh))
     draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half)
     if body.half:
         draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True)

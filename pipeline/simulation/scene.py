@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import fem
 from fem.elements import ELEMENTS, Volumetric
 from geometry import GRADINGS, Body, DesignError, MeshError, MeshFile, SurfaceFile
-from pipeline.config.config import AUTO, Config
+from pipeline.config.config import AUTO, Config, Material
 from pipeline.errors import InputError
 
 #: The name of outer faces that can meet, where the user names no others.
@@ -41,8 +41,8 @@ class Scene:
         return Scene(config, body.full() if whole else body)
 
     @property
-    def material(self) -> fem.Material:
-        """The law of the solid. Raises InputError as `material_of`."""
+    def material(self) -> fem.Solid:
+        """The law of the solid, or those of its regions. Raises InputError as `material_of`."""
         return material_of(self.config)
 
     @property
@@ -78,8 +78,9 @@ class Scene:
         effects = [*self._pressures(largest_MPa), *self._contacts()]
         if gravity.on:
             density = self.config.material.density_tonne_mm3
+            regions = {name: material.density_tonne_mm3 or 0.0 for name, material in self.config.materials.items()}
             assert density is not None  # the configuration refuses gravity without it
-            effects.append(fem.Gravity(density, gravity.acceleration_mm_s2, ramp=False))
+            effects.append(fem.Gravity(density, gravity.acceleration_mm_s2, ramp=False, regions=regions))
         return [*effects, *layer_in(self.body, self.config)]
 
     def _pressures(self, largest_MPa: float) -> list[fem.Effect]:
@@ -142,16 +143,25 @@ def _check_faces(config: Config, body: Body) -> None:
             )
 
 
-def material_of(config: Config) -> fem.Material:
-    """The law of the solid. Raises InputError for constants that the law cannot have together."""
+def material_of(config: Config) -> fem.Solid:
+    """The law of the solid, or those of its regions. Raises InputError for constants that a law cannot have
+    together."""
+    laws = {"": config.material} | dict(config.materials)
+    built = {name: _built(config, f"materials.{name}" if name else "material", law) for name, law in laws.items()}
+    body = built.pop("")
+    return fem.ByRegion(body, built) if built else body
+
+
+def _built(config: Config, key: str, material: Material) -> fem.Material:
     try:
-        law = config.material.built()
+        law = material.built()
     except fem.MaterialError as failure:
-        raise InputError(f"{config.source}: material: {failure}") from None
+        raise InputError(f"{config.source}: {key}: {failure}") from None
     formulation = config.mesh.formulation
     if ELEMENTS[formulation].volumetric is Volumetric.PRESSURE and law.volumetric_modulus <= 0:
+        where = "" if key == "material" else f" in {key}"
         raise InputError(
             f"{config.source}: mesh.formulation: {formulation} needs a law that resists a change of volume by more "
-            f"than shear does; its volumetric modulus here is {law.volumetric_modulus:g} MPa; write p2 or p2p0"
+            f"than shear does; its volumetric modulus here is {law.volumetric_modulus:g} MPa{where}; write p2 or p2p0"
         )
     return law

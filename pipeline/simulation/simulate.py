@@ -191,7 +191,7 @@ def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Seque
 
 
 def _record(
-    experiment: fem.Experiment, case: LoadCase, pressure_kPa: float, step: fem.Step, material: fem.Material
+    experiment: fem.Experiment, case: LoadCase, pressure_kPa: float, step: fem.Step, material: fem.Solid
 ) -> Record:
     force = experiment.end_force(step)
     curve = experiment.centreline(step)
@@ -207,11 +207,11 @@ def _record(
     )
 
 
-def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, material: fem.Material) -> StateSummary:
+def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, material: fem.Solid) -> StateSummary:
     end, force, clamp = experiment.end(step), experiment.end_force(step), experiment.clamp_force(step)
     error = fem.stress_error(step, material)
     air = sum(step.cavity_volume(name) for name in experiment.body.cavities[:1])
-    remarks = (fem.outside_stable_range(step.extremes, material), step.instability)
+    remarks = (fem.unstable_stretch(step.space, step.displacement, material), step.instability)
     return StateSummary(
         experiment=experiment.name,
         pressure_kPa=pressure_kPa,

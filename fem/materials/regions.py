@@ -1,0 +1,122 @@
+"""A body of several materials: a law for each region of the mesh, evaluated for the elements of that region."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import final
+
+import numpy as np
+
+from fem.materials.material import Dilatation, Material, MaterialError, Response
+from geometry.arrays import Array, Index
+
+
+@final
+@dataclass(frozen=True)
+class ByRegion:
+    """A law for the body, and others for some regions of its mesh (`geometry.Mesh.regions`) by their names.
+
+    Raises `MaterialError` where no region is named.
+    """
+
+    body: Material
+    regions: Mapping[str, Material]
+
+    def __post_init__(self) -> None:
+        if not self.regions:
+            raise MaterialError("a body of several materials needs at least one region with a law of its own")
+
+
+#: what a body can be made of
+Solid = Material | ByRegion
+
+
+def laws_of(solid: Solid) -> dict[str, Material]:
+    """All laws by the name of their region, that of the body first, whose name is empty."""
+    return {"": solid.body, **solid.regions} if isinstance(solid, ByRegion) else {"": solid}
+
+
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Laws:
+    """The laws of the elements of a mesh: each for some elements. Elements are the first axis of all arrays.
+
+    Regions with equal laws are one part.
+    """
+
+    parts: tuple[tuple[Material, Index], ...]  #: laws with the numbers (m,) of their elements
+    elements: int
+
+    @classmethod
+    def on(cls, solid: Solid, regions: Mapping[str, Index], elements: int) -> "Laws":
+        """The laws on a mesh whose regions have these elements.
+
+        Raises `MaterialError` for a region that the mesh does not have.
+        """
+        if not isinstance(solid, ByRegion):
+            return cls(((solid, np.arange(elements)),), elements)
+        of_element = np.zeros(elements, dtype=np.int64)
+        laws = [solid.body]
+        for name, law in solid.regions.items():
+            if name not in regions:
+                known = ", ".join(sorted(regions)) or "no regions"
+                raise MaterialError(f"the mesh has no region {name!r}; it has {known}")
+            if law not in laws:
+                laws.append(law)
+            of_element[regions[name]] = laws.index(law)
+        members = [(law, np.flatnonzero(of_element == number)) for number, law in enumerate(laws)]
+        return cls(tuple((law, elements) for law, elements in members if len(elements)), elements)
+
+    @property
+    def first(self) -> Material:
+        """The law of the body."""
+        return self.parts[0][0]
+
+    @cached_property
+    def part_of_element(self) -> Index:
+        """(e,) number of the part of each element."""
+        number = np.empty(self.elements, dtype=np.int64)
+        for part, (_, members) in enumerate(self.parts):
+            number[members] = part
+        return number
+
+    def per_element(self, value: Callable[[Material], float]) -> Array | float:
+        """A number of the law of each element, (e, 1); one number where there is one law."""
+        if len(self.parts) == 1:
+            return value(self.first)
+        return np.array([value(law) for law, _ in self.parts])[self.part_of_element][:, None]
+
+    def shear(self, strain: Array) -> Response:
+        """Response of the shear part to strain (e, q, 6)."""
+        return self._response(strain, lambda law, strain: law.shear(strain))
+
+    def volumetric(self, strain: Array) -> Response:
+        """Response of the volumetric part to strain (e, q, 6)."""
+        return self._response(strain, lambda law, strain: law.volumetric(strain))
+
+    def dilatation(self, strain: Array) -> Dilatation:
+        """theta at strain (e, q, 6)."""
+        if len(self.parts) == 1:
+            return self.first.dilatation(strain)
+        parts = [law.dilatation(strain[members]) for law, members in self.parts]
+        return Dilatation(
+            self._joined([part.value for part in parts], strain.shape[1:2]),
+            self._joined([part.gradient for part in parts], (strain.shape[1], 6)),
+            self._joined([part.hessian for part in parts], (strain.shape[1], 6, 6)),
+        )
+
+    def _response(self, strain: Array, evaluate: Callable[[Material, Array], Response]) -> Response:
+        if len(self.parts) == 1:
+            return evaluate(self.first, strain)
+        parts = [evaluate(law, strain[members]) for law, members in self.parts]
+        return Response(
+            self._joined([part.energy for part in parts], strain.shape[1:2]),
+            self._joined([part.stress for part in parts], (strain.shape[1], 6)),
+            self._joined([part.tangent for part in parts], (strain.shape[1], 6, 6)),
+        )
+
+    def _joined(self, values: list[Array], shape: tuple[int, ...]) -> Array:
+        """(e, *shape) from the values of each part, which may be the same for all its elements and points."""
+        joined = np.empty((self.elements, *shape))
+        for (_, members), value in zip(self.parts, values, strict=True):
+            joined[members] = value
+        return joined
