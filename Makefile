@@ -9,9 +9,13 @@ READY := .venv/.ready
 PEERS := .venv-peers
 # those with the longest points first
 paper_sweeps := cells lengths heights arms pneunet contact forces
+# designs drawn at random: their seed, how many, and the law of the rod
+SEED := 7
+N := 40
+LAW := both
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy scaling
-.PHONY: help setup $(all_targets) test slow hard fuzz kills wheel examples lint types docs doctor bench-peers clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen wheel examples lint types docs doctor bench-peers clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -86,6 +90,9 @@ fuzz: $(READY)  ## two thousand valid and invalid configurations: each is meshed
 
 kills: $(READY)  ## fifty runs killed at random times and continued, compared with uninterrupted runs
 	@$(BIN)/python benchmarks/kills.py
+
+unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run, checked and sorted by their outcome; a table of the outcomes
+	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --law $(LAW) --page docs
 
 wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
 	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py

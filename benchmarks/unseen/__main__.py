@@ -1,0 +1,101 @@
+"""A campaign over designs drawn at random: each is run as users run theirs, checked, and sorted by its outcome.
+
+    make unseen SEED=1 N=4
+    python -m benchmarks.unseen --seed 1 --count 4 [--first 2] [--finer 8] [--limit 400] [--law both] [--page docs]
+
+Each design has a folder below results/unseen with its configuration, its results and outcome.json; what is
+finished is kept, so that the same command continues an interrupted campaign. A stage of a design that needs more CPU
+seconds than the limit is recorded as too slow. After each design the page is written into the folder of the campaign,
+and at the end into that of --page with its histogram; --stored writes it from what is there. Seeds 1 to 3 are for
+finding and mending defects, so they are not reported: --page is not for them.
+"""
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from benchmarks.unseen.designs import Drawn, drawn
+from benchmarks.unseen.histogram import draw
+from benchmarks.unseen.page import write_page
+from benchmarks.unseen.sorting import ERROR, NO_LIMIT, TRACEBACK, WRONG, outcome, rod_errors
+from benchmarks.unseen.work import LIMIT, kept, outcome_of
+from pipeline.config.config import LAW_CHOICES
+
+#: seeds with which the program was mended
+MENDING = (1, 2, 3)
+
+
+def sample(count: int, wanted: int) -> set[int]:
+    """Numbers of the designs that are solved on a finer mesh too, evenly over all of them."""
+    wanted = min(wanted, count)
+    return {k * count // wanted for k in range(wanted)} if wanted else set()
+
+
+def with_law(designs: Sequence[Drawn], law: str) -> list[Drawn]:
+    """The designs with the law of the rod in their configurations, unless it is the default."""
+    if law == "both":
+        return list(designs)
+    return [replace(design, document={**design.document, "law": law}) for design in designs]
+
+
+def campaign(given: argparse.Namespace, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """What the page is written from."""
+    settings = {"seed": given.seed, "drawn": given.count, "limit": given.limit, "law": given.law}
+    return {**settings, "commit": _commit(), "records": list(records)}
+
+
+def _commit() -> str:
+    done = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
+    return done.stdout.strip() or "unknown"
+
+
+def main() -> int:
+    """0 where no design is wrong and none met an error of the program."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--count", type=int, required=True, help="designs to draw")
+    parser.add_argument("--first", type=int, help="run only so many of them, in their order")
+    parser.add_argument("--results", type=Path, default=Path("results/unseen"))
+    parser.add_argument("--limit", type=float, default=LIMIT, help="CPU seconds of a stage of a design")
+    parser.add_argument("--finer", type=int, default=8, help="how many designs are solved on a finer mesh too")
+    parser.add_argument("--law", choices=LAW_CHOICES, default="both", help="law of the rod, as in a configuration")
+    parser.add_argument("--page", type=Path, help="folder into which unseen.md and unseen.json are written as well")
+    parser.add_argument("--stored", action="store_true", help="solve nothing; write the page from what is stored")
+    given = parser.parse_args()
+    if given.page and given.seed in MENDING:
+        sys.stdout.write(
+            f"seed {given.seed} is for mending the program; its page is written beside its results alone\n"
+        )
+        given.page = None
+    folder = given.results / f"{given.seed}_of_{given.count}_{given.law}"
+    finer = sample(given.first or given.count, given.finer)
+    records: list[dict[str, Any]] = []
+    for design in with_law(drawn(given.seed, given.count)[: given.first], given.law):
+        place = folder / design.name
+        record = kept(place) if given.stored else outcome_of(design, place, given.limit, design.number in finer)
+        if record is None:
+            continue
+        records.append(record)
+        spent = sum(record["seconds"].values())
+        sys.stdout.write(f"{design.number:3d} {outcome(record)}, {spent:.0f} s: {design.words} {record['reason']}\n")
+        sys.stdout.flush()
+        _write(folder, campaign(given, records))
+    if given.page and records:
+        _write(given.page, campaign(given, records))
+    results = {outcome(record) for record in records}
+    return int(bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records))
+
+
+def _write(folder: Path, content: dict[str, Any]) -> None:
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "pictures").mkdir(exist_ok=True)
+    draw(rod_errors(content["records"]), folder / "pictures" / "unseen.png")
+    write_page(folder, content)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

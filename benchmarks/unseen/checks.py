@@ -1,0 +1,185 @@
+"""Checks that can tell a wrong state: each compares it with a number that another way leads to.
+
+On experiment II, whose end is free: other load steps and the balance of work at the highest pressure that was reached,
+the whole body instead of its half and other elements on the same mesh at the lowest.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from math import nan
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import BPoly
+
+import fem
+from fem.effects.loads import enclosed_volume, volume_gradient
+from fem.elements import ELEMENTS
+from pipeline.config.config import Config
+from pipeline.context import RunContext
+from pipeline.errors import InputError, RunFailed
+from pipeline.progress import Silent
+from pipeline.simulation.loadcase import LoadCase, schedule
+from pipeline.simulation.outcome import Record
+from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import simulate
+from pipeline.store.store import open_store
+
+#: the checks in their order, with the largest difference that is no error. Steps and half: the difference of the end's
+#: position over the length, as in `make hard`.
+#: Work: over the work; the quadrature over four pressures has 0.1 to 0.3 %. Elements: the difference of the end's
+#: displacement over that displacement, or over a twentieth of the length where it moves less; elements of lower order
+#: are too soft by up to 20 % on such meshes (README, limits)
+ALLOWED = {"load steps": 1e-5, "work": 0.01, "half and whole": 1e-5, "other elements": 0.2}
+#: displacement of the end over the length below which the difference of elements is judged by this one
+SMALL = 0.05
+#: a pressure near rest, over the lowest one
+NEAR_REST = 0.02
+#: elements that are compared with each element; without a difference at the volumetric part that of lower order
+OTHER = {"mixed": "p2p0", "p2p0": "mixed", "p2": "mixed"}
+
+
+@dataclass(frozen=True)
+class Check:
+    """A number of a state and what another way gives for it."""
+
+    name: str  #: one of ALLOWED
+    pressure_kPa: float
+    value: float  #: the difference, as in ALLOWED; NaN where it could not be made
+    note: str = ""  #: why it could not be made
+
+    @property
+    def made(self) -> bool:
+        """Whether there is something to compare."""
+        return bool(np.isfinite(self.value))
+
+    @property
+    def passed(self) -> bool:
+        """Whether the difference is allowed. A check that was not made has not passed."""
+        return self.made and self.value <= ALLOWED[self.name]
+
+    @property
+    def failed(self) -> bool:
+        """Whether it says that the state is wrong."""
+        return self.made and not self.passed
+
+    def record(self) -> dict[str, Any]:
+        """For a JSON file, which has no NaN."""
+        return {**asdict(self), "value": self.value if self.made else None}
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> "Check":
+        """From a JSON file."""
+        value = nan if record["value"] is None else record["value"]
+        return cls(record["name"], record["pressure_kPa"], value, record["note"])
+
+
+def checks_of(config: Config, reached: Sequence[Record], folder: Path) -> tuple[Check, ...]:
+    """All checks of the states of II that a run has reached; none where it has reached none."""
+    if not reached:
+        return ()
+    low, high = reached[0], reached[-1]
+    ways: tuple[tuple[tuple[str, ...], Record, Callable[..., tuple[float, ...]]], ...] = (
+        (("load steps", "work"), high, _steps_and_work),
+        (("half and whole",), low, _whole),
+        (("other elements",), low, _other_elements),
+    )
+    found: list[Check] = []
+    for names, state, way in ways:
+        try:
+            values, note = way(config, state, folder), ""
+        except (InputError, RunFailed, fem.NotConverged, _NotSolved) as failure:
+            values, note = (nan,) * len(names), str(failure)
+        found += [Check(name, state.pressure_kPa, v, note) for name, v in zip(names, values, strict=True)]
+    return tuple(found)
+
+
+class _NotSolved(Exception):
+    """The other way did not lead to the pressure."""
+
+
+def _steps_and_work(config: Config, state: Record, folder: Path) -> tuple[float, float]:
+    """The same pressure by twice as many steps at least, and the work of the pressure along them."""
+    below = [p for p in config.pressures_kPa if p <= state.pressure_kPa]
+    between = (0.5 * (a + b) for a, b in zip([0.0, *below], below, strict=False))
+    # the first gives the slope near rest
+    path = sorted({NEAR_REST * below[0], *below, *between})
+    scene = Scene.meshed(config)
+    model, steps = followed(scene, [p / config.pressures_kPa[-1] for p in path])
+    end = fem.Experiment.of("II", scene.body, 0.0).end(steps[-1])
+    difference = _moved(tuple(map(float, end[:2])), state) / config.design.length
+    return difference, work_difference(model, steps, config.pressures_kPa[-1] / 1000.0, scene.body.cavities[0])
+
+
+def followed(scene: Scene, factors: Sequence[float]) -> tuple[fem.Model, Sequence[fem.Step]]:
+    """Experiment II at load factors, without a run's knowledge of limits. Raises `fem.NotConverged`."""
+    experiment = fem.Experiment.of("II", scene.body, 0.0)
+    effects = scene.effects(scene.config.pressures_kPa[-1] / 1000.0)
+    model = experiment.model(scene.material, effects, scene.config.mesh.formulation)
+    return model, fem.follow(model, factors).steps
+
+
+def work_difference(model: fem.Model, steps: Sequence[fem.Step], pressure_MPa: float, cavity: str) -> float:
+    """The stored energy of the last step less the work of the pressure along all of them, over that work.
+
+    The work is the integral of p dV = [p V] - integral of V dp; V(p) has the values and the slopes of all steps. The
+    energy is that of the elements, with the potential of contact. The end is free, so no other force works.
+    """
+    system = model.system()
+    try:
+        last, pressures, volumes = steps[-1], [0.0], [[_volume_at_rest(model, cavity)]]
+        for step in steps:
+            slope = [] if step.rate is None else [_volume_rate(step, cavity)]
+            pressures.append(step.factor)
+            volumes.append([step.cavity_volume(cavity), *slope])
+        below = float(BPoly.from_derivatives(pressures, volumes).integrate(0.0, last.factor))
+        work = pressure_MPa * (last.factor * volumes[-1][0] - below)
+        active = tuple(term for term, on in zip(system.terms, last.active, strict=True) if on)
+        # without a load factor the pressure has no potential, and what is left is stored in the body
+        stored = system.energy(last.displacement, 0.0, active)
+        return abs(stored - work) / abs(work)
+    finally:
+        system.solver.close()
+
+
+def _volume_at_rest(model: fem.Model, cavity: str) -> float:
+    return enclosed_volume(model.space.surface(cavity), model.space.points)
+
+
+def _volume_rate(step: fem.Step, cavity: str) -> float:
+    """mm3 per load factor."""
+    assert step.rate is not None
+    gradient = volume_gradient(step.space.surface(cavity), step.positions)
+    return float(np.vdot(gradient, step.rate.displacement)) / step.rate.factor
+
+
+def _whole(config: Config, state: Record, folder: Path) -> tuple[float]:
+    """The whole body without its plane of symmetry."""
+    other = _solved(config.with_effect("symmetry", "off"), state.pressure_kPa, folder / "whole")
+    return (_moved(other.summary.end_mm, state) / config.design.length,)
+
+
+def _other_elements(config: Config, state: Record, folder: Path) -> tuple[float]:
+    """Other elements on the same mesh."""
+    other_name = OTHER[ELEMENTS[config.mesh.formulation].name]
+    mesh = replace(config.mesh, formulation=other_name)
+    other = _solved(replace(config, mesh=mesh), state.pressure_kPa, folder / other_name)
+    rest = (config.design.length, config.design.curve_y)
+    displacement = float(np.hypot(*np.subtract(state.summary.end_mm, rest)))
+    return (_moved(other.summary.end_mm, state) / max(displacement, SMALL * config.design.length),)
+
+
+def _solved(config: Config, pressure_kPa: float, folder: Path) -> Record:
+    """Experiment II of a changed configuration at one pressure, in one step from rest."""
+    case = LoadCase("II", "II", schedule(config, (pressure_kPa,)), config.end)
+    with open_store(folder, config) as store:
+        outcome = simulate(Scene.meshed(config), RunContext(store, 1, Silent()), [case])["II"]
+    if outcome.failure:
+        raise _NotSolved(outcome.failure.reason)
+    return outcome.records[0]
+
+
+def _moved(end_mm: tuple[float, ...], state: Record) -> float:
+    """Distance (mm) between the ends of two states."""
+    return float(np.hypot(*np.subtract(end_mm, state.summary.end_mm)))

@@ -1,0 +1,312 @@
+"""docs/unseen.md from the records of the designs; unseen.json beside it holds them, to write the page again."""
+
+import json
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from math import degrees
+from pathlib import Path
+from statistics import median
+from string import Template
+from textwrap import fill
+from typing import Any
+
+from benchmarks.peers.page import table
+from benchmarks.unseen import designs
+from benchmarks.unseen.checks import ALLOWED
+from benchmarks.unseen.sorting import (
+    EARLY,
+    GOOD_MESHES,
+    GOOD_STATES,
+    MESH_ERROR,
+    OUTCOMES,
+    TOO_SLOW,
+    TRACEBACK,
+    WRONG,
+    States,
+    checks_in,
+    has_numbers,
+    outcome,
+    rod_errors,
+    states_of,
+    within_mesh_error,
+)
+
+TEMPLATE = Path(__file__).with_name("page.md")
+WIDTH = 118  #: characters of a line
+
+Record = Mapping[str, Any]
+#: why there is no law of the arm where a configuration asks for the five parameters alone
+SWITCHED_OFF = "switched off in the config"
+#: names of the three numbers in the records, and as they are written
+NUMBERS = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
+
+
+def write_page(folder: Path, campaign: Record) -> None:
+    """Write unseen.json and unseen.md into a folder."""
+    text = json.dumps(campaign, indent=1, ensure_ascii=False) + "\n"
+    (folder / "unseen.json").write_text(text, encoding="utf-8")
+    (folder / "unseen.md").write_text(page(json.loads(text)), encoding="utf-8")
+
+
+def page(campaign: Record) -> str:
+    """The page of a campaign: {seed, drawn, limit, law, commit, records}."""
+    records = campaign["records"]
+    return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
+        seed=campaign["seed"],
+        drawn=campaign["drawn"],
+        rod_law=campaign["law"],
+        provenance=fill(_provenance(campaign), WIDTH),
+        law=fill(_law(campaign["law"]), WIDTH),
+        modulus=_range(designs.MODULUS),
+        poisson=f"{designs.POISSON[0][0]:g} to {designs.POISSON[1][1]:g}",
+        size=_range(designs.SIZE),
+        cells=f"{min(designs.CELLS)} to {max(designs.CELLS)}",
+        load=_range(designs.LOAD),
+        limit=f"{campaign['limit']:g}",
+        targets=_targets(records),
+        outcomes=_outcomes(records),
+        sums=_sums(records),
+        table=_table(records),
+        rods=fill(_rods(records), WIDTH),
+        limits=_limits(records),
+        other=_other(records),
+        checks=_checks(records),
+        unmade=_unmade(records),
+        mesh=_mesh(records),
+    )
+
+
+def _range(limits: tuple[float, float]) -> str:
+    return f"{limits[0]:g} to {limits[1]:g}"
+
+
+def _provenance(campaign: Record) -> str:
+    records = campaign["records"]
+    seconds = sorted(sum(record["seconds"].values()) for record in records)
+    of_run = sorted(record["seconds"].get("run", 0.0) for record in records)
+    run, drawn = len(records), campaign["drawn"]
+    part = f"{run} designs" if run == drawn else f"The first {run} of {drawn} designs"
+    return (
+        f"{part} of seed {campaign['seed']}, commit {campaign['commit']}. CPU time of a run on one thread: "
+        f"median {median(of_run):.0f} s, largest {of_run[-1]:.0f} s; with the checks, all designs together "
+        f"{sum(seconds) / 60:.0f} minutes."
+    )
+
+
+def _law(law: str) -> str:
+    if law == "both":
+        return "Each design is run with the default law of the rod, that is with both laws."
+    names = {"five": "the five parameters alone", "cell": "the arm's own law alone"}
+    return (
+        f"Each design is run with `law: {law}`: {names[law]}. The default is both laws; the arm's own law takes most "
+        "of the time of a run and has a table of random designs of its own ([cell](cell.md))."
+    )
+
+
+def _targets(records: Sequence[Record]) -> str:
+    counts = Counter(outcome(record) for record in records)
+    bad = counts[WRONG] + counts[TRACEBACK] + counts[TOO_SLOW]
+    states = sum((states_of(record) for record in records), States(0, 0, 0, 0))
+    numbers = sum(has_numbers(record) for record in records)
+    measured = [good for record in records if (good := within_mesh_error(record)) is not None]
+    of_mesh = f"{sum(measured)} of {len(measured)}" if measured else "not measured"
+    rows = [
+        ["designs that end wrong, with an error of the program, or not in time", "none", str(bad), bad == 0],
+        [
+            "states solved or beyond a limit that a second way confirms",
+            _percent(GOOD_STATES),
+            _percent(states.good),
+            states.good >= GOOD_STATES,
+        ],
+        ["designs with numbers or an early refusal", "all", f"{numbers} of {len(records)}", numbers == len(records)],
+        [
+            f"designs of the sample with κ₀, α₂ and F within {100 * MESH_ERROR:g} % of the limit of the mesh",
+            "nine of ten",
+            of_mesh,
+            bool(measured) and sum(measured) >= GOOD_MESHES * len(measured),
+        ],
+    ]
+    return table(
+        ["", "asked for", "found", "met"], [[*map(str, row[:3]), "yes" if row[3] else "**no**"] for row in rows]
+    )
+
+
+def _outcomes(records: Sequence[Record]) -> str:
+    counts = Counter(outcome(record) for record in records)
+    return table(["outcome", "designs"], [[name, str(counts[name])] for name in OUTCOMES])
+
+
+def _sums(records: Sequence[Record]) -> str:
+    states = sum((states_of(record) for record in records), States(0, 0, 0, 0))
+    numbers = sum(has_numbers(record) for record in records)
+    early = sum(outcome(record) == EARLY for record in records)
+    sentences = (
+        f"States (experiments I, II and III at both pressures): {states.solved} of {states.all} are solved, "
+        f"{states.beyond} are beyond a limit that a second way confirms, {states.not_confirmed} are not reached "
+        f"without such a confirmation or belong to a wrong design, {states.not_tried} belong to designs that did not "
+        f"end: {_percent(states.good)} are solved or beyond a confirmed limit.",
+        f"Numbers (five parameters or the arm's own law) or an early refusal: {numbers} of {len(records)} designs, "
+        f"{early} of them refused.",
+    )
+    return "\n\n".join(fill(sentence, WIDTH) for sentence in sentences)
+
+
+def _table(records: Sequence[Record]) -> str:
+    head = [
+        "no.",
+        "design",
+        "p V/(E V)",
+        "elements",
+        "unknowns",
+        "outcome",
+        "states",
+        "κ₀l at the lower pressure, degrees",
+    ]
+    head += ["five parameters", "own law", "shape error", "force error", "CPU s"]
+    return table(head, [_row(record) for record in records])
+
+
+def _row(record: Record) -> list[str]:
+    states = states_of(record)
+    errors = rod_errors([record])
+    turn = record.get("turn_rad")
+    return [
+        str(record["number"]),
+        record["words"],
+        f"{record['load']:.4f}",
+        record.get("elements", ""),
+        str(record.get("unknowns", "")),
+        outcome(record),
+        f"{states.solved} of {states.all}" if states.all else "",
+        "" if turn is None else f"{degrees(turn):.1f}",
+        f"{len(record.get('five_at_kPa', ()))} of {len(record['pressures_kPa'])} pressures",
+        "yes" if record.get("has_arm_law") else "no",
+        *(_percent(errors[name][0]) if errors[name] else "" for name in ("shape", "force")),
+        f"{sum(record['seconds'].values()):.0f}",
+    ]
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.2g} %" if abs(value) < 0.995 else f"{100 * value:.0f} %"
+
+
+def _rods(records: Sequence[Record]) -> str:
+    sentences = []
+    for name, errors in rod_errors(records).items():
+        if errors:
+            small = {"shape": 0.03, "force": 0.10}[name]
+            sentences.append(
+                f"{name.capitalize()} error: median {_percent(median(errors))}, largest {_percent(max(errors))}, below "
+                f"{_percent(small)} on {sum(error < small for error in errors)} of {len(errors)} designs."
+            )
+    chosen = Counter(record["rod"]["rod"] for record in records if record.get("rod"))
+    if chosen:
+        sentences.append(
+            "Recommended rod: " + ", ".join(f"`{rod}` on {count}" for rod, count in chosen.most_common()) + "."
+        )
+    return " ".join(sentences)
+
+
+def _limits(records: Sequence[Record]) -> str:
+    rows = [
+        [
+            str(record["number"]),
+            limit["experiment"],
+            f"{limit['limit_kPa']:.4g}",
+            "yes" if limit["confirmed"] else "**no**",
+            _cell(limit["sentence"]),
+        ]
+        for record in records
+        for limit in record["limits"]
+    ]
+    if not rows:
+        return "No design met a limit."
+    return table(["no.", "experiment", "limit kPa", "confirmed", "by"], rows)
+
+
+def _other(records: Sequence[Record]) -> str:
+    """The reasons of everything that did not go as it should, and of what was not reached besides."""
+    lines = []
+    for record in records:
+        result = outcome(record)
+        if record["reason"]:
+            lines.append(f"Design {record['number']}, {result}: {record['reason']}")
+        for experiment, reason in record.get("reasons", {}).items():
+            lines.append(f"Design {record['number']}, experiment {experiment}: {reason}")
+        lines += [f"Design {record['number']}: {sentence}" for sentence in record.get("other_failures", ())]
+        if record.get("why_no_arm_law") and record["why_no_arm_law"] != SWITCHED_OFF:
+            lines.append(f"Design {record['number']}, no law of the arm: {record['why_no_arm_law']}")
+        lines += [f"Design {record['number']}, {name}: {text}" for name, text in record.get("broken", {}).items()]
+        lines += [f"Design {record['number']}: {name} needed more time than allowed" for name in record["slow"]]
+    if not lines:
+        return "Nothing else was missing."
+    return "What was not reached, in the program's own words:\n\n" + "\n".join(_item(line) for line in lines)
+
+
+def _item(line: str) -> str:
+    return fill(line.rstrip(".") + ".", WIDTH, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "/")
+
+
+def _checks(records: Sequence[Record]) -> str:
+    rows = []
+    for name, allowed in ALLOWED.items():
+        found = [check for record in records for check in checks_in(record) if check.name == name]
+        made = [check.value for check in found if check.made]
+        numbers = [f"{median(made):.1e}", f"{max(made):.1e}"] if made else ["", ""]
+        failed = sum(check.failed for check in found)
+        rows.append([name, str(len(made)), *numbers, f"{allowed:g}", str(failed)])
+    return table(["check", "designs", "median difference", "largest", "allowed", "failed"], rows)
+
+
+def _unmade(records: Sequence[Record]) -> str:
+    lines = [
+        f"Design {record['number']}, {check.name} at {check.pressure_kPa:g} kPa: {check.note}"
+        for record in records
+        for check in checks_in(record)
+        if not check.made
+    ]
+    without = [str(record["number"]) for record in records if not record["checks"]]
+    if without:
+        lines.append(f"Without checks: designs {', '.join(without)}")
+    if not lines:
+        return "Every check was made on every design."
+    return "Not made:\n\n" + "\n".join(_item(line) for line in lines)
+
+
+def _mesh(records: Sequence[Record]) -> str:
+    measured = [record for record in records if record.get("finer", {}).get("errors")]
+    lacking = [record for record in records if record.get("finer") and not record["finer"].get("errors")]
+    if not measured:
+        return "Not measured in this campaign."
+    good = sum(bool(within_mesh_error(record)) for record in measured)
+    head = ["no.", "design", "elements", "size mm"]
+    for name in NUMBERS.values():
+        head += [f"{name}, measured", f"{name}, estimated"]
+    rows = []
+    for record in measured:
+        errors = record["finer"]["errors"]
+        row = [str(record["number"]), record["words"], record["elements"], f"{record['size_mm']:g}"]
+        for name in NUMBERS:
+            entry = errors[name]
+            estimated = entry["estimated"]
+            row += [
+                f"{100 * entry['error']:+.1f} ± {100 * entry['std']:.1f} %",
+                "" if estimated is None else f"{100 * estimated:.1f} %",
+            ]
+        rows.append(row)
+    text = (
+        f"On a sample of {len(measured)} designs, chosen by their numbers before anything was solved, II and III were "
+        "solved again at the lower pressure on a mesh with elements smaller by a factor of 1.5. The table has the "
+        "error of the default mesh against the limit that both extrapolate to (the standard deviation covers orders "
+        "of convergence from 1 to 2), and the error that the run itself has estimated from a coarser mesh. "
+        f"{good} of {len(measured)} designs are within {100 * MESH_ERROR:g} % in all three numbers."
+    )
+    parts = [fill(text, WIDTH), table(head, rows)]
+    if lacking:
+        reasons = "\n".join(_item(f"Design {r['number']}: {r['finer'].get('failure', '')}") for r in lacking)
+        parts.append("Of the sample these could not be compared:\n\n" + reasons)
+    return "\n\n".join(parts)

@@ -1,0 +1,271 @@
+"""The work on one design in a process of its own: the run, its checks, the confirmation of its limits, a finer mesh.
+
+Its record is kept in its folder after each of these stages, so that none is done twice; the run itself keeps its
+states. A stage that needs more CPU time than it may is ended and recorded as too slow.
+"""
+
+import json
+import multiprocessing
+import os
+import resource
+import signal
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from benchmarks.unseen.checks import checks_of
+from benchmarks.unseen.confirm import confirmed
+from benchmarks.unseen.designs import Drawn
+from pipeline.accuracy.ladder import Rung
+from pipeline.accuracy.measure import measure, numbers_of
+from pipeline.accuracy.result import RodNumbers
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
+from pipeline.errors import InputError, RunFailed
+from pipeline.identification.richardson import extrapolated
+from pipeline.processes import SPAWN, THREADS
+from pipeline.progress import Silent
+from pipeline.report.results import read_results
+from pipeline.report.validation import rod_errors
+from pipeline.run import run
+from pipeline.run_report import RunReport
+from pipeline.store.atomic_file import write_atomic
+from pipeline.store.state_key import NUMBER_SOURCES, result_key
+
+Record = dict[str, Any]
+
+#: CPU seconds of the run, and of each of the other stages
+LIMIT = 400.0
+#: wall seconds over all CPU seconds after which a process is ended that does not use any
+PATIENCE = 15.0
+#: size of the default mesh over that of the finer one
+FINER = 1.5
+FILE = "outcome.json"
+#: how the run of a design ended
+RAN, REFUSED, FAILED, ERROR, SLOW = "ran", "refused", "failed", "error", "too slow"
+
+
+class _TooSlow(BaseException):
+    """The CPU time of a stage is used up; no handler of the program catches it."""
+
+
+def outcome_of(design: Drawn, folder: Path, limit: float, finer: bool) -> Record:
+    """The record of a design: that in its folder, or that of the work on it in another process.
+
+    limit: CPU seconds of each stage.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "design.yaml"
+    path.write_text(json.dumps(design.document, indent=1) + "\n", encoding="utf-8")  # JSON is YAML
+    record = kept(folder, key_of(design))
+    if record is not None and record["finished"] and (not finer or "finer" in record or record["ended"] != RAN):
+        return record
+    os.environ.update(dict.fromkeys(THREADS, "1"))
+    process = SPAWN.Process(target=_work, args=(design, folder, limit, finer))
+    process.start()
+    process.join(PATIENCE * limit)
+    hung = process.is_alive()
+    if hung:
+        process.kill()
+        process.join()
+    record = kept(folder, key_of(design)) or _begun(design)
+    if not record["finished"]:
+        ending = "did not end" if hung else f"its process ended with status {process.exitcode}"
+        record |= {"ended": SLOW if hung else ERROR, "reason": ending, "finished": True}
+        _keep(folder, record)
+    return record
+
+
+def key_of(design: Drawn) -> str:
+    """sha256 of what decides the record besides this program: configuration, sources and packages."""
+    return result_key(json.dumps(design.document, sort_keys=True), NUMBER_SOURCES)
+
+
+def kept(folder: Path, key: str | None = None) -> Record | None:
+    """The record in a folder; None where there is none, or one with another key."""
+    try:
+        record: Record = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return record if key in (None, record.get("key")) else None
+
+
+def _keep(folder: Path, record: Mapping[str, Any]) -> None:
+    write_atomic(folder / FILE, (json.dumps(record, indent=1) + "\n").encode())
+
+
+def _begun(design: Drawn) -> Record:
+    return {
+        "key": key_of(design),
+        "number": design.number,
+        "family": design.family,
+        "law": design.law,
+        "words": design.words,
+        "load": design.load,
+        "pressures_kPa": design.pressures_kPa,
+        "ended": "",
+        "reason": "",
+        "finished": False,
+        "seconds": {},
+        "states": [],
+        "checks": [],
+        "limits": [],
+        "slow": [],
+    }
+
+
+def _work(design: Drawn, folder: Path, limit: float, finer: bool) -> None:
+    """All stages that the record in the folder lacks; in the process of the design, which ends with the campaign."""
+    threading.Thread(target=_end_with_campaign, daemon=True).start()
+    record = kept(folder, key_of(design)) or _begun(design)
+    report: RunReport | None = None
+    try:
+        with _timed(record, "run", limit):
+            config = load_config(folder / "design.yaml")
+            report = run(config, folder, 1, False, Silent())
+            record |= {"ended": RAN, **_of_report(report)}
+    except _TooSlow:
+        record |= {"ended": SLOW, "reason": f"the run needed more than {limit:g} s of CPU time"}
+    except InputError as refused:
+        record |= {"ended": REFUSED, "reason": "; ".join(refused.sentences)}
+    except RunFailed as failed:
+        record |= {"ended": FAILED, "reason": str(failed)}
+    except Exception as error:
+        record |= {"ended": ERROR, "reason": f"{type(error).__name__}: {error}"}
+        (folder / "error.txt").write_text(traceback.format_exc(), encoding="utf-8")
+    _keep(folder, record)
+    if report is not None:
+        _stages_after(record, report, folder, limit, finer)
+    record["finished"] = True
+    _keep(folder, record)
+
+
+def _end_with_campaign() -> None:
+    campaign = multiprocessing.parent_process()
+    if campaign is not None:
+        campaign.join()
+        os._exit(1)
+
+
+def _stages_after(record: Record, report: RunReport, folder: Path, limit: float, finer: bool) -> None:
+    """Checks, limits and the finer mesh, each within its own time."""
+    config, outcomes = report.config, report.outcomes
+    ended = [outcome for outcome in outcomes if outcome.failure]
+    if not record["checks"]:
+        _stage(record, "checks", limit, lambda: [c.record() for c in checks_of(config, outcomes["II"].records, folder)])
+        _keep(folder, record)
+    if ended and not record["limits"]:
+        # the limit of II says most about the others (`fem` searches it first), so it is confirmed if there is one
+        first = next((outcome for outcome in ended if outcome.name == "II"), ended[0])
+        _stage(record, "limits", limit, lambda: [confirmed(config, first, folder).record()])
+        _keep(folder, record)
+    if finer and "finer" not in record:
+        record["finer"] = {"failure": "not finished"}
+        _stage(record, "finer", 2.0 * limit, lambda: against_finer_mesh(report))
+
+
+def _stage(record: Record, name: str, limit: float, work: Callable[[], Any]) -> None:
+    """Do a part of the work, and note what stops it."""
+    try:
+        with _timed(record, name, limit):
+            record[name] = work()
+    except _TooSlow:
+        record["slow"] = sorted({*record["slow"], name})
+    except Exception as error:
+        record.setdefault("broken", {})[name] = f"{type(error).__name__}: {error}"
+
+
+@contextmanager
+def _timed(record: Record, stage: str, limit: float) -> Iterator[None]:
+    """Count the CPU seconds of a stage, and end it by `_TooSlow` after `limit` of them."""
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise _TooSlow
+
+    signal.signal(signal.SIGPROF, stop)
+    begin = _cpu_seconds()
+    signal.setitimer(signal.ITIMER_PROF, limit)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        record["seconds"][stage] = _cpu_seconds() - begin
+
+
+def _cpu_seconds() -> float:
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
+
+
+def _of_report(report: RunReport) -> Record:
+    """What the sorting and the page need of a run."""
+    config, outcomes = report.config, report.outcomes
+    states = [
+        {"experiment": outcome.name, "pressure_kPa": pressure, "reached": outcome.at(pressure) is not None}
+        for outcome in outcomes
+        for pressure in config.pressures_kPa
+    ]
+    reasons = {outcome.name: outcome.failure.reason for outcome in outcomes if outcome.failure}
+    errors = rod_errors(read_results(report.directory))
+    known = {failure for outcome in outcomes if (failure := outcome.failure_sentence())}
+    first = report.parameters[0] if report.parameters else None
+    return {
+        "elements": config.mesh.formulation,
+        "size_mm": config.mesh.element_size_mm,
+        "unknowns": outcomes.degrees_of_freedom,
+        "states": states,
+        "reasons": reasons,
+        "other_failures": [sentence for sentence in report.failures if sentence not in known],
+        "five_at_kPa": [parameters.pressure_kPa for parameters in report.parameters],
+        "has_arm_law": report.arm.law is not None,
+        "why_no_arm_law": "" if report.arm.law is not None else report.arm.reason,
+        "remarks": list(report.remarks),
+        "rod": errors[0].record() if errors else None,
+        "turn_rad": first.kappa_0_middle * config.design.length if first else None,
+        "estimated": dict(first.mesh_errors) if first else {},
+    }
+
+
+def against_finer_mesh(report: RunReport) -> Record:
+    """kappa_0(l/2), alpha2 and F at the lowest pressure on the default mesh against the limit of this and a finer one.
+
+    The error is the difference from the extrapolated limit over that limit, with the standard deviation of the limit.
+    """
+    if not report.parameters:
+        return {"failure": "no five parameters on the default mesh"}
+    config, first = report.config, report.parameters[0]
+    size = config.mesh.element_size_mm
+    finer = _finer(config, first.pressure_kPa, size / FINER)
+    result = measure(Rung("finer", size / FINER, finer))
+    if not result.numbers:
+        return {"failure": result.failure}
+    errors = {}
+    coarse, fine = _three(numbers_of(first)), _three(result.numbers[0])
+    for name, value in coarse.items():
+        found = extrapolated((size, size / FINER), (value, fine[name]))
+        errors[name] = {
+            "error": found.error / found.limit,  # above zero where the number is too large
+            "std": found.limit_std / abs(found.limit),
+            "estimated": first.mesh_errors.get(name),
+            "values": [value, fine[name]],
+        }
+    return {"pressure_kPa": first.pressure_kPa, "sizes_mm": [size, size / FINER], "errors": errors}
+
+
+def _finer(config: Config, pressure_kPa: float, size: float) -> Config:
+    return replace(config.with_mesh_size(size), pressures_kPa=(pressure_kPa,))
+
+
+def _three(numbers: RodNumbers) -> dict[str, float]:
+    """The names are those of `Parameters.mesh_errors`."""
+    values = asdict(numbers)
+    return {
+        "kappa_0": values["kappa_0_per_mm"],
+        "alpha2": values["alpha2_N_mm2"],
+        "force": abs(values["force_N"]),
+    }
