@@ -82,6 +82,9 @@ class Floor(PenaltyTerm):
     def gap(self, x: Array) -> float:
         return float(x[0, 1])
 
+    def gap_ahead(self, x: Array, dx: Array) -> float:
+        return self.gap(x + dx)
+
     def touching(self, x: Array) -> bool:
         return self.gap(x) < 0.1
 
@@ -108,6 +111,16 @@ def test_contact_that_starts_inactive_joins_where_it_touches_in_the_order_of_the
     assert met.effects == ("weight", "contact")
     assert met.activated(at(1.0)) is met  # once active, a contact stays
     assert ActiveSet.of(MODEL, at(0.05)).active == MODEL
+
+
+def test_contact_whose_gap_closes_on_the_way_joins_before_it_touches() -> None:
+    apart = ActiveSet.of(MODEL, at(1.0))
+    assert apart.approached(at(1.0), at(-0.95)) is apart  # within reach of the floor, but not through it
+    met = apart.approached(at(1.0), at(-1.05))
+    assert met.is_active == (True, True, True)
+    assert met.approached(at(1.0), at(-2.0)) is met
+    walled = ActiveSet((Wall(),), (False,), (Wall(),))
+    assert walled.approached(at(1.0), at(-2.0)) is walled  # a term without rates
 
 
 def test_walls_are_in_contact_within_the_activation_distance_of_an_active_term() -> None:

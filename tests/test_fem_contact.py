@@ -31,6 +31,7 @@ from fem.effects.barrier import FacingTerm
 from fem.effects.contact import STIFFNESS, BarrierTerm
 from fem.effects.effect import Term, UnilateralTerm
 from fem.materials.material import Material
+from fem.path.active_set import ActiveSet
 from fem.path.newton import NEAR
 from geometry import Body
 from geometry.arrays import Array
@@ -228,6 +229,36 @@ def test_contact_is_activated_before_there_is_equilibrium_without_it(short: Body
     last_without = [residuals[number - 1][1] for number in begins[1:]]
     assert all(NewtonOptions().tolerance < residual < NEAR for residual in last_without)
     assert len(begins) == 2
+
+
+def test_gaps_ahead_are_those_of_their_present_rates() -> None:
+    mesh = fork(0.4)
+    space = Discretisation.of(mesh, "p2p0")
+    term = SelfContact("prongs", starts_inactive=True).bind(space, LAW)
+    down = np.where(space.points[:, 1:2] > 1.2, [[0.0, -0.5, 0.0]], 0.0)
+    assert term.gap(space.points) == pytest.approx(0.4)
+    assert term.gap_ahead(space.points, down) == pytest.approx(-0.1, abs=1e-9)
+    turned = np.cross([0.0, 0.0, 1.0], space.points)  # the rate of a rotation changes no gap, the whole motion would
+    assert term.gap_ahead(space.points, turned) == pytest.approx(0.4, abs=1e-2)
+    assert term.gap(space.points + turned) > 0.5
+
+
+def test_contact_that_is_foreseen_saves_factorizations_and_changes_nothing(monkeypatch, short: Body, touching) -> None:
+    _, steps = touching
+    assert steps[1].active[-1]
+    monkeypatch.setattr(ActiveSet, "approached", lambda self, x, dx: self)
+    _, unforeseen = bend(short, [SelfContact("gap", starts_inactive=True)], [5.0, 37.0])
+    assert distance(steps[1], unforeseen[1]) < 1e-7
+    assert steps[1].factorizations < unforeseen[1].factorizations
+
+
+def test_contact_that_is_foreseen_and_does_not_come_is_left_out(monkeypatch, short: Body, touching) -> None:
+    _, alone = bend(short, [], [2.0, 5.0])
+    monkeypatch.setattr(FacingTerm, "gap_ahead", lambda self, x, dx: -1.0)
+    _, steps = bend(short, [SelfContact("gap", starts_inactive=True)], [2.0, 5.0])
+    assert not steps[1].active[-1]
+    assert steps[1].effects == ("pressure",)
+    assert distance(steps[1], alone[1]) < 1e-7
 
 
 def test_contact_of_one_pair_of_walls_activates_that_of_the_next() -> None:

@@ -37,11 +37,11 @@ def test_blocks_are_added_where_a_dense_matrix_has_them(fraction: float) -> None
     off = rows != columns
     pattern = Pattern.of(fixed, np.unique(rows[off] * nodes + columns[off]))
     assert pattern.size == np.count_nonzero(~fixed)
-    offset = pattern.offset_of(rows, columns)
+    starts = pattern.starts_of(rows, columns)
     values = np.random.default_rng(1).normal(size=(rows.size, 3, 3))
     data = np.zeros(pattern.indices.size)
-    pattern.scatter(data, rows, columns, values, offset)
-    pattern.scatter(data, rows, columns, values, offset)
+    pattern.scatter(data, rows, columns, values, starts)
+    pattern.scatter(data, rows, columns, values, starts)
     full = np.zeros((nodes, 3, nodes, 3))
     for row, column, value in zip(rows, columns, values, strict=True):
         full[row, :, column] += 2 * value

@@ -27,6 +27,8 @@ OVERLAP = 0.7
 STIFFENING_FACTOR, MAX_STIFFENINGS = 4.0, 2
 #: distance over the barrier's width below which it is continued quadratically
 CONTINUATION = 0.5
+#: fraction of a motion over which the rates of the gaps are measured
+RATE_STEP = 1e-3
 #: what ipctk's improved-max collision set sums up to over one wall's area, measured on parallel grids, for both walls
 WEIGHT = 1.55 / 2
 
@@ -68,6 +70,11 @@ class FacingTerm(PenaltyTerm):
 
     def gap(self, x: Array) -> float:
         return float(self.pairs.gaps(x).min(initial=np.inf))
+
+    def gap_ahead(self, x: Array, dx: Array) -> float:
+        now = self.pairs.gaps(x)
+        later = now + (self.pairs.gaps(x + RATE_STEP * dx) - now) / RATE_STEP
+        return float(later.min(initial=np.inf))
 
     def touching(self, x: Array) -> bool:
         return self.gap(x) < self.dhat

@@ -105,6 +105,13 @@ class UnilateralTerm(Term):
     def violation(self, x: Array) -> str:
         """Why a converged state x (n, 3) is not admissible, in a clause; empty where it is."""
 
+    def gap_ahead(self, x: Array, dx: Array) -> float:
+        """Smallest gap after a motion dx (n, 3) if each gap kept the rate that it has at x, mm.
+
+        The smallest gap at x where the term knows no rates.
+        """
+        return self.gap(x)
+
     @final
     def must_activate(self, x: Array) -> bool:
         """Whether the term must be in the sum once a state without it was reached at x (n, 3)."""

@@ -19,6 +19,7 @@ from typing import final
 
 import numpy as np
 import scipy.sparse as sp
+from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU, splu
 
 from fem.discretisation import Discretisation
@@ -30,8 +31,8 @@ from fem.materials.regions import Laws, Solid
 from geometry.arrays import Array, Index
 
 #: where in the pattern the columns of each element's pressures begin in the rows of its nodes, (e, 4 or 10, 0 or 4),
-#: and where the pairs of pressures stand, (m,); both as `Pattern.offset_of` gives them
-PressureOffsets = tuple[Index, Index]
+#: as `Pattern.offset_of` gives it; and where the pairs of pressures stand, (m, 3), as `Pattern.starts_of` does
+PressureOffsets = tuple[Index, NDArray[np.int32]]
 
 
 @dataclass(frozen=True)
@@ -140,7 +141,7 @@ class DisplacementOnly(Formulation):
         return 0.0
 
     def offsets(self, pattern: Pattern) -> PressureOffsets:
-        return np.empty((*self.space.nodes.shape, 0), dtype=np.int64), np.empty(0, dtype=np.int64)
+        return np.empty((*self.space.nodes.shape, 0), dtype=np.int64), np.empty((0, 3), dtype=np.int32)
 
     def scatter_pressures(
         self, pattern: Pattern, offsets: PressureOffsets, data: Array, displacement: Array, law_values: LawValues
@@ -226,7 +227,7 @@ class Mixed(Formulation):
     def offsets(self, pattern: Pattern) -> PressureOffsets:
         nodes, pressures = self.space.nodes[:, :, None], self.element_unknowns[:, None, -4:]
         rows, columns, _ = self._compressibility
-        return pattern.offset_of(*np.broadcast_arrays(nodes, pressures)), pattern.offset_of(rows, columns)
+        return pattern.offset_of(*np.broadcast_arrays(nodes, pressures)), pattern.starts_of(rows, columns)
 
     def scatter_pressures(
         self, pattern: Pattern, offsets: PressureOffsets, data: Array, displacement: Array, law_values: LawValues

@@ -82,9 +82,9 @@ class Pattern:
         held = (dofs < 0) | (self.free[columns] == 0)[..., None]
         return np.where(held, -1, self.indptr[dofs] + behind).astype(np.int32)
 
-    def scatter(self, data: Array, rows: Index, columns: Index, values: Array, offset: Index) -> None:
-        """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); offset (m,) as `offset_of` gives it."""
-        scatter_blocks(self.matrix(data), rows, columns, values, offset)
+    def scatter(self, data: Array, rows: Index, columns: Index, values: Array, starts: NDArray[np.int32]) -> None:
+        """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); starts as `starts_of` gives them."""
+        scatter_blocks(self.matrix(data), rows, columns, values, starts)
 
     def matrix(self, data: Array) -> ReducedMatrix:
         """The matrix with the values data (nnz,), as the kernels take it."""

@@ -43,8 +43,8 @@ class TangentStorage:
         self._solver = solver
         #: pattern of the factorized matrix, as it was last analysed
         self._analysed: UpperTriangle = np.empty(0, np.int64), np.empty(0, np.int32)
-        #: blocks of the last tangent: their rows and offsets, by the identity of the array of rows
-        self._last: dict[int, tuple[Index, Index]] = {}
+        #: blocks of the last tangent: their rows and starts, by the identity of the array of rows
+        self._last: dict[int, tuple[Index, NDArray[np.int32]]] = {}
         nodes = space.points.shape[0] + formulation.unknowns
         self._use(element_keys(formulation.element_unknowns, nodes))
 
@@ -61,23 +61,23 @@ class TangentStorage:
         """Values of the factorized matrix from those of the assembled tangent (nnz,)."""
         return data if self._reduction is None else self._reduction.values(data)
 
-    def offsets(self, blocks: Sequence[Blocks]) -> list[Index]:
+    def starts(self, blocks: Sequence[Blocks]) -> list[NDArray[np.int32]]:
         """Where the blocks of effects stand in the pattern, which is enlarged where it does not hold them."""
         try:
-            offsets = [self._offset(block) for block in blocks]
+            starts = [self._starts(block) for block in blocks]
         except MissingPairs:
             rows = np.concatenate([block.rows for block in blocks])
             columns = np.concatenate([block.columns for block in blocks])
             self._use(self.pattern.with_pairs(rows, columns).keys)
-            offsets = [self._offset(block) for block in blocks]
-        self._last = {id(block.rows): (block.rows, offset) for block, offset in zip(blocks, offsets, strict=True)}
-        return offsets
+            starts = [self._starts(block) for block in blocks]
+        self._last = {id(block.rows): (block.rows, start) for block, start in zip(blocks, starts, strict=True)}
+        return starts
 
-    def _offset(self, blocks: Blocks) -> Index:
+    def _starts(self, blocks: Blocks) -> NDArray[np.int32]:
         """From the last call where an effect gives the same array of rows again; raises `MissingPairs`."""
         if id(blocks.rows) in self._last:
             return self._last[id(blocks.rows)][1]
-        return self.pattern.offset_of(blocks.rows, blocks.columns)
+        return self.pattern.starts_of(blocks.rows, blocks.columns)
 
     def _use(self, keys: Index) -> None:
         """Take the pattern of node pairs with these keys."""

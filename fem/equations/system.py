@@ -148,16 +148,16 @@ class System:
         for term in terms:
             with self.clock.timing(term.effect):
                 hessians.append(term.blocks(x, state.factor, convex))
-        offsets = self.storage.offsets(hessians)
+        starts = self.storage.starts(hessians)
         with self.clock.timing("assembly"):
             pattern, moves = self.storage.pattern, bool(np.any(increment))
             data, coupling = np.zeros(pattern.indices.shape[0]), np.zeros_like(x)
             law = LawArrays(state.stress, assembly.law_values.tangent)
             product = Product(increment if moves else NO_INCREMENT, coupling)
-            matrix, starts = pattern.matrix(data), self.storage.element_starts
-            tangent_matrix(self.space.arrays, law, state.displacement, starts, matrix, product)
-            for blocks, offset in zip(hessians, offsets, strict=True):
-                pattern.scatter(data, blocks.rows, blocks.columns, blocks.values, offset)
+            matrix, element_starts = pattern.matrix(data), self.storage.element_starts
+            tangent_matrix(self.space.arrays, law, state.displacement, element_starts, matrix, product)
+            for blocks, start in zip(hessians, starts, strict=True):
+                pattern.scatter(data, blocks.rows, blocks.columns, blocks.values, start)
                 if moves:
                     kernels.blocks_times(blocks.rows, blocks.columns, blocks.values, increment, coupling)
             self.formulation.scatter_pressures(

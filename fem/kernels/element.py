@@ -201,10 +201,31 @@ def scatter_block(matrix: ReducedMatrix, block: Array, row_node: int, column_nod
 
 
 @njit(cache=True)
-def scatter_blocks(matrix: ReducedMatrix, rows: Index, columns: Index, values: Array, offset: Index) -> None:
-    """Add node-pair blocks values (m, 3, 3), rows <= columns, to the reduced upper triangle; offset (m,)."""
+def scatter_blocks(matrix: ReducedMatrix, rows: Index, columns: Index, values: Array, starts: Index) -> None:
+    """Add node-pair blocks values (m, 3, 3), rows <= columns, to the reduced upper triangle.
+
+    starts (m, 3): where the columns of the pair begin in each row, -1 where that row is prescribed; not used for pairs
+    of a node with itself.
+    """
+    node_dof, row_start, free, data = matrix.node_dof, matrix.row_start, matrix.free, matrix.data
     for m in range(rows.shape[0]):
-        scatter_block(matrix, values[m], rows[m], columns[m], offset[m])
+        node, other = rows[m], columns[m]
+        for i in range(3):
+            start = starts[m, i]
+            if node == other:
+                row = node_dof[node, i]
+                for j in range(i, 3):
+                    if row >= 0 and node_dof[node, j] >= 0:
+                        data[row_start[row] + node_dof[node, j] - row] += values[m, i, j]
+            elif start >= 0 and free[other] == 3:
+                data[start] += values[m, i, 0]
+                data[start + 1] += values[m, i, 1]
+                data[start + 2] += values[m, i, 2]
+            elif start >= 0:
+                for j in range(3):
+                    if node_dof[other, j] >= 0:
+                        data[start] += values[m, i, j]
+                        start += 1
 
 
 @njit(cache=True)

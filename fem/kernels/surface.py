@@ -25,17 +25,21 @@ def surface_pressure(surface: FaceArrays, x: Array, force: Array, volume: Array)
     """Area-weighted normals at positions x (n, 3), mm: force_a = int N_a (x_,xi x x_,eta) added to force (n, 3), mm2,
     and per face int x . (x_,xi x x_,eta) / 3 into volume (f,), mm3."""
     faces, shape, derivative, weight = surface.nodes, surface.shape, surface.derivative, surface.weight
+    p, n = np.empty(3), np.empty(3)
+    t = np.empty((2, 3))
     for f in range(faces.shape[0]):
         volume[f] = 0.0
         for q in range(weight.shape[0]):
-            p = np.zeros(3)
-            t = np.zeros((2, 3))
+            p[:] = 0.0
+            t[:] = 0.0
             for a in range(faces.shape[1]):
                 for i in range(3):
                     p[i] += shape[q, a] * x[faces[f, a], i]
                     t[0, i] += derivative[q, a, 0] * x[faces[f, a], i]
                     t[1, i] += derivative[q, a, 1] * x[faces[f, a], i]
-            n = np.cross(t[0], t[1])
+            n[0] = t[0, 1] * t[1, 2] - t[0, 2] * t[1, 1]
+            n[1] = t[0, 2] * t[1, 0] - t[0, 0] * t[1, 2]
+            n[2] = t[0, 0] * t[1, 1] - t[0, 1] * t[1, 0]
             volume[f] += weight[q] * (p[0] * n[0] + p[1] * n[1] + p[2] * n[2]) / 3.0
             for a in range(faces.shape[1]):
                 for i in range(3):
@@ -51,34 +55,33 @@ def surface_pressure_tangent(surface: FaceArrays, x: Array, values: Array) -> No
     """
     faces, shape, derivative, weight = surface.nodes, surface.shape, surface.derivative, surface.weight
     n = faces.shape[1]
+    # d force_a / d x_b is the cross product with v_ab = sum_c m_abc x_c, m_abc the same for all faces; its symmetric
+    # part is that with (v_ab - v_ba) / 2
+    m = np.zeros((n, n, n))
+    for q in range(weight.shape[0]):
+        for a in range(n):
+            for b in range(n):
+                for c in range(n):
+                    jacobian = derivative[q, b, 0] * derivative[q, c, 1] - derivative[q, b, 1] * derivative[q, c, 0]
+                    m[a, b, c] += weight[q] * shape[q, a] * jacobian
     for f in prange(faces.shape[0]):
-        t = np.empty((2, 3))
-        full = np.zeros((n, n, 3, 3))
-        for q in range(weight.shape[0]):
-            t[:] = 0.0
-            for a in range(n):
-                for i in range(3):
-                    t[0, i] += derivative[q, a, 0] * x[faces[f, a], i]
-                    t[1, i] += derivative[q, a, 1] * x[faces[f, a], i]
-            for a in range(n):
-                w = weight[q] * shape[q, a]
-                for b in range(n):
-                    # d(t0 x t1)/dx_b = N_b,xi (e_j x t1) - N_b,eta (e_j x t0)
-                    d0 = w * (derivative[q, b, 0] * t[1, 0] - derivative[q, b, 1] * t[0, 0])
-                    d1 = w * (derivative[q, b, 0] * t[1, 1] - derivative[q, b, 1] * t[0, 1])
-                    d2 = w * (derivative[q, b, 0] * t[1, 2] - derivative[q, b, 1] * t[0, 2])
-                    full[a, b, 0, 1] += d2
-                    full[a, b, 0, 2] -= d1
-                    full[a, b, 1, 0] -= d2
-                    full[a, b, 1, 2] += d0
-                    full[a, b, 2, 0] += d1
-                    full[a, b, 2, 1] -= d0
         pair = 0
         for a in range(n):
             for b in range(a, n):
+                v0, v1, v2 = 0.0, 0.0, 0.0
+                for c in range(n):
+                    half = 0.5 * (m[a, b, c] - m[b, a, c])
+                    v0 += half * x[faces[f, c], 0]
+                    v1 += half * x[faces[f, c], 1]
+                    v2 += half * x[faces[f, c], 2]
                 for i in range(3):
-                    for j in range(3):
-                        values[f, pair, i, j] = 0.5 * (full[a, b, i, j] + full[b, a, j, i])
+                    values[f, pair, i, i] = 0.0
+                values[f, pair, 0, 1] = v2
+                values[f, pair, 1, 0] = -v2
+                values[f, pair, 0, 2] = -v1
+                values[f, pair, 2, 0] = v1
+                values[f, pair, 1, 2] = v0
+                values[f, pair, 2, 1] = -v0
                 pair += 1
 
 

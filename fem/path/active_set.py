@@ -63,6 +63,15 @@ class ActiveSet:
         is_active = tuple(was or now for was, now in zip(self.is_active, new, strict=True))
         return self if is_active == self.is_active else replace(self, is_active=is_active)
 
+    def approached(self, x: Array, dx: Array) -> Self:
+        """With those contacts too whose gaps a motion dx (n, 3) from x closes at their present rates.
+
+        Itself where there are none.
+        """
+        closing = [term for term in self.inactive if term.gap_ahead(x, dx) < 0]
+        is_active = tuple(was or term in closing for was, term in zip(self.is_active, self.model, strict=True))
+        return self if is_active == self.is_active else replace(self, is_active=is_active)
+
     def touching(self, x: Array) -> bool:
         """Whether walls are in contact at x (n, 3)."""
         terms = zip(self.model, self.is_active, strict=True)

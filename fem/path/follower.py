@@ -204,7 +204,8 @@ class PathFollower:
         Contact that was activated or stiffened stays so for the rest of the way to the target, after a failure too.
         """
         self.iterations, self.effort = 0, effort
-        last = self.points[-1].state
+        last, known = self.points[-1].state, self.active_set
+        foreseen = self._approach(control)
         if self.active_set.is_tightened:
             converged = self._solve(Start(last, self.active_set.active), control, target)
         else:
@@ -217,6 +218,8 @@ class PathFollower:
             self.active_set = tightened
             start = Start(last if tightened.needs_admissible_start else converged.state, tightened.active)
             converged = self._activate(self._solve(start, control, target), control, target)
+        if foreseen and not self.active_set.touching(self._positions(converged)):
+            self.active_set = known  # the contact did not come, and does nothing where the gaps are open
         if converged.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
             raise Inverted(
@@ -248,6 +251,21 @@ class PathFollower:
         """The point, with its rate at rest too where that is known."""
         is_rest = point is self.predictor.rest and not self.predictor.nonsmooth_start
         return replace(point, rate=self.predictor.rate_at_rest) if is_rest else point
+
+    def _approach(self, control: Control) -> bool:
+        """Activate contact whose gaps close on the way at the rates of the last equilibrium; whether there is some.
+
+        Behind the first contact an extrapolated path is far off, and is not tried.
+        """
+        last = self.points[-1]
+        if len(self.points) == 1 or last.rate is None:  # rates at rest are too large by far where walls are thin
+            return False
+        motion = (control.value - last.value) * last.rate.displacement
+        approached = self.active_set.approached(self.system.space.points + last.state.displacement, motion)
+        if approached is self.active_set:
+            return False
+        self.active_set, self.predictor_failed = approached, True
+        return True
 
     def _activate(self, converged: Converged, control: Control, target: float) -> Converged:
         """Equilibrium with those contacts too that a state activates; each may activate the next."""
