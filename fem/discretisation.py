@@ -82,14 +82,12 @@ class Discretisation:
         element = element_of(formulation)
         grid = skfem.MeshTet(mesh.points.T.copy(), np.asarray(mesh.tets, dtype=np.int64).T.copy())
         tetrahedron = skfem.ElementTetP2() if element.quadratic else skfem.ElementTetP1()
-        basis = skfem.Basis(grid, skfem.ElementVector(tetrahedron), intorder=element.shape.degree)
-        nodes = np.ascontiguousarray(basis.element_dofs[::3].T // 3, dtype=np.int64)
-        points = np.ascontiguousarray(basis.doflocs[:, ::3].T)
+        nodes, points = _nodes(grid, element.quadratic)
         if element.quadratic and len(mesh.curved):
             points[mesh.points.shape[0] + _edge_numbers(grid, mesh.curved.ends)] = mesh.curved.middles
         nodes, chunks, colours, order = _in_chunks(nodes, mesh.points)
         place = np.argsort(order)
-        reference, vertex_shape, fraction = _stress_points(basis, tetrahedron, element)
+        reference, vertex_shape, fraction = _stress_points(tetrahedron, element)
         curved = element.quadratic and len(mesh.curved) > 0
         inverse, weight = (_curved if curved else _straight)(points[nodes], reference, fraction)
         return cls(
@@ -169,14 +167,27 @@ def _in_chunks(nodes: Index, vertices: Array) -> tuple[Index, Index, Index, Inde
     return np.ascontiguousarray(nodes[sorted_]), begins.astype(np.int64), colours.astype(np.int64), along[sorted_]
 
 
-def _stress_points(basis: skfem.Basis, tetrahedron: skfem.Element, element: Element) -> tuple[Array, Array, Array]:
+def _nodes(grid: skfem.MeshTet, quadratic: bool) -> tuple[Index, Array]:
+    """Nodes (e, a) of the elements and their positions (n, 3): vertices, then the middles of edges.
+
+    Those of scikit-fem's bases, which evaluate all shape functions in all elements besides.
+    """
+    vertices, points = grid.t.T.astype(np.int64), np.ascontiguousarray(grid.p.T)
+    if not quadratic:
+        return vertices, points
+    middles = grid.t2e.T.astype(np.int64) + grid.p.shape[1]
+    return np.hstack([vertices, middles]), np.vstack([points, points[grid.edges].mean(axis=0)])
+
+
+def _stress_points(tetrahedron: skfem.Element, element: Element) -> tuple[Array, Array, Array]:
     """Reference gradients (q, a, 3), linear shape functions (q, 4) and fractions of the element volume (q,)."""
-    points, fractions = [basis.X], [6.0 * basis.W]
+    rule, weight = skfem.quadrature.get_quadrature(skfem.refdom.RefTet, element.shape.degree)
+    points, fractions = [rule], [6.0 * weight]
     if element.volumetric is Volumetric.CENTROID:
         points.append(np.full((3, 1), 0.25))
         fractions.append(np.ones(1))
     positions = np.concatenate(points, axis=1)
-    gradients = np.stack([tetrahedron.lbasis(positions, a)[1].T for a in range(basis.Nbfun // 3)], axis=1)
+    gradients = np.stack([tetrahedron.lbasis(positions, a)[1].T for a in range(10 if element.quadratic else 4)], axis=1)
     linear = np.stack([skfem.ElementTetP1().lbasis(positions, a)[0] for a in range(4)], axis=1)
     return np.ascontiguousarray(gradients), np.ascontiguousarray(linear), np.concatenate(fractions)
 

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from bodies import hollow_box
 
 from fem import Fixed, Model, NewtonOptions, PathOptions, Pressure, StVenantKirchhoff, follow
+from fem.equations.heap import keep_freed_memory
 from fem.equations.linear import LinearSolver, Pardiso, SingularMatrix, SuperLU, available_solver
 from geometry.arrays import Array
 
@@ -164,3 +165,19 @@ def test_the_mkl_is_not_searched_for() -> None:
     if done.stdout.strip() == "False":
         pytest.skip("the MKL does not come from its Python package")
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.skipif(not keep_freed_memory(), reason="the C library is not glibc")
+def test_freed_arrays_are_used_again() -> None:
+    """Each of these arrays has 2 048 pages, which are mapped once and not for each array."""
+    command = (
+        "import resource, numpy as np\n"
+        "from fem.equations.heap import keep_freed_memory\n"
+        "keep_freed_memory()\n"
+        "pages = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_minflt\n"
+        "before = pages()\n"
+        "for _ in range(20): array = np.ones(1 << 20); del array\n"
+        "print(pages() - before)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=True)
+    assert int(done.stdout) < 3 * 2048

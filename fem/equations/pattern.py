@@ -76,11 +76,11 @@ class Pattern:
         (..., 3), -1 where that component of the first node is prescribed, or all of the second node are. Of no meaning
         for pairs of a node with itself. Raises `MissingPairs` where the pattern does not hold a pair.
         """
-        dofs = self.node_dof[rows]
-        rank = np.cumsum(dofs >= 0, axis=-1) - 1  # among the free components of the node
-        behind = (self.free[rows] + self.offset_of(rows, columns))[..., None] - rank
-        held = (dofs < 0) | (self.free[columns] == 0)[..., None]
-        return np.where(held, -1, self.indptr[dofs] + behind).astype(np.int32)
+        rank = np.cumsum(self.node_dof >= 0, axis=1) - 1  # among the free components of a node
+        behind = self.indptr[self.node_dof] + self.free[:, None] - rank
+        own = np.where(self.node_dof < 0, -1, behind).astype(np.int32)[rows]
+        offset = self.offset_of(rows, columns).astype(np.int32)[..., None]
+        return np.where((own < 0) | (self.free[columns] == 0)[..., None], np.int32(-1), own + offset)
 
     def scatter(self, data: Array, rows: Index, columns: Index, values: Array, starts: NDArray[np.int32]) -> None:
         """Add node blocks values (m, 3, 3), rows <= columns, to data (nnz,); starts as `starts_of` gives them."""

@@ -9,6 +9,7 @@ from fem.effects.effect import Terms
 from fem.equations.clock import Clock
 from fem.equations.constraints import Constraints
 from fem.equations.formulation import formulation_of
+from fem.equations.heap import keep_freed_memory
 from fem.equations.linear import LinearSolver
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, Change, State
@@ -36,6 +37,7 @@ class System:
         constraints: Constraints,
         solver: LinearSolver,
     ) -> None:
+        keep_freed_memory()
         self.space = space
         self.material = material
         self.formulation = formulation_of(space, material)
