@@ -130,6 +130,14 @@ class Design(ABC):
         """Whether the body repeats a cell that is symmetric about its own middle; it has a `repetition` then."""
         return False
 
+    @property
+    def why_no_cell(self) -> str:
+        """Why a body repeats no cell, where it does not, and what can be done; a sentence without full stop."""
+        return (
+            "it is not known where the cells of this body lie; name the planes of one, for example "
+            "geometry.cell: {from: 40 mm, to: 44 mm}, in the middle of a cell and between two cells"
+        )
+
     def repetition(self, size: float, grading: Grading) -> Repetition:
         """The ends and the half cell with elements of at most `size` mm, a size that `check_size` accepts.
 
@@ -272,26 +280,35 @@ def check_numbers(design: Any, counts: Sequence[str] = (), or_zero: Sequence[str
     """
     for field in fields(design):
         value = getattr(design, field.name)
-        if field.name in counts:
+        if isinstance(value, tuple):
+            for number, entry in enumerate(value, start=1):
+                _check_length(field.name, entry, f"entry {number} ")
+        elif field.name in counts:
             if isinstance(value, bool) or not isinstance(value, int) or value < 1:
                 raise DesignError(field.name, f"must be a whole number of at least 1, not {value!r}")
             if value > MOST_CHAMBERS:
                 raise DesignError(field.name, f"at most {MOST_CHAMBERS} fit into memory")
         elif field.name in or_zero and not isinstance(value, bool) and value == 0:
             continue
-        elif isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value) or value <= 0:
-            raise DesignError(
-                field.name, f"must be a positive length{' or 0' * (field.name in or_zero)}, not {value!r}"
-            )
-        elif not SHORTEST <= value <= LONGEST:
-            raise DesignError(field.name, f"must lie between {SHORTEST:g} mm and {LONGEST:g} mm, not be {value:g} mm")
+        else:
+            _check_length(field.name, value, "", " or 0" if field.name in or_zero else "")
+
+
+def _check_length(name: str, value: Any, which: str, also: str = "") -> None:
+    """Raise `DesignError` for a value that is no length that can be drawn; which: entry of a list."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value) or value <= 0:
+        raise DesignError(name, f"{which}must be a positive length{also}, not {value!r}")
+    if not SHORTEST <= value <= LONGEST:
+        raise DesignError(name, f"{which}must lie between {SHORTEST:g} mm and {LONGEST:g} mm, not be {value:g} mm")
 
 
 def check_less(design: Any, small: str, large: str, fraction: float = 1.0, because: str = "") -> None:
-    """Raise `DesignError` unless the field `small` is less than `fraction` (1 or 1/2) times the field `large`."""
-    value, bound = getattr(design, small), fraction * getattr(design, large)
+    """Raise `DesignError` unless the field `small` is less than `fraction` (1 or 1/2) times the field `large`, or times
+    the smallest entry of a list."""
+    whole = getattr(design, large)
+    value, bound = getattr(design, small), fraction * (min(whole) if isinstance(whole, tuple) else whole)
     if not value < bound:
-        part = {1.0: "", 0.5: "half of "}[fraction]
+        part = {1.0: "", 0.5: "half of "}[fraction] + ("the smallest of " if isinstance(whole, tuple) else "")
         raise DesignError(
             (small, large),
             f"{small} {value:g} mm must be less than {part}{large}, {bound:g} mm{because and ': ' + because}",

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
-from geometry import Mesh
+from geometry import Mesh, PneuNet
 from pipeline.config.config import Config
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Outcomes, StateSummary
@@ -105,6 +105,16 @@ def _few_cells(config: Config) -> str:
     return f"{sentence.removesuffix('.')}; give {remedy}, or law: cell for the arm's own law alone"
 
 
+def _unequal_cells(config: Config) -> str:
+    design = config.design
+    if config.law == "cell" or not isinstance(design, PneuNet) or design.equal:
+        return ""
+    return (
+        f"the chambers or gaps are not equal: curvatures are means over the mean pitch of {design.pitch:.3g} mm, and "
+        "the five parameters, which describe an arm of equal cells, are a rough model; the report has their errors"
+    )
+
+
 def _few_pressures(config: Config) -> str:
     count = len(config.pressures_kPa) + config.added_pressures
     if count > 2 or config.law == "cell":
@@ -170,5 +180,8 @@ def _two_digits(value: float) -> float:
 
 
 #: the rules on a configuration, and those on the states that were reached
-BEFORE: tuple[Callable[[Config], str], ...] = (_strong_pressure, _weak_pressure, _few_cells, _few_pressures)
+BEFORE: tuple[Callable[[Config], str], ...] = (
+    *(_strong_pressure, _weak_pressure, _few_cells),
+    *(_unequal_cells, _few_pressures),
+)
 AFTER: tuple[Callable[[Solved], str], ...] = (_volume_change, _large_strain, _hardly_bent)

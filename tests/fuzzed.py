@@ -191,6 +191,10 @@ def geometry(draw: st.DrawFn) -> dict[str, Any]:
         usual: Any = field.default
         if not draw(st.booleans()):
             continue
+        if usual == ():
+            if draw(seldom(4)):
+                chosen[field.name] = draw(st.lists(quantity(5.0, "mm"), max_size=5) | quantity(5.0, "mm"))
+            continue
         count = st.sampled_from([0, -1, 30, 10**3, 10**6, 10**12]) if draw(seldom(8)) else st.integers(1, 12)
         chosen[field.name] = draw(count if isinstance(usual, int) else quantity(usual, "mm"))
     return chosen

@@ -2,14 +2,16 @@
 
 import pickle
 from dataclasses import replace
+from itertools import pairwise
 from math import cos, pi, sin
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from geometry import BisectedCircle, Design, PneuNet, Rectangular, Semicircular, SemicircularSingle
+from geometry import BisectedCircle, Design, DesignError, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.curved import CurvedEdges
 
 
@@ -103,6 +105,70 @@ def test_pneunet_volumes_for_any_dimensions(data: st.DataObject) -> None:
     assert 2 * mesh.enclosed_volume("cavity") == pytest.approx(design.cavity_volume, rel=1e-10)
     assert sum(map(len, mesh.faces.values())) == len(mesh.boundary)
     assert mesh.quality.minimum > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("seed", "fillet", "regions"), [(1, 0.0, ()), (2, 0.0, ("base",)), (4, 0.0, ()), (7, 0.0, ("base",)), (6, 0.8, ())]
+)
+def test_volumes_of_unequal_chambers(seed: int, fillet: float, regions: tuple[str, ...]) -> None:
+    random = np.random.default_rng(seed)
+    count = int(random.integers(2, 5))
+
+    def lengths(number: int, low: float, high: float) -> tuple[float, ...]:
+        return tuple(np.round(random.uniform(low, high, number), 3).tolist())
+
+    inside, above, gaps = lengths(count, 1, 10), lengths(count, 0.5, 15), lengths(count + 1, 0.3 + 2 * fillet, 6)
+    design = PneuNet(
+        chambers=count,
+        chamber_lengths=tuple(length + 2.0 for length in inside),
+        chamber_heights=tuple(height + 2.0 for height in above),
+        gaps=gaps,
+        fillet=fillet,
+    ).with_regions(regions)
+    mesh = design.body(4.0).mesh
+    cavities = sum(11 * length * (height + 3.0) for length, height in zip(inside, above, strict=True))
+    channels = sum(gap + 2.0 for gap in gaps[1:-1]) * 2.0**2
+    assert design.cavity_volume == pytest.approx(cavities + channels)
+    assert design.length == pytest.approx(sum(inside) + 2.0 * count + sum(gaps))
+    outside = 15 * sum((i + 2.0) * (h + 2.0) for i, h in zip(inside, above, strict=True)) + 15 * 5 * design.length
+    rounded = 2 * count * 15 * (1 - pi / 4) * design.fillet**2
+    assert design.solid_volume == pytest.approx(outside + rounded - cavities - channels)
+    chords = 2 * count * 15 * (pi / 4 - 3 / 4) * design.fillet**2  # where curved edges stay straight
+    assert 2 * mesh.volume == pytest.approx(design.solid_volume, rel=1e-9, abs=chords)
+    assert 2 * mesh.enclosed_volume("cavity") == pytest.approx(design.cavity_volume, rel=1e-9)
+    assert sum(map(len, mesh.faces.values())) == len(mesh.boundary)
+    facing = sum(15 * (h + 2.0) for pair in pairwise(above) for h in pair) + 15 * sum(gaps[1:-1])
+    if not fillet:
+        assert 2 * mesh.area("gap") == pytest.approx(facing)
+    assert mesh.quality.minimum > 0.05
+
+
+def test_equal_entries_are_the_arm_of_the_scalars() -> None:
+    listed = PneuNet(chambers=3, chamber_lengths=(8.0,) * 3, chamber_heights=(12.0,) * 3, gaps=(2.0,) * 4)
+    single = PneuNet(chambers=3)
+    assert listed.repeats
+    np.testing.assert_array_equal(listed.body(4.0).mesh.points, single.body(4.0).mesh.points)
+    assert (listed.length, listed.pitch, listed.solid_volume) == (single.length, single.pitch, single.solid_volume)
+    other = PneuNet(chambers=3, gaps=(2.0, 3.0, 4.0, 2.0), chamber_lengths=(8.0, 7.0, 6.0))
+    assert other.pitch == pytest.approx(11.0 / 4 + 7.0)
+    with pytest.raises(DesignError, match="the gaps of the arm are not equal, so that it repeats no cell"):
+        other.half_cell(4.0)
+
+
+@pytest.mark.parametrize(
+    ("lists", "sentence"),
+    [
+        ({"chamber_heights": (12.0, 9.0)}, "must have 3 entries for 3 chambers, not 2; give all of them, or chamber_h"),
+        ({"gaps": (2.0, 2.0)}, "must have 4 entries for 3 chambers, not 2; give all of them, or gap alone"),
+        ({"gaps": (2.0, 0.0, 2.0, 2.0)}, "gaps: entry 2 must be a positive length, not 0.0"),
+        ({"chamber_lengths": (8.0, 2.0, 8.0)}, "wall 1 mm must be less than half of the smallest of chamber_lengths"),
+        ({"chamber_heights": (8.0, 2.0, 8.0)}, "roof 2 mm must be less than the smallest of chamber_heights, 2 mm"),
+        ({"gaps": (2.0, 1.0, 2.0, 2.0), "fillet": 0.6}, "fillet 0.6 mm must be less than half of the smallest of gaps"),
+    ],
+)
+def test_impossible_lists_are_refused(lists: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(DesignError, match=sentence):
+        PneuNet(chambers=3, **lists)
 
 
 def test_round_families_by_hand() -> None:

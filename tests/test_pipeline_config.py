@@ -11,11 +11,13 @@ import fem
 from fem.elements import ELEMENTS
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, PneuNet
+from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.config.config import AUTO, Config, End, IdentificationSettings, Validation
 from pipeline.config.load import load_config
 from pipeline.config.schema import EFFECTS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
+from pipeline.plausibility import before_solving
 from pipeline.simulation.scene import Scene, material_of
 
 
@@ -402,6 +404,26 @@ def test_the_terms_of_ogden_are_lists(configs: Path) -> None:
         ("mu: [400 GPa], alpha: [2]", "material.mu: with 400 GPa the highest pressure is 3.1e-08 E"),
     ):
         assert sentence in refusal(coarse, f"material={{law: ogden, {constants}, nu: 0.49}}")
+
+
+def test_chambers_that_are_not_equal(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    chambers, heights = "geometry.chambers=3", "geometry.chamber_heights=[12 mm, 1.1 cm, 8 mm]"
+    config = load_config(coarse, [chambers, heights])
+    assert config.design == PneuNet(chambers=3, chamber_heights=(12.0, 11.0, 8.0))
+    assert config.record()["geometry"]["chamber_heights"] == [12.0, 11.0, 8.0]
+    assert not {"chamber_heights", "chamber_lengths", "gaps"} & set(load_config(coarse).record()["geometry"])
+    with pytest.raises(NoArmLaw, match="are not equal, so that it repeats no cell"):
+        ArmPieces(config, None)
+    assert any("means over the mean pitch of 10 mm" in sentence for sentence in before_solving(config))
+    assert not any("mean pitch" in sentence for sentence in before_solving(load_config(coarse)))
+    for setting, sentence in (
+        ("geometry.chamber_heights=12 mm", "'12 mm' is no list; write one length for each, for example [8 mm, 6 mm]"),
+        ("geometry.chamber_heights=[12, 9 mm, 9 mm]", "geometry.chamber_heights[1]: 12 has no unit"),
+        ("geometry.gaps=[2 mm, 0 mm, 2 mm, 2 mm]", "geometry.gaps[2]: 0 is not allowed; allowed: above zero"),
+        ("geometry.gaps=[2 mm]", "must have 4 entries for 3 chambers, not 1; give all of them, or gap alone"),
+    ):
+        assert sentence in refusal(coarse, chambers, setting)
 
 
 def test_a_region_has_a_material_of_its_own(configs: Path) -> None:

@@ -2,17 +2,29 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 from math import pi
 from typing import ClassVar, final
 
-from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
-from geometry.grading import Grading
+from geometry.body import Body
+from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers, check_size
+from geometry.grading import OFF, Grading
+from geometry.meshing.face_names import name_faces
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.shapes import Box, Fillet, Shape
 from geometry.meshing.solid import Solid, mesh_solid
 
 #: smallest radius of a rounded edge, mm; elements beside it are as small as a third of its arc
 SMALLEST_FILLET = 0.1
+
+
+@dataclass(frozen=True)
+class _Chamber:
+    """Where a chamber begins and ends along x, and its height above the strip, mm."""
+
+    start: float
+    stop: float
+    height: float
 
 
 @final
@@ -25,6 +37,9 @@ class PneuNet(SymmetricDesign):
     the other dimensions, which the paper does not give, are assumed. Fillets round the edges where chamber walls stand
     on the strip; those next to the ends of the arm belong to outer, all others to gap. A cell extends from the middle
     of one gap to the middle of the next.
+
+    Lists, one entry per chamber or gap from the clamp on, make chambers that are not equal. Such an arm is meshed as a
+    whole and repeats no cell; its pitch is the mean one.
     """
 
     family: ClassVar[str] = "pneunet"
@@ -41,12 +56,22 @@ class PneuNet(SymmetricDesign):
     roof: float = 2.0  #: thickness of chamber roofs
     channel: float = 2.0  #: width and height of the air channel
     fillet: float = 0.0  #: radius of rounded edges below the chamber walls; 0 (sharp edges) or at least 0.1 mm
+    chamber_lengths: tuple[float, ...] = ()  #: of each chamber from the clamp on, instead of `chamber_length`
+    chamber_heights: tuple[float, ...] = ()  #: of each chamber from the clamp on, instead of `chamber_height`
+    gaps: tuple[float, ...] = ()  #: instead of `gap`: the solid at the clamp, between chambers, and at the tip
 
     def __post_init__(self) -> None:
         check_numbers(self, counts=["chambers"], or_zero=["fillet"])
-        check_less(self, "wall", "chamber_length", 0.5, "the two walls leave no cavity")
+        for name, usual, count in self._lists:
+            if getattr(self, name) and len(getattr(self, name)) != count:
+                raise DesignError(
+                    (name, "chambers"),
+                    f"must have {count} entries for {self.chambers} chambers, not {len(getattr(self, name))}; "
+                    f"give all of them, or {usual} alone for equal ones",
+                )
+        check_less(self, "wall", self._name("chamber_length"), 0.5, "the two walls leave no cavity")
         check_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
-        check_less(self, "roof", "chamber_height", because="the cavity must rise above the strip")
+        check_less(self, "roof", self._name("chamber_height"), because="the cavity must rise above the strip")
         check_less(self, "channel", "strip", because="a channel as high as the strip would open into the gaps")
         if 0 < self.fillet < SMALLEST_FILLET:
             raise DesignError(
@@ -54,8 +79,8 @@ class PneuNet(SymmetricDesign):
                 f"must be 0 for sharp edges or at least {SMALLEST_FILLET:g} mm, not {self.fillet:g} mm: elements at "
                 "a rounded edge are as small as a third of its arc",
             )
-        check_less(self, "fillet", "gap", 0.5, "the fillets at both sides of a gap meet")
-        check_less(self, "fillet", "chamber_height", because="it rounds the edge below the chamber's wall")
+        check_less(self, "fillet", self._name("gap"), 0.5, "the fillets at both sides of a gap meet")
+        check_less(self, "fillet", self._name("chamber_height"), because="it rounds the edge below the chamber's wall")
         across = self.width - 2 * self.side_wall
         if not self.channel < across:
             raise DesignError(
@@ -65,12 +90,58 @@ class PneuNet(SymmetricDesign):
             )
 
     @property
+    def _lists(self) -> tuple[tuple[str, str, int], ...]:
+        """The lists, what stands for equal entries instead, and how many entries there are."""
+        return (
+            ("chamber_lengths", "chamber_length", self.chambers),
+            ("chamber_heights", "chamber_height", self.chambers),
+            ("gaps", "gap", self.chambers + 1),
+        )
+
+    def _name(self, dimension: str) -> str:
+        """The name of the list that is given instead of a dimension, or of the dimension."""
+        return next(name for name in (f"{dimension}s", dimension) if getattr(self, name))
+
+    def _each(self, dimension: str) -> list[float]:
+        """Every entry of a dimension of the chambers or gaps, mm."""
+        return next(list(getattr(self, n) or [getattr(self, d)] * c) for n, d, c in self._lists if d == dimension)
+
+    def _mean(self, dimension: str) -> float:
+        """The mean of all entries of a dimension, mm."""
+        entries = self._each(dimension)
+        return entries[0] if len(set(entries)) == 1 else sum(entries) / len(entries)
+
+    @property
+    def _chambers(self) -> list[_Chamber]:
+        """The chambers from the clamp on."""
+        found, x = [], 0.0
+        for gap, length, height in zip(
+            self._each("gap"), self._each("chamber_length"), self._each("chamber_height"), strict=False
+        ):
+            found.append(_Chamber(x + gap, x + gap + length, height))
+            x += gap + length
+        return found
+
+    @property
+    def equal(self) -> bool:
+        """Whether all chambers and all gaps are equal."""
+        return all(len(set(self._each(dimension))) == 1 for _, dimension, _ in self._lists)
+
+    @property
+    def repeats(self) -> bool:
+        return self.equal
+
+    @property
+    def why_no_cell(self) -> str:
+        return "the chambers or the gaps of the arm are not equal, so that it repeats no cell"
+
+    @property
     def length(self) -> float:
-        return self.chambers * self.chamber_length + (self.chambers + 1) * self.gap
+        return self._mean("chamber_length") * self.chambers + self._mean("gap") * (self.chambers + 1)
 
     @property
     def extent(self) -> tuple[float, float, float]:
-        return (self.length, self.base + self.strip + self.chamber_height, self.width)
+        return (self.length, self.base + self.strip + max(self._each("chamber_height")), self.width)
 
     @property
     def curve_y(self) -> float:
@@ -78,21 +149,23 @@ class PneuNet(SymmetricDesign):
 
     @property
     def pitch(self) -> float:
-        return self.gap + self.chamber_length
+        return self._mean("gap") + self._mean("chamber_length")
 
     @property
     def solid_volume(self) -> float:
         plates = self.length * self.width * (self.base + self.strip)
-        blocks = self.chambers * self.chamber_length * self.width * self.chamber_height
+        blocks = self.width * sum((chamber.stop - chamber.start) * chamber.height for chamber in self._chambers)
         fillets = 2 * self.chambers * self.width * (1 - pi / 4) * self.fillet**2
         return plates + blocks + fillets - self.cavity_volume
 
     @property
     def cavity_volumes(self) -> Mapping[str, float]:
-        inside = self.chamber_length - 2 * self.wall
         across = self.width - 2 * self.side_wall
-        cavities = self.chambers * inside * across * (self.strip + self.chamber_height - self.roof)
-        channels = (self.chambers - 1) * (self.gap + 2 * self.wall) * self.channel**2
+        cavities = across * sum(
+            (chamber.stop - chamber.start - 2 * self.wall) * (self.strip + chamber.height - self.roof)
+            for chamber in self._chambers
+        )
+        channels = sum(gap + 2 * self.wall for gap in self._each("gap")[1:-1]) * self.channel**2
         return {"cavity": cavities + channels}
 
     @property
@@ -107,9 +180,53 @@ class PneuNet(SymmetricDesign):
     def outer_corners(self) -> bool:
         return True
 
+    def body(self, size: float, grading: Grading = OFF) -> Body:
+        if self.equal:
+            return super().body(size, grading)
+        check_size(size, self.extent, self.solid_volume / 2)
+        solid = mesh_solid(self._whole(), size, grading)
+        planes = {"clamp": (0, 0.0), "tip": (0, self.length), "sym": (2, 0.0)}
+        return self._body(
+            name_faces(solid.points, solid.regions["arm"], solid.walls, planes, solid.curved), self.length, True
+        )
+
+    def _whole(self) -> Solid:
+        """The arm with all its chambers."""
+        z, top, chambers = self.width / 2, self.base + self.strip, self._chambers
+        plate, bottom = self.base_plate(0.0, self.length)
+        blocks: list[Shape] = [Box((0.0, bottom, 0.0), (self.length, top, z))]
+        for chamber in chambers:
+            blocks.append(Box((chamber.start, bottom, 0.0), (chamber.stop, top + chamber.height, z)))
+            blocks += [*self._fillet(chamber.start, -1), *self._fillet(chamber.stop, 1)]
+        air: dict[str, list[Shape]] = {
+            "cavity": [
+                Box(
+                    (chamber.start + self.wall, self.base, 0.0),
+                    (chamber.stop - self.wall, top + chamber.height - self.roof, z - self.side_wall),
+                )
+                for chamber in chambers
+            ],
+            "gap": [],
+        }
+        for before, behind in pairwise(chambers):
+            inner = (before.stop - self.wall, behind.start + self.wall)
+            channel = (inner[1], self.base + self.channel, self.channel / 2)
+            air["cavity"].append(Box((inner[0], self.base, 0.0), channel))
+            ceiling = top + max(before.height, behind.height)
+            fillets = [*self._fillet(before.stop, 1), *self._fillet(behind.start, -1)]
+            air["gap"].append(Box((before.stop, top, 0.0), (behind.start, ceiling, z), fillets))
+        return Solid({"arm": [*plate, blocks]}, {name: shapes for name, shapes in air.items() if shapes})
+
+    def _fillet(self, x: float, side: int) -> list[Fillet]:
+        """Of the edge below a wall, on its outside."""
+        return [Fillet(x, self.base + self.strip, self.fillet, side, self.width / 2)] if self.fillet else []
+
     def repetition(self, size: float, grading: Grading) -> Repetition:
-        middle = self.gap + self.chamber_length / 2
-        edge = 1.5 * self.gap + self.chamber_length
+        if not self.equal:
+            raise DesignError(next(name for name, _, _ in self._lists if getattr(self, name)), self.why_no_cell)
+        gap, chamber_length = self._each("gap")[0], self._each("chamber_length")[0]
+        middle = gap + chamber_length / 2
+        edge = 1.5 * gap + chamber_length
         return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
@@ -118,11 +235,8 @@ class PneuNet(SymmetricDesign):
         The end piece reaches to the middle of the first chamber (x = middle, mm). With more than one chamber the half
         cell reaches from there to the middle of the first gap (x = edge, mm).
         """
-        z, ceiling = self.width / 2, self.base + self.strip + self.chamber_height
-        near, far = self.gap, self.gap + self.chamber_length
-
-        def fillet(x: float, side: int) -> list[Fillet]:
-            return [Fillet(x, self.base + self.strip, self.fillet, side, z)] if self.fillet else []
+        z, first, fillet = self.width / 2, self._chambers[0], self._fillet
+        near, far, ceiling = first.start, first.stop, self.base + self.strip + first.height
 
         def plates_and_block(
             start: float, stop: float, chamber: tuple[float, float], fillets: list[Fillet]

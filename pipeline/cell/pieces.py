@@ -113,10 +113,7 @@ def _check(config: Config) -> None:
             f"{'ready mesh' if isinstance(config.design, MeshFile) else 'surface'}"
         )
     if not config.design.repeats:
-        raise NoArmLaw(
-            "it is not known where the cells of this body lie; name the planes of one, for example "
-            "geometry.cell: {from: 40 mm, to: 44 mm}, in the middle of a cell and between two cells"
-        )
+        raise NoArmLaw(config.design.why_no_cell)
     effects = config.effects
     if effects.gravity.on:
         raise NoArmLaw("the weight loads every cell differently, so there is no law of one cell with effects.gravity")

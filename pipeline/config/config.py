@@ -335,12 +335,11 @@ def _record(value: Any) -> Json:
 def _dimensions(design: Any) -> dict[str, Json]:
     """The keys of a design as in the YAML; a file stands there with the digest of what is in it."""
     values: dict[str, Any] = {field.name: getattr(design, field.name) for field in fields(design)}
+    values = {name: list(v) if isinstance(v, tuple) else v for name, v in values.items() if v != ()}
     if isinstance(design, FileDesign):
         values |= {"file": Path(design.file).name, "sha256": design.digest}
     if "air" in values:
         values["air"] = {name: list(point) for name, point in values["air"].items()}
-    if "axes" in values:
-        values["axes"] = list(values["axes"])
     if isinstance(cell := values.get("cell"), CellPlanes):
         values["cell"] = {"from": cell.start, "to": cell.stop}
     return values

@@ -25,7 +25,7 @@ def example(family: str) -> str:
         "",
         "geometry:",
         f"  family: {family}",
-        *(_line(entry, "  ", live=True) for entry in geometry_keys(design)),
+        *(_line(entry, "  ", live="list" not in entry.allowed) for entry in geometry_keys(design)),
         "",
         "material:",
         f"  {'law: svk':<{_WIDTH}}# {', '.join(others)} or {last}, each with its own constants",

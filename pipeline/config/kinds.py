@@ -148,6 +148,12 @@ def _listed(value: Any) -> Any:
     return value if isinstance(value, list) and value else [value]
 
 
+def _list(value: Any) -> Any:
+    if not isinstance(value, list):
+        raise ValueError(f"{quoted(value)} is no list; write one length for each, for example [8 mm, 6 mm]")
+    return value
+
+
 def _effect(value: Any) -> Any:
     """A bare state is an effect with the usual parameters; parameters without a state switch the effect on."""
     return {"state": "on", **value} if isinstance(value, Mapping) else {"state": _state(value)}
@@ -222,6 +228,12 @@ def _size(value: Any) -> Any:
 Length = Annotated[float, _in(LENGTH), Field(examples=[LENGTH.example]), Written("mm", "any")]
 PositiveLength = Annotated[Length, AfterValidator(_above_zero), Written("mm", "above 0")]
 ActivationDistance = Annotated[PositiveLength, Field(examples=["0.04 mm"])]
+Lengths = Annotated[
+    tuple[PositiveLength, ...],
+    BeforeValidator(_list),
+    Field(strict=False, examples=["[8 mm, 8 mm]"]),
+    Written("mm", "above 0, a list"),
+]
 OptionalLength = Annotated[float | None, _in(LENGTH), Field(examples=[LENGTH.example]), Written("mm", "any")]
 Unit = Annotated[
     float, BeforeValidator(_unit), Field(examples=["inch"]), Written("mm", "`mm`, `cm`, `m`, `inch` or a length")

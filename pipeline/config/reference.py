@@ -90,7 +90,7 @@ def geometry_keys(design: Any) -> list[KeyEntry]:
     for field in fields(design):
         written = _written(kinds[field.name])
         length = "at least 0" if field.default == 0.0 else "above 0"
-        allowed = length if drawn and written.unit == "mm" else written.allowed
+        allowed = length if drawn and written.allowed == "any" else written.allowed
         value = schema.default_of(field, REQUIRED)
         default = value if value == REQUIRED else _text(value, written.unit)
         example = _OWN_EXAMPLES[field.name] if default in (REQUIRED, "none") else default
@@ -133,6 +133,9 @@ _OWN_EXAMPLES = {
     "curve": "1 mm",
     "air": "{cavity: [40 mm, 7 mm, 0 mm]}",
     "cell": "8 mm",
+    "chamber_lengths": f"[{', '.join(['8 mm'] * 11)}]",
+    "chamber_heights": f"[{', '.join(['12 mm'] * 11)}]",
+    "gaps": f"[{', '.join(['2 mm'] * 12)}]",
 }
 
 

@@ -31,6 +31,7 @@ from pipeline.config.kinds import (
     Grading,
     LawChoice,
     Length,
+    Lengths,
     MeshSize,
     Name,
     OnEnd,
@@ -256,6 +257,7 @@ def _geometry_fields(design: Any) -> dict[str, Any]:
     kinds = {
         int: Count,
         float: Length,
+        tuple[float, ...]: Lengths,
         float | None: OptionalLength,
         str: Text,
         bool: YesNo,
