@@ -166,7 +166,7 @@ def solved(folder: Path, config: Config) -> Row:
             kept = json.loads(file.read_text(encoding="utf-8"))
             if kept["key"] == store.numbers_key:
                 return Row.of(kept)
-        row = _compared(folder, config, RunContext(store, 1, Silent()))
+        row = _compared(folder, config, RunContext.alone(store, Silent()))
     file.write_text(json.dumps(asdict(row)), encoding="utf-8")
     return row
 

@@ -1,9 +1,17 @@
-"""What every stage of a run is given beside its input: where results are kept, how many processes, who listens."""
+"""What every stage of a run is given beside its input: where results are kept, who works, who listens."""
 
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Concatenate, ParamSpec, TypeVar
 
+from pipeline.parallel.worker import TaskContext
+from pipeline.parallel.workers import InTurn, Pending, Workers, workers
 from pipeline.progress import Progress
 from pipeline.store.store import Store
+
+P = ParamSpec("P")
+Value = TypeVar("Value")
 
 
 @dataclass(frozen=True)
@@ -11,5 +19,24 @@ class RunContext:
     """The surroundings of a run; they decide no result."""
 
     store: Store  #: the result directory, with the states of earlier runs
-    jobs: int  #: experiments solved at the same time
     progress: Progress  #: receives stages, pressures and Newton iterations
+    workers: Workers
+    urgency: int = 0  #: of tasks: those with the smallest number are next
+
+    @classmethod
+    def alone(cls, store: Store, progress: Progress) -> "RunContext":
+        """Everything in this process, one after the other."""
+        return cls(store, progress, InTurn(progress))
+
+    def submit(
+        self, task: Callable[Concatenate[TaskContext, P], Value], *args: P.args, **kwargs: P.kwargs
+    ) -> Pending[Value]:
+        """A task for a worker."""
+        return self.workers.submit(self.urgency, task, *args, **kwargs)
+
+
+@contextmanager
+def run_context(store: Store, jobs: int, progress: Progress) -> Iterator[RunContext]:
+    """With `jobs` workers until the block ends."""
+    with workers(jobs, progress) as working:
+        yield RunContext(store, progress, working)

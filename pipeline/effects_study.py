@@ -7,7 +7,7 @@ from pathlib import Path
 from fem.elements import ELEMENTS
 from pipeline.config.config import Config, State
 from pipeline.config.schema import EFFECTS
-from pipeline.context import RunContext
+from pipeline.context import RunContext, run_context
 from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.progress import Progress
 from pipeline.simulation.outcome import Outcomes
@@ -176,9 +176,11 @@ def compare_effects(config: Config, out: Path, jobs: int, fresh: bool, progress:
         def measure(variant: Variant) -> VariantResult:
             progress.stage(variant.name)
             if variant.effect == BASE:
-                return _measure(variant, RunContext(store, jobs, progress))
-            with open_store(out / variant.folder, variant.config, fresh=fresh) as own:
-                return _measure(variant, RunContext(own, jobs, progress))
+                with run_context(store, jobs, progress) as context:
+                    return _measure(variant, context)
+            folder = out / variant.folder
+            with open_store(folder, variant.config, fresh=fresh) as own, run_context(own, jobs, progress) as context:
+                return _measure(variant, context)
 
         table = EffectsTable(store)
         list(Study(variants(Scene.meshed(config)), measure, table).run())

@@ -34,13 +34,17 @@ class InputError(Exception):
         return "\n".join(self.sentences)
 
 
-@final
 class RunFailed(_Sentence):
     """The work was started and could not be finished (exit status 1). Everything finished so far is on disk."""
 
     def __init__(self, sentence: str, directory: Path | None = None) -> None:
         super().__init__(sentence)
         self.directory = directory  #: the folder with everything finished so far, where there is one
+
+
+@final
+class WorkerLost(RunFailed):
+    """A worker process was ended from outside, and nothing more can be solved in this run."""
 
 
 def _one_line(sentence: str) -> str:

@@ -2,17 +2,18 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
-from fem import compile_kernels
-from pipeline.accuracy.plan import plan_discretisation, review
+from pipeline.accuracy.plan import Plan, plan_discretisation, review
 from pipeline.cell.of_run import law_of_run
 from pipeline.config.config import Config
-from pipeline.context import RunContext
+from pipeline.context import RunContext, run_context
 from pipeline.identification.added_pressures import identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.record import parameters_record
+from pipeline.parallel.loading import loaded
 from pipeline.plausibility import Solved, after_solving, before_solving, of_mesh
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
@@ -26,11 +27,14 @@ from pipeline.simulation.waiting import told_while_waiting
 from pipeline.store.store import open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.validation.rods import ArmRods
-from pipeline.validation.validate import validate
+from pipeline.validation.validate import Validated, validate, validation_outcomes
+
+#: which of the tasks that wait for a worker are next: those of the longest chain, and long ones before short ones
+_OF_LAW, _OF_EXPERIMENTS, _OF_VALIDATION, _OF_COARSER_MESH = range(4)
 
 
 def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> RunReport:
-    """From a configuration to `out`/report.html, `jobs` experiments at a time; `fresh` replaces earlier results.
+    """From a configuration to `out`/report.html, `jobs` tasks at a time; `fresh` replaces earlier results.
 
     A pressure that is not reached is named in the report's `failures`; everything finished is in `out` then, the report
     included. Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed where
@@ -38,74 +42,92 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     """
     with open_store(out, config, fresh=fresh) as store:
         stages = _Stages(progress)
-        context = RunContext(store, jobs, progress)
         unusual = before_solving(config)
         for sentence in unusual:
             progress.remark(sentence)
         config, plan = plan_discretisation(config, store, progress)
-        with stages.timed("mesh"), told_while_waiting(progress, "meshing the body"):
-            scene = Scene.meshed(config)
-        for sentence in of_mesh(scene.body.mesh):
-            progress.remark(sentence)
-            unusual = (*unusual, sentence)
-        with stages.timed("kernels (compiled once)"):
-            compile_kernels(config.mesh.formulation)
-        with stages.timed("experiments"):
-            outcomes = simulate(scene, context)
-            store.save_json("experiments.json", outcomes.rows())
-        with stages.timed("cell law"):
-            arm = law_of_run(scene, context)
-            arm.save(store)
-            effects = (*effect_states(scene, outcomes), arm.effect)
-            store.save_json("effects.json", [state.row() for state in effects])
-        with stages.timed("identification"):
-            identified = identify_run(scene, context, outcomes, other_rod=arm.law is not None)
-            outcomes, parameters = identified.outcomes, identified.parameters
-            store.save_json("experiments.json", outcomes.rows())
-        with stages.timed("coarser mesh"):
-            parameters, no_mesh_error = with_mesh_error(config, context, parameters)
-            if config.law != "cell":
-                store.save_json("parameters.json", parameters_record(config, parameters, arm.law, no_mesh_error))
-        with stages.timed("rod"):
-            rods = ArmRods(parameters, arm.law, (0.0, scene.body.curve_y))
-            comparisons = compare(outcomes, rods, scene.body.pitch)
-            store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, scene.body.pitch))
-            store.save_json("validation.json", [row for c in comparisons for row in c.rows()])
-        with stages.timed("validation"):
-            validated = validate(scene, context, rods)
-            validated.save(store, comparisons)
-        with stages.timed("pictures"):
-            draw_all(scene.body, outcomes, store)
-        with stages.timed("report"):
-            reviewed = review(plan, outcomes, parameters, outcomes.largest_indicator) if plan else None
-            report = RunReport(
-                directory=out,
-                config=config,
-                outcomes=outcomes,
-                parameters=parameters,
-                comparisons=(*comparisons, *validated.comparisons),
-                arm=arm,
-                laws=validated.laws,
-                effects=effects,
-                accuracy=ReviewedPlan(plan, reviewed) if plan else None,
-                mesh=MeshRecord.of(scene),
-                seconds=dict(stages.seconds),
-                failures=(*outcomes.failures, *arm.failures, *identified.failures, *validated.failures),
-                remarks=(*unusual, *identified.remarks, *after_solving(Solved(config, outcomes, parameters))),
-            )
-            save_report(store, report.record())
+        with run_context(store, jobs, progress) as context:
+            return _solved(config, plan, context, stages, unusual)
+
+
+def _solved(
+    config: Config, plan: Plan | None, context: RunContext, stages: "_Stages", unusual: tuple[str, ...]
+) -> RunReport:
+    """The stages of the run. One waits for what it needs; tasks of later ones are done meanwhile."""
+    store, progress, workers = context.store, context.progress, context.workers
+    loading = loaded(context, config.mesh.formulation)
+    with stages.timed("mesh"), told_while_waiting(progress, "meshing the body"):
+        scene = Scene.meshed(config)
+    for sentence in of_mesh(scene.body.mesh):
+        progress.remark(sentence)
+        unusual = (*unusual, sentence)
+    with stages.timed("kernels (compiled once)"):
+        for pending in loading:
+            pending.result()
+    with stages.timed("experiments"):
+        simulated = workers.beside(simulate, scene, replace(context, urgency=_OF_EXPERIMENTS))
+        measured = law_of_run(scene, replace(context, urgency=_OF_LAW))
+        outcomes = simulated.result()
+        store.save_json("experiments.json", outcomes.rows())
+    # II and III at pressures between go on from the states of the experiments
+    validation = workers.beside(validation_outcomes, scene, replace(context, urgency=_OF_VALIDATION))
+    with stages.timed("identification"):
+        identified = identify_run(scene, context, outcomes)
+        outcomes, parameters = identified.outcomes, identified.parameters
+        store.save_json("experiments.json", outcomes.rows())
+        improved = workers.beside(with_mesh_error, config, replace(context, urgency=_OF_COARSER_MESH), parameters)
+    with stages.timed("pictures"):
+        draw_all(scene.body, outcomes, store)
+    with stages.timed("cell law"):
+        arm = measured.result()
+        arm.save(store)
+        effects = (*effect_states(scene, outcomes), arm.effect)
+        store.save_json("effects.json", [state.row() for state in effects])
+    with stages.timed("coarser mesh"):
+        parameters, no_mesh_error = improved.result()
+        if config.law != "cell":
+            store.save_json("parameters.json", parameters_record(config, parameters, arm.law, no_mesh_error))
+    with stages.timed("rod"):
+        rods = ArmRods(parameters, arm.law, (0.0, scene.body.curve_y))
+        comparisons = compare(outcomes, rods, scene.body.pitch)
+        store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, scene.body.pitch))
+        store.save_json("validation.json", [row for c in comparisons for row in c.rows()])
+    with stages.timed("validation"):
+        validated = validate(scene, validation.result(), rods) if parameters or arm.law else Validated()
+        validated.save(store, comparisons)
+    with stages.timed("report"):
+        other_rod = arm.law is not None
+        not_identified = identified.failures(other_rod)
+        remarks = (*unusual, *identified.remarks(other_rod), *after_solving(Solved(config, outcomes, parameters)))
+        reviewed = review(plan, outcomes, parameters, outcomes.largest_indicator) if plan else None
+        report = RunReport(
+            directory=store.directory,
+            config=config,
+            outcomes=outcomes,
+            parameters=parameters,
+            comparisons=(*comparisons, *validated.comparisons),
+            arm=arm,
+            laws=validated.laws,
+            effects=effects,
+            accuracy=ReviewedPlan(plan, reviewed) if plan else None,
+            mesh=MeshRecord.of(scene),
+            seconds=dict(stages.seconds),
+            failures=(*outcomes.failures, *arm.failures, *not_identified, *validated.failures),
+            remarks=remarks,
+        )
+        save_report(store, report.record())
     return report
 
 
 #: in their order
 _STAGES = (
-    *("mesh", "kernels (compiled once)", "experiments", "cell law", "identification", "coarser mesh", "rod"),
-    *("validation", "pictures", "report"),
+    *("mesh", "kernels (compiled once)", "experiments", "identification", "pictures", "cell law", "coarser mesh"),
+    *("rod", "validation", "report"),
 )
 
 
 class _Stages:
-    """The stages of a run: each is reported with its number as it begins, and its wall time is kept."""
+    """The stages of a run. Each is reported with its number as it begins; what is kept is how long the run waited."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import pneurod
 from fem.cell.piece import BendingPiece, PieceFailed
-from pipeline.cell import ahead, curves, mesh_error, refinement
+from pipeline.cell import curves, mesh_error, refinement
 from pipeline.cell.mesh_error import NUMBERS
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.refinement import refined_mesh
@@ -70,7 +70,7 @@ def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
     config = arm(*ARM)
     with open_store(tmp_path, config, fresh=False) as store:
         cells = report.measured.law.cells
-        found = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, RunContext(store, 1, Silent()))
+        found = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, RunContext.alone(store, Silent()))
     assert found.second_mm == 6.0
     assert found.pressures_kPa == (6.0, 9.0)
     assert found.reason.endswith("because a mesh of half the size has more than 1000 unknowns")
@@ -131,7 +131,7 @@ def test_the_mesh_of_the_cell_is_refined_until_its_error_is_small_enough(
     config = arm(*ARM, "mesh.size=6 mm")
     pieces = ArmPieces(config, 0.04)
     with open_store(tmp_path, config, fresh=False) as store:
-        context = RunContext(store, 1, Silent())
+        context = RunContext.alone(store, Silent())
         taken = refined_mesh(pieces, context, 0.1)
         assert taken.is_reached
         assert len(taken.meshes) >= 3
@@ -149,12 +149,11 @@ def test_the_mesh_of_the_cell_is_refined_until_its_error_is_small_enough(
             refined_mesh(pieces, context, 0.1)
 
 
-def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path) -> None:
     shutil.copytree(report.directory, tmp_path / "again")
     for pattern in ("cell_6kPa*", "cell_9kPa*"):
         for file in (tmp_path / "again" / "law").glob(pattern):
             file.unlink()
-    monkeypatch.setattr(ahead, "WORTHWHILE", 0)
     again = measure_law(arm(*ARM), tmp_path / "again", 2, False, Silent()).measured.law
     for ours, theirs in zip(again.cells, report.measured.law.cells, strict=True):
         assert ours.moment == pytest.approx(theirs.moment, abs=1e-6)

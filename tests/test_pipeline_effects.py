@@ -43,7 +43,7 @@ def simulated(
     config = load_config(HERE / "configs" / f"{name}.yaml", overrides)
     scene = Scene.meshed(config)
     with open_store(out, config) as store:
-        outcomes = simulate(scene, RunContext(store, 1, Silent()), experiments)
+        outcomes = simulate(scene, RunContext.alone(store, Silent()), experiments)
     assert [outcome.failure for outcome in outcomes] == [None] * len(experiments)
     return outcomes, {state.effect: state.row() for state in effect_states(scene, outcomes)}
 

@@ -92,7 +92,7 @@ def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: P
     for choice, failures in (("both", 0), ("cell", 1), ("five", 0)):
         heavy = config(tmp_path, weight, f"law={choice}")
         with open_store(tmp_path / choice, heavy) as store:
-            law = law_of_run(Scene.meshed(heavy), RunContext(store, 1, Silent()))
+            law = law_of_run(Scene.meshed(heavy), RunContext.alone(store, Silent())).result()
         assert law.law is None
         assert law.effect.state == "off"
         assert ("switched off" if choice == "five" else "weight") in law.reason

@@ -75,7 +75,7 @@ def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> 
         pressures = f"pressures=[0.5 kPa, {largest} kPa]"
         config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, pressures])
         with open_store(tmp_path / str(largest), config) as store:
-            outcomes = simulate(Scene.meshed(config), RunContext(store, 1, Silent()), ["I", "II"])
+            outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II"])
         failures = [outcome.failure for outcome in outcomes]
         assert all(len(outcome.records) == 1 for outcome in outcomes)
         assert failures[0] is not None

@@ -80,7 +80,7 @@ def test_a_second_mesh_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     path.write_text(SHORT.replace("coarser: 1.5", "coarser: 50"), encoding="utf-8")
     config, parameters = load_config(path), (cast(Parameters, object()),)
     with open_store(tmp_path / "out", config) as store:
-        same, reason = with_mesh_error(config, RunContext(store, 1, Silent()), parameters)
+        same, reason = with_mesh_error(config, RunContext.alone(store, Silent()), parameters)
     assert same == parameters
     assert reason.startswith("the mesh 50 times as coarse cannot be made: ")
     content = {"pressures_kPa": [6.0], "mesh_error": None, "mesh_error_reason": reason}

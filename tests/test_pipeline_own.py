@@ -82,7 +82,7 @@ def test_own_body_is_inflated(tmp_path: Path) -> None:
     config = load_config(CONFIGS / "finger.yaml", ["mesh.size=5 mm", "pressures=[20 kPa]"])
     scene = Scene.meshed(config)
     with open_store(tmp_path, config) as store:
-        outcomes = simulate(scene, RunContext(store, 1, Silent()), ("II",))
+        outcomes = simulate(scene, RunContext.alone(store, Silent()), ("II",))
         rows = {state.effect: state for state in effect_states(scene, outcomes)}
     (record,) = outcomes["II"].records
     assert record.summary.end_mm[1] < 1.0 - 2.0

@@ -101,7 +101,7 @@ def arm(monkeypatch: pytest.MonkeyPatch) -> Scene:
     return Scene(config, body)
 
 
-CONTEXT = RunContext(None, 1, Silent())  # type: ignore[arg-type]
+CONTEXT = RunContext.alone(None, Silent())  # type: ignore[arg-type]
 NONE = Outcomes({})
 
 
@@ -113,14 +113,14 @@ def test_a_pressure_without_parameters_fails_a_run_only_where_it_leaves_no_rod(
 ) -> None:
     reason = "no five parameters at 10 kPa: the rod carries no moment"
     monkeypatch.setattr(added_pressures, "identify_all", lambda outcomes, pitch, d_mm: (identified, (reason,)))
-    found = identify_run(arm, CONTEXT, NONE, other_rod)
-    assert (found.failures, found.remarks) == (((reason,), ()) if fails else ((), (reason,)))
+    found = identify_run(arm, CONTEXT, NONE)
+    assert (found.failures(other_rod), found.remarks(other_rod)) == (((reason,), ()) if fails else ((), (reason,)))
     assert found.parameters == identified
 
 
 def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scene, tmp_path: Path) -> None:
     body: Any = SimpleNamespace(length=62.0, pitch=10.0)
-    (reason,) = identify_run(replace(arm, body=body), CONTEXT, NONE).failures
+    (reason,) = identify_run(replace(arm, body=body), CONTEXT, NONE).failures(other_rod=False)
     assert reason == (
         "no five parameters: Five parameters need a length of at least 6.5 pitches; this arm of 62 mm has 6.2 of 10 mm"
     )

@@ -34,7 +34,7 @@ def measure(rung: Rung) -> RungResult:
         scene = Scene.meshed(rung.config)
         meshed = perf_counter() - start
         with TemporaryDirectory() as folder, open_store(Path(folder), rung.config) as store:
-            outcomes = simulate(scene, RunContext(store, 1, Silent()), ("III", "II"))
+            outcomes = simulate(scene, RunContext.alone(store, Silent()), ("III", "II"))
     except (InputError, RunFailed) as failure:
         return RungResult(str(failure), (), None)
     fit_start, d = perf_counter(), rung.config.identification.d_mm

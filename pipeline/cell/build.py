@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 
 from fem.cell.piece import PieceFailed
-from pipeline.cell.ahead import cells_ahead, ends_ahead
-from pipeline.cell.curves import PieceCurves
+from pipeline.cell import tasks
+from pipeline.cell.deviation import Deviation
 from pipeline.cell.kept import Measured
 from pipeline.cell.mesh_error import MeshError, mesh_error
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
+from pipeline.parallel.workers import Pending
 from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
@@ -66,7 +67,7 @@ class _Builder:
     def __init__(self, pieces: ArmPieces, context: RunContext) -> None:
         self.pieces = pieces
         self.context = context
-        self.curves = PieceCurves(pieces, context.store)
+        self.tasks = tasks.ArmTasks.of(pieces, context)
         self.limits: list[str] = []
         self.failures: list[str] = []
         self.factorizations = dict.fromkeys(("cell", "between", "ends"), 0)
@@ -129,18 +130,14 @@ class _Builder:
 
     def _measured_cells(self, pressures: Sequence[float]) -> Iterator[Measured[CellCurve] | str]:
         """Cells at rising pressures; a sentence for one that is not borne."""
-        progress = self.context.progress
-        progress.experiment("cell", pressures)
-        reported = cells_ahead(self.curves, self.context, pressures)
-        for pressure in pressures:
+        self.context.progress.experiment("cell", pressures)
+        for pending in [self.tasks.submit(tasks.cell, pressure) for pressure in pressures]:
             try:
-                cell = self.curves.cell(pressure)
+                cell = pending.result()
             except (PieceFailed, RodError) as failure:
                 yield str(failure).rstrip(".")
                 continue
             self._count("cell", cell)
-            if pressure not in reported:
-                progress.step_done("cell", pressure, 0.0 if cell.is_stored else cell.seconds)
             yield cell
 
     def _with_pressures_between(
@@ -150,7 +147,7 @@ class _Builder:
         added: list[float] = []
         allowed = BETWEEN * max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
         while True:
-            errors = {pair: self._error_between(*pair) for pair in pairwise(cells)}
+            errors = self._errors_between(cells)
             self.error_between = max(errors.values()) / allowed * BETWEEN
             worst = sorted((pair for pair in errors if errors[pair] > allowed), key=lambda pair: -errors[pair])
             middles = [0.5 * (lower.curve.pressure + upper.curve.pressure) for lower, upper in worst]
@@ -171,22 +168,32 @@ class _Builder:
             )
         return cells, tuple(sorted(added))
 
-    def _error_between(self, lower: Measured[CellCurve], upper: Measured[CellCurve]) -> float:
-        """Largest error of the curvature in the middle between two pressures, 1/mm.
+    def _errors_between(
+        self, cells: Sequence[Measured[CellCurve]]
+    ) -> dict[tuple[Measured[CellCurve], Measured[CellCurve]], float]:
+        """Largest error of the curvature in the middle between two neighbours, 1/mm.
 
         Zero, and a sentence among the limits, where it cannot be found.
         """
-        pair = (lower.curve.pressure, upper.curve.pressure)
-        if pair not in self.errors:
-            try:
-                found = self.curves.between(lower.curve, upper.curve)
-                self._count("between", found)
-                self.errors[pair] = found.curve.kappa
-            except (PieceFailed, RodError) as failure:
-                reason = str(failure).rstrip(".")
-                self.limits.append(f"the interpolation at {0.5 * sum(pair):g} kPa could not be checked: {reason}")
-                self.errors[pair] = 0.0
-        return self.errors[pair]
+        neighbours = [(lower, upper, (lower.curve.pressure, upper.curve.pressure)) for lower, upper in pairwise(cells)]
+        pending = {
+            pair: self.tasks.submit(tasks.between, lower.curve, upper.curve)
+            for lower, upper, pair in neighbours
+            if pair not in self.errors
+        }
+        for pair, found in pending.items():
+            self.errors[pair] = self._error_between(pair, found)
+        return {(lower, upper): self.errors[pair] for lower, upper, pair in neighbours}
+
+    def _error_between(self, pair: tuple[float, float], pending: Pending[Measured[Deviation]]) -> float:
+        try:
+            found = pending.result()
+        except (PieceFailed, RodError) as failure:
+            reason = str(failure).rstrip(".")
+            self.limits.append(f"the interpolation at {0.5 * sum(pair):g} kPa could not be checked: {reason}")
+            return 0.0
+        self._count("between", found)
+        return found.curve.kappa
 
     def _half_cells(self, cell: CellCurve) -> int:
         """Half cells of the end pieces, so many that two more change the arm's end by less than DECAY."""
@@ -195,10 +202,9 @@ class _Builder:
             if half_cells + 2 > available:
                 self.limits.append("the arm is too short to see how far its ends disturb the cells")
                 return half_cells
+            pending = [self.tasks.submit(tasks.clamp_without_moment, cell, k) for k in (half_cells, half_cells + 2)]
             try:
-                shorter, longer = (
-                    self.curves.clamp_without_moment(cell, k).curve for k in (half_cells, half_cells + 2)
-                )
+                shorter, longer = (end.result().curve for end in pending)
             except PieceFailed:  # reported with the ends
                 return half_cells
             self.error_ends = difference(shorter, longer, cell, length)
@@ -217,23 +223,19 @@ class _Builder:
 
     def _ends(self, cells: Sequence[Measured[CellCurve]], half_cells: int) -> tuple[list[ClampCurve], list[TipCurve]]:
         """The clamped end and the tip by rising pressure, up to the last one that is borne."""
-        progress = self.context.progress
-        progress.experiment("ends", [cell.curve.pressure for cell in cells])
-        reported = ends_ahead(self.curves, self.context, [(cell.curve, half_cells) for cell in cells])
+        self.context.progress.experiment("ends", [cell.curve.pressure for cell in cells])
+        pending = [self.tasks.submit(tasks.ends, cell.curve, half_cells) for cell in cells]
         clamps: list[ClampCurve] = []
         tips: list[TipCurve] = []
-        for cell in cells:
+        for cell, both in zip(cells, pending, strict=True):
             try:
-                parts = self.curves.ends(cell.curve, half_cells)
+                parts = both.result()
             except (PieceFailed, RodError) as failure:
                 self.failures.append(str(failure).rstrip("."))
                 break
             clamps.append(parts[0].curve)
             tips.append(parts[1].curve)
             self.error_along_clamp = max(self.error_along_clamp, parts[0].error)
-            if cell.curve.pressure not in reported:
-                stored = all(part.is_stored for part in parts)
-                progress.step_done("ends", cell.curve.pressure, 0.0 if stored else sum(part.seconds for part in parts))
             self.limits += cell.limits
             for part in parts:
                 self.limits += part.limits
@@ -246,10 +248,12 @@ class _Builder:
 
     def _unknowns(self, half_cells: int) -> dict[str, int]:
         """Displacement components by piece."""
-        return {
-            "cell": 3 * len(self.pieces.cell.space.points),
-            "end": 3 * len(self.pieces.end(half_cells, "clamp").space.points),
-        }
+        pending = (
+            self.tasks.submit(tasks.unknowns_of_cell),
+            self.tasks.submit(tasks.unknowns_of_end, half_cells),
+        )
+        cell, end = (piece.result() for piece in pending)
+        return {"cell": cell, "end": end}
 
 
 def _error_along(cells: Sequence[Measured[CellCurve]]) -> float:

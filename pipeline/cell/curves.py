@@ -21,6 +21,7 @@ class PieceCurves:
 
     def __init__(self, pieces: ArmPieces, store: Store) -> None:
         self.pieces = pieces
+        self.store = store
         self._cells = KeptCurves(store, CellCurve, CELL_KEYS)
         self._clamps = KeptCurves(store, ClampCurve, CLAMP_KEYS)
         self._tips = KeptCurves(store, TipCurve, TIP_KEYS)
@@ -37,10 +38,6 @@ class PieceCurves:
             return Measured(sweep.curve(piece.body.length), limits, sweep.error, piece.factorizations - before)
 
         return self._cells.get(_cell_name(pressure), measure)
-
-    def has_cell(self, pressure: float) -> bool:
-        """Whether an earlier run has left this cell."""
-        return self._cells.read(_cell_name(pressure)) is not None
 
     def between(self, lower: CellCurve, upper: CellCurve) -> Measured[Deviation]:
         """How far the law that is interpolated halfway between two pressures is from the cell there."""
@@ -89,11 +86,6 @@ class PieceCurves:
     def ends(self, cell: CellCurve, half_cells: int) -> tuple[Measured[ClampCurve], Measured[TipCurve]]:
         """The clamped end and the tip."""
         return self.clamp(cell, half_cells), self.tip(cell, half_cells)
-
-    def has_ends(self, cell: CellCurve, half_cells: int) -> bool:
-        """Whether an earlier run has left both of them."""
-        clamp = self._clamps.read(_end_name("clamp", half_cells, cell))
-        return clamp is not None and self._tips.read(_end_name("tip", half_cells, cell)) is not None
 
 
 def _cell_name(pressure: float) -> str:

@@ -9,12 +9,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from fem.cell.piece import BendingPiece, PieceFailed
+from pipeline.cell.curves import PieceCurves
 from pipeline.cell.measure import cell_without_moment
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.refinement import MOST_UNKNOWNS
+from pipeline.cell.tasks import ArmTasks, unknowns_of_cell
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.richardson import extrapolated
+from pipeline.parallel.worker import TaskContext
 from pipeline.store.json_values import JsonObject
 from rod.arm_law.curves import CellCurve
 
@@ -60,7 +63,7 @@ def mesh_error(pieces: ArmPieces, cells: Sequence[CellCurve], context: RunContex
     The moment is that at half of kappa_0. A second mesh that cannot be made or does not bear a pressure says so.
     """
     pressurised = [cell for cell in cells if cell.pressure in pieces.config.pressures_kPa]
-    if 3 * len(pieces.cell.space.points) / FINER**2 > MOST_UNKNOWNS:
+    if ArmTasks.of(pieces, context).submit(unknowns_of_cell).result() / FINER**2 > MOST_UNKNOWNS:
         reason = f"a mesh of half the size has more than {MOST_UNKNOWNS} unknowns"
     else:
         finer = _estimated(pieces, pressurised, FINER, context)
@@ -76,12 +79,13 @@ def _estimated(pieces: ArmPieces, cells: Sequence[CellCurve], factor: float, con
     """From a second mesh, factor times as large; up to the first pressure that it does not bear."""
     size = pieces.config.mesh.element_size_mm
     change = 1.0 / pieces.design.length
+    second = ArmTasks.of(pieces.with_mesh_size(factor * size), context)
+    pending = [(cell, second.submit(_numbers_on, cell, change)) for cell in cells]
     rows: list[tuple[tuple[float, ...], tuple[float, ...]]] = []
     reason = ""
     try:
-        second = pieces.with_mesh_size(factor * size)
-        for cell in cells:
-            rows.append((_numbers(cell, change), _numbers_on(second, cell, context, change)))
+        for cell, on_second in pending:
+            rows.append((_numbers(cell, change), on_second.result()))
     except (PieceFailed, InputError) as failure:
         reason = f"on the mesh of {factor * size:.3g} mm: {str(failure).rstrip('.')}"
     return MeshError(
@@ -115,10 +119,10 @@ def _moment_at(cell: CellCurve, kappa: float) -> float:
     return 0.5 * (low + high)
 
 
-def _numbers_on(pieces: ArmPieces, cell: CellCurve, context: RunContext, change: float) -> tuple[float, ...]:
-    """The same numbers of the cell on another mesh, the moment at the same curvature."""
-    size = pieces.config.mesh.element_size_mm
-    store, name = context.store, f"law/mesh_{size:.12g}mm_{cell.pressure:.12g}kPa.json"
+def _numbers_on(curves: PieceCurves, context: TaskContext, cell: CellCurve, change: float) -> tuple[float, ...]:
+    """The same numbers of the cell on another mesh, the moment at the same curvature; a task."""
+    pieces, store = curves.pieces, curves.store
+    name = f"law/mesh_{pieces.config.mesh.element_size_mm:.12g}mm_{cell.pressure:.12g}kPa.json"
     kept = store.read_json(name)
     if kept is None or kept["key"] != store.numbers_key:
         numbers = numbers_on(pieces.cell, cell.pressure, 0.5 * cell.at(0.0)[0], change)

@@ -6,7 +6,8 @@ from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.study import save_law
 from pipeline.context import RunContext
-from pipeline.errors import InputError, RunFailed
+from pipeline.errors import InputError, RunFailed, WorkerLost
+from pipeline.parallel.workers import Done, Pending
 from pipeline.simulation.effects_record import EffectState
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
@@ -37,16 +38,35 @@ class LawOfRun:
         return EffectState("arm_law", "off" if self.measured is None else "on", self.reason, None)
 
 
-def law_of_run(scene: Scene, context: RunContext) -> LawOfRun:
-    """The law that the configuration requests; with `law: both` an arm without one keeps its five parameters."""
+def law_of_run(scene: Scene, context: RunContext) -> Pending[LawOfRun]:
+    """The law that the configuration requests; with `law: both` an arm without one keeps its five parameters.
+
+    Its tasks are done beside those that are submitted later. Whatever Gmsh has to look at in this process is looked at
+    before this function returns, because Gmsh takes the process's output and signals.
+    """
     choice = scene.config.law
     if choice == "five":
-        return LawOfRun(None, "switched off in the config", ())
+        return Done(LawOfRun(None, "switched off in the config", ()))
     try:
-        measured = build_law(ArmPieces.of(scene), context)
+        pieces = ArmPieces.of(scene)
+        pieces.repetition  # noqa: B018 - refuses an arm that is too short
+    except (NoArmLaw, InputError) as refusal:
+        return Done(_none(choice, refusal))
+    return context.workers.beside(_law, choice, pieces, context)
+
+
+def _none(choice: str, why: Exception) -> LawOfRun:
+    reason = str(why).rstrip(".")
+    return LawOfRun(None, reason, (f"no law of the arm: {reason}",) if choice == "cell" else ())
+
+
+def _law(choice: str, pieces: ArmPieces, context: RunContext) -> LawOfRun:
+    try:
+        measured = build_law(pieces, context)
+    except WorkerLost:
+        raise
     except (NoArmLaw, InputError, RunFailed) as failure:
-        reason = str(failure).rstrip(".")
-        return LawOfRun(None, reason, (f"no law of the arm: {reason}",) if choice == "cell" else ())
+        return _none(choice, failure)
     law = measured.law
     reason = (
         f"moment, stretch and rigidities of one cell from {law.pressures[0]:g} to {law.pressures[-1]:g} kPa, "

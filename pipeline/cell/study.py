@@ -4,14 +4,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
-from fem import compile_kernels
 from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.figure import html_page, svg_picture
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.refinement import RefinedMesh, refined_mesh
 from pipeline.config.config import AUTO, Config
-from pipeline.context import RunContext
+from pipeline.context import run_context
 from pipeline.errors import InputError, RunFailed
+from pipeline.parallel.loading import loaded
 from pipeline.progress import Progress
 from pipeline.simulation.scene import Scene
 from pipeline.store.formats import FORMAT
@@ -64,14 +64,15 @@ def measure_law(config: Config, out: Path, jobs: int, fresh: bool, progress: Pro
     not even the lowest pressure is borne.
     """
     begin = perf_counter()
-    with open_store(out, config, fresh=fresh) as store:
-        context = RunContext(store, jobs, progress)
+    with open_store(out, config, fresh=fresh) as store, run_context(store, jobs, progress) as context:
+        loading = loaded(context, config.mesh.formulation)
         progress.stage("mesh")
         try:
             sized = config.with_mesh_size(_first_size(config))
             pieces, refined = ArmPieces.of(Scene.meshed(sized)), None
             progress.stage("kernels (compiled once)")
-            compile_kernels(config.mesh.formulation)
+            for pending in loading:
+                pending.result()
             if config.accuracy is not None:
                 refined = refined_mesh(pieces, context, config.accuracy)
                 pieces = pieces.with_mesh_size(refined.size_mm)

@@ -18,26 +18,30 @@ class Identified:
 
     outcomes: Outcomes
     parameters: tuple[Parameters, ...]  #: by ascending pressure; empty with `law: cell`
-    failures: tuple[str, ...]  #: a sentence for each pressure that could not be added, and why there are no parameters
-    remarks: tuple[str, ...]  #: a sentence for each pressure without parameters, where there are others
+    refused: tuple[str, ...] = ()  #: why there are no parameters, or none at a pressure, a sentence each
+    not_added: tuple[str, ...] = ()  #: a sentence for each pressure that could not be added
+
+    def failures(self, other_rod: bool) -> tuple[str, ...]:
+        """What makes the run fail: a pressure without parameters only where there are no others and no other rod."""
+        return self.not_added if self.parameters or other_rod else (*self.refused, *self.not_added)
+
+    def remarks(self, other_rod: bool) -> tuple[str, ...]:
+        """The other sentences."""
+        return self.refused if self.parameters or other_rod else ()
 
 
-def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes, other_rod: bool = False) -> Identified:
+def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Identified:
     """The parameters at all pressures and at those to be added; none with `law: cell`.
 
-    A pressure without parameters does not make the run fail where there are others, or where it has another rod
-    (`other_rod`). Raises RunFailed as `simulate`.
+    Raises RunFailed as `simulate`.
     """
     if scene.config.law == "cell":
-        return Identified(outcomes, (), (), ())
+        return Identified(outcomes, ())
     if sentence := too_few_pitches(scene.body.length, scene.body.pitch):
-        reason = f"no five parameters: {sentence.removesuffix('.')}"
-        return Identified(outcomes, (), () if other_rod else (reason,), (reason,) if other_rod else ())
+        return Identified(outcomes, (), (f"no five parameters: {sentence.removesuffix('.')}",))
     parameters, refused = identify_all(outcomes, scene.body.pitch, scene.config.identification.d_mm)
     outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)
-    if parameters or other_rod:
-        return Identified(outcomes, parameters, not_added, refused)
-    return Identified(outcomes, parameters, (*refused, *not_added), ())
+    return Identified(outcomes, parameters, refused, not_added)
 
 
 def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[str, Quantity]]:

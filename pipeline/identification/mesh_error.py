@@ -11,6 +11,7 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.parameters import Parameters, numbers_of_cells
 from pipeline.identification.richardson import extrapolated
+from pipeline.parallel.worker import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Record
 from pipeline.simulation.scene import Scene
@@ -35,7 +36,7 @@ def with_mesh_error(
         return parameters, ""
     second = config.with_mesh_size(factor * config.mesh.element_size_mm)
     try:
-        scene = Scene.meshed(second)
+        scene = context.submit(_meshed, second).result()
     except InputError as failure:
         return parameters, f"the mesh {factor:g} times as coarse cannot be made: {failure}"
     pressures = schedule(config, tuple(p.pressure_kPa for p in parameters))
@@ -59,6 +60,11 @@ def with_mesh_error(
     reason = f"on the mesh {factor:g} times as coarse: {'; '.join(refused)}" if refused else ""
     every = zip(parameters, fine, deviations, strict=True)
     return tuple(_with_errors(p, numbers, stds) for p, numbers, stds in every), reason
+
+
+def _meshed(context: TaskContext, config: Config) -> Scene:
+    """A task, because Gmsh takes the output of its process."""
+    return Scene.meshed(config)
 
 
 def _with_errors(parameters: Parameters, numbers: Mapping[str, float], stds: Mapping[str, float]) -> Parameters:

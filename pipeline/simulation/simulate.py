@@ -1,20 +1,18 @@
-"""The load cases on one body, solved in parallel processes; each state is stored as soon as it is reached."""
+"""The load cases on one body, each a task; each state is stored as soon as it is reached."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 
 import fem
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
-from pipeline.processes import available_cores, process_pool
+from pipeline.parallel.worker import TaskContext
 from pipeline.progress import Progress
 from pipeline.simulation.known_limit import FIRST, KnownLimit, asks, in_order
 from pipeline.simulation.loadcase import LoadCase, identification_case
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.worker import connected, known_limit, start_worker, worker_progress
 from pipeline.store.store import Store
 from rod import Load
 
@@ -29,7 +27,7 @@ def experiments_of(config: Config) -> tuple[str, ...]:
 
 
 def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | LoadCase] | None = None) -> Outcomes:
-    """Solve the load cases, by default `experiments_of`, `context.jobs` at a time; one that fails does not stop others.
+    """Solve the load cases, by default `experiments_of`; one that fails does not stop others.
 
     A name stands for that experiment at the pressures of the run. Raises RunFailed where the faces that are to touch
     cannot.
@@ -38,19 +36,12 @@ def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | Load
     cases = in_order([_as_case(scene.config, entry) for entry in requested])
     for case in sorted(cases, key=lambda case: case.name):
         context.progress.experiment(case.name, case.schedule.pressures_kPa)
+    is_known = any(case.name == FIRST for case in cases)
+    pending = [context.submit(_solve, case, scene, context.store, is_known and asks(case)) for case in cases]
     try:
-        if context.jobs == 1 or len(cases) == 1:
-            known = _known_limit(cases)
-            outcomes = [_solve(case, scene, context.store, context.progress, known) for case in cases]
-        else:
-            outcomes = _in_parallel(scene, context, cases)
+        outcomes = [case.result() for case in pending]
     except fem.ContactError as failure:
         raise RunFailed(str(failure)) from None
-    except BrokenProcessPool:
-        raise RunFailed(
-            "the process of an experiment was ended from outside, as happens when memory runs out; finished results "
-            "are kept, and the same command continues from there, with --jobs 1 in less memory"
-        ) from None
     return Outcomes({outcome.name: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.name)})
 
 
@@ -58,36 +49,16 @@ def _as_case(config: Config, entry: str | LoadCase) -> LoadCase:
     return entry if isinstance(entry, LoadCase) else identification_case(config, entry)
 
 
-def _known_limit(cases: Sequence[LoadCase]) -> KnownLimit | None:
-    """What II tells the others; None where it is not solved."""
-    return KnownLimit() if any(case.name == FIRST for case in cases) else None
-
-
-def _in_parallel(scene: Scene, context: RunContext, cases: Sequence[LoadCase]) -> list[Outcome]:
-    jobs = min(context.jobs, len(cases))
-    threads = max(1, available_cores() // jobs)
-    with (
-        connected(context.progress) as queue,
-        process_pool(jobs, threads, initializer=start_worker, initargs=(queue, _known_limit(cases))) as pool,
-    ):
-        futures = [pool.submit(_solve_in_worker, case, scene, context.store) for case in cases]
-        return [future.result() for future in futures]
-
-
-def _solve_in_worker(case: LoadCase, scene: Scene, store: Store) -> Outcome:
-    return _solve(case, scene, store, worker_progress(), known_limit())
-
-
-def _solve(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
+def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, asks_limit: bool) -> Outcome:
     """Follow the load path of one case from its stored states on; II tells its limit when it ends, however it ends."""
     limit_kPa = 0.0
     try:
-        outcome = _followed(case, scene, store, progress, known if asks(case) else None)
+        outcome = _followed(case, scene, store, context.progress, context.known_limit if asks_limit else None)
         limit_kPa = outcome.failure.limit_kPa if outcome.failure else 0.0
         return outcome
     finally:
-        if known is not None and case.name == FIRST:
-            known.set(limit_kPa)
+        if case.name == FIRST:
+            context.known_limit.set(limit_kPa)
 
 
 def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:

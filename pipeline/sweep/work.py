@@ -100,7 +100,7 @@ def _experiments(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
     with open_store(task.folder, config) as store:
         scene = Scene.meshed(config)
         compile_kernels(config.mesh.formulation)
-        outcomes = simulate(scene, RunContext(store, 1, Silent()), task.run)
+        outcomes = simulate(scene, RunContext.alone(store, Silent()), task.run)
         store.save_json("experiments.json", outcomes.rows())
         store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, (), scene.body.pitch))
     return rows_of_experiments(config, outcomes), outcomes.failures

@@ -38,9 +38,9 @@ class LawRow:
 class Validated:
     """The results at the loads out of sample."""
 
-    comparisons: tuple[Comparison, ...]
-    failures: tuple[str, ...]  #: a sentence for each load that was not solved
-    laws: tuple[LawRow, ...]
+    comparisons: tuple[Comparison, ...] = ()
+    failures: tuple[str, ...] = ()  #: a sentence for each load that was not solved
+    laws: tuple[LawRow, ...] = ()
 
     def save(self, store: Store, in_sample: Sequence[Comparison]) -> None:
         """Write validation.json (what is in sample first), laws.json and validation_curves.csv."""
@@ -50,15 +50,14 @@ class Validated:
         store.save_rows("validation_curves.csv", VALIDATION_COLUMNS, rows)
 
 
-def validate(scene: Scene, context: RunContext, rods: ArmRods) -> Validated:
-    """Solve the validation loads of the configuration and compare the rods with them; nothing where there are none.
+def validation_outcomes(scene: Scene, context: RunContext) -> Outcomes:
+    """The validation loads of the configuration, solved. Raises RunFailed as `simulate` does."""
+    return simulate(scene, context, validation_cases(scene.config))
 
-    Raises RunFailed as `simulate` does.
-    """
+
+def validate(scene: Scene, outcomes: Outcomes, rods: ArmRods) -> Validated:
+    """Compare the rods with the solved validation loads."""
     cases = {case.name: case for case in validation_cases(scene.config)}
-    if not cases or not (rods.parameters or rods.law):
-        return Validated((), (), ())
-    outcomes = simulate(scene, context, list(cases.values()))
     failures = tuple(
         outcome.failure_sentence(f"validation {cases[outcome.name].load or outcome.name}")
         for outcome in outcomes

@@ -100,7 +100,7 @@ def solve(scene: Scene) -> Solved:
             at_end = replace(config.end, force_N=scene.force)
             case = LoadCase("hard", scene.experiment, schedule(config, scene.pressures), at_end)
             with open_store(Path(folder) / "out", config) as store:
-                outcome = simulate(MeshedScene(config, body), RunContext(store, 1, Silent()), [case])["hard"]
+                outcome = simulate(MeshedScene(config, body), RunContext.alone(store, Silent()), [case])["hard"]
         except (InputError, RunFailed) as refused:
             raise Refused(str(refused)) from None
     return Solved(config, body, outcome)

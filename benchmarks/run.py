@@ -1,0 +1,223 @@
+"""A whole run from two checkouts in turn: wall and processor time, memory, stages, and whether the results agree.
+
+    python benchmarks/run.py OTHER [--config configs/pneunet.yaml] [--rounds 3] [--busy-ok]
+
+Every run is `pneurod run` in a new process and a new result folder; the two checkouts take turns, and the one that
+begins changes from round to round. Processor time, page faults and memory are those of the run with all its workers;
+the memory is what its processes have together, shared pages counted once, asked for ten times a second. Before the
+first round each checkout solves a small arm, which compiles the kernels. Both are run by the Python of this program.
+A machine on which others work is refused, unless --busy-ok is given: wall times are worth nothing there, processor
+times little.
+"""
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parent.parent
+#: seconds for which the machine is watched before a round, and the part of its time that others may use then
+WATCHED, BUSY = 2.0, 0.1
+#: between two looks at the memory, s
+INTERVAL = 0.1
+#: files whose numbers are compared
+RESULTS = ("experiments.json", "parameters.json", "validation.json", "laws.json", "law.json", "effects.json")
+#: largest number of a column that is taken for rounding: forces that are zero in exact arithmetic
+SMALLEST = 1e-6
+#: keys that hold seconds
+CLOCKS = ("seconds", "share_of_time", "effect_seconds")
+SMALL = """
+name: small
+geometry: {family: pneunet, chambers: 8}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [20 kPa]
+mesh: {size: 8 mm, formulation: p2p0, grading: off}
+validation: {forces: [[0 N, 0.01 N]]}
+"""
+
+
+@dataclass(frozen=True)
+class Spent:
+    """What one run took."""
+
+    wall: float  #: s
+    processor: float  #: s, workers included
+    memory: float  #: MB, largest of all its processes together
+    faults: int  #: pages that the system had to hand out
+    stages: dict[str, float]  #: s of wall time, by name
+
+
+def main() -> int:
+    """Run, compare and print; 1 where the results differ by more than rounding makes them."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("other", type=Path, help="another checkout, with which this one is compared")
+    parser.add_argument("--config", type=Path, default=HERE / "configs" / "pneunet.yaml")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--jobs", type=int, help="of every run; by default what `pneurod run` takes")
+    parser.add_argument("--busy-ok", action="store_true", help="measure although others work on the machine")
+    options = parser.parse_args()
+    checkouts = {"other": options.other.resolve(), "this": HERE}
+    arguments = [str(options.config.resolve()), *(["--jobs", str(options.jobs)] if options.jobs else [])]
+    spent: dict[str, list[Spent]] = {name: [] for name in checkouts}
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        small = folder / "small.yaml"
+        small.write_text(SMALL, encoding="utf-8")
+        for name, checkout in checkouts.items():
+            measured(checkout, [str(small)], folder / f"small_{name}")
+        for number in range(options.rounds):
+            load, busy = os.getloadavg()[0], busy_part()
+            if busy > BUSY and not options.busy_ok:
+                sys.exit(f"others use {100 * busy:.0f} % of the processors; wait, or give --busy-ok")
+            say(f"round {number + 1}: load average {load:.2f}, others use {100 * busy:.0f} % of the processors")
+            for name in sorted(checkouts, reverse=number % 2 == 1):
+                one = measured(checkouts[name], arguments, folder / f"{name}_{number}")
+                spent[name].append(one)
+                say(f"  {name}: {one.wall:.1f} s, processor {one.processor:.1f} s, {one.memory:.0f} MB")
+        difference, where = largest_difference(folder / "other_0", folder / "this_0")
+    say("")
+    for line in table(spent["other"], spent["this"]):
+        say(line)
+    say(f"\nlargest relative difference of a number: {difference:.1g}{f' ({where})' if difference else ''}")
+    return 0 if difference < 1e-8 else 1
+
+
+def measured(checkout: Path, arguments: Sequence[str], out: Path) -> Spent:
+    """One run into a new folder."""
+    command = [sys.executable, "-m", "pipeline", "run", *arguments, "--out", str(out), "--quiet"]
+    environment = {**os.environ, "PYTHONPATH": str(checkout)}
+    begin = time.perf_counter()
+    with (out.with_suffix(".log")).open("wb") as log:
+        process = subprocess.Popen(command, cwd=checkout, env=environment, stdout=log, stderr=log)
+    largest: list[float] = [0.0]
+    watcher = threading.Thread(target=watch, args=(process.pid, largest), daemon=True)
+    watcher.start()
+    _, status, usage = os.wait4(process.pid, 0)
+    wall = time.perf_counter() - begin
+    process.returncode = os.waitstatus_to_exitcode(status)
+    watcher.join()
+    if process.returncode:
+        said = out.with_suffix(".log").read_text(encoding="utf-8").strip()
+        sys.exit(f"{checkout}: the run ended with status {process.returncode}: {said}")
+    stages = json.loads((out / "run.json").read_text(encoding="utf-8"))["seconds"]
+    return Spent(wall, usage.ru_utime + usage.ru_stime, largest[0], usage.ru_minflt, stages)
+
+
+def watch(process: int, largest: list[float]) -> None:
+    """Keep the largest memory of a process and its children, MB, until it ends."""
+    while (memory := sum(map(proportional_memory, [process, *children(process)]))) > 0.0:
+        largest[0] = max(largest[0], memory)
+        time.sleep(INTERVAL)
+
+
+def children(process: int) -> Iterator[int]:
+    """Of all its threads."""
+    for file in Path(f"/proc/{process}/task").glob("*/children"):
+        try:
+            yield from map(int, file.read_text(encoding="ascii").split())
+        except OSError:  # the thread has ended
+            continue
+
+
+def proportional_memory(process: int) -> float:
+    """MB, shared pages divided by the number of processes; 0 for one that has ended."""
+    try:
+        lines = Path(f"/proc/{process}/smaps_rollup").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return 0.0
+    return sum(float(line.split()[1]) / 1024.0 for line in lines if line.startswith("Pss:"))
+
+
+def busy_part() -> float:
+    """The part of the time of all processors that is used now, while nothing of this program runs."""
+
+    def times() -> list[int]:
+        return [int(text) for text in Path("/proc/stat").read_text(encoding="ascii").splitlines()[0].split()[1:9]]
+
+    before = times()
+    time.sleep(WATCHED)
+    spent = [now - then for now, then in zip(times(), before, strict=True)]
+    return 1.0 - (spent[3] + spent[4]) / max(sum(spent), 1)
+
+
+def table(other: Sequence[Spent], this: Sequence[Spent]) -> Iterator[str]:
+    """Medians with their ranges, and the ratio of the medians."""
+    yield "| | other | this | this / other |"
+    yield "|---|---:|---:|---:|"
+    rows: list[tuple[str, Callable[[Spent], float]]] = [
+        ("wall s", lambda one: one.wall),
+        ("processor s", lambda one: one.processor),
+        ("memory MB", lambda one: one.memory),
+        ("page faults, thousands", lambda one: one.faults / 1000),
+    ]
+    names = dict.fromkeys(name for one in (*other, *this) for name in one.stages)
+    rows += [(f"{name} s", lambda one, name=name: one.stages.get(name, 0.0)) for name in names]  # type: ignore[misc]
+    for title, value in rows:
+        before, now = ([value(one) for one in all_of] for all_of in (other, this))
+        middle = statistics.median(before)
+        ratio = f"{statistics.median(now) / middle:.2f}" if middle else ""
+        yield f"| {title} | {median_and_range(before)} | {median_and_range(now)} | {ratio} |"
+
+
+def median_and_range(values: Sequence[float]) -> str:
+    """As text."""
+    return f"{statistics.median(values):.1f} ({min(values):.1f} to {max(values):.1f})"
+
+
+def largest_difference(one: Path, other: Path) -> tuple[float, str]:
+    """Of the numbers in the results of two runs, over the largest one of their column, and where it is."""
+    largest = (0.0, "")
+    for name in RESULTS:
+        texts = [(out / name).read_text(encoding="utf-8") for out in (one, other) if (out / name).is_file()]
+        if len(texts) == 1:
+            return 1.0, f"{name} is missing"
+        if not texts:
+            continue
+        first, second = (dict(entries(json.loads(text), (name,))) for text in texts)
+        if first.keys() != second.keys():
+            return 1.0, f"{name}: {sorted(map(str, first.keys() ^ second.keys()))[0]}"
+        columns: dict[tuple[str, ...], float] = {}
+        for place, value in (*first.items(), *second.items()):
+            column = names_in(place)
+            columns[column] = max(columns.get(column, SMALLEST), abs(value))
+        for place, value in first.items():
+            difference = abs(value - second[place]) / columns[names_in(place)]
+            largest = max(largest, (difference, "/".join(map(str, place))))
+    return largest
+
+
+def entries(value: Any, place: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], float]]:
+    """The numbers in a JSON value with their places, without seconds."""
+    if isinstance(value, dict):
+        for name, entry in value.items():
+            if name not in CLOCKS:
+                yield from entries(entry, (*place, name))
+    elif isinstance(value, list):
+        for number, entry in enumerate(value):
+            yield from entries(entry, (*place, number))
+    elif isinstance(value, int | float):
+        yield place, float(value)
+
+
+def names_in(place: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Of a place, without the numbers of rows."""
+    return tuple(part for part in place if isinstance(part, str))
+
+
+def say(text: str) -> None:
+    """One line, at once."""
+    sys.stdout.write(f"{text}\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

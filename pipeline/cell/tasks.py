@@ -1,0 +1,93 @@
+"""What workers do for the arm's own law, a task each: one curve, one check, the numbers of one cell on another mesh."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Concatenate, ParamSpec, TypeVar
+
+from pipeline.cell.curves import PieceCurves
+from pipeline.cell.deviation import Deviation
+from pipeline.cell.kept import Measured
+from pipeline.cell.pieces import ArmPieces
+from pipeline.config.config import Config
+from pipeline.context import RunContext
+from pipeline.parallel.worker import TaskContext
+from pipeline.parallel.workers import Pending
+from pipeline.store.store import Store
+from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
+
+P = ParamSpec("P")
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class ArmTasks:
+    """Submits tasks on the pieces of one arm. Each worker meshes a piece once, and keeps its equations."""
+
+    config: Config
+    dhat: float | None  #: mm, as in `ArmPieces`
+    context: RunContext
+
+    @staticmethod
+    def of(pieces: ArmPieces, context: RunContext) -> "ArmTasks":
+        """For the same pieces."""
+        return ArmTasks(pieces.config, pieces.dhat, context)
+
+    def submit(
+        self, task: Callable[Concatenate[PieceCurves, TaskContext, P], Value], *args: P.args, **kwargs: P.kwargs
+    ) -> Pending[Value]:
+        """A function of this module, or one like it. Its result raises `PieceFailed` and `RodError`."""
+        return self.context.submit(_with_curves, self.config, self.dhat, self.context.store, task, *args, **kwargs)
+
+
+def _with_curves(
+    context: TaskContext,
+    config: Config,
+    dhat: float | None,
+    store: Store,
+    task: Callable[Concatenate[PieceCurves, TaskContext, P], Value],
+    *args: P.args,
+    **kwargs: P.kwargs,
+) -> Value:
+    curves = context.kept(
+        (PieceCurves, config.hash, dhat, store.directory), lambda: PieceCurves(ArmPieces(config, dhat), store)
+    )
+    return task(curves, context, *args, **kwargs)
+
+
+def cell(curves: PieceCurves, context: TaskContext, pressure: float) -> Measured[CellCurve]:
+    """The cell at a pressure in kPa."""
+    measured = curves.cell(pressure)
+    context.progress.step_done("cell", pressure, 0.0 if measured.is_stored else measured.seconds)
+    return measured
+
+
+def between(curves: PieceCurves, context: TaskContext, lower: CellCurve, upper: CellCurve) -> Measured[Deviation]:
+    """How far the law that is interpolated halfway between two pressures is from the cell there."""
+    return curves.between(lower, upper)
+
+
+def clamp_without_moment(
+    curves: PieceCurves, context: TaskContext, beside: CellCurve, half_cells: int
+) -> Measured[ClampCurve]:
+    """The clamped end with that many half cells without moment alone."""
+    return curves.clamp_without_moment(beside, half_cells)
+
+
+def ends(
+    curves: PieceCurves, context: TaskContext, beside: CellCurve, half_cells: int
+) -> tuple[Measured[ClampCurve], Measured[TipCurve]]:
+    """The clamped end and the tip beside a cell."""
+    parts = curves.ends(beside, half_cells)
+    stored = all(part.is_stored for part in parts)
+    context.progress.step_done("ends", beside.pressure, 0.0 if stored else sum(part.seconds for part in parts))
+    return parts
+
+
+def unknowns_of_cell(curves: PieceCurves, context: TaskContext) -> int:
+    """Displacement components of the half cell."""
+    return 3 * len(curves.pieces.cell.space.points)
+
+
+def unknowns_of_end(curves: PieceCurves, context: TaskContext, half_cells: int) -> int:
+    """Displacement components of the clamped end with that many half cells."""
+    return 3 * len(curves.pieces.end(half_cells, "clamp").space.points)

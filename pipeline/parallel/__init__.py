@@ -1,0 +1,1 @@
+"""What a run does at the same time: tasks in worker processes."""

@@ -1,0 +1,71 @@
+"""A worker process of a run: how it starts, when it ends, where its progress goes."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from pipeline.processes import SPAWN
+from pipeline.progress import Progress, ToQueue, relayed
+from pipeline.simulation.known_limit import KnownLimit
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True)
+class TaskContext:
+    """What every task is given beside its input."""
+
+    progress: Progress  #: receives pressures and Newton iterations
+    known_limit: KnownLimit  #: what experiment II tells the others
+    _kept: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
+
+    def kept(self, key: Hashable, make: Callable[[], Value]) -> Value:
+        """What an earlier task of this process has made under this key, or what is made now."""
+        if key not in self._kept:
+            self._kept[key] = make()
+        value: Value = self._kept[key]
+        return value
+
+
+class _Worker:
+    """The state of this process. Set once, when the process starts."""
+
+    context: TaskContext
+
+
+@contextmanager
+def connected(progress: Progress) -> Iterator[Any]:
+    """A queue for `start_worker`; while the block runs, `progress` receives what the workers report."""
+    queue = SPAWN.Queue()
+    queue.cancel_join_thread()  # a worker that was killed may hold the queue's lock for ever
+    with relayed(queue, progress):
+        yield queue
+
+
+def start_worker(queue: Any, known: KnownLimit) -> None:
+    """Runs first in a worker: interrupts are left to the main process, progress goes into the queue.
+
+    A worker whose main process was killed ends as well, or it would write into a folder that another run uses, and
+    then wait for work for ever.
+    """
+    for interrupt in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(interrupt, signal.SIG_IGN)
+    threading.Thread(target=_end_with_main_process, daemon=True).start()
+    _Worker.context = TaskContext(ToQueue(queue), known)
+
+
+def in_worker(task: Callable[..., Value], arguments: tuple[Any, ...]) -> Value:
+    """Runs a task in a worker."""
+    return task(_Worker.context, *arguments)
+
+
+def _end_with_main_process() -> None:
+    main_process = multiprocessing.parent_process()
+    if main_process is not None:
+        main_process.join()
+        os._exit(1)
