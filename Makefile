@@ -15,7 +15,7 @@ N := 40
 LAW := both
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy scaling
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen wheel examples lint types docs doctor bench-peers clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen wheel examples lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -120,6 +120,9 @@ doctor: $(READY)  ## what is installed, what is missing, and the command that in
 
 bench-peers: $(READY) $(PEERS)/.ready  ## pneurod compared with NGSolve and FElupe: docs/peers.md (six minutes on a machine without other load)
 	@$(BIN)/python -m benchmarks.peers --fresh --python $(PEERS)/bin/python
+
+bench-run: $(READY)  ## make pneunet from this checkout and from OTHER=../other in turn: times, memory, whether results agree
+	@$(BIN)/python benchmarks/run.py $(or $(OTHER),$(error give another checkout: make bench-run OTHER=../other))
 
 clean:  ## remove results and caches; the virtual environments stay
 	@rm -rf results build .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -60,3 +60,6 @@ for part in gmsh pictures; do
         exit 1
     fi
 done
+
+echo "compiling the kernels of the solver, which takes half a minute"
+.venv/bin/python -m pipeline.doctor threads >/dev/null

@@ -21,7 +21,8 @@ class Progress(Protocol):
     """Receives the progress of a run. Pressures in kPa, residuals relative, seconds of wall time."""
 
     def stage(self, name: str) -> None:
-        """The run enters a stage: mesh, experiments, identification, rod, pictures, report."""
+        """The run waits for a stage: mesh, experiments, identification, rod, pictures, report. Experiments of others
+        may be solved beside it."""
 
     def remark(self, sentence: str) -> None:
         """What a user should know before waiting for the result."""
@@ -107,7 +108,7 @@ def relayed(queue: Any, listener: Progress) -> Iterator[None]:
 
 
 class _Clock:
-    """Estimates the remaining time from the pressures solved so far."""
+    """Estimates the remaining time of the pressures requested so far, from those that were solved."""
 
     def __init__(self) -> None:
         self._began = time.monotonic()
@@ -125,12 +126,16 @@ class _Clock:
         self._solved += seconds > 0.0
 
     def remaining(self) -> str:
-        """The time until all pressures of this stage are reached, in words; empty where it is not known or over."""
-        missing = self._requested - self._reached
-        if self._solved == 0 or missing <= 0:
+        """The time until all of them are reached, in words; empty where it is not known or over."""
+        if self._solved == 0 or self.is_over:
             return ""
         pace = (time.monotonic() - self._began) / self._solved
-        return f"this stage: {duration(pace * missing)} left"
+        return f"begun so far: {duration(pace * (self._requested - self._reached))} left"
+
+    @property
+    def is_over(self) -> bool:
+        """Whether all of them are reached."""
+        return self._requested <= self._reached
 
 
 @final
@@ -144,7 +149,8 @@ class Lines:
         self._iterations: dict[str, int] = {}
 
     def stage(self, name: str) -> None:
-        self._clock = _Clock()
+        if self._clock.is_over:
+            self._clock = _Clock()
         self._print(f"stage: {name}")
 
     def remark(self, sentence: str) -> None:
@@ -184,7 +190,8 @@ class _Row(NamedTuple):
 
 @final
 class Terminal:
-    """A live table: one row per experiment with its pressure, Newton iterations and a bar."""
+    """A live table: one row per experiment with its pressure, Newton iterations and a bar, until it ends or the next
+    stage begins, whichever is later."""
 
     def __init__(self, console: Console) -> None:
         self._console = console
@@ -197,7 +204,9 @@ class Terminal:
     def stage(self, name: str) -> None:
         self._live.start()  # a second start changes nothing
         self._print_stage()
-        self._clock, self._rows = _Clock(), {}
+        if self._clock.is_over:
+            self._clock = _Clock()
+        self._rows = {name: row for name, row in self._rows.items() if row.reached < len(row.pressures)}
         self._stage, self._began = name, time.monotonic()
 
     def remark(self, sentence: str) -> None:

@@ -64,7 +64,7 @@ def test_plain_lines_where_there_is_no_terminal() -> None:
     progress.done()
     lines = text.getvalue().splitlines()
     assert lines[:2] == ["stage: experiments", "experiment II: 17, 37 kPa"]
-    assert re.fullmatch(r"II: 17 kPa \(2 iterations, 3\.2 s\); this stage: [\d.]+ s left", lines[2])
+    assert re.fullmatch(r"II: 17 kPa \(2 iterations, 3\.2 s\); begun so far: [\d.]+ s left", lines[2])
     assert lines[3] == "II: 37 kPa (stored by an earlier run)"
     assert lines[4] == "stage: report"
 
@@ -78,6 +78,21 @@ def test_a_table_on_a_terminal() -> None:
     progress.done()
     assert "37 kPa reached, 2 iterations in total" in text.getvalue()
     assert text.getvalue().count("experiments: ") >= 1
+
+
+def test_an_experiment_stays_in_the_table_while_the_run_waits_for_others() -> None:
+    text = io.StringIO()
+    progress = progress_for(Console(file=text, force_terminal=True, width=120))
+    progress.stage("experiments")
+    progress.experiment("cell", (17.0, 37.0))
+    progress.experiment("II", (17.0,))
+    progress.step_done("II", 17.0, 1.0)
+    progress.stage("pictures")
+    progress.step_done("cell", 17.0, 1.0)
+    text.truncate(0)
+    progress.done()
+    assert "cell" in text.getvalue()
+    assert "II" not in text.getvalue()
 
 
 def test_every_iteration_where_it_is_requested() -> None:
