@@ -25,8 +25,10 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent.parent
-#: seconds for which the machine is watched before a round, and the part of its time that others may use then
-WATCHED, BUSY = 2.0, 0.1
+sys.path.insert(0, str(HERE))
+
+from benchmarks.peers import load  # noqa: E402  (the rooms stand beside this folder)
+
 #: between two looks at the memory, s
 INTERVAL = 0.1
 #: files whose numbers are compared
@@ -75,10 +77,7 @@ def main() -> int:
         for name, checkout in checkouts.items():
             measured(checkout, [str(small)], folder / f"small_{name}")
         for number in range(options.rounds):
-            load, busy = os.getloadavg()[0], busy_part()
-            if busy > BUSY and not options.busy_ok:
-                sys.exit(f"others use {100 * busy:.0f} % of the processors; wait, or give --busy-ok")
-            say(f"round {number + 1}: load average {load:.2f}, others use {100 * busy:.0f} % of the processors")
+            say(f"round {number + 1}: {state_of_machine(options.busy_ok)}")
             for name in sorted(checkouts, reverse=number % 2 == 1):
                 one = measured(checkouts[name], arguments, folder / f"{name}_{number}")
                 spent[name].append(one)
@@ -89,6 +88,16 @@ def main() -> int:
         say(line)
     say(f"\nlargest relative difference of a number: {difference:.1g}{f' ({where})' if difference else ''}")
     return 0 if difference < 1e-8 else 1
+
+
+def state_of_machine(busy_ok: bool) -> str:
+    """What others do on it, in words; the program ends where that is too much."""
+    mean, before = os.getloadavg()[0], load.now()
+    time.sleep(load.SAMPLE)
+    busy = load.busy_cores(before, load.now())
+    if busy > load.MAX_BUSY and not busy_ok:
+        sys.exit(f"others use {busy:.2f} of {before.cores} cores; wait until they have ended, or give --busy-ok")
+    return f"load average {mean:.2f}, others use {busy:.2f} of {before.cores} cores"
 
 
 def measured(checkout: Path, arguments: Sequence[str], out: Path) -> Spent:
@@ -137,18 +146,6 @@ def proportional_memory(process: int) -> float:
     return sum(float(line.split()[1]) / 1024.0 for line in lines if line.startswith("Pss:"))
 
 
-def busy_part() -> float:
-    """The part of the time of all processors that is used now, while nothing of this program runs."""
-
-    def times() -> list[int]:
-        return [int(text) for text in Path("/proc/stat").read_text(encoding="ascii").splitlines()[0].split()[1:9]]
-
-    before = times()
-    time.sleep(WATCHED)
-    spent = [now - then for now, then in zip(times(), before, strict=True)]
-    return 1.0 - (spent[3] + spent[4]) / max(sum(spent), 1)
-
-
 def table(other: Sequence[Spent], this: Sequence[Spent]) -> Iterator[str]:
     """Medians with their ranges, and the ratio of the medians."""
     yield "| | other | this | this / other |"
@@ -191,7 +188,8 @@ def largest_difference(one: Path, other: Path) -> tuple[float, str]:
             columns[column] = max(columns.get(column, SMALLEST), abs(value))
         for place, value in first.items():
             difference = abs(value - second[place]) / columns[names_in(place)]
-            largest = max(largest, (difference, "/".join(map(str, place))))
+            if difference > largest[0]:
+                largest = (difference, "/".join(map(str, place)))
     return largest
 
 

@@ -29,8 +29,8 @@ from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.validation.rods import ArmRods
 from pipeline.validation.validate import Validated, validate, validation_outcomes
 
-#: which of the tasks that wait for a worker are next: those of the longest chain, and long ones before short ones
-_OF_LAW, _OF_EXPERIMENTS, _OF_VALIDATION, _OF_COARSER_MESH = range(4)
+#: which of the tasks that wait for a worker are next: those of the longest chain first
+_OF_LAW, _OF_EXPERIMENTS, _OF_COARSER_MESH, _OF_VALIDATION = range(4)
 
 
 def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> RunReport:

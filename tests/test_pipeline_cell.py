@@ -70,7 +70,7 @@ def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
     config = arm(*ARM)
     with open_store(tmp_path, config, fresh=False) as store:
         cells = report.measured.law.cells
-        found = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, RunContext.alone(store, Silent()))
+        found = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, 2000, RunContext.alone(store, Silent()))
     assert found.second_mm == 6.0
     assert found.pressures_kPa == (6.0, 9.0)
     assert found.reason.endswith("because a mesh of half the size has more than 1000 unknowns")

@@ -112,7 +112,9 @@ def test_a_pressure_without_parameters_fails_a_run_only_where_it_leaves_no_rod(
     monkeypatch: pytest.MonkeyPatch, arm: Scene, identified: tuple[str, ...], other_rod: bool, fails: bool
 ) -> None:
     reason = "no five parameters at 10 kPa: the rod carries no moment"
-    monkeypatch.setattr(added_pressures, "identify_all", lambda outcomes, pitch, d_mm: (identified, (reason,)))
+    monkeypatch.setattr(
+        added_pressures, "identify_in_tasks", lambda context, outcomes, pitch, d_mm: (identified, (reason,))
+    )
     found = identify_run(arm, CONTEXT, NONE)
     assert (found.failures(other_rod), found.remarks(other_rod)) == (((reason,), ()) if fails else ((), (reason,)))
     assert found.parameters == identified

@@ -77,15 +77,21 @@ class _Builder:
         self.error_between = 0.0
         self.error_along_clamp = 0.0
         self.error_ends = 0.0
+        #: clamped ends without moment, by their half cells, and displacement components by piece
+        self.decay: dict[int, Pending[Measured[ClampCurve]]] = {}
+        self.unknowns: dict[str, Pending[int]] = {}
 
     def law(self) -> MeasuredLaw:
         """All curves, put together."""
         config = self.pieces.config
         self.pieces.repetition  # noqa: B018 - refuses an arm that is too short before anything is solved
         requested = config.pressures_kPa
+        self.unknowns["cell"] = self.tasks.submit(tasks.unknowns_of_cell)
         cells = self._cells(sorted({0.0, *requested}))
+        self._begin_decay(cells[-1].curve, 1)  # is done beside the pressures between
         cells, added = self._with_pressures_between(cells)
         half_cells = self._half_cells(cells[-1].curve)
+        self.unknowns["end"] = self.tasks.submit(tasks.unknowns_of_end, half_cells)
         clamps, tips = self._ends(cells, half_cells)
         cells = cells[: len(clamps)]
         if len(cells) < 2:
@@ -107,13 +113,13 @@ class _Builder:
             error_between=self.error_between,
             error_along_clamp=self.error_along_clamp,
             error_ends=self.error_ends,
-            mesh_error=mesh_error(self.pieces, law.cells, self.context),
+            mesh_error=mesh_error(self.pieces, law.cells, self.unknowns["cell"].result(), self.context),
             limits=tuple(dict.fromkeys(self.limits)),
             failures=tuple(self.failures),
             factorizations=MappingProxyType(self.factorizations),
             seconds=MappingProxyType(self.seconds),
             seconds_of_cells=tuple(cell.seconds for cell in cells),
-            unknowns=MappingProxyType(self._unknowns(half_cells)),
+            unknowns=MappingProxyType({name: number.result() for name, number in self.unknowns.items()}),
         )
 
     def _cells(self, pressures: Sequence[float]) -> list[Measured[CellCurve]]:
@@ -202,9 +208,9 @@ class _Builder:
             if half_cells + 2 > available:
                 self.limits.append("the arm is too short to see how far its ends disturb the cells")
                 return half_cells
-            pending = [self.tasks.submit(tasks.clamp_without_moment, cell, k) for k in (half_cells, half_cells + 2)]
+            self._begin_decay(cell, half_cells)
             try:
-                shorter, longer = (end.result().curve for end in pending)
+                shorter, longer = (self.decay[k].result().curve for k in (half_cells, half_cells + 2))
             except PieceFailed:  # reported with the ends
                 return half_cells
             self.error_ends = difference(shorter, longer, cell, length)
@@ -220,6 +226,12 @@ class _Builder:
             f"{100 * self.error_ends:.2g} % of the length at the end of the arm, which has no room for longer ones"
         )
         return half_cells
+
+    def _begin_decay(self, cell: CellCurve, half_cells: int) -> None:
+        """Submit the clamped ends with so many half cells and with two more, if the arm has so many."""
+        for k in (half_cells, half_cells + 2):
+            if half_cells + 2 <= self.pieces.repetition.half_cells and k not in self.decay:
+                self.decay[k] = self.tasks.submit(tasks.clamp_without_moment, cell, k)
 
     def _ends(self, cells: Sequence[Measured[CellCurve]], half_cells: int) -> tuple[list[ClampCurve], list[TipCurve]]:
         """The clamped end and the tip by rising pressure, up to the last one that is borne."""
@@ -245,15 +257,6 @@ class _Builder:
     def _count(self, part: str, measured: Measured[Any]) -> None:
         self.factorizations[part] += measured.factorizations
         self.seconds[part] += measured.seconds
-
-    def _unknowns(self, half_cells: int) -> dict[str, int]:
-        """Displacement components by piece."""
-        pending = (
-            self.tasks.submit(tasks.unknowns_of_cell),
-            self.tasks.submit(tasks.unknowns_of_end, half_cells),
-        )
-        cell, end = (piece.result() for piece in pending)
-        return {"cell": cell, "end": end}
 
 
 def _error_along(cells: Sequence[Measured[CellCurve]]) -> float:

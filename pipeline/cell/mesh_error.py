@@ -13,7 +13,7 @@ from pipeline.cell.curves import PieceCurves
 from pipeline.cell.measure import cell_without_moment
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.refinement import MOST_UNKNOWNS
-from pipeline.cell.tasks import ArmTasks, unknowns_of_cell
+from pipeline.cell.tasks import ArmTasks
 from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.identification.richardson import extrapolated
@@ -57,13 +57,14 @@ class MeshError:
         }
 
 
-def mesh_error(pieces: ArmPieces, cells: Sequence[CellCurve], context: RunContext) -> MeshError:
+def mesh_error(pieces: ArmPieces, cells: Sequence[CellCurve], unknowns: int, context: RunContext) -> MeshError:
     """The errors at those pressures of the configuration at which the law of a cell has been measured.
 
-    The moment is that at half of kappa_0. A second mesh that cannot be made or does not bear a pressure says so.
+    unknowns: displacement components of the cell. The moment is that at half of kappa_0. A second mesh that cannot be
+    made or does not bear a pressure says so.
     """
     pressurised = [cell for cell in cells if cell.pressure in pieces.config.pressures_kPa]
-    if ArmTasks.of(pieces, context).submit(unknowns_of_cell).result() / FINER**2 > MOST_UNKNOWNS:
+    if unknowns / FINER**2 > MOST_UNKNOWNS:
         reason = f"a mesh of half the size has more than {MOST_UNKNOWNS} unknowns"
     else:
         finer = _estimated(pieces, pressurised, FINER, context)

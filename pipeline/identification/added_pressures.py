@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.context import RunContext
-from pipeline.identification.parameters import Parameters, identify_all
+from pipeline.identification.parameters import Parameters, identify_in_tasks
 from pipeline.simulation.loadcase import up_to
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
@@ -39,7 +39,7 @@ def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Ident
         return Identified(outcomes, ())
     if sentence := too_few_pitches(scene.body.length, scene.body.pitch):
         return Identified(outcomes, (), (f"no five parameters: {sentence.removesuffix('.')}",))
-    parameters, refused = identify_all(outcomes, scene.body.pitch, scene.config.identification.d_mm)
+    parameters, refused = identify_in_tasks(context, outcomes, scene.body.pitch, scene.config.identification.d_mm)
     outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)
     return Identified(outcomes, parameters, refused, not_added)
 
@@ -83,7 +83,7 @@ def with_added_pressures(
             return outcomes, parameters, tuple(stopped)
         outcomes = outcomes.merged(more)
         newest = more.with_records(lambda records: records[-1:])
-        new, refused = identify_all(newest, scene.body.pitch, scene.config.identification.d_mm)
+        new, refused = identify_in_tasks(context, newest, scene.body.pitch, scene.config.identification.d_mm)
         if refused:
             return outcomes, parameters, refused
         parameters = tuple(sorted((*parameters, *new), key=lambda p: p.pressure_kPa))

@@ -4,12 +4,15 @@ Cell averages, a Gaussian process, and the rod that comes closest to shape and f
 the cell averages, or those of a single line where it suffices (docs/identification.md gives the reasons).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
 from geometry import Centreline
+from pipeline.context import RunContext
+from pipeline.parallel.worker import TaskContext
 from pipeline.simulation.outcome import Outcomes, Record
 from rod import (
     PARAMETER_NAMES,
@@ -164,15 +167,35 @@ def identify_all(
 
     d: mm, the break where it is given and not sought.
     """
-    free = {record.pressure_kPa: record for record in outcomes["II"].records}
-    loaded = {record.pressure_kPa: record for record in outcomes["III"].records}
+    return _gathered({pair[0].pressure_kPa: partial(_identified, *pair, pitch, d) for pair in _pairs(outcomes)})
+
+
+def identify_in_tasks(
+    context: RunContext, outcomes: Outcomes, pitch: float, d: float | None = None
+) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
+    """The same with a task for every pressure."""
+    pending = {pair[0].pressure_kPa: context.submit(_task, *pair, pitch, d) for pair in _pairs(outcomes)}
+    return _gathered({pressure: task.result for pressure, task in pending.items()})
+
+
+def _pairs(outcomes: Outcomes) -> list[tuple[Record, Record]]:
+    """The states of II and of III at every pressure that both reached, by ascending pressure."""
+    free, loaded = ({record.pressure_kPa: record for record in outcomes[name].records} for name in ("II", "III"))
+    return [(free[pressure], loaded[pressure]) for pressure in sorted(free.keys() & loaded.keys())]
+
+
+def _gathered(by_pressure: Mapping[float, Callable[[], Parameters]]) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     parameters, refused = [], []
-    for pressure in sorted(free.keys() & loaded.keys()):
+    for pressure, identified in by_pressure.items():
         try:
-            parameters.append(_identified(free[pressure], loaded[pressure], pitch, d))
+            parameters.append(identified())
         except RodError as failure:
             refused.append(f"no five parameters at {pressure:g} kPa: {str(failure).removesuffix('.')}")
     return tuple(parameters), tuple(refused)
+
+
+def _task(context: TaskContext, free: Record, loaded: Record, pitch: float, d: float | None) -> Parameters:
+    return _identified(free, loaded, pitch, d)
 
 
 def _identified(free: Record, loaded: Record, pitch: float, d: float | None) -> Parameters:

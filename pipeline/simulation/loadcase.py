@@ -92,8 +92,8 @@ def validation_cases(config: Config) -> tuple[LoadCase, ...]:
     validation, of_run = config.validation, config.pressures_kPa
     pressures = schedule(config, validation.pressures_kPa)
     cases = [
-        *(LoadCase(f"III_end_{y:g}mm", "III", pressures, End(y_mm=y)) for y in validation.end_y_mm),
         *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, End(None, None, (x, y))) for x, y in validation.forces_N),
+        *(LoadCase(f"III_end_{y:g}mm", "III", pressures, End(y_mm=y)) for y in validation.end_y_mm),
     ]
     between = tuple(pressure for pressure in validation.pressures_kPa if pressure not in of_run)
     if between and validation.with_experiments:
