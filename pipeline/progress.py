@@ -130,7 +130,7 @@ class _Clock:
         if self._solved == 0 or self.is_over:
             return ""
         pace = (time.monotonic() - self._began) / self._solved
-        return f"begun so far: {duration(pace * (self._requested - self._reached))} left"
+        return f"begun: {duration(pace * (self._requested - self._reached))} left"
 
     @property
     def is_over(self) -> bool:

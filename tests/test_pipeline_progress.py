@@ -64,7 +64,7 @@ def test_plain_lines_where_there_is_no_terminal() -> None:
     progress.done()
     lines = text.getvalue().splitlines()
     assert lines[:2] == ["stage: experiments", "experiment II: 17, 37 kPa"]
-    assert re.fullmatch(r"II: 17 kPa \(2 iterations, 3\.2 s\); begun so far: [\d.]+ s left", lines[2])
+    assert re.fullmatch(r"II: 17 kPa \(2 iterations, 3\.2 s\); begun: [\d.]+ s left", lines[2])
     assert lines[3] == "II: 37 kPa (stored by an earlier run)"
     assert lines[4] == "stage: report"
 

@@ -44,7 +44,7 @@ def read(results: Path, name: str):
 
 def test_cases_are_named_by_their_load_and_go_on_from_the_run(config: Config) -> None:
     cases = {case.name: case for case in validation_cases(config)}
-    assert list(cases) == ["III_end_3mm", "dead_0_0.01N", "III", "II"]
+    assert list(cases) == ["dead_0_0.01N", "III_end_3mm", "III", "II"]
     assert cases["III_end_3mm"].load == "end at +3 mm"
     assert cases["dead_0_0.01N"].load == "dead force 0, 0.01 N"
     assert cases["II"].load == ""

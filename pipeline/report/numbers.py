@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.report.formatting import decimals_of, fixed, interval, listed, percent, seconds, with_spread
+from pipeline.report.formatting import decimals_of, fixed, interval, listed, percent, with_spread
 from pipeline.report.results import Results
 from pipeline.rods.saved import pressurised_rod
 from rod.pressurised_rod import STRETCHES
@@ -101,10 +101,8 @@ def mesh_error(results: Results) -> str:
         stds = [std for std in error[f"{key}_std"] if std]
         if stds:
             parts.append(f"{fixed(max(stds), decimals_of([], [max(stds)]))} {unit} of {symbol}")
-    spent = (results.run.get("seconds") or {}).get("coarser mesh")
-    cost = "" if spent is None else f" (the coarser one took {seconds(spent)})"
     return (
-        f"Mesh error: {_relative(error)}estimated from mesh sizes of {sizes} mm{cost} and contained in the standard "
+        f"Mesh error: {_relative(error)}estimated from mesh sizes of {sizes} mm and contained in the standard "
         f"deviations: at most {', '.join(parts)}."
     )
 
