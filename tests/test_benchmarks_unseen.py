@@ -289,7 +289,7 @@ def test_a_design_is_run_checked_and_kept(tmp_path: Path) -> None:
 def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:
     config = config_of(tmp_path, TINY)
     with open_store(tmp_path / "run", config) as store:
-        states = simulate(Scene.meshed(config), RunContext(store, 1, Silent()), ["II"])["II"].records
+        states = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II"])["II"].records
     x, y = states[0].summary.end_mm
     moved = replace(states[0], summary=replace(states[0].summary, end_mm=(x, y + 1e-4 * config.design.length)))
     found = {check.name: check for check in checks_of(config, [moved], tmp_path)}

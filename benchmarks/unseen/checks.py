@@ -174,7 +174,7 @@ def _solved(config: Config, pressure_kPa: float, folder: Path) -> Record:
     """Experiment II of a changed configuration at one pressure, in one step from rest."""
     case = LoadCase("II", "II", schedule(config, (pressure_kPa,)), config.end)
     with open_store(folder, config) as store:
-        outcome = simulate(Scene.meshed(config), RunContext(store, 1, Silent()), [case])["II"]
+        outcome = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), [case])["II"]
     if outcome.failure:
         raise _NotSolved(outcome.failure.reason)
     return outcome.records[0]

@@ -146,7 +146,7 @@ def by_second_law(
     reached = tuple(p for p in config.pressures_kPa if p <= failure.pressure_kPa)
     case = LoadCase(experiment, experiment, schedule(other, reached), other.end)
     with open_store(folder / other.material.law, other) as store:
-        outcome = simulate(Scene.meshed(other), RunContext(store, 1, Silent()), [case])[experiment]
+        outcome = simulate(Scene.meshed(other), RunContext.alone(store, Silent()), [case])[experiment]
     return judged(failure.reason, limit_kPa, other.material.law, outcome.failure)
 
 
