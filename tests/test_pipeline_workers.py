@@ -1,0 +1,134 @@
+"""Workers of a run: results, order, errors, and what happens when one is lost."""
+
+import os
+import signal
+import time
+from pathlib import Path
+
+import pytest
+
+from pipeline.errors import InputError, WorkerLost
+from pipeline.parallel.worker import TaskContext
+from pipeline.parallel.workers import Pending, Workers, workers
+from pipeline.processes import KEPT_MEMORY, THREADS
+from pipeline.progress import Silent
+
+
+def doubled(context: TaskContext, number: float) -> float:
+    return 2.0 * number
+
+
+def noted(context: TaskContext, folder: Path, name: str) -> None:
+    (folder / f"{time.monotonic_ns()}_{name}").touch()
+
+
+def refused(context: TaskContext) -> None:
+    raise InputError("mesh.size: too small", "material: unknown")
+
+
+def asleep(context: TaskContext, flag: Path) -> None:
+    flag.touch()
+    time.sleep(60.0)
+
+
+def environment(context: TaskContext) -> dict[str, str]:
+    return {name: os.environ[name] for name in (*THREADS, *KEPT_MEMORY)}
+
+
+def counted(context: TaskContext) -> int:
+    calls: list[int] = context.kept("calls", list)
+    calls.append(1)
+    return len(calls)
+
+
+def chain(working: Workers, number: float) -> float:
+    for _ in range(3):
+        number = working.submit(0, doubled, number).result()
+    return number
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_tasks_and_chains_give_their_results_and_errors(jobs: int) -> None:
+    with workers(jobs, Silent()) as working:
+        chains = [working.beside(chain, working, float(number)) for number in range(3)]
+        assert [pending.result() for pending in chains] == [0.0, 8.0, 16.0]
+        with pytest.raises(InputError) as raised:
+            working.submit(0, refused).result()
+        assert raised.value.sentences == ("mesh.size: too small", "material: unknown")
+
+
+def test_a_single_job_does_nothing_that_nobody_asks_for(tmp_path: Path) -> None:
+    with workers(1, Silent()) as working:
+        first, second = (working.submit(0, noted, tmp_path, name) for name in ("first", "second"))
+        second.result()
+        second.result()
+        assert [path.name.partition("_")[2] for path in tmp_path.iterdir()] == ["second"]
+        first.result()
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_the_most_urgent_task_is_next_and_equals_keep_their_order(tmp_path: Path) -> None:
+    with workers(2, Silent()) as working:
+        flags = [tmp_path / "busy_a", tmp_path / "busy_b"]
+        folder = tmp_path / "order"
+        folder.mkdir()
+        busy = [working.submit(0, _until, flag, tmp_path / "go") for flag in flags]
+        while not all(flag.exists() for flag in flags):
+            time.sleep(0.01)
+        names = ((2, "third"), (1, "first"), (1, "second"), (3, "last"))
+        pending: list[Pending[None]] = [working.submit(urgency, noted, folder, name) for urgency, name in names]
+        (tmp_path / "go").touch()
+        for task in (*busy, *pending):
+            task.result()
+    order = [path.name.partition("_")[2] for path in sorted(folder.iterdir())]
+    # two at a time: neighbours may change places
+    assert set(order[:2]) == {"first", "second"} or order[0] == "first"
+    assert order.index("last") >= 2
+
+
+def _until(context: TaskContext, flag: Path, go: Path) -> None:
+    flag.touch()
+    while not go.exists():
+        time.sleep(0.01)
+
+
+def test_a_worker_has_one_thread_of_two_cores_keeps_memory_and_what_it_has_made() -> None:
+    before = dict(os.environ)
+    with workers(2, Silent()) as working:
+        found = working.submit(0, environment).result()
+        assert all(int(found[name]) >= 1 for name in THREADS)
+        assert {name: found[name] for name in KEPT_MEMORY} == KEPT_MEMORY
+        assert dict(os.environ) == before
+        assert max(working.submit(0, counted).result() for _ in range(4)) >= 2
+
+
+def test_a_lost_worker_ends_all_tasks_and_chains(tmp_path: Path) -> None:
+    flag = tmp_path / "begun"
+    with workers(2, Silent()) as working:
+        pending = [working.submit(0, asleep, flag) for _ in range(4)]
+        waiting = working.beside(chain, working, 1.0)
+        while not flag.exists():
+            time.sleep(0.01)
+        children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text(encoding="ascii").split()
+        spawned = [int(pid) for pid in children if "spawn_main" in Path(f"/proc/{pid}/cmdline").read_text()]
+        os.kill(spawned[0], signal.SIGKILL)
+        for lost in (*pending, waiting):
+            with pytest.raises(WorkerLost, match="was ended from outside"):
+                lost.result()
+
+
+def test_an_error_of_the_run_ends_workers_and_chains_at_once(tmp_path: Path) -> None:
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        _interrupted(tmp_path / "begun")
+    assert time.monotonic() - begin < 50.0
+
+
+def _interrupted(flag: Path) -> None:
+    with workers(2, Silent()) as working:
+        for _ in range(3):
+            working.submit(0, asleep, flag)
+        working.beside(chain, working, 1.0)
+        while not flag.exists():
+            time.sleep(0.01)
+        raise KeyboardInterrupt
