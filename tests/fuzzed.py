@@ -192,7 +192,7 @@ def geometry(draw: st.DrawFn) -> dict[str, Any]:
         if not draw(st.booleans()):
             continue
         if usual == ():
-            if draw(seldom(4)):
+            if draw(seldom(15)):
                 chosen[field.name] = draw(st.lists(quantity(5.0, "mm"), max_size=5) | quantity(5.0, "mm"))
             continue
         count = st.sampled_from([0, -1, 30, 10**3, 10**6, 10**12]) if draw(seldom(8)) else st.integers(1, 12)
@@ -213,12 +213,20 @@ def own_geometry(draw: st.DrawFn) -> dict[str, Any]:
 
 
 def _constant(kind: Constant) -> st.SearchStrategy[Any]:
-    """A constant of a law; lists have one entry, or lengths that need not agree."""
-    stress, exponent = quantity(1.0, "MPa"), st.sampled_from([2.0, 1.3, -2, 5, 0])
+    """A constant of a law; lists have mostly one entry, seldom a number that need not agree."""
+    stress, exponent = quantity(1.0, "MPa"), st.sampled_from([2.0, 1.3, 3, 5, 2, 4, 0, -2])
     if kind in (Constant.STRESSES, Constant.EXPONENTS):
         entry = stress if kind is Constant.STRESSES else exponent
-        return st.lists(entry, min_size=1, max_size=1) | entry | st.lists(entry, max_size=3)
+        single, several = st.lists(entry, min_size=1, max_size=1) | entry, st.lists(entry, max_size=3)
+        return seldom(8).flatmap(lambda more: several if more else single)
     return stress
+
+
+def of_regions() -> st.SearchStrategy[dict[str, Any]]:
+    """Materials of regions that some bodies have, and of one that none has."""
+    material = {"law": st.just("svk"), "E": quantity(5.0, "MPa"), "nu": st.sampled_from([0.3, 0.49])}
+    names = st.sampled_from(["base", "base", "base", "roof"])
+    return st.dictionaries(names, st.fixed_dictionaries(material), max_size=1)
 
 
 @st.composite
@@ -259,13 +267,7 @@ def extras() -> dict[str, st.SearchStrategy[Any]]:
     pressures = st.lists(st.floats(0.5, 60.0), min_size=1, max_size=4, unique=True)
     return {
         "pressures": pressures.map(lambda values: [f"{value:.4g} kPa" for value in sorted(values)]),
-        "materials": st.dictionaries(
-            st.sampled_from(["base", "base", "base", "roof"]),
-            st.fixed_dictionaries(
-                {"law": st.just("svk"), "E": quantity(5.0, "MPa"), "nu": st.sampled_from([0.3, 0.49])}
-            ),
-            max_size=1,
-        ),
+        "materials": st.just({}) | seldom(3).flatmap(lambda given: of_regions() if given else st.just({})),
         "end": st.fixed_dictionaries({}, optional={"y": quantity(5.0, "mm")}),
         "added_pressures": st.integers(-1, 5),
         "validation": st.fixed_dictionaries({}, optional={"end_y": st.lists(quantity(5.0, "mm"), max_size=2)}),

@@ -28,7 +28,8 @@ def parameters_record(
     return {
         "format": FORMAT,
         "design": config.record()["geometry"],
-        "material": config.record()["material"],
+        **{key: value for key, value in config.record().items() if key in ("material", "materials")},
+        "solid_volume_mm3": config.design.solid_volume,
         "length_mm": config.design.length,
         "mass_g": None if mass is None else mass * 1e6,
         "pressures_kPa": [p.pressure_kPa for p in parameters],

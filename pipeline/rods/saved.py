@@ -31,7 +31,7 @@ class SavedRod:
     rods: PressurisedRod
     mass_g: float | None  #: None where the configuration has no density
     modulus_MPa: float  #: Young's modulus of the material, 1 where its law has none
-    area_mm2: float | None  #: of the solid, averaged along the arm; None likewise
+    area_mm2: float | None  #: of the solid, averaged along the arm; None where an earlier file has no density
     deviations: Mapping[str, tuple[float, ...]]  #: standard deviations by PARAMETER_NAMES; empty: not in the file
     averaged: tuple[Array, Array] | None  #: s (m,) in mm and kappa_0 (n, m) averaged over a cell; None likewise
 
@@ -49,7 +49,7 @@ class SavedRod:
                 default_rod(content) if extensible is None else pressurised_rod(content, extensible),
                 mass,
                 float(material.get("E", 1.0)),
-                None if mass is None else mass / (1e6 * float(material["density_tonne_mm3"]) * content["length_mm"]),
+                _area(content, mass),
                 _deviations(content),
                 _averaged(content["kappa_0"]),
             )
@@ -78,6 +78,14 @@ class SavedRod:
         over = np.vstack([np.zeros_like(kappa[:1]), kappa])
         columns = [[float(np.interp(pressure, known, values)) for values in over.T] for pressure in pressures]
         return tuple(np.column_stack([s, column]) for column in columns)
+
+
+def _area(content: Mapping[str, Any], mass: float | None) -> float | None:
+    """Area of the solid averaged along the arm, mm2; in earlier files it follows from the mass (g)."""
+    if "solid_volume_mm3" in content:
+        return float(content["solid_volume_mm3"]) / float(content["length_mm"])
+    density = content["material"]["density_tonne_mm3"]
+    return None if mass is None else mass / (1e6 * float(density) * float(content["length_mm"]))
 
 
 def _deviations(content: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:
