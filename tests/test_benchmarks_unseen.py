@@ -16,7 +16,7 @@ from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_d
 from benchmarks.unseen.confirm import judged, named_limit, second_law, turned
 from benchmarks.unseen.designs import COMPRESSIBLE, LOAD, LOWER, Drawn, drawn
 from benchmarks.unseen.histogram import CLASSES, counts
-from benchmarks.unseen.page import page
+from benchmarks.unseen.page import largest_share, page
 from benchmarks.unseen.sorting import (
     EARLY,
     LIMIT,
@@ -112,6 +112,7 @@ def record(**changes: Any) -> dict[str, Any]:
         "family": "pneunet",
         "law": "svk",
         "words": "an arm",
+        "sources": "abc1234",
         "load": 0.01,
         "pressures_kPa": [10.0, 20.0],
         "ended": RAN,
@@ -251,8 +252,9 @@ def test_the_page_lists_every_design() -> None:
     given = Namespace(seed=7, count=40, limit=400.0, law="five")
     text = page(campaign(given, [record(), wrong, finer, slow, limited]))
     assert "with `law: five`" in text
+    assert "sources of commit abc1234." in text
     assert sum(line.endswith("| **no** |") for line in text.splitlines()) == 3
-    assert "| designs that end wrong, with an error of the program, or not in time | none | 2 | **no** |" in text
+    assert "| designs that end wrong, with an error of the program, or not in time | none | 2 of 5 | **no** |" in text
     assert "| designs with numbers or an early refusal | all | 5 of 5 | yes |" in text
     for row in ("| solved | 2 |", "| wrong | 1 |", "| too slow | 1 |", "| named limit | 1 |"):
         assert row in text, row
@@ -261,6 +263,12 @@ def test_the_page_lists_every_design() -> None:
     assert "The first 5 of 40 designs of seed 7" in text
     assert "0 of 1 designs are within 3 %" in text
     assert "the run needed more than 400 s" in text
+
+
+def test_few_designs_say_little() -> None:
+    assert largest_share(0, 7) == pytest.approx(1.0 - 0.05 ** (1 / 7))
+    assert largest_share(0, 40) == pytest.approx(0.0722, abs=1e-4)
+    assert largest_share(3, 3) == 1.0
 
 
 def test_the_sample_for_the_finer_mesh_is_spread_over_the_designs() -> None:

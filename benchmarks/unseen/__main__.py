@@ -11,7 +11,6 @@ finding and mending defects, so they are not reported: --page is not for them.
 """
 
 import argparse
-import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -45,12 +44,7 @@ def with_law(designs: Sequence[Drawn], law: str) -> list[Drawn]:
 def campaign(given: argparse.Namespace, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """What the page is written from."""
     settings = {"seed": given.seed, "drawn": given.count, "limit": given.limit, "law": given.law}
-    return {**settings, "commit": _commit(), "records": list(records)}
-
-
-def _commit() -> str:
-    done = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=False)
-    return done.stdout.strip() or "unknown"
+    return {**settings, "records": list(records)}
 
 
 def main() -> int:

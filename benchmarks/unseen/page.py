@@ -10,6 +10,8 @@ from string import Template
 from textwrap import fill
 from typing import Any
 
+from scipy.stats import beta
+
 from benchmarks.peers.page import table
 from benchmarks.unseen import designs
 from benchmarks.unseen.checks import ALLOWED
@@ -49,7 +51,7 @@ def write_page(folder: Path, campaign: Record) -> None:
 
 
 def page(campaign: Record) -> str:
-    """The page of a campaign: {seed, drawn, limit, law, commit, records}."""
+    """The page of a campaign: {seed, drawn, limit, law, records}."""
     records = campaign["records"]
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
         seed=campaign["seed"],
@@ -64,6 +66,8 @@ def page(campaign: Record) -> str:
         load=_range(designs.LOAD),
         limit=f"{campaign['limit']:g}",
         targets=_targets(records),
+        certainty=fill(_certainty(records), WIDTH),
+        bend=fill(_bend(records), WIDTH),
         outcomes=_outcomes(records),
         sums=_sums(records),
         table=_table(records),
@@ -85,11 +89,13 @@ def _provenance(campaign: Record) -> str:
     seconds = sorted(sum(record["seconds"].values()) for record in records)
     of_run = sorted(record["seconds"].get("run", 0.0) for record in records)
     run, drawn = len(records), campaign["drawn"]
+    commits = sorted({record["sources"] for record in records})
     part = f"{run} designs" if run == drawn else f"The first {run} of {drawn} designs"
+    others = "" if run == drawn else f" The other {drawn - run} have not been finished."
     return (
-        f"{part} of seed {campaign['seed']}, commit {campaign['commit']}. CPU time of a run on one thread: "
+        f"{part} of seed {campaign['seed']}; sources of commit {', '.join(commits)}. CPU time of a run on one thread: "
         f"median {median(of_run):.0f} s, largest {of_run[-1]:.0f} s; with the checks, all designs together "
-        f"{sum(seconds) / 60:.0f} minutes."
+        f"{sum(seconds) / 60:.0f} minutes.{others}"
     )
 
 
@@ -111,7 +117,12 @@ def _targets(records: Sequence[Record]) -> str:
     measured = [good for record in records if (good := within_mesh_error(record)) is not None]
     of_mesh = f"{sum(measured)} of {len(measured)}" if measured else "not measured"
     rows = [
-        ["designs that end wrong, with an error of the program, or not in time", "none", str(bad), bad == 0],
+        [
+            "designs that end wrong, with an error of the program, or not in time",
+            "none",
+            f"{bad} of {len(records)}",
+            bad == 0,
+        ],
         [
             "states solved or beyond a limit that a second way confirms",
             _percent(GOOD_STATES),
@@ -128,6 +139,32 @@ def _targets(records: Sequence[Record]) -> str:
     ]
     return table(
         ["", "asked for", "found", "met"], [[*map(str, row[:3]), "yes" if row[3] else "**no**"] for row in rows]
+    )
+
+
+def largest_share(bad: int, count: int) -> float:
+    """The largest part of bad designs that is compatible with `bad` of `count` (95 % one-sided, Clopper-Pearson)."""
+    return float(beta.ppf(0.95, bad + 1, count - bad)) if bad < count else 1.0
+
+
+def _certainty(records: Sequence[Record]) -> str:
+    bad = sum(outcome(record) in (WRONG, TRACEBACK, TOO_SLOW) for record in records)
+    share = _percent(largest_share(bad, len(records)))
+    return (
+        f"{bad} of {len(records)} designs say that at most {share} of all designs that can be drawn end wrong, with an "
+        "error of the program, or not in time (95 % confidence)."
+    )
+
+
+def _bend(records: Sequence[Record]) -> str:
+    """How far the arms bend, because a small bend is a mild test."""
+    turns = [abs(degrees(record["turn_rad"])) for record in records if record.get("turn_rad") is not None]
+    if not turns:
+        return ""
+    return (
+        f"At the lower pressure the arms bend by {min(turns):.1f} to {max(turns):.1f} degrees over their length, "
+        f"median {median(turns):.1f}: the pressures are drawn by the strain of the walls and not by the bend, so that "
+        "arms that curl are rare here; those are among the hard cases ([robustness](robustness.md))."
     )
 
 

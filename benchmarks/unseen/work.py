@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import resource
 import signal
+import subprocess
 import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping
@@ -46,6 +47,8 @@ PATIENCE = 15.0
 #: size of the default mesh over that of the finer one
 FINER = 1.5
 FILE = "outcome.json"
+#: the folder of the rooms
+ROOMS = Path(__file__).resolve().parents[2]
 #: how the run of a design ended
 RAN, REFUSED, FAILED, ERROR, SLOW = "ran", "refused", "failed", "error", "too slow"
 
@@ -106,6 +109,7 @@ def _begun(design: Drawn) -> Record:
         "family": design.family,
         "law": design.law,
         "words": design.words,
+        "sources": _commit_of_sources(),
         "load": design.load,
         "pressures_kPa": design.pressures_kPa,
         "ended": "",
@@ -117,6 +121,14 @@ def _begun(design: Drawn) -> Record:
         "limits": [],
         "slow": [],
     }
+
+
+def _commit_of_sources() -> str:
+    """The last commit that changed the program; benchmarks and pages do not count."""
+    folders = ("geometry", "fem", "rod", "pipeline")
+    command = ["git", "log", "-1", "--format=%h", "--", *folders]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOMS)
+    return done.stdout.strip() or "unknown"
 
 
 def _work(design: Drawn, folder: Path, limit: float, finer: bool) -> None:
