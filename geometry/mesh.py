@@ -152,21 +152,25 @@ class Mesh:
             return float(areas(self.points, self.faces[name], self.curved).sum())
         return float(np.linalg.norm(normals(self.points[self.faces[name]]), axis=1).sum() / 2)
 
+    def check_closed(self, name: str, clamp: float = 0.0) -> None:
+        """Raise `MeshError` when a named face has an open edge away from the planes z = 0 and x = clamp, mm."""
+        open_ends = open_edges(self.faces[name], len(self.points))
+        away = np.abs(self.points[open_ends][:, :, [0, 2]] - [clamp, 0.0]).max(axis=1).min(axis=1)
+        if len(away) and away.max() > 1e-9 * np.ptp(self.points, axis=0).max():
+            middle = self.points[open_ends[np.argmax(away)]].mean(axis=0)
+            raise MeshError(
+                f"the face {name} encloses no volume: it has an open edge near {_coordinates(middle)} mm, "
+                f"away from z = 0 and x = {clamp:g}"
+            )
+
     def enclosed_volume(self, name: str) -> float:
         """Volume of the air that a named face encloses, closed by the planes z = 0 and x = 0 if these cut it, mm3.
 
         V = -1/3 sum over triangles of the integral of x . n dA (divergence theorem), n out of the solid; both planes
         contain the origin and add nothing. Raises `MeshError` when the face has an open edge away from them.
         """
+        self.check_closed(name)
         triangles = self.faces[name]
-        open_ends = open_edges(triangles, len(self.points))
-        away = np.abs(self.points[open_ends][:, :, [0, 2]]).max(axis=1).min(axis=1)
-        if len(away) and away.max() > 1e-9 * np.ptp(self.points, axis=0).max():
-            middle = self.points[open_ends[np.argmax(away)]].mean(axis=0)
-            raise MeshError(
-                f"the face {name} encloses no volume: it has an open edge near {_coordinates(middle)} mm, "
-                "away from z = 0 and x = 0"
-            )
         if len(self.curved):
             return -float(flux(self.points, triangles, self.curved).sum())
         a, b, c = np.moveaxis(self.points[triangles], 1, 0)

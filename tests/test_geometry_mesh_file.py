@@ -1,6 +1,8 @@
 """Bodies from mesh files, and the messages for meshes that cannot be used."""
 
+import re
 from collections.abc import Callable
+from hashlib import sha256
 from pathlib import Path
 
 import meshio
@@ -8,7 +10,9 @@ import numpy as np
 import pytest
 
 from geometry import DesignError, Mesh, MeshFile, PneuNet
+from geometry.foreign.companions import companions
 from geometry.manifold import count_components
+from tests.foreign_bodies import bar, meshed
 
 
 @pytest.fixture(scope="module")
@@ -129,6 +133,20 @@ def test_meshes_that_cannot_be_used(case: str, pneunet: Path, tmp_path: Path) ->
     assert caught.value.keys[0] == "file"
 
 
+def test_positions_in_sentences_are_those_of_the_file(pneunet: Path, tmp_path: Path) -> None:
+    """The clamp lies at x = 100 mm; the open edge is that of the triangle that is left out."""
+    mesh = with_open_cavity(Mesh.read(pneunet))
+    path = tmp_path / "moved.msh"
+    Mesh(np.add(mesh.points, [100, 0, 0]), mesh.tets, mesh.faces).write(path)
+    with pytest.raises(DesignError, match="away from z = 0 and x = 100") as caught:
+        MeshFile(str(path), curve=1)
+    said = re.search(r"open edge near \(([-0-9.]+), ([-0-9.]+), ([-0-9.]+)\) mm", caught.value.sentence)
+    assert said is not None
+    triangle = mesh.points[Mesh.read(pneunet).faces["cavity"][0]]
+    middles = (triangle + np.roll(triangle, 1, axis=0)) / 2 + [100, 0, 0]
+    assert np.abs(middles - [float(x) for x in said.groups()]).max(axis=1).min() < 0.6
+
+
 def test_a_whole_body_with_names_is_no_half(pneunet: Path, tmp_path: Path) -> None:
     Mesh.read(pneunet).mirrored().write(tmp_path / "whole.msh")
     path = str(tmp_path / "whole.msh")
@@ -152,3 +170,36 @@ def test_a_named_mesh_is_divided_along_the_curve(pneunet: Path) -> None:
 def test_a_curve_outside_of_the_material_is_refused(pneunet: Path) -> None:
     with pytest.raises(DesignError, match=r"curve: the line y = 4 mm, z = 0 is outside the material from 3 to 9 mm"):
         MeshFile(str(pneunet), curve=4)
+
+
+def test_results_of_older_companion_files_are_not_reused(tmp_path: Path) -> None:
+    """The digest of a design changes with every file that its mesh is read from."""
+    points, tets = meshed(bar, 6.0)
+    meshio.write(tmp_path / "bar.node", meshio.Mesh(points, [("tetra", tets)]))
+    digests = set()
+    for height in (0.0, 0.5):
+        moved = meshio.Mesh(np.add(points, [0, height, 0]), [("tetra", tets)])
+        meshio.write(tmp_path / "bar.node", moved)  # both files; the elements stay the same
+        elements = sha256((tmp_path / "bar.ele").read_bytes()).hexdigest()
+        digests |= {MeshFile(str(tmp_path / f"bar{end}"), curve=1.5).digest for end in (".node", ".ele")}
+        assert elements not in digests
+    assert len(digests) == 4
+
+
+def test_files_that_are_read_together(tmp_path: Path) -> None:
+    for name in ("points.inp", "more.inp", "data.h5", "numbers.bin"):
+        (tmp_path / name).write_text("** nothing\n", encoding="utf-8")
+    (tmp_path / "points.inp").write_text("*Include, input=more.inp\n*INCLUDE, INPUT=points.inp\n", encoding="utf-8")
+    (tmp_path / "main.inp").write_text("*HEADING\n*INCLUDE,INPUT=points.inp\n*NODE\n", encoding="utf-8")
+    items = f"<DataItem Format='Binary'>{tmp_path / 'numbers.bin'}</DataItem><DataItem Format='XML'>1 2</DataItem>"
+    body = f"<Xdmf><DataItem Format='HDF'> data.h5:/a/0 </DataItem><DataItem Format='HDF'>data.h5:/b</DataItem>{items}"
+    (tmp_path / "main.xdmf").write_text(body + "</Xdmf>", encoding="utf-8")
+    (tmp_path / "broken.xdmf").write_text("<Xdmf>", encoding="utf-8")
+    (tmp_path / "alone.ele").write_text("0 4 0\n", encoding="utf-8")
+
+    def found(name: str) -> set[str]:
+        return {path.name for path in companions(tmp_path / name)}
+
+    assert found("main.inp") == {"points.inp", "more.inp"}
+    assert found("main.xdmf") == {"data.h5", "numbers.bin"}
+    assert found("broken.xdmf") == found("alone.ele") == set()

@@ -7,6 +7,7 @@ from math import isfinite
 from pathlib import Path
 
 from geometry.design import Design, DesignError
+from geometry.foreign.companions import companions
 from geometry.foreign.frame import Axes, usual_cell
 from geometry.meshing.cad_import import Point
 from geometry.meshing.cells import CellPlanes
@@ -36,8 +37,14 @@ class FileDesign(Design):
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of the file, so that results of an older file of the same name are not reused."""
-        return sha256(Path(self.file).read_bytes()).hexdigest()
+        """SHA-256 of the file and those that it needs, so that results of older files are not reused."""
+        path = Path(self.file)
+        digest = sha256(path.read_bytes())
+        for other in companions(path):
+            content = other.read_bytes()
+            digest.update(f"{other.name} {len(content)}\n".encode())
+            digest.update(content)
+        return digest.hexdigest()
 
     @property
     def curve_y(self) -> float:

@@ -118,22 +118,28 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
             f"the mesh names its faces, and none of them is sym; it has {', '.join(mesh.faces)}: name the faces of the "
             "half in the plane z = 0 sym, or leave symmetric out for a whole body",
         )
-    mesh, length = _in_frame(mesh)
-    mesh = divided(mesh, placing.curve, length)
+    clamp, tip = _ends(mesh)
     names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
     if "cavity" not in names:
         raise MeshError(f"the mesh has no face named cavity; it has {', '.join(mesh.faces)}")
-    for name in names:
+    for name in names:  # before the body is moved: positions in sentences are those that a user knows
         if "sym" not in mesh.faces:
-            _refuse_half(mesh, name)
+            _refuse_half(mesh, name, clamp)
+        mesh.check_closed(name, clamp)
+    length = tip - clamp
+    mesh = divided(_moved(mesh, clamp), placing.curve, length)
+    for name in names:
         if not mesh.enclosed_volume(name) > 0:
             raise MeshError(f"the face {name} encloses material, not air")
     return Placed(mesh, length, names)
 
 
-def _refuse_half(mesh: Mesh, name: str) -> None:
-    """Raise `MeshError` where the cavity `name` of a body without a face sym is open in the plane z = 0."""
-    edges = mesh.points[open_edges(mesh.faces[name], len(mesh.points))]
+def _refuse_half(mesh: Mesh, name: str, clamp: float) -> None:
+    """Raise `MeshError` where the cavity `name` of a body without a face sym is open in the plane z = 0.
+
+    clamp: x of the clamped end, mm.
+    """
+    edges = mesh.points[open_edges(mesh.faces[name], len(mesh.points))] - [clamp, 0.0, 0.0]
     off = np.abs(edges).max(axis=1) if len(edges) else np.empty((0, 3))
     tolerance = 1e-7 * np.ptp(mesh.points, axis=0).max()
     if ((off[:, 2] <= tolerance) & (off[:, 0] > tolerance)).any():
@@ -143,8 +149,8 @@ def _refuse_half(mesh: Mesh, name: str) -> None:
         )
 
 
-def _in_frame(mesh: Mesh) -> tuple[Mesh, float]:
-    """The mesh with its clamp at x = 0, and its length (mm). Raises `MeshError`."""
+def _ends(mesh: Mesh) -> tuple[float, float]:
+    """x of clamp and tip, mm. Raises `MeshError`."""
     points, size = mesh.points, float(np.ptp(mesh.points, axis=0).max())
     ends = []
     for name in ("clamp", "tip"):
@@ -156,6 +162,11 @@ def _in_frame(mesh: Mesh) -> tuple[Mesh, float]:
         ends.append(float(x.mean()))
     if not ends[1] > ends[0]:
         raise MeshError("the tip must lie at a greater x than the clamp")
-    shift = np.array([ends[0], 0.0, 0.0])
+    return ends[0], ends[1]
+
+
+def _moved(mesh: Mesh, clamp: float) -> Mesh:
+    """The mesh with its clamp, now at x = clamp (mm), at x = 0."""
+    shift = np.array([clamp, 0.0, 0.0])
     curved = type(mesh.curved)(mesh.curved.ends, mesh.curved.middles - shift)
-    return Mesh(points - shift, mesh.tets, mesh.faces, curved), ends[1] - ends[0]
+    return Mesh(mesh.points - shift, mesh.tets, mesh.faces, curved)

@@ -1,0 +1,54 @@
+"""The other files that a mesh file needs: formats that part points, elements or numbers from each other."""
+
+import re
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from xml.etree import ElementTree
+
+#: suffixes of files that are read together, whichever of them is named (TetGen)
+PAIRS = {".node": ".ele", ".ele": ".node"}
+#: a line of an Abaqus file that reads another one
+_INCLUDE = re.compile(rb"^\*include\s*,[^\n]*=\s*([^\r\n]+?)\s*$", re.IGNORECASE | re.MULTILINE)
+
+
+def companions(path: Path) -> tuple[Path, ...]:
+    """The files that are read besides `path`, those included by included ones too; only those that exist."""
+    found: list[Path] = []
+    waiting = [path]
+    while waiting:
+        for other in _named_in(waiting.pop()):
+            if other.is_file() and not any(other.samefile(known) for known in (path, *found)):
+                found.append(other)
+                waiting.append(other)
+    return tuple(found)
+
+
+def _named_in(path: Path) -> Iterator[Path]:
+    suffix = path.suffix.lower()
+    if suffix in PAIRS:
+        yield path.parent / (path.stem + PAIRS[suffix])
+    elif suffix in _REFERENCES:
+        yield from _REFERENCES[suffix](path)
+
+
+def _of_xdmf(path: Path) -> Iterator[Path]:
+    """The files with the numbers; nothing where the file is no XML, which reading it says."""
+    try:
+        items = list(ElementTree.parse(path).iter("DataItem"))
+    except ElementTree.ParseError:
+        return
+    for item in items:
+        text = (item.text or "").strip()
+        if item.get("Format") == "HDF":  # name of the file, colon, place in it
+            yield path.resolve().parent / text.rpartition(":")[0]
+        elif item.get("Format") == "Binary":
+            yield Path(text)
+
+
+def _of_abaqus(path: Path) -> Iterator[Path]:
+    for match in _INCLUDE.finditer(path.read_bytes()):
+        other = Path(match.group(1).decode(errors="replace"))
+        yield other if other.exists() else path.parent / other
+
+
+_REFERENCES: dict[str, Callable[[Path], Iterator[Path]]] = {".xdmf": _of_xdmf, ".xmf": _of_xdmf, ".inp": _of_abaqus}
