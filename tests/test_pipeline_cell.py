@@ -76,6 +76,40 @@ def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
     assert found.reason.endswith("because a mesh of half the size has more than 1000 unknowns")
 
 
+def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config, whole = arm(*ARM), report.measured.mesh_error
+    solved, lowest = mesh_error.numbers_on, min(whole.pressures_kPa)
+
+    def failing(piece: BendingPiece, pressure: float, *others: float) -> tuple[float, ...]:
+        if pressure == lowest and len(piece.space.points) > len(report_cell.space.points):
+            raise PieceFailed("the walls buckle.")
+        return solved(piece, pressure, *others)
+
+    monkeypatch.setattr(mesh_error, "numbers_on", failing)
+    with open_store(tmp_path, config, fresh=False) as store:
+        pieces = ArmPieces(config, 0.04)
+        report_cell = pieces.cell
+        found = mesh_error.mesh_error(pieces, report.measured.law.cells, RunContext(store, 1, Silent()))
+    assert found.pressures_kPa == whole.pressures_kPa
+    assert found.second_mm == whole.second_mm == 2.0
+    for name in NUMBERS:
+        assert found.deviations[name][1:] == whole.deviations[name][1:]
+        assert found.deviations[name][0] != whole.deviations[name][0] > 0.0
+    assert found.reason == (
+        "the error of the mesh at 6 kPa is estimated from a coarser one, which is less certain, because on the mesh of "
+        "2 mm: the walls buckle"
+    )
+
+
+@pytest.mark.parametrize("family", ["pneunet_coarse", "semicircular_coarse"])
+def test_a_mesh_of_half_the_size_has_at_most_as_many_points_as_estimated(family: str) -> None:
+    pieces = ArmPieces(load_config(CONFIGS / f"{family}.yaml", ["mesh.size=4 mm"]), 0.04)
+    ratio = len(pieces.with_mesh_size(2.0).cell.space.points) / len(pieces.cell.space.points)
+    assert mesh_error.MORE_POINTS / 2 < ratio <= mesh_error.MORE_POINTS
+
+
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
 def test_the_stated_error_is_the_true_one_within_a_quarter_for_every_assumed_order(order: float) -> None:
     error = 0.1
