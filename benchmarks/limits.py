@@ -43,7 +43,7 @@ def row(arm: str, experiment: str) -> str:
     listed = ", ".join(f"{pressure:g} kPa" for pressure in pressures)
     config = load_config(CONFIGS / f"{name}.yaml", [*settings, f"pressures=[{listed}]"])
     scene, case = Scene.meshed(config), identification_case(config, experiment)
-    solved = fem.Experiment.of(experiment, scene.body, case.end_y_mm)
+    solved = fem.Experiment.of(experiment, scene.body, case.end.y_mm)
     model = solved.model(scene.material, scene.effects(case.schedule.reference_MPa), config.mesh.formulation)
     try:
         fem.follow(model, case.schedule.factors)

@@ -1,7 +1,10 @@
 """A limit is named at little cost and from steps of any size, and experiments tell each other."""
 
+import sys
+import threading
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from test_pipeline_plausibility import CONFIGS
@@ -96,6 +99,59 @@ def test_a_known_limit_concerns_pressures_far_beyond_it_only() -> None:
     none = KnownLimit()
     none.set(0.0)
     assert none.why_not(55.0) == ""
+
+
+def test_who_asks_waits_no_longer_than_needed() -> None:
+    """II is still being solved: what it has reached answers, before its limit is known."""
+    known = KnownLimit()
+    known.reached(40.0)
+    known.reached(20.0)
+    assert known.why_not(50.0) == ""
+    answers: list[str] = []
+    asking = threading.Thread(target=lambda: answers.append(known.why_not(60.0)), daemon=True)
+    asking.start()
+    asking.join(0.5)
+    assert asking.is_alive()
+    known.set(45.0)
+    asking.join(5.0)
+    assert "has its limit at 45 kPa" in answers[0]
+    known.set(0.0)
+    assert "has its limit at 45 kPa" in known.why_not(60.0)
+
+
+def test_another_mesh_has_a_limit_of_its_own() -> None:
+    both = KnownLimit()
+    first, second = both.of_group(1), both.of_group(2)
+    first.set(40.0)
+    second.reached(50.0)
+    assert second.why_not(60.0) == ""
+    second.set(50.0)
+    assert "at 40 kPa" in first.why_not(65.0)
+    assert "at 50 kPa" in second.why_not(65.0)
+
+
+def test_two_tells_its_limit_before_its_results_are_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    known: list[KnownLimit] = []
+    told_when_made: list[str] = []
+    simulation, of_group = sys.modules[simulate.__module__], KnownLimit.of_group
+
+    def remember(all_groups: KnownLimit, group: int) -> KnownLimit:
+        known.append(of_group(all_groups, group))
+        return known[0]
+
+    made = simulation._record
+
+    def record(experiment: fem.Experiment, *others: Any) -> Any:
+        told_when_made.append(known[0].why_not(5.0))
+        return made(experiment, *others)
+
+    monkeypatch.setattr(KnownLimit, "of_group", remember)
+    monkeypatch.setattr(simulation, "_record", record)
+    config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, "pressures=[0.5 kPa, 5 kPa]"])
+    with open_store(tmp_path, config) as store:
+        simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II"])
+    assert len(told_when_made) == 1
+    assert "experiment II of the same arm has its limit at 1.0" in told_when_made[0]
 
 
 def test_the_experiment_that_tells_starts_first() -> None:

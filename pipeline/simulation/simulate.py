@@ -1,5 +1,6 @@
 """The load cases on one body, each a task; each state is stored as soon as it is reached."""
 
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -19,6 +20,8 @@ from rod import Load
 #: II first, because the others ask for its limit; then the loaded one, which takes longest
 EXPERIMENTS = ("II", "III", "I")
 
+_groups = itertools.count()  # of load cases, numbered by the main process
+
 
 def experiments_of(config: Config) -> tuple[str, ...]:
     """The experiments of a run; without I where gravity acts, because nothing holds the weight of a free body."""
@@ -37,7 +40,8 @@ def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | Load
     for case in sorted(cases, key=lambda case: case.name):
         context.progress.experiment(case.name, case.schedule.pressures_kPa)
     is_known = any(case.name == FIRST for case in cases)
-    pending = [context.submit(_solve, case, scene, context.store, is_known and asks(case)) for case in cases]
+    group = next(_groups)
+    pending = [context.submit(_solve, case, scene, context.store, group, is_known and asks(case)) for case in cases]
     try:
         outcomes = [case.result() for case in pending]
     except fem.ContactError as failure:
@@ -49,30 +53,32 @@ def _as_case(config: Config, entry: str | LoadCase) -> LoadCase:
     return entry if isinstance(entry, LoadCase) else identification_case(config, entry)
 
 
-def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, asks_limit: bool) -> Outcome:
-    """Follow the load path of one case from its stored states on; II tells its limit when it ends, however it ends."""
-    limit_kPa = 0.0
+def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, group: int, asks_limit: bool) -> Outcome:
+    """Follow the load path of one case from its stored states on; the others do not wait for II if it ends early."""
+    known = context.known_limit.of_group(group)
     try:
-        outcome = _followed(case, scene, store, context.progress, context.known_limit if asks_limit else None)
-        limit_kPa = outcome.failure.limit_kPa if outcome.failure else 0.0
-        return outcome
+        return _followed(case, scene, store, context.progress, known if asks_limit or case.name == FIRST else None)
     finally:
         if case.name == FIRST:
-            context.known_limit.set(limit_kPa)
+            known.set(0.0)
 
 
 def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
+    """II tells the pressures that it reaches and its limit, at once; I and III ask for them."""
     at_end = case.end
     experiment = fem.Experiment.of(case.experiment, scene.body, at_end.y_mm, at_end.force_N, at_end.x_mm)
     material = scene.material
     effects = scene.effects(case.schedule.reference_MPa)
     model = experiment.model(material, effects, scene.config.mesh.formulation)
-    listener = _PathListener(case, store, progress)
+    tells = known if case.name == FIRST else None
+    listener = _PathListener(case, store, progress, tells)
     stored = listener.stored_steps(model.space)
     failure = None
     try:
         newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
-        options = fem.PathOptions(newton) if known is None else fem.PathOptions(newton, give_up=listener.why_not(known))
+        options = fem.PathOptions(newton)
+        if known is not None and tells is None:
+            options = fem.PathOptions(newton, give_up=listener.why_not(known))
         observer = fem.PathObserver(listener.iteration, listener.step_done)
         solution = fem.follow(model, case.schedule.factors, options, observer, resume=stored)
     except fem.NotConverged as ended:
@@ -80,6 +86,8 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
         pressure = case.schedule.pressures_kPa[len(solution.steps)]
         limit_kPa = case.schedule.pressure_at(end.limit) if end.limit else 0.0
         failure = Failure(pressure, failure_in_kPa(end, case), end.cutbacks, end.factorizations, limit_kPa)
+    if tells is not None:
+        tells.set(failure.limit_kPa if failure else 0.0)
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:
         limit_kPa = failure.limit_kPa if failure else 0.0
@@ -106,6 +114,7 @@ class _PathListener:
     case: LoadCase
     store: Store
     progress: Progress
+    tells: KnownLimit | None = None  #: who is told the pressures that are reached
     reached: int = 0  #: pressures of the schedule that are reached
 
     @property
@@ -122,7 +131,7 @@ class _PathListener:
                 break
             steps.append(fem.step_from_arrays(space, arrays))
             self.progress.step_done(self.case.name, pressure, 0.0)
-            self.reached += 1
+            self._reach()
         return steps
 
     def why_not(self, known: KnownLimit) -> Callable[[float], str]:
@@ -135,6 +144,11 @@ class _PathListener:
     def step_done(self, step: fem.Step) -> None:
         self.store.save_state(self.case.name, self._pressure, **fem.step_to_arrays(step))
         self.progress.step_done(self.case.name, self._pressure, step.seconds)
+        self._reach()
+
+    def _reach(self) -> None:
+        if self.tells is not None:
+            self.tells.reached(self._pressure)
         self.reached += 1
 
 
