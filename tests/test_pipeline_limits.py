@@ -53,6 +53,18 @@ def test_small_and_large_steps_end_at_the_same_limit_point(model: fem.Model, pre
     assert end.factorizations < 60
 
 
+@pytest.mark.parametrize("pressure_kPa", [1.5, 2.0])
+def test_no_jump_on_the_way_to_the_first_pressure_with_a_constant_load(pressure_kPa: float) -> None:
+    """Under its weight the half disc ended in states beyond its limit, with a wall that had moved by 4 mm."""
+    settings = [*THIN, VACUUM, "effects.gravity=on"]
+    scene = Scene.meshed(load_config(CONFIGS / "semicircular_single_coarse.yaml", settings))
+    experiment = fem.Experiment.of("II", scene.body, 0.0)
+    heavy = experiment.model(scene.material, scene.effects(1e-3), scene.config.mesh.formulation)
+    end, partial = end_of(heavy, pressure_kPa)
+    assert partial.steps == ()
+    assert end.reached == pytest.approx(LIMIT_KPA, rel=0.02)
+
+
 @pytest.mark.parametrize("relative", [1e-9, -1e-9, 3e-9])
 def test_rounding_does_not_decide_where_the_path_ends(model: fem.Model, relative: float) -> None:
     law = model.material

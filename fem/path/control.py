@@ -84,6 +84,15 @@ class Control(ABC):
         None where that matrix does not give it. Raises `SingularMatrix`.
         """
 
+    def rate_with_constants(
+        self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms, growth: float
+    ) -> State | None:
+        """Tangent of the path at an equilibrium while constant loads and displacements grow as well, d(state)/d(value).
+
+        growth: of their fraction per unit of the value. None where it is not available. Raises `SingularMatrix`.
+        """
+        return None
+
     @abstractmethod
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         """Tangent of the path at rest, d(state)/d(value), with constant loads growing by `fraction` per unit of value.
@@ -119,6 +128,24 @@ class LoadControl(Control):
         if self.system.constraints.ramped.any():  # would need the tangent's columns of the prescribed components
             return None
         return replace(_load_rate(self.system, state, linearised, terms), factor=1.0)
+
+    def rate_with_constants(
+        self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms, growth: float
+    ) -> State | None:
+        system = self.system
+        motion = system.constraints.prescribed(1.0, growth)
+        _, coupling = system.tangent(state, assembly, terms, motion, convex=False)
+        # the loads are linear in the load factor and the fraction
+        more, less = (
+            system.loads(
+                state.displacement,
+                state.factor + part,
+                at_constant_fraction(terms, self.constant_fraction + part * growth),
+            )
+            for part in (0.5, -0.5)
+        )
+        change = linearised.solve(more - less + coupling.displacement, coupling.pressure)
+        return system.rate(state, assembly, replace(change, factor=1.0, displacement=change.displacement + motion))
 
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         system, rest, unloaded = self.system, self.system.rest_state(), at_constant_fraction(terms, 0.0)

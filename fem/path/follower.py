@@ -123,6 +123,8 @@ class PathFollower:
         terms = at_constant_fraction(self.active_set.active, 0.0)
         self.points = [PathPoint(control.value, 0.0, self.system.rest_state(), terms=terms)]  #: the last two
         self.predictor = Predictor(self.points[0], control)
+        #: the last point on the way to the first target, with its rate while constant loads grow as well
+        self.arrival: PathPoint | None = None
         self.is_stable = True  #: whether the last equilibrium is
         self.not_followed = ""  #: a clause where the path lost its stability on the way to the target
         self.effort = _Effort()  #: in the present increment
@@ -154,7 +156,7 @@ class PathFollower:
             try:
                 converged = self._try_increment(control, target, self._effort(increments))
                 point = self._point(control, converged)
-                self._check_continuation(converged, point, increments)
+                arrival = self._check_continuation(control, converged, point, increments)
             except StepFailed as failure:
                 # an equilibrium that no body can have tells more than none
                 cause = cause if isinstance(cause, NotAdmissible) > isinstance(failure, NotAdmissible) else failure
@@ -170,7 +172,7 @@ class PathFollower:
                 self.not_followed = _not_followed(increments.reached, fraction)
             self.is_stable = converged.negative_pivots == 0
             limit = self._announced_limit(self.points[-1], point)
-            self.points = [self.points[-1], point]
+            self.points, self.arrival = [self.points[-1], point], arrival
             increments.accepted(fraction, converged.iterations, limit)
             if fraction == 1.0:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
@@ -227,12 +229,20 @@ class PathFollower:
             )
         return converged
 
-    def _check_continuation(self, converged: Converged, point: PathPoint, increments: Increments) -> None:
-        """Raise `Unstable` where an equilibrium under a given load is not on the path that led to the last one."""
+    def _check_continuation(
+        self, control: Control, converged: Converged, point: PathPoint, increments: Increments
+    ) -> PathPoint:
+        """The point with its rate on the way that led to it, while constant loads grow as well.
+
+        Raises `Unstable` where an equilibrium under a given load is not on the path that led to the last one.
+        """
         if not self._follows_load:
-            return
-        last = self._with_rate(self.points[-1])
-        way = way_between(last, point)
+            return point
+        last, arrival = self._with_rate(self.points[-1]), point
+        if self.predictor.nonsmooth_start and last.constant_fraction < 1.0:
+            last = self.arrival or replace(last, rate=self.predictor.rate_at_rest)
+            arrival = replace(point, rate=self.predictor.rate_with_constants(control, converged, point.terms))
+        way = way_between(last, arrival)
         if self.is_stable and converged.negative_pivots:
             is_small = increments.is_small
             if not (way.is_straight or (is_small and way.is_smooth) if way else is_small):
@@ -241,6 +251,7 @@ class PathFollower:
             raise Unstable("the body jumps to another equilibrium, to which no continuous path leads")
         if increments.passes_limit and way and not (way.is_smooth and increments.may_pass_limit):
             raise Unstable("beyond the limit that the path announces there is another equilibrium only")
+        return arrival
 
     def _announced_limit(self, before: PathPoint, last: PathPoint) -> float | None:
         """The load at which the path announces a limit; None where it announces none."""

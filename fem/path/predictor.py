@@ -110,6 +110,16 @@ class Predictor:
                 return point.system.rate(converged.state, converged.assembly, change)
         return None
 
+    def rate_with_constants(self, point: Control, converged: Converged, terms: Terms) -> State | None:
+        """The same on the way to the first target, while constant loads and displacements grow as well."""
+        ahead = point.value - self.rest.value
+        if converged.linearised is None or not ahead:
+            return None
+        with suppress(SingularMatrix):
+            growth = point.constant_fraction / ahead
+            return point.rate_with_constants(converged.state, converged.assembly, converged.linearised, terms, growth)
+        return None
+
     def _rate_from_rest(self, target: Control) -> State | None:
         """d(state)/d(value) at rest, on the way to the first target; computed once, for all increments on that way."""
         if not self._has_rate_at_rest and target.value != self.rest.value:
