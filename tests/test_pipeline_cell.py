@@ -91,7 +91,9 @@ def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
     with open_store(tmp_path, config, fresh=False) as store:
         pieces = ArmPieces(config, 0.04)
         report_cell = pieces.cell
-        found = mesh_error.mesh_error(pieces, report.measured.law.cells, RunContext(store, 1, Silent()))
+        unknowns = report.measured.unknowns["cell"]
+        context = RunContext.alone(store, Silent())
+        found = mesh_error.mesh_error(pieces, report.measured.law.cells, unknowns, context)
     assert found.pressures_kPa == whole.pressures_kPa
     assert found.second_mm == whole.second_mm == 2.0
     for name in NUMBERS:

@@ -3,15 +3,18 @@
 import os
 import signal
 import time
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
 
+import numba
 import pytest
 
 from pipeline.errors import InputError, WorkerLost
-from pipeline.parallel.worker import TaskContext
+from pipeline.parallel.worker import TaskContext, in_worker, start_worker
 from pipeline.parallel.workers import Pending, Workers, workers
-from pipeline.processes import KEPT_MEMORY, THREADS
+from pipeline.processes import KEPT_MEMORY, SPAWN, THREADS, process_pool
 from pipeline.progress import Silent
+from pipeline.simulation.known_limit import KnownLimit
 
 
 def doubled(context: TaskContext, number: float) -> float:
@@ -33,6 +36,10 @@ def asleep(context: TaskContext, flag: Path) -> None:
 
 def environment(context: TaskContext) -> dict[str, str]:
     return {name: os.environ[name] for name in (*THREADS, *KEPT_MEMORY)}
+
+
+def threads_of_numba(context: TaskContext) -> int:
+    return int(numba.config.NUMBA_NUM_THREADS)
 
 
 def counted(context: TaskContext) -> int:
@@ -100,6 +107,21 @@ def test_a_worker_has_one_thread_of_two_cores_keeps_memory_and_what_it_has_made(
         assert {name: found[name] for name in KEPT_MEMORY} == KEPT_MEMORY
         assert dict(os.environ) == before
         assert max(working.submit(0, counted).result() for _ in range(4)) >= 2
+
+
+def test_numba_in_the_main_process_sees_no_other_threads_while_workers_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """numba reads its number of threads from the environment whenever it compiles, which another thread may do then."""
+    before, seen = {name: os.environ.get(name) for name in THREADS}, []
+    start = SpawnProcess.start
+
+    def watched(process: SpawnProcess) -> None:
+        seen.append({name: os.environ.get(name) for name in THREADS})
+        start(process)
+
+    monkeypatch.setattr(SpawnProcess, "start", watched)
+    with process_pool(1, 1, initializer=start_worker, initargs=(SPAWN.Queue(), KnownLimit())) as pool:
+        assert pool.submit(in_worker, threads_of_numba, ()).result() == 1
+    assert seen == [before]
 
 
 def test_a_lost_worker_ends_all_tasks_and_chains(tmp_path: Path) -> None:

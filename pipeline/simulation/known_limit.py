@@ -16,8 +16,8 @@ FIRST, OTHERS = "II", ("I", "III")
 BEYOND = 1.25
 #: seconds after which it is asked again how far II has come
 ASK_AGAIN = 0.1
-#: groups of load cases that one run can tell apart
-GROUPS = 4096
+#: groups of load cases that one run can tell apart: so many that their shared memory is one page of a file
+GROUPS = 128
 
 
 @final
