@@ -154,3 +154,19 @@ def _interrupted(flag: Path) -> None:
         while not flag.exists():
             time.sleep(0.01)
         raise KeyboardInterrupt
+
+
+def test_without_workers_a_task_that_fails_is_not_done_again() -> None:
+    calls: list[int] = []
+
+    def failing(context: TaskContext) -> None:
+        calls.append(1)
+        raise InputError("material: unknown")
+
+    with workers(1, Silent()) as working:
+        pending = working.submit(0, failing)
+        assert not calls
+        for _ in range(2):
+            with pytest.raises(InputError, match="material"):
+                pending.result()
+    assert len(calls) == 1

@@ -76,7 +76,10 @@ class _Later(Generic[Value]):
 
     def result(self) -> Value:
         if not self._done.done():
-            self._done.set_result(self._work())
+            try:
+                self._done.set_result(self._work())
+            except Exception as failure:
+                self._done.set_exception(failure)
         return self._done.result()
 
 
