@@ -4,6 +4,7 @@ import multiprocessing
 import os
 import pickle
 import sys
+import threading
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
@@ -89,3 +90,18 @@ def process_pool(jobs: int, threads: int, **options: Any) -> Iterator[ProcessPoo
             for child in multiprocessing.active_children():
                 child.terminate()
             raise
+
+
+def end_with_main_process() -> None:
+    """Called in a new process: it ends at once when the process that started it has ended, killed or not.
+
+    Else it would write into a folder that another run uses, and then wait for work for ever.
+    """
+    threading.Thread(target=_end_after_main_process, daemon=True).start()
+
+
+def _end_after_main_process() -> None:
+    main_process = multiprocessing.parent_process()
+    if main_process is not None:
+        main_process.join()
+        os._exit(1)

@@ -5,12 +5,9 @@ states. A stage that needs more CPU time than it may is ended and recorded as to
 """
 
 import json
-import multiprocessing
-import os
 import resource
 import signal
 import subprocess
-import threading
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -29,7 +26,7 @@ from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.errors import InputError, RunFailed
 from pipeline.identification.richardson import extrapolated
-from pipeline.processes import SPAWN, THREADS
+from pipeline.processes import SPAWN, end_with_main_process
 from pipeline.progress import Silent
 from pipeline.report.results import read_results
 from pipeline.report.validation import rod_errors
@@ -68,7 +65,6 @@ def outcome_of(design: Drawn, folder: Path, limit: float, finer: bool) -> Record
     record = kept(folder, key_of(design))
     if record is not None and record["finished"] and (not finer or "finer" in record or record["ended"] != RAN):
         return record
-    os.environ.update(dict.fromkeys(THREADS, "1"))
     process = SPAWN.Process(target=_work, args=(design, folder, limit, finer))
     process.start()
     process.join(PATIENCE * limit)
@@ -133,7 +129,7 @@ def _commit_of_sources() -> str:
 
 def _work(design: Drawn, folder: Path, limit: float, finer: bool) -> None:
     """All stages that the record in the folder lacks; in the process of the design, which ends with the campaign."""
-    threading.Thread(target=_end_with_campaign, daemon=True).start()
+    end_with_main_process()
     record = kept(folder, key_of(design)) or _begun(design)
     report: RunReport | None = None
     try:
@@ -155,13 +151,6 @@ def _work(design: Drawn, folder: Path, limit: float, finer: bool) -> None:
         _stages_after(record, report, folder, limit, finer)
     record["finished"] = True
     _keep(folder, record)
-
-
-def _end_with_campaign() -> None:
-    campaign = multiprocessing.parent_process()
-    if campaign is not None:
-        campaign.join()
-        os._exit(1)
 
 
 def _stages_after(record: Record, report: RunReport, folder: Path, limit: float, finer: bool) -> None:

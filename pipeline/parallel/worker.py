@@ -1,15 +1,12 @@
 """A worker process of a run: how it starts, when it ends, where its progress goes."""
 
-import multiprocessing
-import os
 import signal
-import threading
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from pipeline.processes import SPAWN
+from pipeline.processes import SPAWN, end_with_main_process
 from pipeline.progress import Progress, ToQueue, relayed
 from pipeline.simulation.known_limit import KnownLimit
 
@@ -48,24 +45,13 @@ def connected(progress: Progress) -> Iterator[Any]:
 
 
 def start_worker(queue: Any, known: KnownLimit) -> None:
-    """Runs first in a worker: interrupts are left to the main process, progress goes into the queue.
-
-    A worker whose main process was killed ends as well, or it would write into a folder that another run uses, and
-    then wait for work for ever.
-    """
+    """Runs first in a worker: interrupts are left to the main process, progress goes into the queue."""
     for interrupt in (signal.SIGINT, signal.SIGHUP):
         signal.signal(interrupt, signal.SIG_IGN)
-    threading.Thread(target=_end_with_main_process, daemon=True).start()
+    end_with_main_process()
     _Worker.context = TaskContext(ToQueue(queue), known)
 
 
 def in_worker(task: Callable[..., Value], arguments: tuple[Any, ...]) -> Value:
     """Runs a task in a worker."""
     return task(_Worker.context, *arguments)
-
-
-def _end_with_main_process() -> None:
-    main_process = multiprocessing.parent_process()
-    if main_process is not None:
-        main_process.join()
-        os._exit(1)
