@@ -29,8 +29,9 @@ from fem.materials.material import Material  # noqa: E402
 from geometry import GRADINGS, BisectedCircle, PneuNet, Semicircular, SemicircularSingle  # noqa: E402
 from geometry.arrays import Array  # noqa: E402
 from geometry.design import Design  # noqa: E402
-from pipeline.cell.measure import Reach, sweep_cell  # noqa: E402
+from pipeline.cell.measure import cell_without_moment, sweep_cell  # noqa: E402
 from pipeline.cell.measure_ends import clamp_curve, tip_curve  # noqa: E402
+from pipeline.cell.reach import Reach  # noqa: E402
 from rod import RodError, RodSolution  # noqa: E402
 from rod.arm_law.law import ArmLaw, LawRod  # noqa: E402
 
@@ -38,6 +39,8 @@ DOCS = HERE / "docs" / "cell.md"
 RUBBER = fem.StVenantKirchhoff(E=1.2, nu=0.495)
 #: N, for which the laws are made, on the end of the arm
 FORCE = 0.06
+#: mm, largest displacement of the end for which they are made
+END_Y = 20.0
 #: times EI / l^2: the force that moves the end of the straight arm by a tenth of its length
 SMALL = 0.3
 
@@ -207,11 +210,13 @@ class Pieces:
     def sweep(self) -> list[Any]:
         """The cell at all pressures, each from the state of the one before."""
         sweeps: list[Any] = []
+        highest = cell_without_moment(self.cell, max(self.arm.pressures) / 1000.0)
+        bend = highest.state.angle / self.cell.body.length
+        reach = Reach(self.arm.design.length, self.force, END_Y, bend)
         for pressure in self.arm.pressures:
             start = None
             if sweeps:
                 start = min(sweeps[-1].points, key=lambda point: abs(point.moment)).state
-            reach = Reach(self.arm.design.length, self.force)
             sweeps.append(sweep_cell(self.cell, pressure, reach, start))
             for sentence in sweeps[-1].limits:
                 report(f"{self.arm.name}: {sentence}")

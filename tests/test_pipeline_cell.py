@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 import pneurod
 from fem.cell.piece import BendingPiece, PieceFailed
 from pipeline.cell import curves, mesh_error, refinement
+from pipeline.cell.build import BETWEEN
 from pipeline.cell.mesh_error import NUMBERS
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.refinement import refined_mesh
@@ -46,7 +47,7 @@ def test_the_law_goes_through_rest_and_every_pressure_of_the_configuration(repor
     kappa_0 = [cell.at(0.0)[0] for cell in law.cells]
     assert kappa_0[0] == pytest.approx(0.0, abs=1e-7)
     assert np.all(np.diff(kappa_0) < 0.0)  # negative, as in experiment II
-    assert report.measured.error_between < 0.002
+    assert report.measured.error_between <= BETWEEN
     assert report.measured.error_along < 0.01
 
 
@@ -151,7 +152,7 @@ def test_an_interrupted_measurement_continues_with_equal_numbers(
     """A cell, an end and a check that are missing are measured again, from rest as the first time."""
     shutil.copytree(report.directory, tmp_path / "again")
     for pattern in ("cell_9kPa*", "clamp_*_9kPa*", "between_6*"):
-        [file] = (tmp_path / "again" / "law").glob(pattern)
+        file = min((tmp_path / "again" / "law").glob(pattern))
         file.unlink()
     again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
     for ours, theirs in zip(again.measured.law.cells, report.measured.law.cells, strict=True):

@@ -10,14 +10,17 @@ import fem
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import inflated
 from geometry import GRADINGS, PneuNet
-from pipeline.cell.measure import TOLERANCE, Reach, sweep_cell
+from pipeline.cell.measure import TOLERANCE, sweep_cell
 from pipeline.cell.measure_ends import NEAREST, STEPS, clamp_curve, clamp_without_moment, tip_curve
 from pipeline.cell.measure_ends import TOLERANCE as CLAMP_TOLERANCE
+from pipeline.cell.reach import Reach
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
 
 DESIGN = PneuNet(chambers=5)
 SIZE, DHAT, PRESSURE = 5.0, 0.04, 20.0
+#: 1/mm, curvature of the cell without moment at PRESSURE
+BEND = -0.012
 RUBBER = fem.StVenantKirchhoff(E=1.2, nu=0.495)
 
 
@@ -31,7 +34,7 @@ class Measured:
     @cached_property
     def cell(self) -> CellCurve:
         piece = BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror", dhat=DHAT)
-        sweep = sweep_cell(piece, self.pressure, Reach(DESIGN.length, self.force))
+        sweep = sweep_cell(piece, self.pressure, Reach(DESIGN.length, self.force, 0.0, BEND))
         assert sweep.limits == []
         assert sweep.error < TOLERANCE
         return sweep.curve(piece.body.length)
@@ -160,4 +163,4 @@ def test_the_curves_of_a_cell_rise_and_name_their_contact(measured: Measured) ->
 def test_a_pressure_that_the_cell_does_not_bear_is_named() -> None:
     piece = BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror", dhat=DHAT)
     with pytest.raises(PieceFailed, match=r"half cell at .* kPa"):
-        sweep_cell(piece, 2000.0, Reach(DESIGN.length, 0.1))
+        sweep_cell(piece, 2000.0, Reach(DESIGN.length, 0.1, 0.0, BEND))

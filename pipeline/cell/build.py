@@ -14,6 +14,7 @@ from pipeline.cell.deviation import Deviation
 from pipeline.cell.kept import Measured
 from pipeline.cell.mesh_error import MeshError, mesh_error
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.cell.reach import Bend
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.parallel.workers import Pending
@@ -22,7 +23,7 @@ from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 
 #: largest error of the curvature between two pressures, over the largest curvature of the law
-BETWEEN = 2e-3
+BETWEEN = 3e-3
 #: how many pressures are added at most
 MOST_ADDED = 12
 #: largest displacement of the arm's end, over its length, by which end pieces that differ by a cell may differ
@@ -74,6 +75,7 @@ class _Builder:
         self.seconds = dict.fromkeys(self.factorizations, 0.0)
         self.errors: dict[tuple[float, float], float] = {}  #: 1/mm, in the middle between two pressures in kPa
         self.not_borne: set[float] = set()  #: kPa, between those of the configuration
+        self.bends: dict[float, Bend] = {}  #: by pressure, kPa
         self.error_between = 0.0
         self.error_along_clamp = 0.0
         self.error_ends = 0.0
@@ -87,7 +89,8 @@ class _Builder:
         self.pieces.repetition  # noqa: B018 - refuses an arm that is too short before anything is solved
         requested = config.pressures_kPa
         self.unknowns["cell"] = self.tasks.submit(tasks.unknowns_of_cell)
-        cells = self._cells(sorted({0.0, *requested}))
+        self.bends = self._bends(requested)
+        cells = self._cells(sorted({0.0, *self.bends}))
         self._begin_decay(cells[-1].curve, 1)  # is done beside the pressures between
         cells, added = self._with_pressures_between(cells)
         half_cells = self._half_cells(cells[-1].curve)
@@ -122,6 +125,23 @@ class _Builder:
             unknowns=MappingProxyType({name: number.result() for name, number in self.unknowns.items()}),
         )
 
+    def _bends(self, pressures: Sequence[float]) -> dict[float, Bend]:
+        """How the cell bends without moment at rising pressures, up to the last one that it bears."""
+        bends: dict[float, Bend] = {}
+        for pressure, pending in [(p, self.tasks.submit(tasks.bend, p)) for p in pressures]:
+            try:
+                measured = pending.result()
+            except PieceFailed as failure:
+                self.failures.append(str(failure).rstrip("."))
+                break
+            self._count("cell", measured)
+            bends[pressure] = measured.curve
+        return bends
+
+    def _largest_bend(self, pressure: float) -> Bend:
+        """At the highest pressure for which a curve is used: the next one of the configuration."""
+        return self.bends[min((p for p in self.bends if p > pressure), default=max(self.bends))]
+
     def _cells(self, pressures: Sequence[float]) -> list[Measured[CellCurve]]:
         """Cells by rising pressure, up to the last one that is borne."""
         cells: list[Measured[CellCurve]] = []
@@ -137,7 +157,7 @@ class _Builder:
     def _measured_cells(self, pressures: Sequence[float]) -> Iterator[Measured[CellCurve] | str]:
         """Cells at rising pressures; a sentence for one that is not borne."""
         self.context.progress.experiment("cell", pressures)
-        for pending in [self.tasks.submit(tasks.cell, pressure) for pressure in pressures]:
+        for pending in [self.tasks.submit(tasks.cell, p, self._largest_bend(p)) for p in pressures]:
             try:
                 cell = pending.result()
             except (PieceFailed, RodError) as failure:

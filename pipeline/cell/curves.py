@@ -1,12 +1,11 @@
 """The curves of the pieces of an arm, each measured once and kept in the result folder."""
 
-import numpy as np
-
 from pipeline.cell.deviation import DEVIATION_KEYS, Deviation, largest_deviation
 from pipeline.cell.kept import KeptCurves, Measured
-from pipeline.cell.measure import Reach, sweep_cell
+from pipeline.cell.measure import cell_without_moment, sweep_cell
 from pipeline.cell.measure_ends import clamp_curve, clamp_without_moment, tip_curve
 from pipeline.cell.pieces import ArmPieces
+from pipeline.cell.reach import BEND_KEYS, Bend, Reach
 from pipeline.store.store import Store
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.record import CELL_KEYS, CLAMP_KEYS, TIP_KEYS
@@ -22,18 +21,31 @@ class PieceCurves:
     def __init__(self, pieces: ArmPieces, store: Store) -> None:
         self.pieces = pieces
         self.store = store
+        self._bends = KeptCurves(store, Bend, BEND_KEYS)
         self._cells = KeptCurves(store, CellCurve, CELL_KEYS)
         self._clamps = KeptCurves(store, ClampCurve, CLAMP_KEYS)
         self._tips = KeptCurves(store, TipCurve, TIP_KEYS)
         self._deviations = KeptCurves(store, Deviation, DEVIATION_KEYS)
 
-    def cell(self, pressure: float) -> Measured[CellCurve]:
-        """The cell at a pressure in kPa."""
+    def bend(self, pressure: float) -> Measured[Bend]:
+        """The curvature of the cell without moment at a pressure in kPa."""
+
+        def measure() -> Measured[Bend]:
+            piece = self.pieces.cell
+            before = piece.factorizations
+            point = cell_without_moment(piece, pressure / 1000.0)
+            bend = Bend(point.state.angle / piece.body.length)
+            return Measured(bend, factorizations=piece.factorizations - before)
+
+        return self._bends.get(f"bend_{pressure:.12g}kPa", measure)
+
+    def cell(self, pressure: float, bend: Bend) -> Measured[CellCurve]:
+        """The cell at a pressure in kPa, for arms whose cells bend up to `bend` without moment."""
 
         def measure() -> Measured[CellCurve]:
             piece = self.pieces.cell
             before = piece.factorizations
-            sweep = sweep_cell(piece, pressure, Reach(self.pieces.design.length, np.inf))
+            sweep = sweep_cell(piece, pressure, Reach.of(self.pieces.config, bend.kappa))
             limits = tuple(sweep.limits)
             return Measured(sweep.curve(piece.body.length), limits, sweep.error, piece.factorizations - before)
 

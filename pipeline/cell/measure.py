@@ -1,5 +1,6 @@
 """The curves of a cell of the arm, from finite elements of half a cell."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import final
 
@@ -10,16 +11,17 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import inflated, shear_rigidity, slopes
 from fem.equations.state import State
 from fem.path.predictor import extrapolate
+from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint, stable, without_moment
+from pipeline.cell.reach import Range, Reach
 from rod.arm_law.curves import CellCurve
 
-#: the moments of a law go beyond zero, and beyond the moment that straightens the arm, by that of a given force on the
-#: end at the distance l, but to no more than this many times EI/l
-REACH = 3.0
 #: intervals of the first sweep to either side, and how often one is divided where its cubic is not good enough
 INTERVALS, DIVISIONS = 3, 6
 #: smallest part into which an interval is divided
 NEAREST = 0.15
+#: the last step goes this many times as far as the law needs; smallest part of a step
+LAST, SHORTEST = 1.05, 0.25
 #: a sweep ends where the rigidity of the cell falls below this part of that at rest: near the largest moment that
 #: the cell bears its curvature depends on the pressure too strongly to be interpolated
 SOFTENED = 0.3
@@ -27,7 +29,7 @@ SOFTENED = 0.3
 FARTHEST, MAX_RETRIES = 1.5, 4
 #: largest error of the cubic between two states, over the largest curvature of the law: a dead force that lifts the arm
 #: makes ten times that of its shape
-TOLERANCE = 7e-4
+TOLERANCE = 1e-3
 
 
 @final
@@ -94,28 +96,18 @@ class CellSweep:
         )
 
 
-@dataclass(frozen=True)
-class Reach:
-    """For what loads a law is made."""
-
-    length: float  #: mm, of the arm
-    force: float  #: N, on its end
-
-
 def sweep_cell(piece: BendingPiece, pressure_kPa: float, reach: Reach, start: PieceState | None = None) -> CellSweep:
-    """Follow a half cell at one pressure over the moments that an arm meets.
+    """Follow a half cell at one pressure over the moments and curvatures that an arm meets.
 
     start: a state at another pressure. Raises `PieceFailed` where the unloaded cell is not reached.
     """
     h = piece.body.length
     middle = cell_without_moment(piece, pressure_kPa / 1000.0, start)
     sweep = CellSweep(pressure_kPa, [middle], shear=[(middle.moment, _shear(piece, middle))])
-    rigidity = middle.slopes.moment_by_angle * h
-    beyond = min(REACH * rigidity / reach.length, reach.force * reach.length)
-    straight = -middle.state.angle / h * rigidity
     softest = SOFTENED * slopes(piece, piece.rest()).moment_by_angle
-    _sweep_to(piece, sweep, max(straight, 0.0) + beyond, softest)
-    _sweep_to(piece, sweep, min(straight, 0.0) - beyond, softest)
+    kappa, rigidity = middle.state.angle / h, middle.slopes.moment_by_angle * h
+    for outward in (1, -1):
+        _sweep_to(piece, sweep, reach.range_from(kappa, rigidity, outward), softest)
     _refine(piece, sweep)
     _keep_rising(sweep, middle, h)
     return sweep
@@ -138,27 +130,29 @@ def _predicted(before: CellPoint | None, last: CellPoint, angle: float) -> State
     return extrapolate(None if before is None else before.path_point, last.path_point, angle)
 
 
-def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float, softest: float) -> None:
-    """States until the moment is passed, or until there is none; each step changes the moment by a part of it, and by
-    less where a cell bears no step of that size.
+def _sweep_to(piece: BendingPiece, sweep: CellSweep, until: Range, softest: float) -> None:
+    """States to one side until the law needs no more, or until there is none; each step changes the moment by a part of
+    the way, and by less where a cell bears no step of that size.
 
     softest: N mm, slope of the moment by the angle below which the sweep ends.
     """
-    outward, change = 1 if moment > 0 else -1, moment / INTERVALS
-    first, shortest = sweep.outermost(outward), abs(change) / 2**MAX_RETRIES
-    while outward * (sweep.outermost(outward).moment - moment) < 0.0:
-        last = sweep.outermost(outward)
+    outward, change = until.outward, until.first_moment / INTERVALS
+    followed, shortest = [sweep.outermost(outward)], abs(change) / 2**MAX_RETRIES
+    while (left := until.left(*_changes(followed, piece.body.length))) > 0.0:
+        last = followed[-1]
+        part = float(np.clip(LAST * left / abs(change), SHORTEST, 1.0))
         try:
-            point = _next_point(piece, sweep, change)
+            point = _next_point(piece, sweep, part * change)
             if outward * (point.moment - last.moment) <= 0.0:
                 raise PieceFailed(f"the moment of the cell falls {_beyond(piece, sweep, last)}")
             sweep.shear.append((point.moment, _shear(piece, point)))
         except PieceFailed as failure:
-            if last is first and abs(change) > shortest:
+            if len(followed) == 1 and abs(change) > shortest:
                 change /= 2.0
                 continue
             sweep.ends[outward] = str(failure)
             return
+        followed.append(point)
         sweep.points.insert(len(sweep.points) if outward > 0 else 0, point)
         if point.slopes.moment_by_angle < softest:
             sweep.ends[outward] = (
@@ -166,6 +160,13 @@ def _sweep_to(piece: BendingPiece, sweep: CellSweep, moment: float, softest: flo
                 "law ends there"
             )
             return
+
+
+def _changes(points: Sequence[CellPoint], half_pitch: float) -> tuple[Array, Array]:
+    """Changes of the moment (n,) in N mm and of the curvature (n,) in 1/mm since the first of n states."""
+    rows = np.array([(point.moment, point.state.angle / half_pitch) for point in points])
+    moments, turns = (rows - rows[0]).T
+    return moments, turns
 
 
 def _next_point(piece: BendingPiece, sweep: CellSweep, change: float) -> CellPoint:

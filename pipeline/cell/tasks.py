@@ -8,6 +8,7 @@ from pipeline.cell.curves import PieceCurves
 from pipeline.cell.deviation import Deviation
 from pipeline.cell.kept import Measured
 from pipeline.cell.pieces import ArmPieces
+from pipeline.cell.reach import Bend
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.parallel.worker import TaskContext
@@ -54,9 +55,14 @@ def _with_curves(
     return task(curves, context, *args, **kwargs)
 
 
-def cell(curves: PieceCurves, context: TaskContext, pressure: float) -> Measured[CellCurve]:
-    """The cell at a pressure in kPa."""
-    measured = curves.cell(pressure)
+def bend(curves: PieceCurves, context: TaskContext, pressure: float) -> Measured[Bend]:
+    """The curvature of the cell without moment at a pressure in kPa."""
+    return curves.bend(pressure)
+
+
+def cell(curves: PieceCurves, context: TaskContext, pressure: float, largest: Bend) -> Measured[CellCurve]:
+    """The cell at a pressure in kPa; largest: how it bends at the highest pressure at which its curve is used."""
+    measured = curves.cell(pressure, largest)
     context.progress.step_done("cell", pressure, 0.0 if measured.is_stored else measured.seconds)
     return measured
 

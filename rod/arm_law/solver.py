@@ -183,5 +183,6 @@ def _check_within_law(shooting: _Shooting) -> None:
     low, high = max(law.moment[0], clamp.moment[0]), min(law.moment[-1], clamp.moment[-1])
     raise RodError(
         f"The moment goes from {moment.min():.4g} to {moment.max():.4g} N mm; at {law.pressure:g} kPa the law is known "
-        f"from {low:.4g} to {high:.4g} N mm, and it is not extrapolated; the load is too large for it."
+        f"from {low:.4g} to {high:.4g} N mm, and it is not extrapolated: a law is measured for the loads "
+        "of its configuration, and this one is larger."
     )
