@@ -23,13 +23,13 @@ COLUMNS = (
 )
 #: half-open ranges that are drawn uniformly in the logarithm: Young's modulus in MPa, height or diameter of the arm in
 #: mm, p V_air / (E V_solid) at the highest pressure
-MODULUS, SIZE, LOAD = (0.1, 3.0), (8.0, 40.0), (0.004, 0.06)
+MODULUS, SIZE, LOAD = (0.1, 3.0), (8.0, 40.0), (0.01, 0.08)
 #: this part of the designs has a Poisson ratio of the first range, the others of the second
 COMPRESSIBLE, POISSON = 0.2, ((0.3, 0.45), (0.45, 0.4995))
 #: this part of the gapped arms has rounded edges
 ROUNDED = 0.25
 #: numbers of cells, all equally probable; five parameters need a length of 6.5 cells
-CELLS = (7, 7, 7, 8)
+CELLS = (7, 7, 8, 10)
 #: length over the radius of arms with one cavity, which have a nominal cell for every 4/3 of the radius
 SLENDER = (9.0, 11.0)
 #: the lower pressure over the higher one
