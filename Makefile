@@ -110,6 +110,7 @@ lint: $(READY)  ## style: ruff
 types: $(READY)  ## types: mypy
 	@$(BIN)/mypy
 	$(BIN)/mypy examples
+	$(BIN)/mypy --explicit-package-bases benchmarks
 
 docs: $(READY)  ## the documentation as a site in build/site; broken links and warnings are refused
 	@NO_MKDOCS_2_WARNING=1 PYTHONPATH=. $(BIN)/mkdocs build --strict --quiet

@@ -106,11 +106,8 @@ class WholeArm:
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> "WholeArm":
         """From the numbers of a file."""
-        return cls(
-            *(np.array(record[name]) for name in ("s", "points", "force")),
-            couple=float(record["couple"]),
-            planes=np.array(record["planes"]),
-        )
+        s, points, force, planes = (np.array(record[name]) for name in ("s", "points", "force", "planes"))
+        return cls(s, points, force, float(record["couple"]), planes)
 
 
 @dataclass(frozen=True)
@@ -353,10 +350,11 @@ def compare_arm(arm: Arm, pieces: Pieces, results: Results) -> tuple[str, list[l
 
 def compare_lengths(arm: Arm, pieces: Pieces, results: Results) -> str:
     """Arms of 7 and 20 chambers with the law of another one."""
+    assert isinstance(arm.design, PneuNet)
     rows, law, rigidity = [], pieces.law, rigidity_at_rest(pieces.cell)
     for chambers in (7, 20):
         pressure = 31.0
-        other = replace(arm, design=replace(arm.design, chambers=chambers), pressures=(pressure,), between=None)  # type: ignore[call-arg]
+        other = replace(arm, design=replace(arm.design, chambers=chambers), pressures=(pressure,), between=None)
         for case in LENGTH_CASES:
             end_y = case.end_y * other.design.length / arm.design.length
             force = tuple(component * (arm.design.length / other.design.length) ** 2 for component in case.force)

@@ -40,7 +40,7 @@ from benchmarks.cell import (  # noqa: E402
     rigidity_at_rest,
     table_of,
 )
-from fem.materials import LAWS  # noqa: E402
+from fem.materials import LAWS, Material  # noqa: E402
 from pipeline.cell.build import build_law  # noqa: E402
 from pipeline.cell.pieces import ArmPieces, NoArmLaw  # noqa: E402
 from pipeline.config.config import Config  # noqa: E402
@@ -78,7 +78,7 @@ def drawn(seed: int, number: int) -> dict[str, Any]:
         geometry, pressure = _dimensions(rng, k % len(FAMILIES))
     family, size = FAMILIES[number % len(FAMILIES)]
     law, tensile, nu = MATERIALS[number % len(MATERIALS)]
-    constants = asdict(LAWS[law].from_uniaxial(tensile, nu))  # type: ignore[call-overload]
+    constants = asdict(LAWS[law].from_uniaxial(tensile, nu))
     return {
         "name": f"random_{seed}_{number}",
         "geometry": {"family": family, **geometry},
@@ -99,6 +99,7 @@ def _dimensions(rng: np.random.Generator, family: int) -> tuple[dict[str, Any], 
         return round(float(rng.uniform(low, high)), 2)
 
     counts: dict[str, int] = {}
+    ranges: dict[str, tuple[float, float]]
     if family == 0:
         counts = {"chambers": int(rng.integers(7, 13))}
         ranges = {"width": (12, 18), "chamber_length": (6, 10), "gap": (1.5, 3), "chamber_height": (9, 14)}
@@ -198,10 +199,9 @@ def whole_arm(folder: Path, scene: Scene) -> Iterator[tuple[Case, float, WholeAr
     """All loads at all pressures, by finite elements; kept in the folder."""
     config, design = scene.config, scene.config.design
     between = round(BETWEEN * config.pressures_kPa[-1], 2)
-    arm = Arm(
-        *(config.name, design, config.mesh.element_size_mm, 0, config.pressures_kPa, between),
-        *(scene.activation_distance, scene.material),
-    )
+    size, dhat, material = config.mesh.element_size_mm, scene.activation_distance, scene.material
+    assert isinstance(material, Material)
+    arm = Arm(config.name, design, size, 0, config.pressures_kPa, between, dhat, material)
     cases = (
         Case("II", "II"),
         Case("III", "III"),

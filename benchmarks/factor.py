@@ -9,8 +9,11 @@ method. Processor seconds, one thread.
 
 import os
 import sys
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from time import process_time
+from typing import TypeVar
 
 os.environ.update(dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1"))
 sys.path[0] = str(Path(__file__).resolve().parent.parent)
@@ -25,8 +28,12 @@ from fem.equations.linear import Pardiso  # noqa: E402
 from fem.path import newton  # noqa: E402
 from fem.path.control import LoadControl  # noqa: E402
 from geometry import PneuNet  # noqa: E402
+from geometry.arrays import Array  # noqa: E402
 
 TOLERANCE = 1e-9
+Value = TypeVar("Value")
+#: values of a tangent and its right-hand side, by iteration
+Systems = Sequence[tuple[Array, Array]]
 
 
 def tangents(size: float) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
@@ -73,28 +80,30 @@ def iterated(matrix: LinearOperator, right: np.ndarray, solver: Pardiso, patienc
     return patience + 1 if missed else count
 
 
-def timed(call):
+def timed(call: Callable[[], Value]) -> tuple[Value, float]:
     """What a call gives, and its processor seconds."""
     start = process_time()
     result = call()
     return result, process_time() - start
 
 
-def fresh_factor(indptr, indices, kept, large: int, memory: float | None) -> tuple[float, float, str]:
+def fresh_factor(
+    indptr: Array, indices: Array, kept: Systems, large: int, memory: float | None
+) -> tuple[float, float, str]:
     """Seconds for all iterations with a new factor in each, of the analysis, and a remark."""
     linear.LARGE = large
     solver = Pardiso(memory)
     _, analysis = timed(lambda: solver.analyse(indptr, indices))
     seconds = 0.0
     for data, right in kept:
-        seconds += timed(lambda data=data: solver.factorize(data))[1]
-        seconds += timed(lambda right=right: solver.solve(right))[1]
+        seconds += timed(partial(solver.factorize, data))[1]
+        seconds += timed(partial(solver.solve, right))[1]
     megabytes = solver.factor_bytes / 1e6
     solver.close()
     return seconds, analysis, f"factor {megabytes:.0f} MB"
 
 
-def stale_factor(indptr, indices, kept, patience: int) -> tuple[float, float, str]:
+def stale_factor(indptr: Array, indices: Array, kept: Systems, patience: int) -> tuple[float, float, str]:
     """The factor is kept as a preconditioner until an iteration needs more than `patience` products."""
     solver = Pardiso()
     _, analysis = timed(lambda: solver.analyse(indptr, indices))
@@ -102,13 +111,13 @@ def stale_factor(indptr, indices, kept, patience: int) -> tuple[float, float, st
     for data, right in kept:
         if not fresh:
             matrix = product(indptr, indices, data)
-            count, spent = timed(lambda matrix=matrix, right=right: iterated(matrix, right, solver, patience))
+            count, spent = timed(partial(iterated, matrix, right, solver, patience))
             seconds += spent
             counts.append(count)
             fresh = count > patience
         if fresh:
-            seconds += timed(lambda data=data: solver.factorize(data))[1]
-            seconds += timed(lambda right=right: solver.solve(right))[1]
+            seconds += timed(partial(solver.factorize, data))[1]
+            seconds += timed(partial(solver.solve, right))[1]
             fresh = False
     factors = solver.times.factorizations
     solver.close()

@@ -14,6 +14,8 @@ import json
 import sys
 import tempfile
 import time
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +24,7 @@ from scipy.integrate import solve_bvp
 # the rooms stand beside this folder
 sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
+from geometry.arrays import Array  # noqa: E402  (the path comes first)
 from rod import Arm, FiveParameters, Rod, export_arm  # noqa: E402  (the path comes first)
 from rod.arm_law.record import law_from_record  # noqa: E402
 
@@ -33,7 +36,7 @@ SAMPLED = Rod(LENGTH, 0.015 * (1.0 + 0.2 * np.cos(2.0 * np.pi * SAMPLES / 10.0))
 README = Rod(1.0, 2.0, FiveParameters(alpha1=2.0, alpha2=1.0, m01=0.1, m02=-0.05, d=0.13))
 
 
-def seconds_each(call, count: int) -> float:
+def seconds_each(call: Callable[[], object], count: int) -> float:
     """Mean processor time of a call that has been made once before."""
     call()
     start = time.process_time()
@@ -42,11 +45,11 @@ def seconds_each(call, count: int) -> float:
     return (time.process_time() - start) / count
 
 
-def by_scipy() -> np.ndarray:
+def by_scipy() -> Array:
     """Tip (x, y) mm by collocation on two pieces, each on the unit interval."""
     pieces = ((0.0, LAW.d, LAW.alpha1, LAW.m01), (LAW.d, LENGTH, LAW.alpha2, LAW.m02))
 
-    def rates(t, z):
+    def rates(t: Array, z: Array) -> Array:
         out = []
         for k, (a, b, alpha, m0) in enumerate(pieces):
             theta, moment = z[4 * k], z[4 * k + 1]
@@ -55,7 +58,7 @@ def by_scipy() -> np.ndarray:
             out += [(b - a) * row for row in rows]
         return np.array(out)
 
-    def ends(a, b):
+    def ends(a: Array, b: Array) -> Array:
         return np.array([a[0], a[2], a[3], *(a[4:] - b[:4]), b[5]])
 
     guess = np.zeros((8, 20))
@@ -101,8 +104,8 @@ def with_law(file: Path) -> list[tuple[str, float, None]]:
         )
     ]
     for name, rod in (("", law.at(highest)), (", between pressures", law.at((highest + before) / 2))):
-        rows.append((f"the same, dead force{name}", seconds_each(lambda rod=rod: rod.solve((0.0, 0.02)), 200), None))
-        rows.append((f"the same, experiment III{name}", seconds_each(lambda rod=rod: rod.solve(end_y=0.0), 200), None))
+        rows.append((f"the same, dead force{name}", seconds_each(partial(rod.solve, (0.0, 0.02)), 200), None))
+        rows.append((f"the same, experiment III{name}", seconds_each(partial(rod.solve, end_y=0.0), 200), None))
     return rows
 
 

@@ -117,13 +117,15 @@ def compared(arm: Arm, parent: ReferenceArm) -> Row:
     for shape, curve in ((rod.solve(), arm.free), (shape_III, arm.loaded)):
         off = shape.positions(curve.s - curve.s[0]) - np.column_stack([curve.x, curve.y])
         distances.append(float(np.hypot(off[:, 0], off[:, 1]).max()) / curve.length)
+    of_II, of_III = distances
     return Row(
         arm.chambers,
         arm.pressure,
         parent.pressure,
         guess.kappa_0 / arm.middle,
         guess.law.alpha2 / arm.numbers.law.alpha2,
-        *distances,
+        of_II,
+        of_III,
         float(shape_III.force[1]) / arm.load.force[1] - 1.0,
     )
 

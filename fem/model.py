@@ -1,6 +1,6 @@
 """A model: body, law, supports and effects, before anything is solved."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import final
@@ -27,8 +27,8 @@ class Model:
 
     mesh: Mesh = field(repr=False)
     material: Solid
-    supports: list[Support]
-    effects: list[Effect]
+    supports: Sequence[Support]
+    effects: Sequence[Effect]
     formulation: str = "p2p0"
 
     def __post_init__(self) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+import fem
 from benchmarks.paper.data import ARMS, LAWS, Data
 from benchmarks.paper.drawing import (
     ARM_NAMES,
@@ -24,7 +25,6 @@ from benchmarks.paper.drawing import (
 )
 from benchmarks.paper.estimates import CELLS, Estimate
 from benchmarks.paper.states import State, weight_of
-from fem.materials import LAWS as MATERIALS
 from rod import cell_averaged
 
 #: moduli (MPa), the strain between them, and Poisson's ratio of the paper
@@ -40,11 +40,11 @@ def materials(_: Data) -> Figure:
     kappa = 2.0 * mu * (1.0 + NU) / (3.0 * (1.0 - 2.0 * NU))
     yeoh = 2.0 * 0.11 * 2.0 * (1.0 + NU) / (3.0 * (1.0 - 2.0 * NU))
     bars = {
-        "svk, E = E_H (no bar beyond 72 %)": MATERIALS["svk"](E=E_HIGH, nu=NU),
-        "hencky, E = E_H": MATERIALS["hencky"](E=E_HIGH, nu=NU),
-        "neo_hooke, E = E_H at small strain": MATERIALS["neo_hooke"](mu=mu, kappa=kappa),
-        "mooney_rivlin, the same, c10 = c01 (choice)": MATERIALS["mooney_rivlin"](c10=mu / 4, c01=mu / 4, kappa=kappa),
-        "yeoh, published for Elastosil M4601": MATERIALS["yeoh"](c10=0.11, c20=0.02, c30=0.0, kappa=yeoh),
+        "svk, E = E_H (no bar beyond 72 %)": fem.StVenantKirchhoff(E=E_HIGH, nu=NU),
+        "hencky, E = E_H": fem.Hencky(E=E_HIGH, nu=NU),
+        "neo_hooke, E = E_H at small strain": fem.NeoHooke(mu=mu, kappa=kappa),
+        "mooney_rivlin, the same, c10 = c01 (choice)": fem.MooneyRivlin(c10=mu / 4, c01=mu / 4, kappa=kappa),
+        "yeoh, published for Elastosil M4601": fem.Yeoh(c10=0.11, c20=0.02, c30=0.0, kappa=yeoh),
     }
     for panel, largest, top in zip(panels[0], (3.0, 0.5), (6.0, 0.7), strict=True):
         strain = np.linspace(0.0, largest, 200)

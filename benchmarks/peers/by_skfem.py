@@ -30,13 +30,13 @@ def stress(F: Any) -> Any:
 
 
 @skfem.LinearForm
-def internal(v, w):
+def internal(v: Any, w: Any) -> Any:
     F = deformation(w.now)
     return ddot(mul(F, stress(F)), grad(v))
 
 
 @skfem.BilinearForm
-def stiffness(u, v, w):
+def stiffness(u: Any, v: Any, w: Any) -> Any:
     F = deformation(w.now)
     du = 0.5 * (mul(transpose(F), grad(u)) + mul(transpose(grad(u)), F))
     dS = LAMBDA * eye(trace(du), 3) + 2 * MU * du
@@ -44,14 +44,14 @@ def stiffness(u, v, w):
 
 
 @skfem.LinearForm
-def push(v, w):
+def push(v: Any, w: Any) -> Any:
     """Forces of a unit pressure on the deformed surface (cof(F) n dA = n da); the normal points out of the body."""
     F = deformation(w.now)
     return det(F) * dot(mul(transpose(inv(F)), w.n), v)
 
 
 @skfem.BilinearForm
-def push_tangent(u, v, w):
+def push_tangent(u: Any, v: Any, w: Any) -> Any:
     F = deformation(w.now)
     back = transpose(inv(F))
     turned = mul(back, mul(transpose(grad(u)), mul(back, w.n)))
@@ -59,7 +59,7 @@ def push_tangent(u, v, w):
 
 
 @skfem.Functional
-def enclosed(w):
+def enclosed(w: Any) -> Any:
     F = deformation(w.now)
     return -det(F) * dot(mul(transpose(inv(F)), w.n), w.x + w.now) / 3
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -38,13 +39,13 @@ def claim(number: str, says: str, readings: Iterable[Reading], why: str, missing
     return Claim(number, says, found, why if found else "", "" if found else missing)
 
 
-def single(what: str, value: float, spread: float = 0.0, **others: object) -> Reading:
+def single(what: str, value: float, spread: float = 0.0, **others: Any) -> Reading:
     """A reading with its interval on both sides; without a number if it is nan."""
-    return Reading(what, value, value - spread, value + spread, **others)  # type: ignore[arg-type]
+    return Reading(what, value, value - spread, value + spread, **others)
 
 
-def range_of(what: str, values: Sequence[float], **others: object) -> Reading:
+def range_of(what: str, values: Sequence[float], **others: Any) -> Reading:
     """The mean of values and their range."""
     if not len(values):
-        return Reading(what, NAN, NAN, NAN, **others)  # type: ignore[arg-type]
-    return Reading(what, float(np.mean(values)), float(min(values)), float(max(values)), **others)  # type: ignore[arg-type]
+        return Reading(what, NAN, NAN, NAN, **others)
+    return Reading(what, float(np.mean(values)), float(min(values)), float(max(values)), **others)

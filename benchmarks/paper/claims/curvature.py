@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -34,14 +35,14 @@ def _kappa(states: Sequence[State]) -> tuple[list[float], list[float], list[floa
     return [s.pressure for s in states], [1000.0 * s.kappa_0_middle for s in states], deviations
 
 
-def _off(what: str, states: Sequence[State], origin: bool, **others: object) -> Reading:
+def _off(what: str, states: Sequence[State], origin: bool, **others: Any) -> Reading:
     """How far kappa_0(l/2) is off a straight line over the pressure, %."""
     pressures, values, deviations = _kappa(states)
     if len(states) < 3:
         return single(what, NAN, without="fewer than three pressures", **others)
     found = line(pressures, values, origin=origin)
     spread = 100.0 * 2.0 * max(deviations) / max(map(abs, values))
-    return Reading(what, 100 * found.off, max(0.0, 100 * found.off - spread), 100 * found.off + spread, "%", **others)  # type: ignore[arg-type]
+    return Reading(what, 100 * found.off, max(0.0, 100 * found.off - spread), 100 * found.off + spread, "%", **others)
 
 
 def curvature_of_pneunet(data: Data) -> Claim:
@@ -68,7 +69,7 @@ def curvature_of_arms(data: Data) -> Claim:
             states = data.states("arms", law, arm)
             if not states:
                 continue
-            at = {"law": law, "arm": arm}
+            at: dict[str, Any] = {"law": law, "arm": arm}
             all_of, upper = "off a line, 1 to 37 kPa", "off a line, 24 to 37 kPa"
             bent = (100.0 * STRAIGHT, math.inf)
             readings.append(_off(all_of, states, False, asked=bent, part="bent below 20 kPa", **at))
@@ -125,7 +126,7 @@ def middle_of_arm(data: Data) -> Claim:
             slopes.append(100.0 * abs(float(np.ptp(kappa.kappa[middle]))) / float(np.abs(kappa.kappa).max()))
         none = {"without": "the sign does not change at every pressure", "denies": True}
         place = [NAN] if any(map(math.isnan, changes)) else changes
-        at = {"law": law}
+        at: dict[str, Any] = {"law": law}
         readings += [
             range_of("range of κ₀ over the middle half", spreads, unit="%", asked=AT_MOST, part="κ₀ constant", **at),
             range_of("s/l at which κ of III changes sign", place, asked=(0.0, 1.0), part="sign", **none, **at),

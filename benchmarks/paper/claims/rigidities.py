@@ -1,6 +1,7 @@
 """Claims on the rigidities: whether two are needed, what contact does, and how they change with the pressure."""
 
 from collections.abc import Callable, Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -79,7 +80,7 @@ def straight(name: str) -> Callable[[Data], Claim]:
     def make(data: Data) -> Claim:
         readings = []
         for law, estimator, pressures, values, deviations in _slopes(data, ARMS[0], name, TOUCHING):
-            at = {"law": law, "estimator": estimator}
+            at: dict[str, Any] = {"law": law, "estimator": estimator}
             what = f"{SYMBOL[name]} off a line, 17 to 37 kPa"
             if len(values) < 3:
                 readings += (
@@ -113,7 +114,7 @@ def trend(number: str, arms: Sequence[str], name: str, rises: bool, says: str, w
         readings = []
         for arm in arms:
             for law, estimator, pressures, values, deviations in _slopes(data, arm, name, 10.0):
-                at = {"law": law, "estimator": estimator, "arm": arm, "asked": UP if rises else DOWN}
+                at: dict[str, Any] = {"law": law, "estimator": estimator, "arm": arm, "asked": UP if rises else DOWN}
                 what = f"slope of {SYMBOL[name]}, {SHORT[arm]}"
                 if len(values) >= 3:
                     found = line(pressures, values, deviations)

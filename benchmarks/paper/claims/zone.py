@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 from benchmarks.paper.claims.common import (
     ESTIMATORS,
@@ -50,7 +51,7 @@ def length_of_zone(data: Data) -> Claim:
     return claim("9", says, readings, why, NOT_RUN["pneunet"])
 
 
-def _off_of_zone(what: str, off: float, found: Sequence[Estimate], at: dict[str, str]) -> Reading:
+def _off_of_zone(what: str, off: float, found: Sequence[Estimate], at: dict[str, Any]) -> Reading:
     """How far d/l is off a line, %, known as well as d itself."""
     spread = 2.0 * max(e.d_deviation for e in found) / max(e.d_over_length for e in found)
     low, high = (100.0 * max(0.0, off + sign * spread) for sign in (-1.0, 1.0))
@@ -65,7 +66,7 @@ def zone_over_pressure(data: Data) -> Claim:
             found = [e for e in found if not math.isnan(e.d_over_length)]
             if len(found) > 2:
                 fit = line([e.state.pressure for e in found], [e.d_over_length for e in found])
-                at = {"law": law, "estimator": estimator}
+                at: dict[str, Any] = {"law": law, "estimator": estimator}
                 what = f"d/l off a line, {found[0].state.pressure:g} to {found[-1].state.pressure:g} kPa"
                 readings.append(_off_of_zone(what, fit.off, found, at))
                 change = 1e3 * fit.slope
@@ -83,7 +84,7 @@ def zone_over_height(data: Data) -> Claim:
             of_law = [*data.of("pneunet", law, ARMS[0], estimator), *data.of("heights", law, ARMS[0], estimator)]
             found = [e for e in of_law if e.state.pressure == 24.0 and e.is_usable and not math.isnan(e.d_over_length)]
             heights = [float(e.state.config["geometry"]["chamber_height"]) for e in found]
-            at = {"law": law, "estimator": estimator}
+            at: dict[str, Any] = {"law": law, "estimator": estimator}
             if len(set(heights)) > 2:
                 fit = line(heights, [e.d_over_length for e in found])
                 what = f"d/l off a line over H, {min(heights):g} to {max(heights):g} mm, 24 kPa"
