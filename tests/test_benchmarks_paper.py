@@ -21,8 +21,8 @@ YES, NO, OPEN = (1.0, 0.9, 1.1), (3.0, 2.9, 3.1), (2.0, 1.9, 2.1)
 
 
 def reading(numbers: tuple[float, float, float], **others: str) -> Reading:
-    """One that is asked to lie between 0 and 2."""
-    return Reading("x", *numbers, asked=(0.0, 2.0), **others)  # type: ignore[arg-type]
+    """One that is required to lie between 0 and 2."""
+    return Reading("x", *numbers, required=(0.0, 2.0), **others)  # type: ignore[arg-type]
 
 
 def verdict(*readings: Reading) -> str:
@@ -34,7 +34,7 @@ def test_a_reading_holds_with_its_whole_interval() -> None:
     assert Reading("x", 1.0, 1.0, 1.0).status is None
     nothing = (math.nan, math.nan, math.nan)
     assert reading(nothing).status == "open"
-    assert Reading("x", *nothing, asked=(0.0, 1.0), denies=True).status == "does not hold"
+    assert Reading("x", *nothing, required=(0.0, 1.0), denies=True).status == "does not hold"
 
 
 def test_the_verdict_follows_from_the_readings_that_count() -> None:

@@ -119,13 +119,20 @@ def test_several_sweeps_share_the_workers_and_each_has_its_table(
 
 def test_a_killed_sweep_continues_without_its_finished_points(file: Path, results: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "pipeline", "sweep", str(file), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    finished: list[str] = []
     with subprocess.Popen(command, cwd=HERE, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         for line in process.stdout:
             if line.startswith("1 of 3: "):
+                finished.append(line)
                 process.kill()
                 break
     ended = subprocess.run(command, cwd=HERE, capture_output=True, text=True)
+    finished += [line for line in ended.stdout.splitlines() if " finished after " in line]
+    folders = [point["folder"] for point in json.loads((results / "sweep.json").read_text())["points"]]
+    names = [folder.rpartition("/")[2] for folder in folders if folder]
+    order = [next(name for name in names if name in line) for line in finished]
+    assert order == [name for name in names if name in order]  # that of the file
     first, *_ = ended.stdout.splitlines()
     assert first in ("3 points, 1 of them kept from earlier", "3 points, 2 of them kept from earlier")
     assert ended.returncode == 1

@@ -36,7 +36,7 @@ class Estimate:
     r2: float
     single_alpha: float  #: N mm2
     single_r2: float
-    two_lines: bool | None  #: whether two lines are worth their parameters; None where that is not asked
+    two_lines: bool | None  #: whether two lines are worth their parameters; None where that is not tested
     length_scale: float | None = None  #: mm
     deviations: tuple[float, float] | None = None  #: of alpha1 and alpha2, N mm2
     lines: FreeLines | None = None

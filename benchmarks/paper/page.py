@@ -73,8 +73,8 @@ def _named(reading: Reading) -> str:
 
 
 def _details(claim: Claim) -> str:
-    head = ["what", "law", "estimator", "number", "range asked for", ""]
-    rows = [[r.what, r.law, r.estimator, number(r), _asked(r), _status(r)] for r in claim.readings]
+    head = ["what", "law", "estimator", "number", "required range", ""]
+    rows = [[r.what, r.law, r.estimator, number(r), _required(r), _status(r)] for r in claim.readings]
     lines = [head, ["---", "---", "---", "---:", "---", "---"], *rows]
     body = "\n".join("| " + " | ".join(line) + " |" for line in lines)
     return f"### {claim.number}. {claim.says}\n\nVerdict: {claim.verdict}.\n\n{body}"
@@ -113,10 +113,10 @@ def _rounded(value: float, digits: int) -> str:
     return text.replace("-", "−") if float(text) else text.replace("-", "")
 
 
-def _asked(reading: Reading) -> str:
-    if reading.asked is None:
+def _required(reading: Reading) -> str:
+    if reading.required is None:
         return ""
-    low, high = reading.asked
+    low, high = reading.required
     unit = f" {reading.unit}" if reading.unit else ""
     if math.isinf(low):
         return f"below {high:g}{unit}"
@@ -175,8 +175,14 @@ def _of_zone(claim: Claim) -> str:
     control = _by_law(claim, "d/l that the process").get("svk")
     zone = _by_law(claim, "d of the default").get("svk")
     own = [r for r in claim.readings if r.estimator == "default" and r.status == FAILS]
-    asked = printed[0].asked if printed else None
-    if control is None or zone is None or not own or asked is None or not asked[0] <= control.value <= asked[1]:
+    required = printed[0].required if printed else None
+    if (
+        control is None
+        or zone is None
+        or not own
+        or required is None
+        or not required[0] <= control.value <= required[1]
+    ):
         return ""
     return (
         "**d/l = 0.13 belongs to the smoothing, not to the arm.** Means over a pitch and a Gaussian process print it, "

@@ -19,7 +19,7 @@ FACTORS = {
     "estimator": "the estimator",
     "arm": "the arm",
     "pressure": "the pressure",
-    "part": "which of its parts is asked",
+    "part": "the part of the claim",
 }
 SHOWN, CONTRADICTED, UNDECIDED, MISSING = "shown again", "contradicted", "cannot be told", "not yet measured"
 #: behind a verdict where the interval of some reading leaves it open
@@ -35,7 +35,7 @@ class Reading:
     low: float  #: end of the interval
     high: float
     unit: str = ""
-    asked: tuple[float, float] | None = None  #: ends of the range; None: it stands beside the claim
+    required: tuple[float, float] | None = None  #: ends of the range; None: it stands beside the claim
     law: str = ""
     estimator: str = ""
     arm: str = ""
@@ -47,11 +47,11 @@ class Reading:
     @property
     def status(self) -> Status | None:
         """Whether it holds; None beside the claim."""
-        if self.asked is None:
+        if self.required is None:
             return None
         if math.isnan(self.value):
             return "does not hold" if self.denies else "open"
-        low, high = self.asked
+        low, high = self.required
         if low <= self.low and self.high <= high:
             return "holds"
         return "does not hold" if self.high < low or self.low > high else "open"
@@ -106,8 +106,8 @@ def claim_from_record(record: dict[str, Any]) -> Claim:
 
 def _reading(entry: dict[str, Any]) -> Reading:
     numbers = {name: math.nan if entry[name] is None else entry[name] for name in ("value", "low", "high")}
-    asked = None if entry["asked"] is None else (entry["asked"][0], entry["asked"][1])
-    return Reading(**{**entry, **numbers, "asked": asked})
+    required = None if entry["required"] is None else (entry["required"][0], entry["required"][1])
+    return Reading(**{**entry, **numbers, "required": required})
 
 
 def _or_none(value: float) -> float | None:

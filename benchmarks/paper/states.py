@@ -119,7 +119,12 @@ def _folders(sweep: Path) -> list[Path]:
 def unreached(sweep: Path) -> list[str]:
     """A sentence for each point that did not finish."""
     points = json.loads((sweep / "sweep.json").read_text(encoding="utf-8"))["points"]
-    return [f"{point['values']}: {point['reason']}" for point in points if point["status"] != "finished"]
+    return [f"{_words(point['values'])}: {point['reason']}" for point in points if point["status"] != "finished"]
+
+
+def _words(values: Mapping[str, Any]) -> str:
+    """The keys and values by which a point differs from the base of its sweep."""
+    return ", ".join(f"{key} {value}" for key, value in values.items())
 
 
 def _states(folder: Path) -> Iterator[State]:

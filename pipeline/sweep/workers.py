@@ -17,10 +17,12 @@ from pipeline.processes import KEPT_MEMORY, THREADS
 from pipeline.sweep.record import INTERRUPTED, PointRecord
 from pipeline.sweep.task import PointTask, solve
 
-#: settings of Dask for local workers: a worker gets its next point when it is free, not one ahead of time
+#: settings of Dask for local workers: a worker gets its next point when it is free, not one ahead of time, and is not
+#: interrupted a hundred times a second to see what it does
 _SETTINGS = {
     "distributed.nanny.pre-spawn-environ": {**dict.fromkeys(THREADS, "1"), **KEPT_MEMORY},
     "distributed.scheduler.worker-saturation": 1.0,
+    "distributed.worker.profile.enabled": False,
 }
 #: how long a scheduler may take to answer, seconds
 PATIENCE = 10
@@ -58,12 +60,17 @@ class Connected:
     sentence: str  #: who they are, and where they can be watched
 
     def records(self, tasks: Sequence[PointTask]) -> Iterator[tuple[PointTask, PointRecord]]:
-        """The records of the tasks as they end; a worker that is ended from outside is replaced, and its point goes on.
+        """The records of the tasks, which are begun in their order, as they end.
+
+        A worker that is ended from outside is replaced, and its point goes on.
 
         Raises OSError where a folder cannot be written, and RunFailed where the scheduler ends or has workers without
         pneurod.
         """
-        futures = {self.client.submit(solve, task, key=f"{task.folder}-{task.key}"): task for task in tasks}
+        futures = {  # without priorities Dask begins them in any order
+            self.client.submit(solve, task, key=f"{task.folder}-{task.key}", priority=-number): task
+            for number, task in enumerate(tasks)
+        }
         try:
             for future in as_completed(futures):
                 yield futures[future], _record(future)

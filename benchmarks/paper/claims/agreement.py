@@ -26,7 +26,7 @@ def end_force(data: Data) -> Claim:
                 readings.append(single(what, value, unit="mm", law=end.law))
         else:
             what = f"F_y at rest height with F_x = {FORCE[0]:g} N, over {FORCE[1]:g} N"
-            readings.append(single(what, end.force[1] / FORCE[1], asked=NEAR_ONE, law=end.law))
+            readings.append(single(what, end.force[1] / FORCE[1], required=NEAR_ONE, law=end.law))
     says = "The end carries (0.175, 0.07) N at 31 kPa (Fig. 5 b)"
     why = (
         "The paper does not print where the end is; it is taken at its height at rest. Dimensions, material and height "
@@ -70,8 +70,8 @@ def _errors_of_rods(data: Data, arm: str, law: str, found: Sequence[Estimate]) -
         shapes["III"].append(100.0 * held.largest)
         forces.append(100.0 * held.force_error)
     for name, values in shapes.items():
-        yield range_of(f"distance over l in {name}, five numbers{named}", values, asked=AT_MOST, part=name, **at)
-    yield range_of(f"error of F_y, five numbers{named}", forces, asked=(-AT_MOST[1], AT_MOST[1]), part="force", **at)
+        yield range_of(f"distance over l in {name}, five numbers{named}", values, required=AT_MOST, part=name, **at)
+    yield range_of(f"error of F_y, five numbers{named}", forces, required=(-AT_MOST[1], AT_MOST[1]), part="force", **at)
     if law_of_arm := data.laws.get((arm, law)):
         apart, off = [], []
         for state in states_in(found):

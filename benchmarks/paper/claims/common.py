@@ -1,4 +1,4 @@
-"""What the claims share: ranges that are asked for, pressures and arms, and readings with their intervals."""
+"""What the claims share: ranges that are required, pressures and arms, and readings with their intervals."""
 
 import math
 from collections.abc import Iterable, Sequence

@@ -49,7 +49,7 @@ def curvature_of_pneunet(data: Data) -> Claim:
     readings = []
     for law in LAWS:
         if states := [s for s in data.states("pneunet", law, ARMS[0]) if s.pressure <= 37.0]:
-            readings.append(_off("off a line through 0, 1 to 37 kPa", states, True, asked=ON_LINE, law=law))
+            readings.append(_off("off a line through 0, 1 to 37 kPa", states, True, required=ON_LINE, law=law))
             pressures, values, _ = _kappa(states)
             drop = 100.0 * (1.0 - (values[-1] / pressures[-1]) / (values[0] / pressures[0]))
             readings.append(single("fall of κ₀/p from 1 to 37 kPa", drop, unit="%", law=law))
@@ -72,9 +72,9 @@ def curvature_of_arms(data: Data) -> Claim:
             at: dict[str, Any] = {"law": law, "arm": arm}
             all_of, upper = "off a line, 1 to 37 kPa", "off a line, 24 to 37 kPa"
             bent = (100.0 * STRAIGHT, math.inf)
-            readings.append(_off(all_of, states, False, asked=bent, part="bent below 20 kPa", **at))
+            readings.append(_off(all_of, states, False, required=bent, part="bent below 20 kPa", **at))
             above_20 = [s for s in states if s.pressure > 20.0]
-            readings.append(_off(upper, above_20, False, asked=ON_LINE, part="straight above 20 kPa", **at))
+            readings.append(_off(upper, above_20, False, required=ON_LINE, part="straight above 20 kPa", **at))
             pressures, values, _ = _kappa(above_20)
             if len(above_20) > 2:
                 readings.append(
@@ -102,8 +102,8 @@ def curvature_without_clamp(data: Data) -> Claim:
             )
             inner.append(100.0 * float(apart[clamped.s < 1.01 * state.pitch].max(initial=0.0)))
         readings += [
-            range_of("κ₀(l/2) in I over that in II", ratios, asked=NEAR_ONE, law=law, part="curvature"),
-            range_of("distance after alignment over l", distances, unit="%", asked=AT_MOST, law=law, part="shape"),
+            range_of("κ₀(l/2) in I over that in II", ratios, required=NEAR_ONE, law=law, part="curvature"),
+            range_of("distance after alignment over l", distances, unit="%", required=AT_MOST, law=law, part="shape"),
             range_of("difference of κ₀ within a pitch of the clamp, over κ₀(l/2)", inner, unit="%", law=law),
         ]
     says = "Tests I and II have the same κ₀ after alignment (Fig. 7)"
@@ -128,13 +128,13 @@ def middle_of_arm(data: Data) -> Claim:
         place = [NAN] if any(map(math.isnan, changes)) else changes
         at: dict[str, Any] = {"law": law}
         readings += [
-            range_of("range of κ₀ over the middle half", spreads, unit="%", asked=AT_MOST, part="κ₀ constant", **at),
-            range_of("s/l at which κ of III changes sign", place, asked=(0.0, 1.0), part="sign", **none, **at),
+            range_of("range of κ₀ over the middle half", spreads, unit="%", required=AT_MOST, part="κ₀ constant", **at),
+            range_of("s/l at which κ of III changes sign", place, required=(0.0, 1.0), part="sign", **none, **at),
             range_of(
                 "range of κ of III over the middle half",
                 slopes,
                 unit="%",
-                asked=(AT_MOST[1], 100.0),
+                required=(AT_MOST[1], 100.0),
                 part="slope",
                 **at,
             ),
@@ -155,9 +155,9 @@ def curvature_by_equation_nine(data: Data) -> Claim:
         for pressure in (5.0, 10.0, 37.0):
             predicted = states[24.0].kappa_0_middle * pressure / 24.0
             error = 100.0 * (abs(predicted) - abs(states[pressure].kappa_0_middle)) / largest
-            asked = (-100.0 * SAME, 100.0 * SAME)
+            required = (-100.0 * SAME, 100.0 * SAME)
             what = f"κ₀(l/2) at {pressure:g} kPa by eq. (9) from 24 kPa: error over κ₀ at 37 kPa"
-            readings.append(single(what, error, unit="%", asked=asked, law=law, pressure=f"{pressure:g} kPa"))
+            readings.append(single(what, error, unit="%", required=required, law=law, pressure=f"{pressure:g} kPa"))
     says = "κ₀ at another pressure follows from p/p₀ (eq. 9)"
     why = "It holds where κ₀ is proportional to p, see 1a."
     return claim("15", says, readings, why, NOT_RUN["pneunet"])

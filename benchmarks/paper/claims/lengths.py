@@ -14,7 +14,7 @@ def curvature_over_length(data: Data) -> Claim:
         ratios = [a.state.kappa_0_middle / b.state.kappa_0_middle for a, b in pairs]
         if ratios:
             what = "κ₀(l/2) l over that of 11 chambers, over l/l₀ (7 and 20 chambers; 10, 24, 37 kPa)"
-            readings.append(range_of(what, ratios, asked=NEAR_ONE, law=law))
+            readings.append(range_of(what, ratios, required=NEAR_ONE, law=law))
     says = "κ₀ l is proportional to l/l₀ (eq. 9, Fig. 12)"
     return claim("13", says, readings, "More equal cells bend each by the same.", NOT_RUN["lengths"])
 
@@ -33,7 +33,7 @@ def rigidity_over_length(data: Data) -> Claim:
                 at = {"law": law, "estimator": estimator}
                 if ratios:
                     what = f"{SYMBOL[name]}/(m g l²) over that of 11 chambers, times (l/l₀)², weight of 11 chambers"
-                    readings.append(range_of(what, ratios, asked=NEAR_ONE, part=name, **at))
+                    readings.append(range_of(what, ratios, required=NEAR_ONE, part=name, **at))
                 if ratios and name == "alpha2" and estimator == CELLS:
                     by_own = [
                         getattr(a, name) / getattr(b, name) * weight_of(b.state) / weight_of(a.state) for a, b in pairs

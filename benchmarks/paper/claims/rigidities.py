@@ -40,9 +40,9 @@ def two_slopes(data: Data) -> Claim:
                 found = above(data.of(sweep, law, ARMS[0], DEFAULT), low, high)
                 if found:
                     part = 100.0 * sum(bool(e.two_lines) for e in found) / len(found)
-                    asked = None if beside else (100.0, 100.0)
+                    required = None if beside else (100.0, 100.0)
                     what = f"pressures that need two lines, {name}{beside}"
-                    readings.append(single(what, part, unit="%", asked=asked, law=law, pressure=name))
+                    readings.append(single(what, part, unit="%", required=required, law=law, pressure=name))
     says = "M over κ - κ₀ of the pneu-net has two slopes (Fig. 9 a)"
     why = "Walls that touch stiffen all cells but the first one; below 17 kPa they do not touch."
     return claim("4a", says, readings, why, NOT_RUN["pneunet"])
@@ -55,7 +55,7 @@ def contact_is_the_cause(data: Data) -> Claim:
         if found:
             part = 100.0 * sum(bool(e.two_lines) for e in found) / len(found)
             what = "pressures from 17 to 37 kPa that need two lines without contact"
-            readings.append(single(what, part, unit="%", asked=(0.0, 0.0), law=law))
+            readings.append(single(what, part, unit="%", required=(0.0, 0.0), law=law))
             grows = found[-1].single_alpha / found[0].single_alpha
             readings.append(single("single rigidity at the highest over that at 17 kPa", grows, law=law))
     says = "Walls that touch cause the difference in stiffness (concluding remarks)"
@@ -84,7 +84,7 @@ def straight(name: str) -> Callable[[Data], Claim]:
             what = f"{SYMBOL[name]} off a line, 17 to 37 kPa"
             if len(values) < 3:
                 readings += (
-                    [single(what, NAN, asked=ON_LINE, without="fewer than three pressures", **at)]
+                    [single(what, NAN, required=ON_LINE, without="fewer than three pressures", **at)]
                     if data.arm(ARMS[0], law)
                     else []
                 )
@@ -114,7 +114,7 @@ def trend(number: str, arms: Sequence[str], name: str, rises: bool, says: str, w
         readings = []
         for arm in arms:
             for law, estimator, pressures, values, deviations in _slopes(data, arm, name, 10.0):
-                at: dict[str, Any] = {"law": law, "estimator": estimator, "arm": arm, "asked": UP if rises else DOWN}
+                at: dict[str, Any] = {"law": law, "estimator": estimator, "arm": arm, "required": UP if rises else DOWN}
                 what = f"slope of {SYMBOL[name]}, {SHORT[arm]}"
                 if len(values) >= 3:
                     found = line(pressures, values, deviations)
@@ -156,7 +156,7 @@ def five_numbers_everywhere(data: Data) -> Claim:
             if found:
                 part = 100.0 * sum(bool(e.two_lines) for e in found) / len(found)
                 what = f"pressures that need two lines, {SHORT[arm]}, 5 to 37 kPa"
-                readings.append(single(what, part, unit="%", asked=(50.0, 100.0), law=law, arm=arm))
+                readings.append(single(what, part, unit="%", required=(50.0, 100.0), law=law, arm=arm))
     says = "The five-parameter relation holds for all four arms"
     why = "One line says as much as two by the Bayesian information criterion: nothing outside these bodies can touch."
     return claim("18", says, readings, why, NOT_RUN["arms"])

@@ -32,7 +32,7 @@ def length_of_zone(data: Data) -> Claim:
             found = [e for e in above(data.arm(ARMS[0], law, estimator), TOUCHING, 37.0) if e.is_usable]
             values = [e.d_over_length for e in found if not math.isnan(e.d_over_length)]
             if found:
-                readings.append(range_of("d/l, 17 to 37 kPa", values, asked=wide, law=law, estimator=estimator))
+                readings.append(range_of("d/l, 17 to 37 kPa", values, required=wide, law=law, estimator=estimator))
         for e in data.arm(ARMS[0], law, PROCESS):
             if e.state.pressure == 31.0:
                 one = control(e.state, e.single_alpha)
@@ -92,7 +92,7 @@ def zone_over_height(data: Data) -> Claim:
                 readings.append(single("slope of d/l", 1e3 * fit.slope, 2e3 * fit.slope_std, unit="10⁻³/mm", **at))
             elif data.of("heights", law):
                 reason = f"two lines are needed at {len(set(heights))} of 5 heights"
-                readings.append(single("d/l over H", NAN, asked=ON_LINE, without=reason, **at))
+                readings.append(single("d/l over H", NAN, required=ON_LINE, without=reason, **at))
     says = "d/l is linear in the height H of the chambers from 4 to 19 mm (Fig. 11 b)"
     why = "The walls of low chambers do not touch, and without contact there is no second slope."
     return claim("11", says, readings, why, "the sweep `heights` has not been run")
@@ -108,12 +108,12 @@ def zone_of_arms(data: Data) -> Claim:
                 if found:
                     reason = "one line is enough" if estimator == DEFAULT else "d at the end of its range"
                     what = f"d/l, {SHORT[arm]}, 24 to 37 kPa"
-                    asked = (0.048 * (1.0 - SAME), 0.048 * (1.0 + SAME))
+                    required = (0.048 * (1.0 - SAME), 0.048 * (1.0 + SAME))
                     at = {
                         "law": law,
                         "arm": arm,
                         "estimator": estimator,
-                        "asked": asked,
+                        "required": required,
                         "without": "" if usable else reason,
                     }
                     readings.append(range_of(what, usable, denies=estimator == DEFAULT, **at))
