@@ -78,8 +78,8 @@ def provenance(data: Data) -> str:
     designs = sum(len(record["points"]) for record in records.values())
     return (
         f"The numbers are those of commit {', '.join(commits)}, on meshes of {', '.join(sizes)}, from {len(records)} "
-        f"sweeps with {designs} designs. One after the other, on a machine in use, they took {seconds / 60.0:.0f} "
-        "minutes."
+        f"sweeps with {designs} designs. Each on one core, with others at work, they took "
+        f"{seconds / 60.0:.0f} minutes together."
     )
 
 
