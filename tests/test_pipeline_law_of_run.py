@@ -97,3 +97,14 @@ def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: P
         assert law.effect.state == "off"
         assert ("switched off" if choice == "five" else "weight") in law.reason
         assert len(law.failures) == failures
+
+
+def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: Path) -> None:
+    """All of them, or the highest one."""
+    for pressures, highest in (("[1 MPa, 2 MPa]", None), ("[6 kPa, 2 MPa]", 6.0)):
+        large = config(tmp_path, f"pressures={pressures}", "law=cell", "validation=off")
+        with open_store(tmp_path / str(highest), large) as store:
+            made = law_of_run(Scene.meshed(large), RunContext.alone(store, Silent())).result()
+        assert (made.law and made.law.pressures[-1]) == highest
+        assert "no equilibrium of the half cell at" in made.failures[0]
+        assert made.failures[0].startswith("no law of the arm: the cell of the arm bears none") == (highest is None)

@@ -126,7 +126,10 @@ class _Builder:
         )
 
     def _bends(self, pressures: Sequence[float]) -> dict[float, Bend]:
-        """How the cell bends without moment at rising pressures, up to the last one that it bears."""
+        """How the cell bends without moment at rising pressures, up to the last one that it bears.
+
+        Raises RunFailed where it bears none.
+        """
         bends: dict[float, Bend] = {}
         for pressure, pending in [(p, self.tasks.submit(tasks.bend, p)) for p in pressures]:
             try:
@@ -136,6 +139,8 @@ class _Builder:
                 break
             self._count("cell", measured)
             bends[pressure] = measured.curve
+        if not bends:
+            raise RunFailed(f"the cell of the arm bears none of the pressures: {self.failures[0]}")
         return bends
 
     def _largest_bend(self, pressure: float) -> Bend:
