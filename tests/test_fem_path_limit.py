@@ -9,9 +9,9 @@ from loads import Traction
 
 from fem import Fixed, Model, StVenantKirchhoff, follow
 from fem.equations.state import State
-from fem.path.increments import LIMIT_ACCURACY, MAX_CUTBACKS, MAX_INCREMENTS, Increments
+from fem.path.increments import LIMIT_ACCURACY, MAX_CUTBACKS, MAX_INCREMENTS, MAX_NEAR_FAILURES, Increments
 from fem.path.limit import announced_limit, way_between
-from fem.path.predictor import PathPoint
+from fem.path.predictor import PathPoint, extrapolate
 
 LIMIT = 3.0
 
@@ -32,12 +32,27 @@ def line(at: float, offset: float = 0.0) -> PathPoint:
 
 
 def test_a_fold_is_announced_where_it_is() -> None:
-    assert announced_limit(fold(1.0), fold(2.0)) == pytest.approx(LIMIT)
+    for regular in (0.0, 0.5, 2.0):
+        announced = [announced_limit(fold(a, regular), fold(b, regular)) for a, b in ((1.0, 2.5), (2.9, 2.99))]
+        assert announced == pytest.approx([LIMIT, LIMIT])
     assert announced_limit(line(1.0), line(2.0)) is None
-    near, nearer = (announced_limit(fold(a, 0.5), fold(b, 0.5)) for a, b in ((1.0, 2.0), (2.9, 2.99)))
-    assert near is not None
-    assert nearer is not None
-    assert abs(nearer - LIMIT) < 0.01 < abs(near - LIMIT)
+
+
+def test_no_limit_is_announced_where_the_rates_grow_but_not_towards_a_fold() -> None:
+    """The mean rate lies half way between both on a parabola, and nearer to the second one on u = p^1.5."""
+    for power in (2.0, 1.5):
+        points = [PathPoint(at, 1.0, state(at**power), rate=state(power * at ** (power - 1.0))) for at in (1.0, 2.0)]
+        assert announced_limit(*points) is None
+
+
+def test_a_fold_is_extrapolated_exactly() -> None:
+    for regular in (0.0, 0.5):
+        ahead = extrapolate(fold(1.0, regular), fold(2.0, regular), 2.9, LIMIT)
+        assert ahead is not None
+        assert ahead.displacement == pytest.approx(fold(2.9, regular).state.displacement)
+        beyond = extrapolate(fold(1.0, regular), fold(2.0, regular), 3.1, LIMIT)
+        assert beyond is not None
+        assert np.isfinite(beyond.displacement).all()
 
 
 def test_the_mean_rate_stands_for_one_that_is_not_known() -> None:
@@ -118,6 +133,26 @@ def test_the_search_ends_whatever_happens() -> None:
         count += 1
     assert slow.cutbacks <= MAX_CUTBACKS
     assert count <= MAX_INCREMENTS
+
+
+def test_the_search_does_not_creep_on() -> None:
+    """Between 100 and 130 half of the increments fail from 100 on, however small they are: no limit is announced."""
+    creeping = Increments(100.0, 130.0, 1e-9)
+    failures = 0
+    while not creeping.ended:
+        if failures > creeping.tried / 2:
+            creeping.accepted(creeping.next, 9, None)
+        else:
+            creeping.failed(creeping.next, unstable=False)
+            failures += 1
+    assert creeping.is_stuck
+    assert creeping.cutbacks <= MAX_NEAR_FAILURES + 6
+    moving = Increments(100.0, 130.0, 1e-9)
+    while moving.reached < 1.0:
+        moving.failed(moving.reached + 0.02, unstable=False)
+        moving.accepted(min(1.0, moving.reached + 0.04), 9, None)
+    assert not moving.is_stuck
+    assert moving.cutbacks > MAX_NEAR_FAILURES
 
 
 def test_a_bifurcation_is_passed_where_the_path_goes_straight_on() -> None:

@@ -49,8 +49,8 @@ def test_small_and_large_steps_end_at_the_same_limit_point(model: fem.Model, pre
     assert end.limit == pytest.approx(LIMIT_KPA, rel=5e-3)
     assert 0.99 * LIMIT_KPA < end.reached < LIMIT_KPA
     assert "a limit point" in end.cause
-    # a state takes 3 to 7; it took 330 to 465
-    assert end.factorizations < 60
+    # a state takes 3 to 7; from rest on the search takes 34 to 42, and took 330 to 465
+    assert end.factorizations < (50 if len(pressures_kPa) == 1 else 20)
 
 
 @pytest.mark.parametrize("pressure_kPa", [1.5, 2.0])
@@ -77,8 +77,8 @@ def test_rounding_does_not_decide_where_the_path_ends(model: fem.Model, relative
 def test_a_limit_just_passed_costs_no_more_than_a_few_states(model: fem.Model) -> None:
     small, before = end_of(model, 0.5, 1.0, 1.25)
     assert len(before.steps) == 2
-    # two attempts at the limit, the second one from near, and the equilibria on the way to it
-    assert small.factorizations <= 3.5 * max(step.factorizations for step in before.steps)
+    # an attempt behind the limit, from near, and the equilibria on the way to it
+    assert small.factorizations <= 3 * max(step.factorizations for step in before.steps)
 
 
 def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> None:

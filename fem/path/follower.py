@@ -18,7 +18,7 @@ from fem.path import newton
 from fem.path.active_set import ActiveSet
 from fem.path.control import Control, LoadControl
 from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
-from fem.path.increments import Increments
+from fem.path.increments import LIMIT_ACCURACY, MAX_NEAR_FAILURES, Increments
 from fem.path.limit import announced_limit, way_between
 from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, Start, StepFailed, Unstable
 from fem.path.predictor import PathPoint, Predictor
@@ -32,6 +32,11 @@ RETRY_ITERATIONS, ITERATIONS_NEAR_LIMIT = 12, 8
 #: largest number of iterations with an indefinite tangent from a stable equilibrium to the next; those that led
 #: anywhere on the hard cases had at most 5
 MAX_UNSTABLE = 7
+#: the same with walls in contact near a limit that the path announces, and where a smaller increment follows one that
+#: failed: 121 stable equilibria of benchmarks/limits.py took at most 2, before all iterations with a definite tangent
+MAX_UNSTABLE_RETRY = 2
+#: length of an increment over the last one from which on a smaller one costs less than other starts
+FAR = 1.2
 
 
 @dataclass(frozen=True)
@@ -40,7 +45,8 @@ class PathOptions:
 
     newton: NewtonOptions = field(default_factory=NewtonOptions)
     min_increment: float = 1 / 256  #: smallest increment that is tried, as a fraction of the way to the next target
-    #: why a target is not worth smaller increments once one increment to it has failed; empty where it is
+    #: why a target is not worth smaller increments than the whole way to it, once that has failed or a limit is
+    #: announced before it; empty where it is
     give_up: Callable[[float], str] = lambda target: ""
     solver: Callable[[], LinearSolver] | None = None  #: makes the linear solver; None: the best installed one
 
@@ -108,6 +114,8 @@ class _Effort:
 
     iterations: int | None = None  #: largest number of iterations besides that of the options; None: no other
     unstable: int | None = None  #: largest number of those with an indefinite tangent; None: any
+    stays_stable: bool = False  #: whether none of those may follow one with a definite tangent
+    is_near_limit: bool = False  #: whether one start is enough, because it is near or the load is too large
 
 
 @final
@@ -129,6 +137,7 @@ class PathFollower:
         self.not_followed = ""  #: a clause where the path lost its stability on the way to the target
         self.effort = _Effort()  #: in the present increment
         self.predictor_failed = False  #: whether an extrapolated start has failed on the way to the target
+        self.limit: float | None = None  #: value at which the path announces its end
         self.iterations = 0  #: of all solutions of the present increment that converged
 
     def resume(self, steps: Sequence[Step]) -> None:
@@ -147,14 +156,19 @@ class PathFollower:
         """Equilibrium at `target`, in as few increments as converge; raises `PathEnded`."""
         before, load_step = _Costs.of(self.system), _LoadStep(self.points[-1], target)
         increments = Increments(load_step.origin.value, target, self.options.min_increment)
-        increments.limit = self._announced_limit(self.points[0], self.points[-1])
+        self.limit = increments.limit = self._announced_limit(self.points[0], self.points[-1])
         iterations, cause = 0, StepFailed("no increment was tried")
         self.predictor_failed, self.not_followed, self.active_set = False, "", self.active_set.restored()
+        is_asked = False
         while True:
             fraction = increments.next
+            if fraction < 1.0 and not is_asked and (reason := self.options.give_up(target)):
+                last = load_step.control(self.control, increments.reached)
+                raise PathEnded(self._given_up(last, increments, before, reason))
+            is_asked = is_asked or fraction < 1.0
             control = load_step.control(self.control, fraction)
             try:
-                converged = self._try_increment(control, target, self._effort(increments))
+                converged = self._try_increment(control, target, self._effort(control, increments))
                 point = self._point(control, converged)
                 arrival = self._check_continuation(control, converged, point, increments)
             except StepFailed as failure:
@@ -162,8 +176,6 @@ class PathFollower:
                 cause = cause if isinstance(cause, NotAdmissible) > isinstance(failure, NotAdmissible) else failure
                 increments.failed(fraction, isinstance(failure, Unstable), isinstance(failure, Inverted))
                 last = load_step.control(self.control, increments.reached)
-                if increments.cutbacks == 1 and (reason := self.options.give_up(target)):
-                    raise PathEnded(self._given_up(last, target, before, reason)) from None
                 if increments.ended:
                     raise PathEnded(self._end(last, increments, before, cause)) from None
                 continue
@@ -171,30 +183,33 @@ class PathFollower:
             if self.is_stable and converged.negative_pivots and fraction < 1.0:
                 self.not_followed = _not_followed(increments.reached, fraction)
             self.is_stable = converged.negative_pivots == 0
-            limit = self._announced_limit(self.points[-1], point)
+            self.limit = self._announced_limit(self.points[-1], point)
             self.points, self.arrival = [self.points[-1], point], arrival
-            increments.accepted(fraction, converged.iterations, limit)
+            increments.accepted(fraction, converged.iterations, self.limit)
             if fraction == 1.0:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
                 return self._step(converged, iterations, increments.cutbacks, before)
             if increments.is_confirmed_or_exhausted:
                 raise PathEnded(self._end(control, increments, before, cause))
 
-    def _effort(self, increments: Increments) -> _Effort:
+    def _effort(self, control: Control, increments: Increments) -> _Effort:
         """How long an equilibrium is sought with the next increment.
 
         No longer than until the tangent is indefinite where no unstable equilibrium would be accepted: near an
         announced limit, and in large increments after one that failed. Contact makes the tangent indefinite on the way
         to stable equilibria as well.
         """
+        most = MAX_UNSTABLE_RETRY if self.points[-1].touching else 0
         if increments.passes_limit or (increments.cutbacks and increments.nears_limit):
-            unstable = MAX_UNSTABLE if self.points[-1].touching else 0
-            return _Effort(ITERATIONS_NEAR_LIMIT, unstable if self.is_stable else None)
+            return _Effort(ITERATIONS_NEAR_LIMIT, most if self.is_stable else None, self.is_stable, True)
         iterations = RETRY_ITERATIONS if increments.cutbacks else None
         if not (self._follows_load and self.is_stable):
-            return _Effort(iterations, None)
-        is_checked = increments.cutbacks and not (increments.is_small or self.points[-1].touching)
-        return _Effort(iterations, 0 if is_checked else MAX_UNSTABLE)
+            return _Effort(iterations)
+        if increments.cutbacks and not increments.is_small:
+            return _Effort(iterations, most, True)
+        if len(self.points) > 1 and self._is_far(control):
+            return _Effort(iterations, MAX_UNSTABLE_RETRY, True)
+        return _Effort(iterations, MAX_UNSTABLE)
 
     @property
     def _follows_load(self) -> bool:
@@ -256,7 +271,7 @@ class PathFollower:
     def _announced_limit(self, before: PathPoint, last: PathPoint) -> float | None:
         """The load at which the path announces a limit; None where it announces none."""
         is_smooth = before.constant_fraction == 1.0 or not self.predictor.nonsmooth_start
-        return announced_limit(before, last) if self._follows_load and is_smooth else None
+        return announced_limit(self._with_rate(before), last) if self._follows_load and is_smooth else None
 
     def _with_rate(self, point: PathPoint) -> PathPoint:
         """The point, with its rate at rest too where that is known."""
@@ -288,18 +303,25 @@ class PathFollower:
     def _from_predictor(self, control: Control, target: float) -> Converged:
         """Equilibrium, or a state that activates contact, from the first start of the predictor that leads to one."""
         failure = StepFailed("no start was tried")
-        for start in self.predictor.starts(self.points, control, self.active_set.active):
+        for start in self.predictor.starts(self.points, control, self.active_set.active, self.limit):
             is_extrapolated = start.max_iterations is not None
             if is_extrapolated and self.predictor_failed:
                 continue
             try:
                 return self._solve(start, control, target)
             except StepFailed as failed:
-                failure = failed
-                self.predictor_failed = self.predictor_failed or is_extrapolated
-                if self.effort.unstable == 0 and len(self.points) > 1 and isinstance(failure, Unstable):
+                failure, is_unstable = failed, isinstance(failed, Unstable)
+                # where the load is too large, the start is not to blame
+                self.predictor_failed = self.predictor_failed or (is_extrapolated and not is_unstable)
+                is_enough = self.effort.is_near_limit or (is_unstable and self.effort.stays_stable)
+                if is_enough and len(self.points) > 1:
                     break
         raise failure
+
+    def _is_far(self, control: Control) -> bool:
+        """Whether an increment under a given load is longer than the last one."""
+        before, last = self.points[0], self.points[-1]
+        return self._follows_load and abs(control.value - last.value) > FAR * abs(last.value - before.value)
 
     def _solve(self, start: Start, control: Control, target: float) -> Converged:
         def watch(iteration: int, residual: float) -> None:
@@ -309,6 +331,7 @@ class PathFollower:
         if not self.active_set.needs_admissible_start:
             limits = [limit for limit in (self.effort.iterations, start.max_iterations) if limit]
             start = replace(start, max_iterations=min(limits, default=None), max_unstable=self.effort.unstable)
+            start = replace(start, stays_stable=self.effort.stays_stable)
         converged = newton.solve(start, control, self.options.newton, watch, self.active_set.inactive)
         self.iterations += converged.iterations
         return converged
@@ -329,15 +352,19 @@ class PathFollower:
         if limit is not None and limit > increments.lowest_failed > reached.value:
             limit = increments.lowest_failed  # a load without an equilibrium is not below the limit
         cause = str(failure) + law + near_limit_point(self.system, last, bool(law), limit is not None)
+        if increments.is_stuck:
+            failed = f"{MAX_NEAR_FAILURES} increments of at most {LIMIT_ACCURACY:.0%} of the load failed there"
+            cause = f"{failed}; the last one: {cause}"
         if increments.is_exhausted:
             cause = f"the search ended after {increments.tried} increments; the last one that failed: {cause}"
         factorizations = (_Costs.of(self.system) - before).factorizations
         ways = reached.value, reached.constant_fraction, increments.cutbacks
         return End(self.control.name, increments.target, *ways, factorizations, cause, limit)
 
-    def _given_up(self, last: Control, target: float, before: _Costs, reason: str) -> End:
+    def _given_up(self, last: Control, increments: Increments, before: _Costs, reason: str) -> End:
         factorizations = (_Costs.of(self.system) - before).factorizations
-        return End(self.control.name, target, last.value, last.constant_fraction, 1, factorizations, reason)
+        ways = last.value, last.constant_fraction, increments.cutbacks
+        return End(self.control.name, increments.target, *ways, factorizations, reason)
 
     def _step(self, converged: Converged, iterations: int, cutbacks: int, before: _Costs) -> Step:
         system, state, rate = self.system, converged.state, self.points[-1].rate

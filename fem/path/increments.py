@@ -11,6 +11,8 @@ QUICK_ITERATIONS = 8
 RETRY = 0.25
 #: largest number of increments that fail on the way to one target, and that are tried; the hard cases need 20 and 60
 MAX_CUTBACKS, MAX_INCREMENTS = 40, 200
+#: largest number of increments that fail from within the accuracy of a limit before the path gets farther than that
+MAX_NEAR_FAILURES = 6
 #: how accurately a limit is named that the path announces: distance between the last equilibrium and the lowest load
 #: without one, as a fraction of the load
 LIMIT_ACCURACY = 0.01
@@ -20,8 +22,14 @@ STABLE_INCREMENT, STABLE_INCREMENT_LOAD = 1 / 16, 0.02
 NEAR = 0.1
 #: how far an increment may pass an announced limit, over the distance to the limit; and as a fraction of the load
 PASSED, PASSED_LOAD = 4.0, 0.02
-#: largest distance from which the load without an equilibrium was tried, over the accuracy
-TRIED_FROM = 1 / 2
+#: largest distance from which the load without an equilibrium was tried, over the accuracy; and the largest difference
+#: of two limits announced one after the other that allows twice that distance, over the accuracy
+TRIED_FROM, SETTLED = 1 / 2, 1 / 2
+#: distance from an announced limit, over the accuracy, from which on the next increment ends behind it; how far behind
+FROM_HERE, BEHIND = 0.7, 0.25
+#: how much of the way to an announced limit, or to a failed load before it, the next increment goes: where that is far
+#: and where it is near (`NEAR`)
+APPROACH, APPROACH_NEAR = 0.6, 0.8
 #: smallest increment on the way to an announced limit, over the accuracy
 SMALLEST_NEAR_LIMIT = 1 / 4
 
@@ -46,6 +54,8 @@ class Increments:
     _increment: float = 1.0
     _failed: float = field(default=np.inf)  #: the lowest fraction that was not reached
     _distance: float = 0.0  #: from how far
+    _near_failures: int = 0  #: number of increments that failed from near
+    _near: float = 0.0  #: the fraction from which on they are counted
     _unstable: bool = False  #: whether there was no stable equilibrium
     _inverted: bool = False  #: whether there was one in which an element is turned inside out
 
@@ -54,15 +64,18 @@ class Increments:
         """The fraction to be tried."""
         fraction = min(1.0, self.reached + self._increment)
         limit = self._limit_fraction
-        if limit is None or limit >= min(fraction, self._failed):
+        if limit is None or limit >= fraction or (self.tried == 0 and self._may_pass(fraction)):
             return fraction
-        if self._failed == np.inf and self._may_pass(fraction):
-            return fraction
-        is_near = limit - self.reached <= self._accuracy / 2
-        fraction = limit + self._accuracy / 2 if is_near else limit
-        if fraction < self._failed:
-            return min(1.0, fraction)
-        return (self.reached + self._failed) / 2
+        ahead = min(limit, self._failed) - self.reached
+        if ahead <= FROM_HERE * self._accuracy:
+            return min(1.0, self._failed, limit + BEHIND * self._accuracy)
+        if self._failed - self.reached == self._distance:  # the last attempt from here
+            return min(fraction, self.reached + ahead / 2)
+        part = APPROACH_NEAR if ahead <= self._load_fraction(NEAR) else APPROACH
+        if self.limit is not None and self._limit_before is not None and limit < self._failed:
+            doubt = self._load_fraction(abs(self.limit / self._limit_before - 1.0))
+            part = max(part, 1.0 - max(doubt, FROM_HERE / 2 * self._accuracy) / ahead)
+        return min(fraction, self.reached + part * ahead)
 
     @property
     def is_small(self) -> bool:
@@ -105,12 +118,14 @@ class Increments:
         self.tried += 1
         placed = fraction < min(1.0, self.reached + self._increment)
         self.reached, self.limit, self._limit_before = fraction, limit, self.limit
+        if self.reached - self._near > self._accuracy:
+            self._near, self._near_failures = self.reached, 0
         if not placed and iterations <= QUICK_ITERATIONS:
             self._increment *= 2.0
         is_close = self._failed - self.reached <= RETRY * self._distance
         if self.reached >= self._failed or (is_close and not self.limit_is_confirmed):
             self._failed = np.inf
-        elif self.reached + self._increment >= self._failed and not is_close:
+        elif limit is None and self.reached + self._increment >= self._failed and not is_close:
             self._increment = (self._failed - self.reached) / 2
 
     def failed(self, fraction: float, unstable: bool, inverted: bool = False) -> None:
@@ -118,12 +133,13 @@ class Increments:
         self.cutbacks, self.tried = self.cutbacks + 1, self.tried + 1
         self._failed, self._distance = fraction, fraction - self.reached
         self._unstable, self._inverted = unstable, inverted
+        self._near_failures += self._distance <= self._accuracy
         self._increment = self._distance / 2
 
     @property
     def ended(self) -> bool:
         """Whether no smaller increment is worth trying."""
-        if self.is_confirmed_or_exhausted:
+        if self.is_confirmed_or_exhausted or self.is_stuck:
             return True
         if self._inverted and self.cutbacks > 1 and self._distance <= self._load_fraction(LIMIT_ACCURACY):
             return True
@@ -136,6 +152,11 @@ class Increments:
     def is_confirmed_or_exhausted(self) -> bool:
         """Whether the path ended at the limit that it announced, or enough increments were tried."""
         return self.is_exhausted or self.limit_is_confirmed
+
+    @property
+    def is_stuck(self) -> bool:
+        """Whether so many increments have failed from near that smaller ones would lead no farther."""
+        return self._near_failures >= MAX_NEAR_FAILURES and not self.limit_is_confirmed
 
     @property
     def is_exhausted(self) -> bool:
@@ -155,7 +176,8 @@ class Increments:
             return False
         is_near = self._failed - self.reached <= self._accuracy
         # a load that failed from far away may be reached from near
-        was_near = self._distance <= TRIED_FROM * self._accuracy
+        is_sure = self._unstable and self._limit_is_settled
+        was_near = self._distance <= (1.0 if is_sure else TRIED_FROM) * self._accuracy
         return is_near and was_near and not self._is_doubtful
 
     @property
@@ -171,7 +193,7 @@ class Increments:
         """Whether the limit that is announced now is the one that was announced before."""
         if self.limit is None or self._limit_before is None:
             return False
-        return abs(self.limit - self._limit_before) <= LIMIT_ACCURACY * abs(self.limit)
+        return abs(self.limit - self._limit_before) <= SETTLED * LIMIT_ACCURACY * abs(self.limit)
 
     @property
     def _limit_fraction(self) -> float | None:

@@ -58,8 +58,10 @@ class Start:
     state: State
     terms: Terms  #: with the stress that goes with the state
     max_iterations: int | None = None  #: besides that of `NewtonOptions`; None: no other
+    iterates: bool = False  #: whether an equilibrium there needs an iteration, whose tangent tells its stability
     trial: bool = False  #: whether it is given up as soon as the strain is limited, because another start follows
     max_unstable: int | None = None  #: iterations with an indefinite tangent, after which it is given up; None: any
+    stays_stable: bool = False  #: whether it is given up where the tangent has been definite and is no longer
 
 
 @dataclass(frozen=True)
@@ -114,7 +116,7 @@ def solve(
         relative = _relative_residual(system, assembly)
         watch(iteration, relative)
         is_at_target = not np.any(correction) and abs(control.residual(state)) < options.tolerance
-        if relative < options.tolerance and is_at_target:
+        if relative < options.tolerance and is_at_target and (iteration or not start.iterates):
             settled = system.state_at(state.displacement, state.factor)
             exact = system.assemble(settled, terms)
             relative = _relative_residual(system, exact)
@@ -127,7 +129,10 @@ def solve(
         far += relative > FAR
         if far > max_far + 1:  # the first one is the start
             raise StepFailed(f"no equilibrium near after {iteration} iterations (relative residual {relative:.1e})")
-        unstable += linearised is not None and linearised.negative_pivots > 0
+        pivots = 0 if linearised is None else linearised.negative_pivots
+        unstable += pivots > 0
+        if start.stays_stable and pivots and unstable < iteration:
+            raise Unstable(f"the tangent becomes indefinite ({pivots} negative pivots)")
         if linearised is not None and start.max_unstable is not None and unstable > start.max_unstable:
             raise Unstable(f"the tangent is indefinite ({linearised.negative_pivots} negative pivots)")
         if linearised is not None and limited > max_limited:

@@ -69,10 +69,13 @@ class Predictor:
         #: extrapolated across it
         self.nonsmooth_start = bool(constraints.constant.any() or at_constant_fraction(terms, 0.5) != terms)
 
-    def starts(self, points: Sequence[PathPoint], target: Control, terms: Terms) -> Iterator[Start]:
+    def starts(
+        self, points: Sequence[PathPoint], target: Control, terms: Terms, limit: float | None = None
+    ) -> Iterator[Start]:
         """Starts for the target, the most promising one first; points are the last two, or the one at rest.
 
-        Extrapolated ones have an iteration limit of their own. Factorizes once, where the path starts at rest.
+        limit: the value at which the path announces its end, None where it announces none. Extrapolated starts have an
+        iteration limit of their own. Factorizes once, where the path starts at rest.
         """
         before, last = points[0], points[-1]
         at_rest = len(points) == 1
@@ -80,10 +83,10 @@ class Predictor:
             last = replace(last, rate=self._rate_from_rest(target))
         else:
             first = before if self._is_smooth(before, last) else None
-            extrapolated = extrapolate(first, last, target.value)
+            extrapolated = extrapolate(first, last, target.value, limit)
             if extrapolated is not None:
                 iterations = TRIAL_ITERATIONS_CONTACT if last.touching else TRIAL_ITERATIONS
-                yield Start(extrapolated, terms, iterations, trial=True)
+                yield Start(extrapolated, terms, iterations, iterates=True, trial=True)
         small, full = _small_step(last, target.value), extrapolate(None, last, target.value)
         balanced = small_step_under_load(last, target.value)
         if small is None or full is None or balanced is None:
@@ -141,11 +144,20 @@ class Predictor:
         )
 
 
-def extrapolate(before: PathPoint | None, last: PathPoint, value: float) -> State | None:
-    """The state at `value` from the last point and the one before it; None where they do not determine a line."""
+def extrapolate(before: PathPoint | None, last: PathPoint, value: float, limit: float | None = None) -> State | None:
+    """The state at `value` from the last point and the one before it; None where they do not determine a line.
+
+    Towards a limit that the path announces as a fold, by both rates (`fem.path.limit`), otherwise as a polynomial.
+    """
     ahead = value - last.value
     if before is None:
         return None if last.rate is None else weighted_sum([(1.0, last.state), (ahead, last.rate)])
+    if limit is not None and before.rate is not None and last.rate is not None:
+        distances = [abs(limit - v) for v in (before.value, last.value, value)]
+        if distances[0] > distances[1] > distances[2] and (limit - last.value) * (limit - value) > 0:
+            first, second, third = (float(np.sqrt(distance)) for distance in distances)
+            growth = first / (first - second) * (second - third) ** 2 * float(np.sign(ahead))
+            return weighted_sum([(1.0, last.state), (ahead + growth, last.rate), (-growth, before.rate)])
     # t is 0 at the last point and -1 at the one before it
     step = last.value - before.value
     t = ahead / step

@@ -59,8 +59,8 @@ class KnownLimit:
         if not 0.0 < BEYOND * limit_kPa < pressure_kPa:
             return ""
         return (
-            f"an increment failed, and smaller ones were not tried, because experiment {FIRST} of the same arm has its "
-            f"limit at {limit_kPa:.4g} kPa"
+            f"it was not tried in small increments, because experiment {FIRST} of the same arm has its limit at "
+            f"{limit_kPa:.4g} kPa"
         )
 
 
