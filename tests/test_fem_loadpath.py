@@ -1,10 +1,12 @@
 """The load path: targets, increments that are cut, reasons for its end, resumption, counts."""
 
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from bodies import box
+from loads import Traction
 
 from fem import (
     Experiment,
@@ -216,3 +218,21 @@ def test_a_start_has_an_iteration_limit_of_its_own() -> None:
     with pytest.raises(StepFailed, match="no equilibrium after 1 iterations"):
         newton.solve(start, LoadControl.of(system).target(1.0, 1.0), NewtonOptions(), lambda *arguments: None)
     assert system.solver.times.factorizations == 1
+
+
+def test_an_extrapolated_equilibrium_is_iterated_once_because_its_stability_is_not_known() -> None:
+    """Under twice Euler's load a straight column is in equilibrium before any iteration, and unstable."""
+    length = 16.0
+    euler = np.pi**2 / 12 / (4 * length**2)
+    compression = Traction("right", lambda x: np.broadcast_to([-euler, 0.0, 0.0], x.shape))
+    column = box((16, 1, 1), (length, 1.0, 1.0))
+    model = Model(column, StVenantKirchhoff(1.0, 0.0), [Fixed("left")], [compression], "p2")
+    system, known = model.system(), follow(model, [2.0]).steps[0]
+    state = system.state_at(known.displacement, known.factor)
+    control = LoadControl.of(system).target(2.0, 1.0)
+    start = Start(state, system.terms)
+    unchecked = newton.solve(start, control, NewtonOptions(), lambda *arguments: None)
+    checked = newton.solve(replace(start, iterates=True), control, NewtonOptions(), lambda *arguments: None)
+    assert (unchecked.iterations, checked.iterations) == (0, 1)
+    assert checked.negative_pivots == known.negative_pivots == 2
+    np.testing.assert_allclose(checked.state.displacement, known.displacement, atol=1e-6)
