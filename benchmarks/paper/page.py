@@ -186,8 +186,9 @@ def _of_zone(claim: Claim) -> str:
         return ""
     return (
         "**d/l = 0.13 belongs to the smoothing, not to the arm.** Means over a pitch and a Gaussian process print it, "
-        f"and the process prints {control.value:.3f} for a rod that has one rigidity everywhere. The zone of lower "
-        f"rigidity at the clamp is {number(zone)} long."
+        f"and the process, whose length scale was chosen because it prints 0.13, prints {control.value:.3f} for a rod "
+        f"that has one rigidity everywhere. The default puts the end of the softer zone at {number(zone)} from the "
+        "clamp; the range is that over the pressures, and the uncertainty of d at each of them is larger."
     )
 
 

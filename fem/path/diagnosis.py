@@ -46,12 +46,12 @@ def near_limit_point(
     if not is_near:
         return (
             f"; neither the law nor a limit point explains it: the last equilibrium has {mode.stiffness:.0%} of its "
-            f"elastic stiffness left, least against a motion of {position_text(mode.position)}; a smaller mesh there, "
-            "another formulation of the elements or pressures in between may lead further"
+            f"elastic stiffness left, least in a motion that is largest at {position_text(mode.position)}; a smaller "
+            "mesh there, another formulation of the elements or pressures in between may lead further"
         )
     return (
-        f"; the last equilibrium has {max(mode.stiffness, 0.0):.1%} of its elastic stiffness left against a "
-        f"motion of {position_text(mode.position)}: {PASSABLE}{early}"
+        f"; the last equilibrium has {max(mode.stiffness, 0.0):.1%} of its elastic stiffness left in a motion "
+        f"that is largest at {position_text(mode.position)}: {PASSABLE}{early}"
     )
 
 

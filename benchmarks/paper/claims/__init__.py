@@ -42,7 +42,8 @@ _CLAIMS: tuple[Callable[[Data], Claim], ...] = (
     trend("6a", ARMS[:1], "alpha2", True, "α₂ of the pneu-net rises with p (Fig. 15 c)", _RISE),
     trend(
         "6b", ARMS[:1], "alpha1", False, "α₁ of the pneu-net falls with p (Fig. 15 b)",
-        "It falls in data that smoothing has widened; where the zone itself is resolved no fall is found.",
+        "It falls where the estimator smooths the curvature next to the clamp; the default, which resolves the softer "
+        "zone there, has no significant fall.",
     ),
     trend(
         "7a", ARMS[1:2], "alpha2", True, "α₂ of the semicircular arm rises with p (Fig. 15 c)",

@@ -72,9 +72,9 @@ def curvature_of_arms(data: Data) -> Claim:
             at: dict[str, Any] = {"law": law, "arm": arm}
             all_of, upper = "off a line, 1 to 37 kPa", "off a line, 24 to 37 kPa"
             bent = (100.0 * STRAIGHT, math.inf)
-            readings.append(_off(all_of, states, False, required=bent, part="bent below 20 kPa", **at))
+            readings.append(_off(all_of, states, False, required=bent, part="off one line, 1 to 37 kPa", **at))
             above_20 = [s for s in states if s.pressure > 20.0]
-            readings.append(_off(upper, above_20, False, required=ON_LINE, part="straight above 20 kPa", **at))
+            readings.append(_off(upper, above_20, False, required=ON_LINE, part="off a line, 24 to 37 kPa", **at))
             pressures, values, _ = _kappa(above_20)
             if len(above_20) > 2:
                 readings.append(

@@ -44,7 +44,10 @@ def two_slopes(data: Data) -> Claim:
                     what = f"pressures that need two lines, {name}{beside}"
                     readings.append(single(what, part, unit="%", required=required, law=law, pressure=name))
     says = "M over κ - κ₀ of the pneu-net has two slopes (Fig. 9 a)"
-    why = "Walls that touch stiffen all cells but the first one; below 17 kPa they do not touch."
+    why = (
+        "Walls that touch stiffen all cells but the first one; at the lower pressures they do not touch, or only on a "
+        "part of the way to the straight cell."
+    )
     return claim("4a", says, readings, why, NOT_RUN["pneunet"])
 
 
@@ -59,7 +62,7 @@ def contact_is_the_cause(data: Data) -> Claim:
             grows = found[-1].single_alpha / found[0].single_alpha
             readings.append(single("single rigidity at the highest over that at 17 kPa", grows, law=law))
     says = "Walls that touch cause the difference in stiffness (concluding remarks)"
-    why = "The same arm with walls that may pass through each other."
+    why = "Without contact in the model one line is enough at all pressures."
     return claim("4b", says, readings, why, "the sweep `contact` has not been run")
 
 
@@ -104,7 +107,7 @@ def straight(name: str) -> Callable[[Data], Claim]:
 
 
 _WHY_STRAIGHT = {
-    "alpha2": "From 17 kPa on, where walls touch; below, the law bends.",
+    "alpha2": "From 17 kPa on, where walls touch; at lower pressures α₂ is no linear function of p.",
     "alpha1": "The default finds α₁ constant within its interval; a slope comes with the other estimators.",
 }
 
@@ -158,5 +161,8 @@ def five_numbers_everywhere(data: Data) -> Claim:
                 what = f"pressures that need two lines, {SHORT[arm]}, 5 to 37 kPa"
                 readings.append(single(what, part, unit="%", required=(50.0, 100.0), law=law, arm=arm))
     says = "The five-parameter relation holds for all four arms"
-    why = "One line says as much as two by the Bayesian information criterion: nothing outside these bodies can touch."
+    why = (
+        "One line says as much as two by the Bayesian information criterion: these arms have no gaps, so that no outer "
+        "walls meet."
+    )
     return claim("18", says, readings, why, NOT_RUN["arms"])
