@@ -24,6 +24,8 @@ _SETTINGS = {
     "distributed.scheduler.worker-saturation": 1.0,
     "distributed.worker.profile.enabled": False,
 }
+#: first part of the keys of all tasks
+GROUP = "point"
 #: how long a scheduler may take to answer, seconds
 PATIENCE = 10
 
@@ -67,8 +69,10 @@ class Connected:
         Raises OSError where a folder cannot be written, and RunFailed where the scheduler ends or has workers without
         pneurod.
         """
-        futures = {  # without priorities Dask begins them in any order
-            self.client.submit(solve, task, key=f"{task.folder}-{task.key}", priority=-number): task
+        # Dask begins tasks without priorities in any order. It keeps tasks for the next free worker only where many have
+        # the same first part of their key, and gives others to workers beforehand, some of which then wait
+        futures = {
+            self.client.submit(solve, task, key=(GROUP, f"{task.folder}-{task.key}"), priority=-number): task
             for number, task in enumerate(tasks)
         }
         try:
