@@ -1,11 +1,13 @@
 """The range of a law against the moments and curvatures of a rod of constant rigidity under the same loads."""
 
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from pipeline.cell.reach import LARGEST, LEAST_TURN, Reach
+from pipeline.config.load import load_config
 from rod import FiveParameters, Rod, RodSolution
 
 LENGTH, RIGIDITY = 100.0, 400.0
@@ -76,3 +78,22 @@ def test_no_range_is_larger_than_a_stated_moment() -> None:
     for part in (0.99, 1.0):
         states = np.array([0.0, part * expected])
         assert whole.left(states, states / RIGIDITY) == pytest.approx((1.0 - part) * expected)
+
+
+@pytest.mark.parametrize(
+    ("end", "force", "end_y"),
+    [
+        ("{y: 0 mm}", 0.05, 20.0),
+        ("{y: -25 mm}", 0.05, 25.0),
+        ("{x: 1 mm, y: 0 mm}", 0.05, np.inf),
+        ("{x: 0.12 N, y: 0.09 N}", 0.15, 20.0),
+    ],
+)
+def test_the_loads_are_those_of_experiment_iii_and_of_the_validation(end: str, force: float, end_y: float) -> None:
+    config = load_config(
+        Path(__file__).resolve().parent.parent / "configs" / "pneunet.yaml",
+        [f"end={end}", "validation.end_y=[10 mm, -20 mm]", "validation.forces=[[0.03 N, 0.04 N]]"],
+    )
+    reach = Reach.of(config, -0.01)
+    assert (reach.length, reach.end_y, reach.bend) == (112.0, end_y, -0.01)
+    assert reach.force == pytest.approx(force)
