@@ -90,13 +90,20 @@ def _provenance(campaign: Record) -> str:
     of_run = sorted(record["seconds"].get("run", 0.0) for record in records)
     run, drawn = len(records), campaign["drawn"]
     commits = sorted({record["sources"] for record in records})
-    part = f"{run} designs" if run == drawn else f"The first {run} of {drawn} designs"
+    numbers = [record["number"] for record in records]
+    first = f"The first {run} of {drawn} designs"
+    part = first if numbers == list(range(run)) else f"Of {drawn} designs those with the numbers {_listed(numbers)}"
+    part = f"{run} designs" if run == drawn else part
     others = "" if run == drawn else f" The other {drawn - run} have not been finished."
     return (
         f"{part} of seed {campaign['seed']}; sources of commit {', '.join(commits)}. CPU time of a run on one thread: "
         f"median {median(of_run):.0f} s, largest {of_run[-1]:.0f} s; with the checks, all designs together "
         f"{sum(seconds) / 60:.0f} minutes.{others}"
     )
+
+
+def _listed(numbers: Sequence[int]) -> str:
+    return ", ".join(map(str, numbers))
 
 
 def _law(law: str) -> str:
@@ -137,9 +144,7 @@ def _targets(records: Sequence[Record]) -> str:
             bool(measured) and sum(measured) >= GOOD_MESHES * len(measured),
         ],
     ]
-    return table(
-        ["", "asked for", "found", "met"], [[*map(str, row[:3]), "yes" if row[3] else "**no**"] for row in rows]
-    )
+    return table(["", "goal", "result", "met"], [[*map(str, row[:3]), "yes" if row[3] else "**no**"] for row in rows])
 
 
 def largest_share(bad: int, count: int) -> float:

@@ -15,7 +15,7 @@ WRONG, NO_LIMIT, TOO_SLOW, TRACEBACK = "wrong", "stopped without a limit", "too 
 OUTCOMES = (SOLVED, LIMIT, EARLY, NO_LIMIT, TOO_SLOW, TRACEBACK, WRONG)
 #: what the sentence of a limit says: a limit point, the range of the law, an inverted element, an intersection
 NAMED = ("limit", "stable", "turned inside out", "inverted", "passes through itself")
-#: largest error of the default mesh that is asked for, in parts of the number
+#: largest error of the default mesh that is allowed, in parts of the number
 MESH_ERROR = 0.03
 #: part of the states that is to be solved or beyond a confirmed limit, and of the meshes that have no larger error
 GOOD_STATES, GOOD_MESHES = 0.95, 0.9
@@ -48,7 +48,7 @@ def outcome(record: Record) -> str:
 
 @dataclass(frozen=True)
 class States:
-    """How many states were asked for, and what became of them."""
+    """How many states the configurations have, and what became of them."""
 
     solved: int
     beyond: int  #: a limit that a second way confirms
@@ -75,7 +75,7 @@ class States:
 
 
 def states_of(record: Record) -> States:
-    """The states I, II and III of a design. Those of one that is refused early are not asked for.
+    """The states I, II and III of a design. Those of one that is refused early do not count.
 
     A state counts as beyond a confirmed limit where its pressure is above the limit that was confirmed, or where its
     own experiment ended there. Limits of I and III are up to a fifth below that of II (docs/robustness.md), so a state

@@ -69,8 +69,8 @@ class Connected:
         Raises OSError where a folder cannot be written, and RunFailed where the scheduler ends or has workers without
         pneurod.
         """
-        # Dask begins tasks without priorities in any order. It keeps tasks for the next free worker only where many have
-        # the same first part of their key, and gives others to workers beforehand, some of which then wait
+        # Dask begins tasks without priorities in any order. It keeps tasks for the next free worker only where many
+        # have the same first part of their key, and gives others to workers beforehand, some of which then wait
         futures = {
             self.client.submit(solve, task, key=(GROUP, f"{task.folder}-{task.key}"), priority=-number): task
             for number, task in enumerate(tasks)
