@@ -91,19 +91,18 @@ def _provenance(campaign: Record) -> str:
     run, drawn = len(records), campaign["drawn"]
     commits = sorted({record["sources"] for record in records})
     numbers = [record["number"] for record in records]
-    first = f"The first {run} of {drawn} designs"
-    part = first if numbers == list(range(run)) else f"Of {drawn} designs those with the numbers {_listed(numbers)}"
-    part = f"{run} designs" if run == drawn else part
+    if run == drawn:
+        part = f"{run} designs"
+    elif numbers == list(range(run)):
+        part = f"The first {run} of {drawn} designs"
+    else:
+        part = f"Of {drawn} designs those with the numbers {', '.join(map(str, numbers))}"
     others = "" if run == drawn else f" The other {drawn - run} have not been finished."
     return (
         f"{part} of seed {campaign['seed']}; sources of commit {', '.join(commits)}. CPU time of a run on one thread: "
         f"median {median(of_run):.0f} s, largest {of_run[-1]:.0f} s; with the checks, all designs together "
         f"{sum(seconds) / 60:.0f} minutes.{others}"
     )
-
-
-def _listed(numbers: Sequence[int]) -> str:
-    return ", ".join(map(str, numbers))
 
 
 def _law(law: str) -> str:

@@ -46,7 +46,7 @@ class Range:
     @property
     def first_moment(self) -> float:
         """The end of the range if the cell kept its rigidity, N mm."""
-        return self.outward * min(max(self.turn * self.rigidity, self.force), self.largest)
+        return self.outward * self.left(np.zeros(1), np.zeros(1))
 
     def left(self, moments: Array, turns: Array) -> float:
         """What the moment of the outermost state of a cell lacks, N mm; zero or less beyond the range.
