@@ -91,6 +91,9 @@ class Floor(PenaltyTerm):
     def violation(self, x: Array) -> str:
         return "" if self.gap(x) > 0 else "below the floor"
 
+    def gives_way(self, x: Array) -> bool:
+        return self.stiffness < 4.0 and self.gap(x) <= 0
+
     def tightened(self, x: Array) -> UnilateralTerm:
         return replace(self, stiffness=4.0) if self.stiffness < 4.0 else Wall()
 

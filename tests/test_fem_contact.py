@@ -2,7 +2,7 @@
 
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import final
 
@@ -27,7 +27,7 @@ from fem import (
     follow,
 )
 from fem.discretisation import Discretisation
-from fem.effects.barrier import FacingTerm
+from fem.effects.barrier import COMPLIANCE, FacingTerm, carried_gaps, contact_potential
 from fem.effects.contact import STIFFNESS, BarrierTerm
 from fem.effects.effect import Term, UnilateralTerm
 from fem.materials.material import Material
@@ -286,3 +286,49 @@ def test_contact_of_one_pair_of_walls_activates_that_of_the_next() -> None:
     assert steps[0].active == (True, True)
     assert 0 < steps[0].min_gap < 0.02
     assert distance(*steps) < 1e-7
+
+
+def test_a_carried_gap_is_where_the_pressure_of_the_barrier_has_moved_the_body() -> None:
+    dhat, compliance = 0.04, COMPLIANCE / contact_potential(np.array([-1.0]), 0.04)[2][0]
+    gap, pressure = (grid.ravel() for grid in np.meshgrid([-0.5, -0.02, 0.0, 0.03, 0.05, 1.0], [0.0, 1e-3, 0.1, 4.0]))
+    carried = carried_gaps(gap, pressure, dhat)
+    _, slope, _ = contact_potential(carried, dhat)
+    np.testing.assert_allclose(carried - gap, compliance * (-slope - pressure), atol=1e-8)
+    is_open = (gap > dhat) & (pressure == 0.0)
+    assert is_open.any()
+    np.testing.assert_array_equal(carried[is_open], gap[is_open])
+    # the pressure of the step counts more than its gap
+    np.testing.assert_allclose(-slope[(pressure == 4.0) & (gap < 1.0)], 4.0, rtol=0.15)
+
+
+def test_the_force_of_a_carried_gap_is_linear_and_that_of_the_gap_where_both_are_equal() -> None:
+    space = Discretisation.of(fork(0.4), "p2p0")
+    term = SelfContact("prongs", dhat=0.5).bind(space, LAW)
+    x, dx = space.points, 1e-3 * np.random.default_rng(1).standard_normal(space.points.shape)
+
+    def force(term: FacingTerm, x: Array) -> Array:
+        out = np.zeros_like(x)
+        term.gradient(x, 1.0, out)
+        return out
+
+    assert np.abs(force(term, x)).max() > 0
+    carrying = term.advanced(x, dx)
+    assert carrying.carried is not None
+    assert np.abs(force(carrying.settled(), x) - force(term, x)).max() == 0.0
+    here = replace(term, carried=term.pairs.gaps(x))
+    np.testing.assert_allclose(force(here, x), force(term, x), atol=1e-15)
+    # a step after which the linear law and the barrier agree leaves the gap that they agree on
+    still = term.advanced(x, np.zeros_like(x))
+    assert still.carried is not None
+    np.testing.assert_allclose(still.carried, term.pairs.gaps(x), atol=1e-10)
+
+
+def test_carried_gaps_make_a_narrow_barrier_cheap_and_change_nothing(monkeypatch, short: Body, touching) -> None:
+    """A narrow barrier is steep: the gap after a step, in which rotations make errors, says little about its force."""
+    narrow: list[Effect] = [SelfContact("gap", dhat=0.005, starts_inactive=True)]
+    _, carried = bend(short, narrow, [5.0, 37.0])
+    assert carried[1].factorizations <= touching[1][1].factorizations + 4
+    monkeypatch.setattr(FacingTerm, "advanced", lambda self, x, dx: self)
+    _, uncarried = bend(short, narrow, [5.0, 37.0])
+    assert distance(carried[1], uncarried[1]) < 1e-7
+    assert carried[1].factorizations < uncarried[1].factorizations

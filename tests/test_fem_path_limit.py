@@ -9,7 +9,13 @@ from loads import Traction
 
 from fem import Fixed, Model, StVenantKirchhoff, follow
 from fem.equations.state import State
-from fem.path.increments import LIMIT_ACCURACY, MAX_CUTBACKS, MAX_INCREMENTS, MAX_NEAR_FAILURES, Increments
+from fem.path.increments import (
+    LIMIT_ACCURACY,
+    MAX_CUTBACKS,
+    MAX_INCREMENTS,
+    MAX_NEAR_FAILURES,
+    Increments,
+)
 from fem.path.limit import announced_limit, way_between
 from fem.path.predictor import PathPoint, extrapolate
 
@@ -153,6 +159,24 @@ def test_the_search_does_not_creep_on() -> None:
         moving.accepted(min(1.0, moving.reached + 0.04), 9, None)
     assert not moving.is_stuck
     assert moving.cutbacks > MAX_NEAR_FAILURES
+
+
+def failures_of_long_increments() -> int:
+    """How many fail on a way on which those of a thirtieth of it do, and half as long ones converge at once."""
+    way = Increments(0.0, 1.0, 1e-9)
+    while way.reached < 1.0:
+        fraction = way.next
+        if fraction - way.reached > 1 / 40:
+            way.failed(fraction, unstable=False)
+        else:
+            way.accepted(fraction, 4, None)
+    return way.cutbacks
+
+
+def test_a_length_that_fails_again_and_again_is_tried_ever_more_seldom(monkeypatch) -> None:
+    failures = failures_of_long_increments()
+    monkeypatch.setattr("fem.path.increments.MAX_WAIT", 1)
+    assert failures <= 0.6 * failures_of_long_increments()
 
 
 def test_a_bifurcation_is_passed_where_the_path_goes_straight_on() -> None:

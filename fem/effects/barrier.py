@@ -16,7 +16,7 @@ from typing import final
 
 import numpy as np
 
-from fem.effects.effect import Blocks, PenaltyTerm, UnilateralTerm
+from fem.effects.effect import Blocks, CarryingTerm, PenaltyTerm, UnilateralTerm
 from fem.effects.facing_pairs import FacingPairs, LocalPairs
 from geometry.arrays import Array
 
@@ -27,6 +27,11 @@ OVERLAP = 0.7
 STIFFENING_FACTOR, MAX_STIFFENINGS = 4.0, 2
 #: distance over the barrier's width below which it is continued quadratically
 CONTINUATION = 0.5
+#: compliance of the body at a pair over the smallest one of the barrier, as Newton's method assumes it where it chooses
+#: the carried gap. 10 costs a twentieth more factorizations, 30 to 3000 as many (docs/theory.md)
+COMPLIANCE = 100.0
+#: largest number of iterations for a carried gap; it need not be exact
+GAP_ITERATIONS = 20
 #: fraction of a motion over which the rates of the gaps are measured
 RATE_STEP = 1e-3
 #: what ipctk's improved-max collision set sums up to over one wall's area, measured on parallel grids, for both walls
@@ -35,8 +40,11 @@ WEIGHT = 1.55 / 2
 
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
-class FacingTerm(PenaltyTerm):
-    """Sum over facing pairs of area times stiffness times phi(gap)."""
+class FacingTerm(PenaltyTerm, CarryingTerm):
+    """Sum over facing pairs of area times stiffness times phi(gap).
+
+    Newton's method carries a gap e of each pair, around which it linearises: phi'(g) ~ phi'(e) + phi''(e) (g - e).
+    """
 
     effect = "self_contact"
 
@@ -48,13 +56,16 @@ class FacingTerm(PenaltyTerm):
     #: gives the barrier with exact distances; None where a crossing is judged by the signed gaps alone
     exact: Callable[[], UnilateralTerm] | None = field(default=None, repr=False)
     stiffenings: int = field(default=MAX_STIFFENINGS, repr=False)  #: how often the stiffness may still be raised
+    carried: Array | None = field(default=None, repr=False)  #: (k,) the gaps e, mm; None where they are those of x
 
     def energy(self, x: Array, factor: float) -> float:
         value, _, _ = contact_potential(self.pairs.gaps(x), self.dhat, self.overlap)
         return WEIGHT * self.stiffness * float(self.pairs.area @ value)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
-        local, slope, _ = self._derivatives(x)
+        local, slope, curvature = self._derivatives(x)
+        if self.carried is not None:
+            slope = slope + curvature * (local.gap - self.carried)
         np.add.at(out, local.nodes, slope[:, None, None] * local.first)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
@@ -67,6 +78,17 @@ class FacingTerm(PenaltyTerm):
         rows, columns, swapped = self.pairs.node_pairs
         values[swapped] = values[swapped].transpose(0, 2, 1)
         return Blocks(rows, columns, values.reshape(-1, 3, 3))
+
+    def advanced(self, x: Array, dx: Array) -> "FacingTerm":
+        local = self.pairs.local(x)
+        before = local.gap if self.carried is None else self.carried
+        _, slope, curvature = contact_potential(before, self.dhat, self.overlap)
+        gap = local.gap + np.einsum("kai,kai->k", local.first, dx[local.nodes])
+        pressure = np.maximum(-slope - curvature * (gap - before), 0.0)
+        return replace(self, carried=carried_gaps(gap, pressure, self.dhat, self.overlap))
+
+    def settled(self) -> "FacingTerm":
+        return replace(self, carried=None)
 
     def gap(self, x: Array) -> float:
         return float(self.pairs.gaps(x).min(initial=np.inf))
@@ -88,20 +110,24 @@ class FacingTerm(PenaltyTerm):
             return f"two walls pass through each other at ({', '.join(f'{value:.1f}' for value in position)}) mm"
         return self.exact().violation(x) if self.exact else ""
 
+    def gives_way(self, x: Array) -> bool:
+        return self.stiffenings > 0 and self.gap(x) <= 0
+
     def tightened(self, x: Array) -> UnilateralTerm:
         """A stiffer barrier where walls overlap, as often as that is tried; else the one with exact distances, and the
         term itself where there is none."""
-        if self.stiffenings and self.gap(x) <= 0:
+        if self.gives_way(x):
             return replace(self, stiffness=STIFFENING_FACTOR * self.stiffness, stiffenings=self.stiffenings - 1)
         return self.exact() if self.exact else self
 
     def _derivatives(self, x: Array) -> tuple[LocalPairs, Array, Array]:
-        """All pairs, with first and second derivative of their energy by the gap (k,), zero beyond dhat.
+        """All pairs, with first and second derivative of their energy by the carried gap (k,), zero beyond dhat.
 
         All of them, so that the matrix keeps one pattern: larger than it need be, but analysed once.
         """
         local = self.pairs.local(x)
-        _, slope, curvature = contact_potential(local.gap, self.dhat, self.overlap)
+        gap = local.gap if self.carried is None else self.carried
+        _, slope, curvature = contact_potential(gap, self.dhat, self.overlap)
         scale = WEIGHT * self.stiffness * self.pairs.area
         return local, scale * slope, scale * curvature
 
@@ -114,6 +140,31 @@ def contact_potential(gap: Array, dhat: float, overlap: float = OVERLAP) -> tupl
     """
     width = dhat / (1.0 - overlap)
     return continued_barrier(gap + overlap * width, width)
+
+
+def carried_gaps(gap: Array, pressure: Array, dhat: float, overlap: float = OVERLAP) -> Array:
+    """The gaps (k,) around which the next iteration linearises the barrier, where a Newton step has led to the gaps
+    `gap` (k,), mm, and its linearised barrier to the pressures `pressure` (k,), not negative, over the stiffness.
+
+    Both are those of the barrier at one gap e only in equilibrium. Walls that press on each other are rather at the
+    pressure of the step, which balances the body, than at its gap, in which a rotation makes an error as large as the
+    barrier is wide: e is where the barrier's pressure p(e) has moved a body of the compliance c,
+
+        e - gap = c (p(e) - pressure),    c = COMPLIANCE times that of the barrier where it is quadratic.
+    """
+    deepest = np.array([-dhat / (1.0 - overlap)])
+    c = COMPLIANCE / float(contact_potential(deepest, dhat, overlap)[2][0])
+    e = gap - c * pressure  # the solution where the barrier does not press
+    pressed = np.flatnonzero(e < dhat)
+    gap, pressure, now = gap[pressed], pressure[pressed], np.full(pressed.shape, deepest[0])
+    for _ in range(GAP_ITERATIONS):  # monotone from the quadratic part, because p is convex
+        _, slope, curvature = contact_potential(now, dhat, overlap)
+        change = (now - gap + c * (slope + pressure)) / (1.0 + c * curvature)
+        now = now - change
+        if np.abs(change).max(initial=0.0) < 1e-9 * dhat:
+            break
+    e[pressed] = now
+    return np.asarray(e)
 
 
 def continued_barrier(distance: Array, width: float) -> tuple[Array, Array, Array]:

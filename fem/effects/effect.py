@@ -2,8 +2,8 @@
 
 An `Effect` is a value the user writes; bound to a discretisation it becomes a `Term` of the total potential with
 energy, gradient and second derivative. The other abstract classes here say what some terms can do besides:
-`LoadTerm` may be applied in full from the first target on, `StressCarryingTerm` takes part in the mixed Newton
-iteration of `fem.path.newton`, `UnilateralTerm` is contact.
+`LoadTerm` may be applied in full from the first target on, `CarryingTerm` takes part in the mixed Newton iteration of
+`fem.path.newton`, `UnilateralTerm` is contact.
 """
 
 from abc import ABC, abstractmethod
@@ -79,12 +79,23 @@ class LoadTerm(Term):
         return factor if self.constant_fraction is None else self.constant_fraction
 
 
-class StressCarryingTerm(Term):
-    """A term with a stress of its own, which Newton's method carries as an unknown as it does that of the solid."""
+class CarryingTerm(Term):
+    """A term with a quantity of its own that Newton's method carries as an unknown, as it does the stress of the solid.
+
+    It makes the forces of the term, which are those of the positions once the method has converged.
+    """
 
     @abstractmethod
     def advanced(self, x: Array, dx: Array) -> Self:
-        """The term with the stress that the Newton step dx (n, 3) from x makes to first order."""
+        """The term with what the Newton step dx (n, 3) from x makes of that quantity."""
+
+    @abstractmethod
+    def settled(self) -> Self:
+        """The term with the quantity that belongs to the positions themselves."""
+
+
+class StressCarryingTerm(CarryingTerm):
+    """A term that carries a stress, which a predictor may foresee as well, to first order."""
 
 
 class UnilateralTerm(Term):
@@ -122,6 +133,10 @@ class PenaltyTerm(UnilateralTerm):
     """Contact that is finite where parts overlap: Newton's method may start and iterate through such states."""
 
     @abstractmethod
+    def gives_way(self, x: Array) -> bool:
+        """Whether parts overlap at x (n, 3) although a stiffer penalty could be tried."""
+
+    @abstractmethod
     def tightened(self, x: Array) -> UnilateralTerm:
         """The term to try where the state x (n, 3), converged with this one, violates it; itself if there is none."""
 
@@ -140,8 +155,18 @@ def at_constant_fraction(terms: Terms, fraction: float) -> Terms:
 
 
 def advanced(terms: Terms, x: Array, dx: Array) -> Terms:
-    """The terms after the Newton step dx (n, 3) from x, with the stress of those that carry one."""
+    """The terms after the Newton step dx (n, 3) from x, with what they carry."""
+    return tuple(term.advanced(x, dx) if isinstance(term, CarryingTerm) else term for term in terms)
+
+
+def stressed(terms: Terms, x: Array, dx: Array) -> Terms:
+    """The terms with the stress that a motion dx (n, 3) from x makes in those that carry one."""
     return tuple(term.advanced(x, dx) if isinstance(term, StressCarryingTerm) else term for term in terms)
+
+
+def settled(terms: Terms) -> Terms:
+    """The terms with what belongs to the positions themselves in place of what they carry."""
+    return tuple(term.settled() if isinstance(term, CarryingTerm) else term for term in terms)
 
 
 def step_limit(terms: Terms, x: Array, dx: Array) -> float:

@@ -102,6 +102,9 @@ class LayerTerm(StressCarryingTerm):
         membrane_linearised_strain(self.arrays, x, dx, change)
         return replace(self, carried=self.stress(x) + change @ self.law)
 
+    def settled(self) -> "LayerTerm":
+        return replace(self, carried=None)
+
     def stress(self, x: Array) -> Array:
         """Second Piola-Kirchhoff stress (f, q, 3) at the positions x (n, 3), MPa."""
         return np.asarray(self._strain(x) @ self.law)

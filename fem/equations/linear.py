@@ -27,10 +27,12 @@ class SingularMatrix(ArithmeticError):
 
 #: a pivot below ten to this power times the largest entry counts as zero
 ZERO_PIVOT_EXPONENT = -12
-#: orderings of PARDISO: minimum degree is faster for slender bodies, which have small separators, up to about 100 000
+#: orderings of PARDISO: minimum degree is faster for slender bodies, which have small separators, up to about 50 000
 #: unknowns (docs/performance.md)
 MINIMUM_DEGREE, NESTED_DISSECTION = 0, 3
-LARGE = 100_000
+LARGE = 50_000
+#: index in PARDISO's iparm: 1 takes the two-level factorization, which is faster with nested dissection only
+TWO_LEVEL = 24
 #: index in PARDISO's iparm: 0 takes single pivots from the diagonal, 1 also pairs (Bunch and Kaufman). Single pivots
 #: are as accurate for the tangents here, mixed ones included, and faster; pairs are the second attempt
 PIVOTING = 21
@@ -103,7 +105,7 @@ class Pardiso(LinearSolver):
         self._solver = PyPardisoSolver(mtype=-2)
         self._finalizer = weakref.finalize(self, _release, self._solver)
         # position 35: row starts and columns count from zero, so that PARDISO reads them where they are
-        for position, value in {1: 1, 8: 0, 10: -ZERO_PIVOT_EXPONENT, 11: 0, 13: 0, 24: 0, 35: 1}.items():
+        for position, value in {1: 1, 8: 0, 10: -ZERO_PIVOT_EXPONENT, 11: 0, 13: 0, 35: 1}.items():
             self._solver.set_iparm(position, value)
         self._memory = memory
         self._matrix = sp.csr_matrix((0, 0))
@@ -143,7 +145,9 @@ class Pardiso(LinearSolver):
         self.close()
         spare = spare_memory() if self._memory is None else self._memory
         size = indptr.shape[0] - 1
-        self._solver.set_iparm(2, MINIMUM_DEGREE if size < LARGE else NESTED_DISSECTION)
+        is_large = size >= LARGE
+        self._solver.set_iparm(2, NESTED_DISSECTION if is_large else MINIMUM_DEGREE)
+        self._solver.set_iparm(TWO_LEVEL, int(is_large))
         for kind, precision in ((np.float64, 0), (np.float32, 1)):
             self._solver.set_iparm(28, precision)
             self._matrix = sp.csr_matrix((np.ones(indices.shape[0], kind), indices, indptr), shape=(size, size))

@@ -7,6 +7,9 @@ import numpy as np
 
 #: iterations of a quick increment, after which the next one is twice as large
 QUICK_ITERATIONS = 8
+#: largest number of quick increments in succession that a longer one waits for: as many as there were failures behind
+#: one that succeeded, so that a length that fails again and again is tried ever more seldom
+MAX_WAIT = 4
 #: where an increment to a load has failed, this fraction of it is small enough to try the same load once more
 RETRY = 0.25
 #: largest number of increments that fail on the way to one target, and that are tried; the hard cases need 20 and 60
@@ -39,8 +42,9 @@ SMALLEST_NEAR_LIMIT = 1 / 4
 class Increments:
     """Increments on the way from one value of the driven quantity to the next target, as fractions of this way.
 
-    The whole way is tried first. An increment that fails is halved, one that converges quickly is doubled. Where the
-    path announces a limit, the next increment ends shortly before or shortly behind it.
+    The whole way is tried first. An increment that fails is halved, one that converges quickly is doubled, after the
+    second failure only where several in succession do. Where the path announces a limit, the next increment ends
+    shortly before or shortly behind it.
     """
 
     start: float  #: value of the driven quantity where the way begins
@@ -52,6 +56,9 @@ class Increments:
     _limit_before: float | None = None  #: the same, one equilibrium earlier
     tried: int = 0  #: number of increments so far
     _increment: float = 1.0
+    _quick: int = 0  #: number of quick increments in succession since the last change of their length
+    _setbacks: int = 0  #: number of failures that followed an equilibrium on this way
+    _has_succeeded: bool = False  #: whether the last increment did
     _failed: float = field(default=np.inf)  #: the lowest fraction that was not reached
     _distance: float = 0.0  #: from how far
     _near_failures: int = 0  #: number of increments that failed from near
@@ -120,13 +127,20 @@ class Increments:
         self.reached, self.limit, self._limit_before = fraction, limit, self.limit
         if self.reached - self._near > self._accuracy:
             self._near, self._near_failures = self.reached, 0
-        if not placed and iterations <= QUICK_ITERATIONS:
-            self._increment *= 2.0
+        self._has_succeeded = True
+        if not placed:
+            self._lengthen(iterations <= QUICK_ITERATIONS)
         is_close = self._failed - self.reached <= RETRY * self._distance
         if self.reached >= self._failed or (is_close and not self.limit_is_confirmed):
             self._failed = np.inf
         elif limit is None and self.reached + self._increment >= self._failed and not is_close:
             self._increment = (self._failed - self.reached) / 2
+
+    def _lengthen(self, quick: bool) -> None:
+        """Double the increment where so many have been quick in succession, the last one as `quick` says."""
+        self._quick = self._quick + 1 if quick else 0
+        if self._quick >= max(1, min(self._setbacks, MAX_WAIT)):
+            self._increment, self._quick = 2.0 * self._increment, 0
 
     def failed(self, fraction: float, unstable: bool, inverted: bool = False) -> None:
         """None was found there, or no stable one, or one in which an element is turned inside out."""
@@ -134,7 +148,8 @@ class Increments:
         self._failed, self._distance = fraction, fraction - self.reached
         self._unstable, self._inverted = unstable, inverted
         self._near_failures += self._distance <= self._accuracy
-        self._increment = self._distance / 2
+        self._setbacks, self._has_succeeded = self._setbacks + self._has_succeeded, False
+        self._increment, self._quick = self._distance / 2, 0
 
     @property
     def ended(self) -> bool:

@@ -17,7 +17,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fem.effects.effect import InteriorTerm, Terms, UnilateralTerm, advanced, smallest_gap, step_limit
+from fem.effects.effect import (
+    InteriorTerm,
+    PenaltyTerm,
+    Terms,
+    UnilateralTerm,
+    advanced,
+    settled,
+    smallest_gap,
+    step_limit,
+)
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Assembly, State
@@ -27,6 +36,8 @@ from geometry.arrays import Array
 
 #: relative residual below which a state shows which walls meet, as well as an equilibrium does
 NEAR = 0.1
+#: relative residual below which walls that overlap will do so in equilibrium
+SETTLED = 1e-2
 #: relative residual above which terms give a positive semi-definite substitute of their second derivative
 CONVEX_ABOVE = 0.1
 #: relative residual above which a state is far from equilibrium
@@ -66,7 +77,7 @@ class Start:
 
 @dataclass(frozen=True)
 class Converged:
-    """Equilibrium, or a state near to it in which walls cross whose contact is inactive (see `solve`)."""
+    """Equilibrium, or a state near to it in which walls cross whose contact is inactive or too soft (see `solve`)."""
 
     state: State
     assembly: Assembly
@@ -101,8 +112,9 @@ def solve(
 ) -> Converged:
     """Equilibrium of the body where `control` puts it, from `start`.
 
-    Returns early, unconverged, once the relative residual is below NEAR and a term of `inactive` is penetrated; the
-    caller then activates it. Raises `StepFailed`.
+    Returns early, unconverged, once the relative residual is below NEAR and a term of `inactive` is penetrated, or
+    below SETTLED and a contact that could be stiffer does not keep walls apart; the caller then activates or stiffens
+    it. Raises `StepFailed`.
     """
     system, state, terms = control.system, control.start(start.state), start.terms
     max_iterations = min(options.iterations, start.max_iterations or options.iterations)
@@ -117,12 +129,15 @@ def solve(
         watch(iteration, relative)
         is_at_target = not np.any(correction) and abs(control.residual(state)) < options.tolerance
         if relative < options.tolerance and is_at_target and (iteration or not start.iterates):
-            settled = system.state_at(state.displacement, state.factor)
-            exact = system.assemble(settled, terms)
+            consistent = system.state_at(state.displacement, state.factor)
+            exact = system.assemble(consistent, settled(terms))
             relative = _relative_residual(system, exact)
             if relative < options.tolerance:
-                return Converged(settled, exact, iteration, relative, linearised)
-        if relative < NEAR and smallest_gap(inactive, system.space.points + state.displacement) < 0:
+                return Converged(consistent, exact, iteration, relative, linearised)
+        x = system.space.points + state.displacement
+        if relative < NEAR and smallest_gap(inactive, x) < 0:
+            return Converged(state, assembly, iteration, relative, linearised)
+        if relative < SETTLED and any(isinstance(term, PenaltyTerm) and term.gives_way(x) for term in terms):
             return Converged(state, assembly, iteration, relative, linearised)
         if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")

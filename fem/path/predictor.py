@@ -24,7 +24,7 @@ from typing import final
 
 import numpy as np
 
-from fem.effects.effect import Terms, advanced, at_constant_fraction
+from fem.effects.effect import Terms, at_constant_fraction, stressed
 from fem.equations.linear import SingularMatrix
 from fem.equations.state import State
 from fem.path.control import Control
@@ -93,7 +93,7 @@ class Predictor:
             yield Start(last.state, terms)
             return
         x = target.system.space.points + last.state.displacement
-        with_stress = advanced(terms, x, full.displacement - last.state.displacement)
+        with_stress = stressed(terms, x, full.displacement - last.state.displacement)
         yield Start(balanced, with_stress, trial=at_rest)
         if at_rest:
             yield Start(small, terms)
