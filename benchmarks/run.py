@@ -4,7 +4,7 @@
 
 Every run is `pneurod run` in a new process and a new result folder; the two checkouts take turns, and the one that
 begins changes from round to round. Processor time, page faults and memory are those of the run with all its workers;
-the memory is what its processes have together, shared pages counted once, asked for ten times a second. Before the
+the memory is what its processes have together, shared pages counted once, read twice a second, which costs a fiftieth of a core. Before the
 first round each checkout solves a small arm, which compiles the kernels. Both are run by the Python of this program.
 A machine on which others work is refused, unless --busy-ok is given: wall times are worth nothing there, processor
 times little.
@@ -30,7 +30,7 @@ sys.path.insert(0, str(HERE))
 from benchmarks.peers import load  # noqa: E402  (the rooms stand beside this folder)
 
 #: between two looks at the memory, s
-INTERVAL = 0.1
+INTERVAL = 0.5
 #: files whose numbers are compared
 RESULTS = ("experiments.json", "parameters.json", "validation.json", "laws.json", "law.json", "effects.json")
 #: largest number of a column that is taken for rounding: forces that are zero in exact arithmetic

@@ -213,7 +213,11 @@ def test_a_second_law_confirms_a_limit_near_the_first() -> None:
     assert judged(REASON, 12.6, "neo_hooke", near)[1]
     assert not judged(REASON, 12.6, "neo_hooke", far)[1]
     assert not judged(REASON, 12.6, "neo_hooke", None)[1]
-    assert judged("a stretch of 0.3 is below 0.577, where svk is no longer stable", 12.6, "neo_hooke", None)[1]
+    of_law = "a stretch of 0.3 is below 0.577, where svk is no longer stable"
+    assert judged(of_law, 12.6, "neo_hooke", None)[1]
+    assert judged(of_law, 12.6, "neo_hooke", far)[1]  # it goes on well beyond the limit of the first law
+    between = Failure(20.0, REASON, 0, 0, 9.0)
+    assert not judged(of_law, 12.6, "neo_hooke", between)[1]
     assert named_limit(near) == 11.0
     assert named_limit(Failure(20.0, REASON, 0, 0)) == 12.5
 

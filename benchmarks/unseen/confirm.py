@@ -3,7 +3,8 @@
 With the volume of the cavity prescribed the pressure is an unknown, and the path goes through a limit point of it. If
 the pressure on this path has a maximum near the named limit and falls behind it, there is no equilibrium beyond on that
 path. Where the volume cannot be driven that far either, the same body of another law is solved up to the pressure that
-was not reached: it either ends near the same pressure, or goes on where the sentence names the law itself as the cause.
+was not reached: it either ends near the same pressure, or goes on, at least well beyond the limit, where the sentence names
+the law itself as the cause.
 """
 
 import re
@@ -152,13 +153,15 @@ def by_second_law(
 
 def judged(reason: str, limit_kPa: float, law: str, failure: Failure | None) -> tuple[str, bool]:
     """Whether the outcome of a second law confirms a limit, in words and as a truth value."""
+    of_law = any(words in reason for words in OF_LAW)
     if failure is None:
-        of_law = any(words in reason for words in OF_LAW)
         return f"with {law} the pressure is reached" + (", so the law is the cause" if of_law else ""), of_law
     if THROUGH_ITSELF in reason and THROUGH_ITSELF in failure.reason:
         return f"with {law} the body passes through itself as well", True
     other = named_limit(failure)
     if other and limit_kPa and abs(other - limit_kPa) <= NEAR_OF_LAWS * limit_kPa:
         return f"with {law} the limit is at {other:.4g} kPa", True
+    if of_law and limit_kPa and other > (1.0 + NEAR_OF_LAWS) * limit_kPa:
+        return f"with {law} the path goes on to {other:.4g} kPa, so the law is the cause", True
     where = f"at {other:.4g} kPa" if other else "without a pressure of a limit"
     return f"with {law} the path ends {where}", False
