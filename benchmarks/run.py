@@ -4,8 +4,9 @@
 
 Every run is `pneurod run` in a new process and a new result folder; the two checkouts take turns, and the one that
 begins changes from round to round. Processor time, page faults and memory are those of the run with all its workers;
-the memory is what its processes have together, shared pages counted once, read twice a second, which costs a fiftieth of a core. Before the
-first round each checkout solves a small arm, which compiles the kernels. Both are run by the Python of this program.
+the memory is what its processes have together, shared pages counted once, read twice a second (which takes a fortieth
+of a core). Before the first round each checkout solves a small arm, which compiles the kernels. Both are run by the
+Python of this program.
 A machine on which others work is refused, unless --busy-ok is given: wall times are worth nothing there, processor
 times little.
 """

@@ -3,8 +3,8 @@
 With the volume of the cavity prescribed the pressure is an unknown, and the path goes through a limit point of it. If
 the pressure on this path has a maximum near the named limit and falls behind it, there is no equilibrium beyond on that
 path. Where the volume cannot be driven that far either, the same body of another law is solved up to the pressure that
-was not reached: it either ends near the same pressure, or goes on, at least well beyond the limit, where the sentence names
-the law itself as the cause.
+was not reached: it either ends near the same pressure, or goes on, at least well beyond the limit, where the sentence
+names the law itself as the cause.
 """
 
 import re
