@@ -29,7 +29,7 @@ STIFFENING_FACTOR, MAX_STIFFENINGS = 4.0, 2
 CONTINUATION = 0.5
 #: compliance of the body at a pair over the smallest one of the barrier, as Newton's method assumes it where it chooses
 #: the carried gap. 10 costs a twentieth more factorizations, 30 to 3000 as many (docs/theory.md)
-COMPLIANCE = 100.0
+COMPLIANCE = 300.0
 #: largest number of iterations for a carried gap; it need not be exact
 GAP_ITERATIONS = 20
 #: fraction of a motion over which the rates of the gaps are measured
