@@ -6,8 +6,8 @@
 Each design has a folder below results/unseen with its configuration, its results and outcome.json; what is
 finished is kept, so that the same command continues an interrupted campaign. A stage of a design that needs more CPU
 seconds than the limit is recorded as too slow. After each design the page is written into the folder of the campaign,
-and at the end into that of --page with its histogram; --stored writes it from what is there. Seeds 1 to 3, 23, 31 and 37
-are for finding and mending defects, so they are not reported: --page is not for them.
+and at the end into that of --page with its histogram; --stored writes it from what is there. Seeds 1 to 3, 23, 31 and
+37 are for finding and mending defects, so they are not reported: --page is not for them.
 """
 
 import argparse
