@@ -290,3 +290,56 @@ def test_keys_that_cannot_be_used(
     with pytest.raises(DesignError, match=sentence) as caught:
         MeshFile(str(path), **{"curve": 1.5, **changes})
     assert caught.value.keys[0] == key
+
+
+def two_materials(folder: Path, suffix: str, order: int = 1) -> Path:
+    """The bar as two volumes, its lowest 3 mm named base and the rest named chamber."""
+    path = folder / f"two{order}{suffix}"
+    with session() as gmsh:
+        occ = gmsh.model.occ
+        plate = [box(occ, (-1, -1, -8), (61, 3, 8))]
+        occ.fragment(bar(occ), occ.intersect(bar(occ), plate)[0])
+        occ.synchronize()
+        volumes = {tag for _, tag in gmsh.model.getEntities(3)}
+        base = {tag for tag in volumes if occ.getCenterOfMass(3, tag)[1] < 3}
+        for name, tags in (("base", base), ("chamber", volumes - base)):
+            gmsh.model.addPhysicalGroup(3, sorted(tags), name=name)
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 4)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(order)
+        gmsh.write(str(path))
+    return path
+
+
+@pytest.mark.parametrize("curve", [1.3, 3.0, 2.8])
+@pytest.mark.parametrize(("suffix", "order"), [(".msh", 1), (".msh", 2), (".inp", 1), (".unv", 1)])
+def test_named_groups_of_elements_are_regions(suffix: str, order: int, curve: float, folder: Path) -> None:
+    """Their boundary stays where it was, also where elements beside it are divided along the material curve."""
+    design = MeshFile(str(two_materials(folder, suffix, order)), curve=curve)
+    check_bar(design)
+    volumes = dict(design.region_volumes)
+    base, chamber = (next(v for name, v in volumes.items() if name.lower() == wanted) for wanted in ("base", "chamber"))
+    assert base == pytest.approx(60 * 3 * 15, rel=1e-9)
+    assert base + chamber == pytest.approx(BAR_VOLUME, rel=1e-9)
+    assert not design.body(1.0).mesh.regions
+    name = next(name for name in volumes if name.lower() == "base")
+    mesh = design.with_regions([name]).body(1.0).mesh
+    assert set(mesh.regions) == {name}
+    inside = np.zeros(len(mesh.tets), dtype=bool)
+    inside[mesh.regions[name]] = True
+    np.testing.assert_array_equal(inside, mesh.points[mesh.tets, 1].mean(axis=1) < 3)
+
+
+def test_regions_that_are_missing_or_overlap_are_refused(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+    design = MeshFile(str(two_materials(folder, ".msh")), curve=1.3)
+    with pytest.raises(DesignError, match="no region of that name; it has base, chamber"):
+        design.with_regions(["layer"])
+    points, tets = plain
+    low = np.flatnonzero(points[tets, 1].mean(axis=1) < 3)
+    sets = {"base": [low], "left": [np.flatnonzero(points[tets, 0].mean(axis=1) < 30)]}
+    path = folder / "overlap.inp"
+    meshio.Mesh(points, [("tetra", tets)], cell_sets=sets).write(path)
+    overlapping = MeshFile(str(path), curve=1.5)
+    with pytest.raises(DesignError, match="elements that belong to base and to left"):
+        overlapping.with_regions(["base", "left"])
+    assert overlapping.with_regions(["left"]).regions == ("left",)

@@ -8,10 +8,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import fem
 from geometry import CadFile, Mesh, MeshFile, SurfaceFile
 from geometry.meshing.solid import session
 from pipeline.cli import app
@@ -20,6 +22,7 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError
 from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_states
+from pipeline.simulation.loadcase import identification_case
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
@@ -148,6 +151,50 @@ def test_ready_mesh_is_refused_by_key(ready: Path) -> None:
     assert "mesh.size: unknown key; allowed here: formulation" in refusal(ready, "mesh.size=3 mm")
     assert "geometry.file: the mesh file" in refusal(ready, "geometry.file=none.msh")
     assert "geometry.curve: the line y = 5 mm, z = 0 is outside the material" in refusal(ready, "geometry.curve=5 mm")
+
+
+TWO_MATERIALS = """
+name: two_materials
+geometry: {geometry}
+material: {{law: neo_hooke, mu: 0.1 MPa, nu: 0.49, density: 1000 kg/m^3}}
+materials: {{base: {{law: neo_hooke, mu: 0.6 MPa, nu: 0.49, density: 1000 kg/m^3}}}}
+pressures: [5 kPa]
+mesh: {mesh}
+law: five
+"""
+
+
+def test_a_region_of_a_mesh_file_has_a_material_of_its_own(tmp_path: Path) -> None:
+    """The mesh of a drawn arm, written with its base as a named volume, gives the state of that arm."""
+
+    def tip(name: str, geometry: str, mesh: str) -> tuple[Scene, np.ndarray]:
+        path = tmp_path / f"{name}.yaml"
+        path.write_text(TWO_MATERIALS.format(geometry=geometry, mesh=mesh), encoding="utf-8")
+        scene = Scene.meshed(load_config(path))
+        case = identification_case(scene.config, "II")
+        experiment = fem.Experiment.of("II", scene.body, case.end.y_mm)
+        effects = scene.effects(case.schedule.reference_MPa)
+        model = experiment.model(scene.material, effects, scene.config.mesh.formulation)
+        step = fem.follow(model, case.schedule.factors).steps[-1]
+        return scene, step.displacement[step.space.surface("tip").unique_nodes].mean(axis=0)
+
+    drawn, expected = tip("drawn", "{family: rectangular, chambers: 2}", "{size: 6 mm, formulation: mixed}")
+    mesh = drawn.body.mesh
+    base = mesh.regions["base"]
+    rest = np.setdiff1d(np.arange(len(mesh.tets)), base)
+    cells = [*(("triangle", triangles) for triangles in mesh.faces.values()), ("tetra", mesh.tets[base])]
+    cells.append(("tetra", mesh.tets[rest]))
+    names = {
+        name: np.array([k, 3 if name in ("base", "top") else 2]) for k, name in enumerate([*mesh.faces, "base", "top"])
+    }
+    tags = [np.full(len(data), k, dtype=np.int32) for k, (_, data) in enumerate(cells)]
+    groups = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    meshio.Mesh(mesh.points, cells, cell_data=groups, field_data=names).write(
+        tmp_path / "two.msh", file_format="gmsh22"
+    )
+    own, found = tip("own", f"{{family: own, file: two.msh, curve: {drawn.body.curve_y} mm}}", "{formulation: mixed}")
+    assert set(own.body.mesh.regions) == {"base"}
+    np.testing.assert_allclose(found, expected, rtol=1e-8)
 
 
 def test_a_mesh_whose_boundary_passes_through_itself_is_refused(ready: Path, tmp_path: Path) -> None:

@@ -1,10 +1,11 @@
 """A body from a mesh file: its faces by planes, or by the names that the file has."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import combinations
 from pathlib import Path
-from typing import ClassVar, final
+from typing import ClassVar, Self, final
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh, MeshError
 from geometry.meshing.cad_import import Point
-from geometry.topology import open_edges
+from geometry.topology import open_edges, signed_volumes
 
 
 @final
@@ -27,10 +28,11 @@ class MeshFile(FileDesign):
 
     Its ends are flat faces in the planes x = clamp and x = tip, its cavities closed surfaces within it, chosen by a
     point in their air where there are several. A Gmsh file may name its faces instead, by physical groups: clamp, tip,
-    cavity, further cavities whose names begin with cavity, and sym in the plane z = 0 of a half body. Elements through
-    which the material curve (y = curve, z = 0) passes are divided so that it runs along edges; all others stay as they
-    are. The constructor reads and checks the file; its `DesignError` names the config key to change. The cells are
-    nominal: equal parts of the length, about `cell` long.
+    cavity, further cavities whose names begin with cavity, and sym in the plane z = 0 of a half body. Named groups of
+    elements (physical volumes of Gmsh, element sets of Abaqus) are regions, which may have materials of their own.
+    Elements through which the material curve (y = curve, z = 0) passes are divided so that it runs along edges; all
+    others stay as they are. The constructor reads and checks the file; its `DesignError` names the config key to
+    change. The cells are nominal: equal parts of the length, about `cell` long.
     """
 
     family: ClassVar[str] = "mesh_file"
@@ -95,9 +97,27 @@ class MeshFile(FileDesign):
         """Number of times that the meshed volume is in the body."""
         return 2 if self.fixed_body.half else 1
 
+    @property
+    def region_volumes(self) -> Mapping[str, float]:
+        mesh = self.fixed_body.mesh
+        volumes = np.abs(signed_volumes(mesh.points, mesh.tets))
+        return {name: self._halves * float(volumes[tets].sum()) for name, tets in mesh.regions.items()}
+
+    def with_regions(self, names: Iterable[str]) -> Self:
+        chosen = super().with_regions(names)
+        regions = self.fixed_body.mesh.regions
+        for first, second in combinations(chosen.regions, 2):
+            if np.intersect1d(regions[first], regions[second]).size:
+                raise DesignError(
+                    f"materials.{second}", f"the mesh has elements that belong to {first} and to {second}"
+                )
+        return chosen
+
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        """The mesh of the file; `size` and `grading` are not used."""
-        return self.fixed_body
+        """The mesh of the file, with the regions of `with_regions`; `size` and `grading` are not used."""
+        body = self.fixed_body
+        regions = {name: body.mesh.regions[name] for name in self.regions}
+        return replace(body, mesh=replace(body.mesh, regions=regions))
 
 
 def _has_names(content: FileMesh) -> bool:
@@ -107,7 +127,7 @@ def _has_names(content: FileMesh) -> bool:
 
 def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
     """The body with the faces of the file. Raises `MeshError` where they do not fit."""
-    mesh = Mesh(content.points, content.tets, content.faces, content.curved)
+    mesh = Mesh(content.points, content.tets, content.faces, content.curved, content.regions)
     check_manifold(mesh)
     check_untangled(mesh)
     if "sym" in mesh.faces:
@@ -169,4 +189,4 @@ def _moved(mesh: Mesh, clamp: float) -> Mesh:
     """The mesh with its clamp, now at x = clamp (mm), at x = 0."""
     shift = np.array([clamp, 0.0, 0.0])
     curved = type(mesh.curved)(mesh.curved.ends, mesh.curved.middles - shift)
-    return Mesh(mesh.points - shift, mesh.tets, mesh.faces, curved)
+    return Mesh(mesh.points - shift, mesh.tets, mesh.faces, curved, mesh.regions)

@@ -84,9 +84,10 @@ def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
     check_untangled(before)
     move = Move(ends, placing.half)
     points, length = _in_planes(move.there(points), move.length, placing), move.length
-    mesh = divided(Mesh(points, tets, {}, CurvedEdges(curved.ends, move.there(curved.middles))), placing.curve, length)
+    moved = CurvedEdges(curved.ends, move.there(curved.middles))
+    mesh = divided(Mesh(points, tets, {}, moved, content.regions), placing.curve, length)
     cavities, named = _named(mesh, placing, move)
-    return Placed(Mesh(mesh.points, mesh.tets, named, mesh.curved), length, cavities)
+    return Placed(replace(mesh, faces=named), length, cavities)
 
 
 def joined(content: FileMesh) -> tuple[Array, Index, CurvedEdges]:
@@ -185,19 +186,14 @@ def _in_planes(points: Array, length: float, placing: Placing) -> Array:
 
 
 def divided(mesh: Mesh, curve_y: float, length: float) -> Mesh:
-    """The mesh, with its faces, with the material curve along element edges; itself where it runs along edges already.
+    """The mesh, with faces and regions, with the material curve along element edges; itself where it runs along edges
+    already.
 
     Raises `DesignError` where the curve leaves the material.
     """
     if curve_gap(mesh, curve_y, length) is None:
         return mesh
-    faces = {"": np.empty((0, 3), dtype=np.int64), **mesh.faces}
-    of = np.concatenate([np.full(len(triangles), k, dtype=np.int64) for k, triangles in enumerate(faces.values())])
-    points, tets, triangles, of, curved = with_curve(
-        mesh.points, mesh.tets, np.vstack(list(faces.values())), of, mesh.curved, curve_y, length
-    )
-    named = {name: triangles[of == k] for k, name in enumerate(faces) if name}
-    result = Mesh(points, tets, named, curved.usable(points, tets))
+    result = with_curve(mesh, curve_y, length)
     _check_curve(result, curve_y, length)
     return result
 

@@ -10,6 +10,7 @@ import numpy as np
 from geometry.arrays import Array, Index, Mask
 from geometry.curved import CurvedEdges
 from geometry.foreign.divided import DividedMesh, Line, improve
+from geometry.mesh import Mesh
 from geometry.quality import radius_ratios
 from geometry.topology import OUTWARD, normals, row_keys, signed_volumes
 
@@ -19,26 +20,49 @@ NEAR = 0.35
 LEAST_RATIO = 0.15
 
 
-def with_curve(
-    points: Array, tets: Index, triangles: Index, names: Index, curved: CurvedEdges, curve_y: float, length: float
-) -> tuple[Array, Index, Index, Index, CurvedEdges]:
-    """The mesh with the lines y = curve_y, z = 0 (from x = 0 to `length`) and y = curve_y (in the plane x = length)
-    along edges.
+def with_curve(mesh: Mesh, curve_y: float, length: float) -> Mesh:
+    """The mesh, with its faces and regions, with the lines y = curve_y, z = 0 (from x = 0 to `length`, mm) and
+    y = curve_y (in the plane x = length) along edges.
 
-    points (n, 3), mm; tets (m, 4), positively oriented; triangles (k, 3) with the numbers `names` (k,) of their names.
-    Returns the same five arrays. Where no material is around the curve nothing is divided there.
+    Where no material is around the curve nothing is divided there.
     """
-    size = float(np.ptp(points, axis=0).max())
-    points, line = points.copy(), Line(curve_y, length, 1e-9 * size)
+    size = float(np.ptp(mesh.points, axis=0).max())
+    points, tets, line = mesh.points.copy(), mesh.tets, Line(curve_y, length, 1e-9 * size)
     for axis, position in ((1, curve_y), (2, 0.0)):
         points[np.abs(points[:, axis] - position) < 1e-6 * size, axis] = position
-    walls = _boundary(tets, len(points))
+    faces = {"": np.empty((0, 3), dtype=np.int64), **mesh.faces}
+    names = np.concatenate([np.full(len(triangles), k, dtype=np.int64) for k, triangles in enumerate(faces.values())])
+    kinds, parts = _parts(mesh)
     near = _around(points, tets, line)
-    fixed = np.unique(tets[~near])
-    mesh = DividedMesh(points, tets[near], triangles, names, walls, curved, fixed)
-    if _divide(mesh, line, 1, curve_y) + _divide(mesh, line, 2, 0.0):
-        improve(mesh, line, len(points))
-    return mesh.points, np.vstack([tets[~near], mesh.tets]), mesh.triangles, mesh.names, mesh.curved
+    fixed = np.union1d(np.unique(tets[~near]), _between(tets, parts, len(points)))
+    triangles, walls = np.vstack(list(faces.values())), _boundary(tets, len(points))
+    part = DividedMesh(points, tets[near], parts[near], triangles, names, walls, mesh.curved, fixed)
+    if _divide(part, line, 1, curve_y) + _divide(part, line, 2, 0.0):
+        improve(part, line, len(points))
+    tets, parts = np.vstack([tets[~near], part.tets]), np.concatenate([parts[~near], part.parts])
+    named = {name: part.triangles[part.names == k] for k, name in enumerate(faces) if name}
+    regions = {name: np.flatnonzero(kinds[parts, k]) for k, name in enumerate(mesh.regions)}
+    return Mesh(part.points, tets, named, part.curved.usable(part.points, tets), regions)
+
+
+def _parts(mesh: Mesh) -> tuple[Mask, Index]:
+    """Which regions (k, r) each part of the body belongs to, and the number of the part of each element (m,)."""
+    held = np.zeros((len(mesh.tets), len(mesh.regions)), dtype=bool)
+    for k, rows in enumerate(mesh.regions.values()):
+        held[rows, k] = True
+    if not mesh.regions:
+        return held[:1], np.zeros(len(mesh.tets), dtype=np.int64)
+    kinds, part = np.unique(held, axis=0, return_inverse=True)
+    return kinds, part.reshape(-1)
+
+
+def _between(tets: Index, parts: Index, count: int) -> Index:
+    """The vertices that several parts of the body have."""
+    low, high = np.full(count, parts.max()), np.zeros(count, dtype=np.int64)
+    for corner in tets.T:
+        np.minimum.at(low, corner, parts)
+        np.maximum.at(high, corner, parts)
+    return np.flatnonzero(low < high)
 
 
 def _around(points: Array, tets: Index, line: Line) -> Mask:
@@ -102,7 +126,8 @@ def _bisect(mesh: DividedMesh, a: int, b: int, middle: Array) -> None:
     """Put a vertex at `middle` (3,) on the edge from a to b, and divide the elements and triangles around it."""
     new = len(mesh.points)
     mesh.points = np.vstack([mesh.points, middle])
-    mesh.tets, _ = _halves(mesh.tets, a, b, new)
+    mesh.tets, origin = _halves(mesh.tets, a, b, new)
+    mesh.parts = mesh.parts[origin]
     mesh.walls, _ = _halves(mesh.walls, a, b, new)
     mesh.triangles, origin = _halves(mesh.triangles, a, b, new)
     mesh.names = mesh.names[origin]

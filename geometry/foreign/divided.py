@@ -21,11 +21,12 @@ class DividedMesh:
 
     points: Array  #: (n, 3), mm
     tets: Index  #: (m, 4) those that may change
+    parts: Index  #: (m,) number of the part of the body, as its regions divide it, of each
     triangles: Index  #: (k, 3) named ones
     names: Index  #: (k,) number of the name of each
     walls: Index  #: (b, 3) triangles of the boundary, outward
     curved: CurvedEdges
-    fixed: Index  #: vertices of elements outside of this part
+    fixed: Index  #: vertices of elements outside of these, and those between parts of the body
 
 
 @dataclass(frozen=True)
@@ -113,7 +114,7 @@ def _star(mesh: DividedMesh, vertex: int) -> Index:
 def _collapse(mesh: DividedMesh, line: Line, vertex: int) -> bool:
     """Draw a vertex into that neighbour with which its elements are best, if they are better than now."""
     around = _star(mesh, vertex)
-    if not len(around) or (mesh.curved.ends == vertex).any():
+    if not len(around) or (mesh.curved.ends == vertex).any() or len(np.unique(mesh.parts[around])) > 1:
         return False
     star = mesh.tets[around]
     best, volume = float(radius_ratios(mesh.points, star).min()), float(signed_volumes(mesh.points, star).sum())
@@ -138,6 +139,7 @@ def _collapse(mesh: DividedMesh, line: Line, vertex: int) -> bool:
         return False
     gone = around[(star == chosen).any(axis=1)]
     mesh.tets = np.delete(np.where(mesh.tets == vertex, chosen, mesh.tets), gone, axis=0)
+    mesh.parts = np.delete(mesh.parts, gone)
     mesh.walls, _ = _without(mesh.walls, vertex, chosen)
     mesh.triangles, kept = _without(mesh.triangles, vertex, chosen)
     mesh.names = mesh.names[kept]
@@ -166,8 +168,11 @@ def _without(cells: Index, vertex: int, other: int) -> tuple[Index, Mask]:
 def _move(mesh: DividedMesh, line: Line, vertex: int) -> bool:
     """Move a vertex towards the middle of its neighbours, along the line if it lies on it, if its elements become
     better."""
-    star = mesh.tets[_star(mesh, vertex)]
-    if not len(star) or any((cells == vertex).any() for cells in (mesh.walls, mesh.curved.ends, mesh.fixed)):
+    around = _star(mesh, vertex)
+    star = mesh.tets[around]
+    if not len(star) or len(np.unique(mesh.parts[around])) > 1:
+        return False
+    if any((cells == vertex).any() for cells in (mesh.walls, mesh.curved.ends, mesh.fixed)):
         return False
     old, before = mesh.points[vertex].copy(), radius_ratios(mesh.points, star).min()
     step = mesh.points[np.setdiff1d(star, [vertex])].mean(axis=0) - old

@@ -1,7 +1,7 @@
 """The tetrahedra in a mesh file of any format that meshio reads, or Gmsh where meshio needs more than is installed."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +44,7 @@ class FileMesh:
     tets: Index  #: (m, 4)
     faces: Mapping[str, Index]  #: name -> (k, 3) triangles; empty where the file names none
     curved: CurvedEdges  #: edges of quadratic elements whose middle is not halfway between their ends
+    regions: Mapping[str, Index] = field(default_factory=dict)  #: name -> (k,) rows of tets; empty without named groups
 
 
 def read_mesh_file(path: Path) -> FileMesh:
@@ -62,7 +63,24 @@ def read_mesh_file(path: Path) -> FileMesh:
     _refuse_other_volumes(path, content)
     blocks = [block.data for block in content.cells if block.type in ("tetra", "tetra10")]
     points = np.asarray(content.points, dtype=np.float64)
-    return _collected(path, points, blocks, named_triangles(content))
+    return _collected(path, points, blocks, named_triangles(content), _named_rows(content))
+
+
+def _named_rows(content: Any) -> dict[str, Index]:
+    """Rows of the tetrahedra of each named group: physical volumes of Gmsh, element sets of Abaqus."""
+    regions: dict[str, list[Index]] = {}
+    first = 0
+    for number, block in enumerate(content.cells):
+        if block.type not in ("tetra", "tetra10"):
+            continue
+        for name in dict.fromkeys((*content.field_data, *content.cell_sets)):
+            rows = content.cell_sets[name][number] if name in content.cell_sets else None
+            if rows is None and "gmsh:physical" in content.cell_data and content.field_data[name][1] == 3:
+                rows = np.flatnonzero(content.cell_data["gmsh:physical"][number] == content.field_data[name][0])
+            if rows is not None and len(rows):
+                regions.setdefault(name, []).append(first + np.asarray(rows, dtype=np.int64))
+        first += len(block.data)
+    return {name: np.concatenate(rows) for name, rows in regions.items() if not name.startswith("gmsh:")}
 
 
 def _read_otherwise(path: Path, refused: MeshError) -> FileMesh:
@@ -90,7 +108,9 @@ def _refuse_other_volumes(path: Path, content: Any) -> None:
         )
 
 
-def _collected(path: Path, points: Array, blocks: list[Index], faces: Mapping[str, Index]) -> FileMesh:
+def _collected(
+    path: Path, points: Array, blocks: list[Index], faces: Mapping[str, Index], regions: Mapping[str, Index]
+) -> FileMesh:
     """The elements blocks (m, 4) and (m, 10) in one. Raises `MeshError` where there are none or middles lie wrong."""
     blocks = [np.asarray(block, dtype=np.int64) for block in blocks if len(block)]
     if not blocks:
@@ -103,7 +123,7 @@ def _collected(path: Path, points: Array, blocks: list[Index], faces: Mapping[st
         if block.shape[1] == 10:
             curved = curved.joined(_curved(path, points, block))
     tets = np.vstack([block[:, :4] for block in blocks])
-    return FileMesh(points, tets, faces, curved.usable(points, tets))
+    return FileMesh(points, tets, faces, curved.usable(points, tets), regions)
 
 
 def _curved(path: Path, points: Array, tets: Index) -> CurvedEdges:
@@ -125,7 +145,7 @@ def _curved(path: Path, points: Array, tets: Index) -> CurvedEdges:
 
 
 def _read_with_gmsh(path: Path) -> FileMesh:
-    """The tetrahedra and named groups of triangles of a file that Gmsh reads. Raises `MeshError`."""
+    """The tetrahedra and named groups of a file that Gmsh reads. Raises `MeshError`."""
     with session() as gmsh:
         try:
             gmsh.merge(str(path))
@@ -136,7 +156,7 @@ def _read_with_gmsh(path: Path) -> FileMesh:
             raise MeshError(f"the mesh file {path} cannot be read: Gmsh finds no points in it")
         index = np.full(int(tags.max()) + 1, -1)
         index[tags] = np.arange(len(tags))
-        kinds, _, nodes = gmsh.model.mesh.getElements(3)
+        kinds, elements, nodes = gmsh.model.mesh.getElements(3)
         others = [gmsh.model.mesh.getElementProperties(kind)[0] for kind in kinds if kind not in (4, 11)]
         if others:
             raise MeshError(
@@ -158,4 +178,16 @@ def _read_with_gmsh(path: Path) -> FileMesh:
             name = gmsh.model.getPhysicalName(2, group)
             if name and triangles:
                 faces[name] = np.vstack(triangles)
-        return _collected(path, coordinates.reshape(-1, 3), blocks, faces)
+        row = {int(number): k for k, number in enumerate(np.concatenate(elements))} if len(elements) else {}
+        regions = {}
+        for _, group in gmsh.model.getPhysicalGroups(3):
+            held = [
+                number
+                for entity in gmsh.model.getEntitiesForPhysicalGroup(3, group)
+                for numbers in gmsh.model.mesh.getElements(3, entity)[1]
+                for number in numbers
+            ]
+            name = gmsh.model.getPhysicalName(3, group)
+            if name and held:
+                regions[name] = np.array([row[int(number)] for number in held])
+        return _collected(path, coordinates.reshape(-1, 3), blocks, faces, regions)
