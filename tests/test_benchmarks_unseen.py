@@ -216,8 +216,10 @@ def test_a_second_law_confirms_a_limit_near_the_first() -> None:
     of_law = "a stretch of 0.3 is below 0.577, where svk is no longer stable"
     assert judged(of_law, 12.6, "neo_hooke", None)[1]
     assert judged(of_law, 12.6, "neo_hooke", far)[1]  # it goes on well beyond the limit of the first law
-    between = Failure(20.0, REASON, 0, 0, 9.0)
-    assert not judged(of_law, 12.6, "neo_hooke", between)[1]
+    before, shortly_before, behind = (Failure(20.0, REASON, 0, 0, kPa) for kPa in (9.0, 11.0, 15.9))
+    assert not judged(of_law, 12.6, "neo_hooke", before)[1]
+    assert judged(of_law, 12.6, "neo_hooke", shortly_before)[1]
+    assert "the law is the cause" in judged(of_law, 12.6, "neo_hooke", behind)[0]
     assert named_limit(near) == 11.0
     assert named_limit(Failure(20.0, REASON, 0, 0)) == 12.5
 

@@ -22,7 +22,17 @@ def in_single_precision() -> LinearSolver:
     return Pardiso(memory=0.0)
 
 
-SOLVERS = [pytest.param(Pardiso, marks=WITH_PARDISO), pytest.param(in_single_precision, marks=WITH_PARDISO), SuperLU]
+def of_large_matrices() -> LinearSolver:
+    """PARDISO as for large matrices: nested dissection, two levels."""
+    return Pardiso(large=0)
+
+
+SOLVERS = [
+    pytest.param(Pardiso, marks=WITH_PARDISO),
+    pytest.param(in_single_precision, marks=WITH_PARDISO),
+    pytest.param(of_large_matrices, marks=WITH_PARDISO),
+    SuperLU,
+]
 
 
 def upper(matrix: Array) -> sp.csr_matrix:
@@ -82,7 +92,7 @@ def test_one_analysis_serves_many_values(kind: Callable[[], LinearSolver]) -> No
     assert solver.times.factorizations == 2
 
 
-@pytest.mark.parametrize("kind", [SOLVERS[0], SuperLU])
+@pytest.mark.parametrize("kind", [SOLVERS[0], SOLVERS[2], SuperLU])
 @pytest.mark.parametrize(
     "matrix",
     [

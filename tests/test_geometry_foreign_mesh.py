@@ -14,6 +14,7 @@ from geometry.foreign.frame import rotation
 from geometry.foreign.shells import windings
 from geometry.manifold import check_manifold, check_untangled
 from geometry.meshing.solid import session
+from geometry.quality import radius_ratios
 from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, bar, half_bar, meshed, tube, two_chambers, write_mesh
 from tests.step_bodies import box
 
@@ -293,7 +294,7 @@ def test_keys_that_cannot_be_used(
 
 
 def two_materials(folder: Path, suffix: str, order: int = 1) -> Path:
-    """The bar as two volumes, its lowest 3 mm named base and the rest named chamber."""
+    """The bar as two volumes, its lowest 3 mm named base and the rest named chamber; both together are named all."""
     path = folder / f"two{order}{suffix}"
     with session() as gmsh:
         occ = gmsh.model.occ
@@ -302,7 +303,7 @@ def two_materials(folder: Path, suffix: str, order: int = 1) -> Path:
         occ.synchronize()
         volumes = {tag for _, tag in gmsh.model.getEntities(3)}
         base = {tag for tag in volumes if occ.getCenterOfMass(3, tag)[1] < 3}
-        for name, tags in (("base", base), ("chamber", volumes - base)):
+        for name, tags in (("base", base), ("chamber", volumes - base), ("all", volumes)):
             gmsh.model.addPhysicalGroup(3, sorted(tags), name=name)
         gmsh.option.setNumber("Mesh.MeshSizeMax", 4)
         gmsh.model.mesh.generate(3)
@@ -312,34 +313,65 @@ def two_materials(folder: Path, suffix: str, order: int = 1) -> Path:
 
 
 @pytest.mark.parametrize("curve", [1.3, 3.0, 2.8])
-@pytest.mark.parametrize(("suffix", "order"), [(".msh", 1), (".msh", 2), (".inp", 1), (".unv", 1)])
+@pytest.mark.parametrize(("suffix", "order"), [(".msh", 1), (".msh", 2), (".med", 1)])
 def test_named_groups_of_elements_are_regions(suffix: str, order: int, curve: float, folder: Path) -> None:
     """Their boundary stays where it was, also where elements beside it are divided along the material curve."""
     design = MeshFile(str(two_materials(folder, suffix, order)), curve=curve)
     check_bar(design)
-    volumes = dict(design.region_volumes)
-    base, chamber = (next(v for name, v in volumes.items() if name.lower() == wanted) for wanted in ("base", "chamber"))
-    assert base == pytest.approx(60 * 3 * 15, rel=1e-9)
-    assert base + chamber == pytest.approx(BAR_VOLUME, rel=1e-9)
+    assert dict(design.region_volumes) == pytest.approx(
+        {"base": 60 * 3 * 15, "chamber": BAR_VOLUME - 60 * 3 * 15, "all": BAR_VOLUME}, rel=1e-9
+    )
     assert not design.body(1.0).mesh.regions
-    name = next(name for name in volumes if name.lower() == "base")
-    mesh = design.with_regions([name]).body(1.0).mesh
-    assert set(mesh.regions) == {name}
+    with_base = design.with_regions(["base"])
+    check_bar(with_base)
+    mesh = with_base.body(1.0).mesh
+    assert set(mesh.regions) == {"base"}
     inside = np.zeros(len(mesh.tets), dtype=bool)
-    inside[mesh.regions[name]] = True
+    inside[mesh.regions["base"]] = True
     np.testing.assert_array_equal(inside, mesh.points[mesh.tets, 1].mean(axis=1) < 3)
+    assert mesh.volumes[inside].sum() == pytest.approx(60 * 3 * 15, rel=1e-9)
+    if curve != 2.8:  # 0.2 mm beside the boundary elements are thin
+        assert radius_ratios(mesh.points, mesh.tets).min() > 0.03
 
 
-def test_regions_that_are_missing_or_overlap_are_refused(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+def test_groups_without_a_material_do_not_change_the_mesh(folder: Path) -> None:
+    path = two_materials(folder, ".msh")
+    plain = MeshFile(str(path), curve=1.3).with_regions([]).body(1.0).mesh
+    content = meshio.read(path)
+    tets = np.vstack([block.data for block in content.cells if block.type == "tetra"])
+    nameless = MeshFile(str(write_mesh(folder / "nameless.vtu", content.points, tets)), curve=1.3).body(1.0).mesh
+    np.testing.assert_array_equal(plain.points, nameless.points)
+    np.testing.assert_array_equal(plain.tets, nameless.tets)
+
+
+def test_the_volume_of_a_region_is_that_of_its_curved_elements(folder: Path) -> None:
+    path = folder / "round.msh"
+    with session() as gmsh:
+        tube(gmsh.model.occ)
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [1], name="tube")
+        gmsh.option.setNumber("Mesh.MeshSizeMax", 4)
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(2)
+        gmsh.write(str(path))
+    design = MeshFile(str(path), curve=-6)
+    assert design.region_volumes["tube"] == pytest.approx(design.solid_volume, rel=2e-3)
+
+
+def test_regions_that_are_missing_or_overlap_are_refused(folder: Path) -> None:
     design = MeshFile(str(two_materials(folder, ".msh")), curve=1.3)
-    with pytest.raises(DesignError, match="no region of that name; it has base, chamber"):
+    with pytest.raises(DesignError, match="no region of that name; it has base, "):
         design.with_regions(["layer"])
+    with pytest.raises(DesignError, match="elements that belong to base and to all"):
+        design.with_regions(["base", "all"])
+    assert design.with_regions(["base", "chamber"]).regions == ("base", "chamber")
+
+
+def test_sets_of_abaqus_are_left_out(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
     points, tets = plain
     low = np.flatnonzero(points[tets, 1].mean(axis=1) < 3)
-    sets = {"base": [low], "left": [np.flatnonzero(points[tets, 0].mean(axis=1) < 30)]}
-    path = folder / "overlap.inp"
-    meshio.Mesh(points, [("tetra", tets)], cell_sets=sets).write(path)
-    overlapping = MeshFile(str(path), curve=1.5)
-    with pytest.raises(DesignError, match="elements that belong to base and to left"):
-        overlapping.with_regions(["base", "left"])
-    assert overlapping.with_regions(["left"]).regions == ("left",)
+    path = folder / "sets.inp"
+    meshio.Mesh(points, [("tetra", tets)], cell_sets={"base": [low], "left": [low[:5]]}).write(path)
+    design = MeshFile(str(path), curve=1.5)
+    check_bar(design)
+    assert not design.region_volumes

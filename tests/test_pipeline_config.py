@@ -446,6 +446,11 @@ def test_a_region_has_a_material_of_its_own(configs: Path) -> None:
             "materials.roof: this body has no region of that name; it has",
         ),
         ("materials=stiff", "must hold the names of regions, for example 'materials: {base: {law: svk"),
+        (
+            "materials={model_config: {law: svk, E: 1 MPa, nu: 0.4}}",
+            "materials.model_config: has a name that cannot be used",
+        ),
+        ("materials={_Set2: {law: svk, E: 1 MPa, nu: 0.4}}", "materials._Set2: has a name that cannot be used here"),
         ("materials.base=3 MPa", "must hold keys, for example 'base: {law: svk, ...}'"),
         ("materials.base={E: 1 MPa}", "materials.base.law: is missing; allowed: svk"),
         ("materials.base={law: svk, E: 1 MPa}", "materials.base.nu: is missing; for example"),

@@ -25,6 +25,9 @@ from geometry.arrays import Array
 OVERLAP = 0.7
 #: what the stiffness is multiplied by where walls pass through each other, and how often
 STIFFENING_FACTOR, MAX_STIFFENINGS = 4.0, 2
+#: depth over the activation distance from which on walls that overlap shortly before equilibrium do so in equilibrium
+#: as well: there gaps changed by up to 0.008 of it
+CLEAR_OVERLAP = 0.02
 #: distance over the barrier's width below which it is continued quadratically
 CONTINUATION = 0.5
 #: compliance of the body at a pair over the smallest one of the barrier, as Newton's method assumes it where it chooses
@@ -111,12 +114,12 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
         return self.exact().violation(x) if self.exact else ""
 
     def gives_way(self, x: Array) -> bool:
-        return self.stiffenings > 0 and self.gap(x) <= 0
+        return self.stiffenings > 0 and self.gap(x) < -CLEAR_OVERLAP * self.dhat
 
     def tightened(self, x: Array) -> UnilateralTerm:
         """A stiffer barrier where walls overlap, as often as that is tried; else the one with exact distances, and the
         term itself where there is none."""
-        if self.gives_way(x):
+        if self.stiffenings and self.gap(x) <= 0:
             return replace(self, stiffness=STIFFENING_FACTOR * self.stiffness, stiffenings=self.stiffenings - 1)
         return self.exact() if self.exact else self
 

@@ -80,18 +80,18 @@ class LoadTerm(Term):
 
 
 class CarryingTerm(Term):
-    """A term with a quantity of its own that Newton's method carries as an unknown, as it does the stress of the solid.
+    """A term with a stress or gap of its own that Newton's method carries as an unknown, as the stress of the solid.
 
-    It makes the forces of the term, which are those of the positions once the method has converged.
+    The term's forces are linearised around it. Once the method has converged it is that of the positions.
     """
 
     @abstractmethod
     def advanced(self, x: Array, dx: Array) -> Self:
-        """The term with what the Newton step dx (n, 3) from x makes of that quantity."""
+        """The term with the stress or gap after the Newton step dx (n, 3) from x."""
 
     @abstractmethod
     def settled(self) -> Self:
-        """The term with the quantity that belongs to the positions themselves."""
+        """The term with the stress or gap of the positions themselves."""
 
 
 class StressCarryingTerm(CarryingTerm):
@@ -134,7 +134,7 @@ class PenaltyTerm(UnilateralTerm):
 
     @abstractmethod
     def gives_way(self, x: Array) -> bool:
-        """Whether parts overlap at x (n, 3) although a stiffer penalty could be tried."""
+        """Whether parts clearly overlap at x (n, 3), shortly before equilibrium, and a stiffer penalty can be tried."""
 
     @abstractmethod
     def tightened(self, x: Array) -> UnilateralTerm:

@@ -97,7 +97,8 @@ class Pardiso(LinearSolver):
     factor as its preconditioner, to the same accuracy.
     """
 
-    def __init__(self, memory: float | None = None) -> None:
+    def __init__(self, memory: float | None = None, large: int = LARGE) -> None:
+        """large: number of unknowns from which on nested dissection and two levels are taken."""
         if library := _runtime():  # before the import, which makes a solver of its own
             os.environ.setdefault("PYPARDISO_MKL_RT", library)
         from pypardiso import PyPardisoSolver
@@ -107,7 +108,7 @@ class Pardiso(LinearSolver):
         # position 35: row starts and columns count from zero, so that PARDISO reads them where they are
         for position, value in {1: 1, 8: 0, 10: -ZERO_PIVOT_EXPONENT, 11: 0, 13: 0, 35: 1}.items():
             self._solver.set_iparm(position, value)
-        self._memory = memory
+        self._memory, self._large = memory, large
         self._matrix = sp.csr_matrix((0, 0))
         self._data = np.empty(0)
         self.times = LinearTimes()
@@ -145,7 +146,7 @@ class Pardiso(LinearSolver):
         self.close()
         spare = spare_memory() if self._memory is None else self._memory
         size = indptr.shape[0] - 1
-        is_large = size >= LARGE
+        is_large = size >= self._large
         self._solver.set_iparm(2, NESTED_DISSECTION if is_large else MINIMUM_DEGREE)
         self._solver.set_iparm(TWO_LEVEL, int(is_large))
         for kind, precision in ((np.float64, 0), (np.float32, 1)):

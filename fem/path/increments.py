@@ -42,9 +42,9 @@ SMALLEST_NEAR_LIMIT = 1 / 4
 class Increments:
     """Increments on the way from one value of the driven quantity to the next target, as fractions of this way.
 
-    The whole way is tried first. An increment that fails is halved, one that converges quickly is doubled, after the
-    second failure only where several in succession do. Where the path announces a limit, the next increment ends
-    shortly before or shortly behind it.
+    The whole way is tried first. An increment that fails is halved, one that converges quickly is doubled. Where
+    increments fail again after one that converged, a longer one is tried only after 2, 3, at most 4 quick ones in a
+    row. Where the path announces a limit, the next increment ends shortly before or shortly behind it.
     """
 
     start: float  #: value of the driven quantity where the way begins
@@ -128,13 +128,15 @@ class Increments:
         if self.reached - self._near > self._accuracy:
             self._near, self._near_failures = self.reached, 0
         self._has_succeeded = True
-        if not placed:
+        if placed:
+            self._quick = 0
+        else:
             self._lengthen(iterations <= QUICK_ITERATIONS)
         is_close = self._failed - self.reached <= RETRY * self._distance
         if self.reached >= self._failed or (is_close and not self.limit_is_confirmed):
             self._failed = np.inf
         elif limit is None and self.reached + self._increment >= self._failed and not is_close:
-            self._increment = (self._failed - self.reached) / 2
+            self._increment, self._quick = (self._failed - self.reached) / 2, 0
 
     def _lengthen(self, quick: bool) -> None:
         """Double the increment where so many have been quick in succession, the last one as `quick` says."""

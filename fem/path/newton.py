@@ -9,7 +9,7 @@ linearised around it,
     S <- S(e) + C(e) : (E(u) + B du - e),    e <- E(u) + B du,    u <- u + du,
 
 because u alone strains the body far more on its way than it does in the end. In equilibrium e = E(u), which is checked
-with the law itself, so the solution is that of the usual method.
+with the law itself, so the solution is that of the usual method. Contact carries its gaps (`fem.effects.barrier`).
 """
 
 from collections.abc import Callable
@@ -36,8 +36,8 @@ from geometry.arrays import Array
 
 #: relative residual below which a state shows which walls meet, as well as an equilibrium does
 NEAR = 0.1
-#: relative residual below which walls that overlap will do so in equilibrium
-SETTLED = 1e-2
+#: relative residual below which walls that clearly overlap are taken to do so in equilibrium
+OVERLAP_IS_SURE = 1e-2
 #: relative residual above which terms give a positive semi-definite substitute of their second derivative
 CONVEX_ABOVE = 0.1
 #: relative residual above which a state is far from equilibrium
@@ -67,7 +67,7 @@ class Start:
     """Where Newton's method starts, and how much it may cost from there."""
 
     state: State
-    terms: Terms  #: with the stress that goes with the state
+    terms: Terms  #: with the stress and the gaps that go with the state
     max_iterations: int | None = None  #: besides that of `NewtonOptions`; None: no other
     iterates: bool = False  #: whether an equilibrium there needs an iteration, whose tangent tells its stability
     trial: bool = False  #: whether it is given up as soon as the strain is limited, because another start follows
@@ -113,8 +113,8 @@ def solve(
     """Equilibrium of the body where `control` puts it, from `start`.
 
     Returns early, unconverged, once the relative residual is below NEAR and a term of `inactive` is penetrated, or
-    below SETTLED and a contact that could be stiffer does not keep walls apart; the caller then activates or stiffens
-    it. Raises `StepFailed`.
+    below OVERLAP_IS_SURE and a contact that could be stiffer does not keep walls apart; the caller then activates or
+    stiffens it. Raises `StepFailed`.
     """
     system, state, terms = control.system, control.start(start.state), start.terms
     max_iterations = min(options.iterations, start.max_iterations or options.iterations)
@@ -137,7 +137,8 @@ def solve(
         x = system.space.points + state.displacement
         if relative < NEAR and smallest_gap(inactive, x) < 0:
             return Converged(state, assembly, iteration, relative, linearised)
-        if relative < SETTLED and any(isinstance(term, PenaltyTerm) and term.gives_way(x) for term in terms):
+        is_sure = iteration > 0 and relative < OVERLAP_IS_SURE
+        if is_sure and any(isinstance(term, PenaltyTerm) and term.gives_way(x) for term in terms):
             return Converged(state, assembly, iteration, relative, linearised)
         if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")

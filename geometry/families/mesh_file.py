@@ -18,7 +18,7 @@ from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh, MeshError
 from geometry.meshing.cad_import import Point
-from geometry.topology import open_edges, signed_volumes
+from geometry.topology import open_edges
 
 
 @final
@@ -29,7 +29,7 @@ class MeshFile(FileDesign):
     Its ends are flat faces in the planes x = clamp and x = tip, its cavities closed surfaces within it, chosen by a
     point in their air where there are several. A Gmsh file may name its faces instead, by physical groups: clamp, tip,
     cavity, further cavities whose names begin with cavity, and sym in the plane z = 0 of a half body. Named groups of
-    elements (physical volumes of Gmsh, element sets of Abaqus) are regions, which may have materials of their own.
+    elements (physical volumes of Gmsh, groups of MED and UNV) are regions, which may have materials of their own.
     Elements through which the material curve (y = curve, z = 0) passes are divided so that it runs along edges; all
     others stay as they are. The constructor reads and checks the file; its `DesignError` names the config key to
     change. The cells are nominal: equal parts of the length, about `cell` long.
@@ -55,12 +55,10 @@ class MeshFile(FileDesign):
 
     @cached_property
     def fixed_body(self) -> Body:
-        """The body, moved along x so that its clamp is at x = 0."""
+        """The body, moved along x so that its clamp is at x = 0, with the regions of `with_regions`."""
         try:
-            placing = Placing(
-                self.curve, self.clamp, self.tip, self.air, self.symmetric, self.unit, self.axes, self.plug
-            )
-            content = turned(read_mesh_file(Path(self.file)), placing)
+            placing, content = self._placing, self._content
+            content = replace(content, regions={name: content.regions[name] for name in self.regions})
             given = self.clamp is not None or self.tip is not None or self.air or self.plug
             by_planes = given or not _has_names(content)
             placed = placed_by_planes(content, placing) if by_planes else _placed_by_names(content, placing)
@@ -69,6 +67,15 @@ class MeshFile(FileDesign):
             return Body(placed.mesh, self.family, placed.length, pitch, self.curve, half, placed.cavities)
         except MeshError as error:
             raise DesignError("file", str(error)) from error
+
+    @property
+    def _placing(self) -> Placing:
+        return Placing(self.curve, self.clamp, self.tip, self.air, self.symmetric, self.unit, self.axes, self.plug)
+
+    @cached_property
+    def _content(self) -> FileMesh:
+        """What the file says, in mm and in the directions of the arm."""
+        return turned(read_mesh_file(Path(self.file)), self._placing)
 
     @property
     def length(self) -> float:
@@ -97,27 +104,32 @@ class MeshFile(FileDesign):
         """Number of times that the meshed volume is in the body."""
         return 2 if self.fixed_body.half else 1
 
-    @property
+    @cached_property
     def region_volumes(self) -> Mapping[str, float]:
-        mesh = self.fixed_body.mesh
-        volumes = np.abs(signed_volumes(mesh.points, mesh.tets))
-        return {name: self._halves * float(volumes[tets].sum()) for name, tets in mesh.regions.items()}
+        """Volume of each named group of elements (both halves), mm3."""
+        points, content = self._content.points, self._content
+        parts = {name: content.tets[rows] for name, rows in content.regions.items()}
+        return {
+            name: self._halves * Mesh(points, tets, {}, content.curved.usable(points, tets)).volume
+            for name, tets in parts.items()
+        }
 
     def with_regions(self, names: Iterable[str]) -> Self:
         chosen = super().with_regions(names)
-        regions = self.fixed_body.mesh.regions
+        groups = self._content.regions
         for first, second in combinations(chosen.regions, 2):
-            if np.intersect1d(regions[first], regions[second]).size:
+            if np.intersect1d(groups[first], groups[second]).size:
                 raise DesignError(
                     f"materials.{second}", f"the mesh has elements that belong to {first} and to {second}"
                 )
+        if chosen.regions:  # elements between regions are divided in another way
+            chosen.__dict__.pop("fixed_body", None)
+            _ = chosen.fixed_body
         return chosen
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        """The mesh of the file, with the regions of `with_regions`; `size` and `grading` are not used."""
-        body = self.fixed_body
-        regions = {name: body.mesh.regions[name] for name in self.regions}
-        return replace(body, mesh=replace(body.mesh, regions=regions))
+        """The mesh of the file; `size` and `grading` are not used."""
+        return self.fixed_body
 
 
 def _has_names(content: FileMesh) -> bool:

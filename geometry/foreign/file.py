@@ -15,8 +15,9 @@ from geometry.topology import EDGES
 
 #: formats that Gmsh reads here: meshio has no UNV, and needs h5py for MED
 OF_GMSH = (".med", ".unv")
-#: formats of which Gmsh reads files that meshio refuses, such as Nastran's without its BEGIN BULK
-OF_BOTH = (".bdf", ".nas", ".inp", ".mesh", ".su2")
+#: formats of which Gmsh reads files that meshio refuses, such as Nastran's without its BEGIN BULK, or its own where
+#: only some elements are in a group
+OF_BOTH = (".bdf", ".nas", ".inp", ".mesh", ".su2", ".msh")
 #: what a mesh file may end with
 SUFFIXES = (
     *(".msh", ".vtk", ".vtu", ".inp", ".bdf", ".nas", ".fem", ".mesh", ".meshb", ".su2", ".avs", ".vol", ".ugrid"),
@@ -67,20 +68,22 @@ def read_mesh_file(path: Path) -> FileMesh:
 
 
 def _named_rows(content: Any) -> dict[str, Index]:
-    """Rows of the tetrahedra of each named group: physical volumes of Gmsh, element sets of Abaqus."""
+    """Rows of the tetrahedra of each physical volume of Gmsh. Sets of other formats are left out: what meshio makes of
+    Abaqus' sets are not always the rows of their elements."""
     regions: dict[str, list[Index]] = {}
     first = 0
     for number, block in enumerate(content.cells):
         if block.type not in ("tetra", "tetra10"):
             continue
-        for name in dict.fromkeys((*content.field_data, *content.cell_sets)):
-            rows = content.cell_sets[name][number] if name in content.cell_sets else None
-            if rows is None and "gmsh:physical" in content.cell_data and content.field_data[name][1] == 3:
-                rows = np.flatnonzero(content.cell_data["gmsh:physical"][number] == content.field_data[name][0])
-            if rows is not None and len(rows):
+        for name, (tag, dimension) in content.field_data.items() if "gmsh:physical" in content.cell_data else ():
+            sets = content.cell_sets.get(name)  # an element may be in several groups, and has one tag
+            rows = None if sets is None or len(sets) != len(content.cells) else sets[number]
+            if rows is None and dimension == 3:
+                rows = np.flatnonzero(content.cell_data["gmsh:physical"][number] == tag)
+            if dimension == 3 and rows is not None and len(rows):
                 regions.setdefault(name, []).append(first + np.asarray(rows, dtype=np.int64))
         first += len(block.data)
-    return {name: np.concatenate(rows) for name, rows in regions.items() if not name.startswith("gmsh:")}
+    return {name: np.concatenate(rows) for name, rows in regions.items()}
 
 
 def _read_otherwise(path: Path, refused: MeshError) -> FileMesh:
@@ -175,19 +178,20 @@ def _read_with_gmsh(path: Path) -> FileMesh:
                 for kind, numbers in zip(*gmsh.model.mesh.getElements(2, entity)[::2], strict=True)
                 if kind in (2, 9)
             ]
-            name = gmsh.model.getPhysicalName(2, group)
+            name = gmsh.model.getPhysicalName(2, group).strip()
             if name and triangles:
                 faces[name] = np.vstack(triangles)
-        row = {int(number): k for k, number in enumerate(np.concatenate(elements))} if len(elements) else {}
+        numbers = np.concatenate([*elements, np.zeros(1, dtype=np.uint64)]).astype(np.int64)
+        row = np.full(int(numbers.max()) + 1, -1)
+        row[numbers[:-1]] = np.arange(len(numbers) - 1)
         regions = {}
         for _, group in gmsh.model.getPhysicalGroups(3):
             held = [
-                number
+                row[numbers.astype(np.int64)]
                 for entity in gmsh.model.getEntitiesForPhysicalGroup(3, group)
                 for numbers in gmsh.model.mesh.getElements(3, entity)[1]
-                for number in numbers
             ]
-            name = gmsh.model.getPhysicalName(3, group)
+            name = gmsh.model.getPhysicalName(3, group).strip()  # MED pads with blanks
             if name and held:
-                regions[name] = np.array([row[int(number)] for number in held])
+                regions[name] = np.concatenate(held)
         return _collected(path, coordinates.reshape(-1, 3), blocks, faces, regions)

@@ -187,7 +187,12 @@ def _regions(document: Document, refusals: list[str]) -> list[str]:
     """The names of the regions with a material of their own; a refusal more where they are written in another way."""
     regions = document.content.get(MATERIALS, {})
     if isinstance(regions, Mapping) and all(isinstance(name, str) and name for name in regions):
-        return list(regions)
+        taken = [name for name in regions if name.startswith(("_", "model_")) or hasattr(pydantic.BaseModel, name)]
+        for name in taken:
+            refusals.append(
+                document.sentence((MATERIALS, name), "has a name that cannot be used here; rename the group")
+            )
+        return [name for name in regions if name not in taken]
     example = "'materials: {base: {law: svk, E: 5 MPa, nu: 0.495}}'"
     refusals.append(document.sentence((MATERIALS,), f"must hold the names of regions, for example {example}"))
     return []
