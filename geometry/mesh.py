@@ -279,23 +279,34 @@ def _read(path: Path) -> tuple[Array, Index, dict[str, Index]]:
 
 def named_triangles(content: Any) -> dict[str, Index]:
     """The triangles of each named physical group; a triangle in several groups is listed under each of their names."""
-    faces: dict[str, Index] = {}
+    groups = named_rows(content, 2, ("triangle", "triangle6"))
+    return {
+        name: np.vstack([content.cells[number].data[rows, :3] for number, rows in parts.items()])
+        for name, parts in groups.items()
+    }
+
+
+def named_rows(content: Any, dimension: int, kinds: tuple[str, ...]) -> dict[str, dict[int, Index]]:
+    """Of each named physical group of a dimension its rows in each block of these kinds of cells, by the number of the
+    block; a cell in several groups is listed under each of their names."""
+    groups: dict[str, dict[int, Index]] = {}
     for name in content.field_data:
-        blocks = [
-            block.data[np.asarray(rows, dtype=np.int64), :3]
-            for block, rows in zip(content.cells, content.cell_sets.get(name, []), strict=False)
-            if block.type in ("triangle", "triangle6") and rows is not None and len(rows)
-        ]
-        if not blocks and "gmsh:physical" in content.cell_data and content.field_data[name][1] == 2:
-            tag = content.field_data[name][0]
-            blocks = [
-                block.data[np.asarray(groups) == tag][:, :3]
-                for block, groups in zip(content.cells, content.cell_data["gmsh:physical"], strict=True)
-                if block.type in ("triangle", "triangle6")
-            ]
-        if sum(map(len, blocks)):
-            faces[name] = np.vstack(blocks)
-    return faces
+        sets = zip(content.cells, content.cell_sets.get(name, []), strict=False)
+        parts = {
+            number: np.asarray(rows, dtype=np.int64)
+            for number, (block, rows) in enumerate(sets)
+            if block.type in kinds and rows is not None and len(rows)
+        }
+        if not parts and "gmsh:physical" in content.cell_data and content.field_data[name][1] == dimension:
+            tags = zip(content.cells, content.cell_data["gmsh:physical"], strict=True)
+            parts = {
+                number: np.flatnonzero(np.asarray(of) == content.field_data[name][0])
+                for number, (block, of) in enumerate(tags)
+                if block.type in kinds
+            }
+        if sum(map(len, parts.values())):
+            groups[name] = parts
+    return groups
 
 
 def _write(path: Path, points: Array, tets: Index, faces: Mapping[str, Index]) -> None:

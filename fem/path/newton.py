@@ -134,12 +134,12 @@ def solve(
             relative = _relative_residual(system, exact)
             if relative < options.tolerance:
                 return Converged(consistent, exact, iteration, relative, linearised)
-        x = system.space.points + state.displacement
-        if relative < NEAR and smallest_gap(inactive, x) < 0:
-            return Converged(state, assembly, iteration, relative, linearised)
-        is_sure = iteration > 0 and relative < OVERLAP_IS_SURE
-        if is_sure and any(isinstance(term, PenaltyTerm) and term.gives_way(x) for term in terms):
-            return Converged(state, assembly, iteration, relative, linearised)
+        if relative < NEAR:
+            x = system.space.points + state.displacement
+            penalties = [term for term in terms if isinstance(term, PenaltyTerm)]
+            is_sure = iteration > 0 and relative < OVERLAP_IS_SURE
+            if smallest_gap(inactive, x) < 0 or (is_sure and any(term.gives_way(x) for term in penalties)):
+                return Converged(state, assembly, iteration, relative, linearised)
         if not np.isfinite(relative):
             raise StepFailed(f"the residual grew without bound after {iteration} iterations")
         far += relative > FAR

@@ -24,7 +24,7 @@ def with_curve(mesh: Mesh, curve_y: float, length: float) -> Mesh:
     """The mesh, with its faces and regions, with the lines y = curve_y, z = 0 (from x = 0 to `length`, mm) and
     y = curve_y (in the plane x = length) along edges.
 
-    Where no material is around the curve nothing is divided there.
+    The regions have no element in common. Where no material is around the curve nothing is divided there.
     """
     size = float(np.ptp(mesh.points, axis=0).max())
     points, tets, line = mesh.points.copy(), mesh.tets, Line(curve_y, length, 1e-9 * size)
@@ -32,7 +32,9 @@ def with_curve(mesh: Mesh, curve_y: float, length: float) -> Mesh:
         points[np.abs(points[:, axis] - position) < 1e-6 * size, axis] = position
     faces = {"": np.empty((0, 3), dtype=np.int64), **mesh.faces}
     names = np.concatenate([np.full(len(triangles), k, dtype=np.int64) for k, triangles in enumerate(faces.values())])
-    kinds, parts = _parts(mesh)
+    parts = np.zeros(len(tets), dtype=np.int64)
+    for k, rows in enumerate(mesh.regions.values(), start=1):
+        parts[rows] = k
     near = _around(points, tets, line)
     fixed = np.union1d(np.unique(tets[~near]), _between(tets, parts, len(points)))
     triangles, walls = np.vstack(list(faces.values())), _boundary(tets, len(points))
@@ -41,19 +43,8 @@ def with_curve(mesh: Mesh, curve_y: float, length: float) -> Mesh:
         improve(part, line, len(points))
     tets, parts = np.vstack([tets[~near], part.tets]), np.concatenate([parts[~near], part.parts])
     named = {name: part.triangles[part.names == k] for k, name in enumerate(faces) if name}
-    regions = {name: np.flatnonzero(kinds[parts, k]) for k, name in enumerate(mesh.regions)}
+    regions = {name: np.flatnonzero(parts == k) for k, name in enumerate(mesh.regions, start=1)}
     return Mesh(part.points, tets, named, part.curved.usable(part.points, tets), regions)
-
-
-def _parts(mesh: Mesh) -> tuple[Mask, Index]:
-    """Which regions (k, r) each part of the body belongs to, and the number of the part of each element (m,)."""
-    held = np.zeros((len(mesh.tets), len(mesh.regions)), dtype=bool)
-    for k, rows in enumerate(mesh.regions.values()):
-        held[rows, k] = True
-    if not mesh.regions:
-        return held[:1], np.zeros(len(mesh.tets), dtype=np.int64)
-    kinds, part = np.unique(held, axis=0, return_inverse=True)
-    return kinds, part.reshape(-1)
 
 
 def _between(tets: Index, parts: Index, count: int) -> Index:

@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, curved_edges
-from geometry.mesh import MeshError, named_triangles, read_content
+from geometry.mesh import MeshError, named_rows, named_triangles, read_content
 from geometry.meshing.solid import session
 from geometry.topology import EDGES
 
@@ -24,6 +24,8 @@ SUFFIXES = (
     *(".xdmf", ".xmf", ".xml", ".dat", ".mdpa", ".f3grid", ".ele", ".node", ".e", ".exo", ".cgns"),
     *OF_GMSH,
 )
+#: meshio's names of tetrahedra with 4 and 10 nodes
+TETRAHEDRA = ("tetra", "tetra10")
 #: elements of a volume that are not used, as a user calls them, by the beginning of meshio's name
 _OTHER_VOLUMES = {
     "hexahedron": "hexahedra",
@@ -62,7 +64,7 @@ def read_mesh_file(path: Path) -> FileMesh:
     except MeshError as refused:
         return _read_otherwise(path, refused)
     _refuse_other_volumes(path, content)
-    blocks = [block.data for block in content.cells if block.type in ("tetra", "tetra10")]
+    blocks = [block.data for block in content.cells if block.type in TETRAHEDRA]
     points = np.asarray(content.points, dtype=np.float64)
     return _collected(path, points, blocks, named_triangles(content), _named_rows(content))
 
@@ -70,20 +72,12 @@ def read_mesh_file(path: Path) -> FileMesh:
 def _named_rows(content: Any) -> dict[str, Index]:
     """Rows of the tetrahedra of each physical volume of Gmsh. Sets of other formats are left out: what meshio makes of
     Abaqus' sets are not always the rows of their elements."""
-    regions: dict[str, list[Index]] = {}
-    first = 0
-    for number, block in enumerate(content.cells):
-        if block.type not in ("tetra", "tetra10"):
-            continue
-        for name, (tag, dimension) in content.field_data.items() if "gmsh:physical" in content.cell_data else ():
-            sets = content.cell_sets.get(name)  # an element may be in several groups, and has one tag
-            rows = None if sets is None or len(sets) != len(content.cells) else sets[number]
-            if rows is None and dimension == 3:
-                rows = np.flatnonzero(content.cell_data["gmsh:physical"][number] == tag)
-            if dimension == 3 and rows is not None and len(rows):
-                regions.setdefault(name, []).append(first + np.asarray(rows, dtype=np.int64))
-        first += len(block.data)
-    return {name: np.concatenate(rows) for name, rows in regions.items()}
+    if "gmsh:physical" not in content.cell_data:
+        return {}
+    sizes = [len(block.data) if block.type in TETRAHEDRA else 0 for block in content.cells]
+    first = np.concatenate([[0], np.cumsum(sizes)])
+    groups = named_rows(content, 3, TETRAHEDRA)
+    return {name: np.concatenate([first[k] + rows for k, rows in parts.items()]) for name, parts in groups.items()}
 
 
 def _read_otherwise(path: Path, refused: MeshError) -> FileMesh:
@@ -101,7 +95,7 @@ def _refuse_other_volumes(path: Path, content: Any) -> None:
     counts: dict[str, int] = {}
     for block in content.cells:
         name = next((name for key, name in _OTHER_VOLUMES.items() if block.type.startswith(key)), None)
-        if name is not None and block.type not in ("tetra", "tetra10"):
+        if name is not None and block.type not in TETRAHEDRA:
             counts[name] = counts.get(name, 0) + len(block.data)
     if counts:
         found = " and ".join(f"{count} {name}" for name, count in counts.items())
