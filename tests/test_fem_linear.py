@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from bodies import hollow_box
 
 from fem import Fixed, Model, NewtonOptions, PathOptions, Pressure, StVenantKirchhoff, follow
+from fem.equations import linear
 from fem.equations.heap import keep_freed_memory
 from fem.equations.linear import LinearSolver, Pardiso, SingularMatrix, SuperLU, available_solver
 from geometry.arrays import Array
@@ -123,13 +124,54 @@ def test_both_solvers_agree_on_an_indefinite_matrix() -> None:
     assert pardiso.negative_pivots == superlu.negative_pivots == 11
 
 
+@WITH_PARDISO
 def test_a_closed_solver_has_released_its_memory() -> None:
-    if available_solver() is not Pardiso:
-        pytest.skip("no PARDISO here")
-    solver = factorized(Pardiso, indefinite(30, 2, seed=1))
-    solver.close()
-    solver.close()
-    assert not solver._solver.pt.any()
+    for kind in (Pardiso, in_single_precision, of_large_matrices):
+        solver = factorized(kind, indefinite(30, 2, seed=1))
+        solver.close()
+        solver.close()
+        assert not solver._solver.pt.any()
+
+
+@WITH_PARDISO
+def test_the_analysis_of_a_closed_solver_serves_the_next_one_of_its_pattern(monkeypatch: pytest.MonkeyPatch) -> None:
+    phases: list[int] = []
+    call = Pardiso._call
+    monkeypatch.setattr(Pardiso, "_call", lambda self, phase, right: phases.append(phase) or call(self, phase, right))
+    monkeypatch.setattr(linear, "_unused", [])
+    matrix, right = indefinite(200, 3, seed=11), np.linspace(1.0, 2.0, 200)
+
+    def solution(factor: float) -> Array:
+        solver = factorized(Pardiso, factor * matrix)
+        try:
+            return solver.solve(right)
+        finally:
+            assert solver.negative_pivots == 3
+            solver.close()
+
+    first, double, again = solution(1.0), solution(2.0), solution(1.0)
+    assert phases.count(linear.ANALYSE) == 1
+    np.testing.assert_array_equal(first, again)
+    np.testing.assert_allclose(double, 0.5 * first, rtol=1e-9)
+    both = [factorized(Pardiso, matrix) for _ in range(2)]  # an analysis in use is not shared
+    assert phases.count(linear.ANALYSE) == 2
+    np.testing.assert_array_equal(both[0].solve(right), first)
+    np.testing.assert_array_equal(both[1].solve(right), first)
+
+
+@WITH_PARDISO
+def test_few_analyses_are_kept_and_none_after_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept: list[linear._Analysis] = []
+    monkeypatch.setattr(linear, "_unused", kept)
+    for size in range(20, 20 + 2 * linear.KEPT):
+        factorized(Pardiso, indefinite(size, 1, seed=size)).close()
+    sizes = [analysis.indptr.shape[0] - 1 for analysis in kept]
+    assert sizes == list(range(20 + linear.KEPT, 20 + 2 * linear.KEPT))
+    for solver in (factorized(Pardiso, indefinite(10, 0, seed=1)), factorized(in_single_precision, np.eye(9))):
+        solver._failed = True
+        solver.close()
+    assert len(kept) == linear.KEPT
+    assert not any(analysis.indptr.shape[0] - 1 in (9, 10) for analysis in kept)
 
 
 @WITH_PARDISO

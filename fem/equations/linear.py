@@ -11,7 +11,7 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 from time import perf_counter
-from typing import Any, final
+from typing import Any, NamedTuple, final
 
 import numpy as np
 import scipy.sparse as sp
@@ -40,6 +40,10 @@ PIVOTING = 21
 REFINED_RESIDUAL = 1e-9
 REFINEMENTS = 8
 RESTART = 40
+#: phases of PARDISO; the last one gives the factor back and keeps the analysis
+ANALYSE, FACTORIZE, SOLVE, RELEASE_FACTOR = 11, 22, 33, 0
+#: analyses that no solver uses are kept for later matrices of the same pattern: so many, of fewer unknowns than LARGE
+KEPT = 4
 SINGULAR = "a pivot is zero: a part of the body is not held, or the equilibrium is at a limit point"
 
 
@@ -88,9 +92,24 @@ class LinearSolver(ABC):
         """Give the memory of the factor back."""
 
 
+class _Analysis(NamedTuple):
+    """What PARDISO keeps of the symbolic analysis of a pattern, without a factor."""
+
+    indptr: NDArray[Any]  #: (d + 1,)
+    indices: NDArray[Any]  #: (nnz,)
+    handle: NDArray[Any]
+    parameters: NDArray[Any]
+
+
+#: analyses that no solver of this process uses, the latest at the end
+_unused: list[_Analysis] = []
+
+
 @final
 class Pardiso(LinearSolver):
     """PARDISO of the MKL for real symmetric indefinite matrices (mtype -2), phases 11, 22 and 33 apart.
+
+    The analysis of a solver that was closed serves the next one with a matrix of the same pattern.
 
     A factor that would not fit into `memory` (bytes; by default what the machine has to spare when the matrix is
     analysed) is made in single precision, half as large; solutions then come from GMRES in double precision with that
@@ -111,6 +130,7 @@ class Pardiso(LinearSolver):
         self._memory, self._large = memory, large
         self._matrix = sp.csr_matrix((0, 0))
         self._data = np.empty(0)
+        self._failed = False  #: whether PARDISO has reported an error since the last analysis began
         self.times = LinearTimes()
         self.generation = 0
 
@@ -125,6 +145,7 @@ class Pardiso(LinearSolver):
         pardiso = solver._mkl_pardiso
         arguments = zip((*values, right, solution, error), pardiso.argtypes, strict=True)
         pardiso(*(_pointer(value, kind) for value, kind in arguments))
+        self._failed |= bool(error[0])
         if error[0] == -2:
             raise MemoryError("PARDISO: the factor does not fit into memory; choose a coarser mesh")
         if error[0]:
@@ -146,18 +167,46 @@ class Pardiso(LinearSolver):
         self.close()
         spare = spare_memory() if self._memory is None else self._memory
         size = indptr.shape[0] - 1
-        is_large = size >= self._large
+        is_large, self._failed = size >= self._large, False
+        self.times.analyses += 1
+        if not is_large and self._take(indptr, indices, spare):
+            self.times.analysis += perf_counter() - start
+            return
         self._solver.set_iparm(2, NESTED_DISSECTION if is_large else MINIMUM_DEGREE)
         self._solver.set_iparm(TWO_LEVEL, int(is_large))
         for kind, precision in ((np.float64, 0), (np.float32, 1)):
             self._solver.set_iparm(28, precision)
             self._matrix = sp.csr_matrix((np.ones(indices.shape[0], kind), indices, indptr), shape=(size, size))
-            self._call(11, np.zeros(size))
+            self._call(ANALYSE, np.zeros(size))
             if self.factor_bytes < spare or self.single:
                 break
             _release(self._solver)
         self.times.analysis += perf_counter() - start
-        self.times.analyses += 1
+
+    def _take(self, indptr: NDArray[Any], indices: NDArray[Any], spare: float) -> bool:
+        """Use a kept analysis of this pattern whose factor fits into `spare` bytes; whether there is one."""
+        for position, kept in enumerate(_unused):
+            if np.array_equal(kept.indptr, indptr) and np.array_equal(kept.indices, indices):
+                del _unused[position]
+                self._solver.pt[:], self._solver.iparm[:] = kept.handle, kept.parameters
+                if self.factor_bytes < spare:
+                    size = indptr.shape[0] - 1
+                    self._matrix = sp.csr_matrix((np.ones(indices.shape[0]), indices, indptr), shape=(size, size))
+                    return True
+                _release(self._solver)
+                break
+        return False
+
+    def _keep(self) -> None:
+        """Give the factor back and leave the analysis to later solvers."""
+        solver = self._solver
+        self._call(RELEASE_FACTOR, np.zeros(self._matrix.shape[0]))
+        matrix = self._matrix
+        _unused.append(_Analysis(matrix.indptr, matrix.indices, solver.pt.copy(), solver.iparm.copy()))
+        solver.pt[:] = 0
+        if len(_unused) > KEPT:
+            solver.pt[:] = _unused.pop(0).handle
+            _release(solver)
 
     def factorize(self, data: Array) -> None:
         self.generation += 1
@@ -167,7 +216,7 @@ class Pardiso(LinearSolver):
         self._matrix.data = data.astype(self._matrix.dtype, copy=False)
         for pairs in (0, 1):
             self._solver.set_iparm(PIVOTING, pairs)
-            self._call(22, np.zeros(self._matrix.shape[0]))
+            self._call(FACTORIZE, np.zeros(self._matrix.shape[0]))
             if not self._replaced_pivots:
                 break
         self.times.factorization += perf_counter() - start
@@ -182,7 +231,7 @@ class Pardiso(LinearSolver):
 
     def solve(self, right: Array) -> Array:
         start = perf_counter()
-        solution = self._refined(right) if self.single else self._call(33, np.asfortranarray(right))
+        solution = self._refined(right) if self.single else self._call(SOLVE, np.asfortranarray(right))
         self.times.solve += perf_counter() - start
         if not np.isfinite(solution).all():
             raise SingularMatrix("the linear system has no finite solution")
@@ -196,7 +245,7 @@ class Pardiso(LinearSolver):
         diagonal = upper.diagonal()
         operators = (
             LinearOperator(upper.shape, lambda x: upper @ x + upper.T @ x - diagonal * x, dtype=float),
-            LinearOperator(upper.shape, lambda x: self._call(33, x.ravel()).astype(float), dtype=float),
+            LinearOperator(upper.shape, lambda x: self._call(SOLVE, x.ravel()).astype(float), dtype=float),
         )
         solution, residual = np.zeros_like(right), right
         for _ in range(REFINEMENTS):  # rounding to single precision is no linear operator: GMRES alone would stall
@@ -213,8 +262,12 @@ class Pardiso(LinearSolver):
 
     def close(self) -> None:
         self.generation += 1
-        _release(self._solver)
-        self._matrix = sp.csr_matrix((0, 0))
+        is_sound = self._solver.pt.any() and not self._failed
+        if is_sound and not self.single and self._matrix.shape[0] < self._large:
+            self._keep()
+        else:
+            _release(self._solver)
+        self._matrix, self._data = sp.csr_matrix((0, 0)), np.empty(0)
 
 
 @cache
