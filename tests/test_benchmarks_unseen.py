@@ -16,7 +16,7 @@ from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_d
 from benchmarks.unseen.confirm import judged, named_limit, second_law, turned
 from benchmarks.unseen.designs import COMPRESSIBLE, LOAD, LOWER, Drawn, drawn
 from benchmarks.unseen.histogram import CLASSES, counts
-from benchmarks.unseen.page import largest_share, page
+from benchmarks.unseen.page import joined, largest_share, pages
 from benchmarks.unseen.sorting import (
     EARLY,
     LIMIT,
@@ -256,7 +256,8 @@ def test_the_page_lists_every_design() -> None:
     slow = record(number=3, ended=SLOW, states=[], checks=[], rod=None, reason="the run needed more than 400 s")
     limited = record(number=4, **MISSED, limits=[limit(True)])
     given = Namespace(seed=7, count=40, limit=400.0, law="five")
-    text = page(campaign(given, [record(), wrong, finer, slow, limited]))
+    content = campaign(given, [record(), wrong, finer, slow, limited])
+    text, listed = pages(content)["unseen.md"], pages(content)["unseen_designs.md"]
     assert "with `law: five`" in text
     assert "sources of commit abc1234." in text
     assert sum(line.endswith("| **no** |") for line in text.splitlines()) == 3
@@ -265,10 +266,25 @@ def test_the_page_lists_every_design() -> None:
     for row in ("| solved | 2 |", "| wrong | 1 |", "| too slow | 1 |", "| named limit | 1 |"):
         assert row in text, row
     for number in range(5):
-        assert f"\n| {number} | an arm |" in text
+        assert f"\n| 7-{number} | an arm |" in listed
     assert "The first 5 of 40 designs of seed 7" in text
     assert "0 of 1 designs are within 3 %" in text
-    assert "the run needed more than 400 s" in text
+    assert "the run needed more than 400 s" in listed
+    assert "1 of the 1 limits that runs named are confirmed" in text
+
+
+def test_campaigns_are_joined_on_one_page() -> None:
+    settings = [Namespace(seed=seed, count=count, limit=400.0, law="both") for seed, count in ((7, 1), (9, 40))]
+    first, second = campaign(settings[0], [record()]), campaign(settings[1], [record(), record(number=1)])
+    found = pages(joined([first, second]))
+    assert "make unseen SEED=7 N=1 LAW=both\n    make unseen SEED=9 N=40 LAW=both" in found["unseen.md"]
+    assert "All 1 designs of seed 7" in found["unseen.md"]
+    assert "The first 2 of 40 designs of seed 9" in found["unseen.md"]
+    assert "none | 0 of 3 | yes |" in found["unseen.md"]
+    for name in ("7-0", "9-0", "9-1"):
+        assert f"\n| {name} | an arm |" in found["unseen_designs.md"]
+    with pytest.raises(ValueError, match="the same law of the rod"):
+        joined([first, campaign(Namespace(seed=9, count=1, limit=400.0, law="five"), [record()])])
 
 
 def test_few_designs_say_little() -> None:

@@ -1,16 +1,19 @@
 """A campaign over designs drawn at random: each is run as users run theirs, checked, and sorted by its outcome.
 
     make unseen SEED=1 N=4
-    python -m benchmarks.unseen --seed 1 --count 4 [--first 2] [--finer 8] [--limit 400] [--law both] [--page docs]
+    python -m benchmarks.unseen --seed 1 --count 4 [--first 2] [--finer 8] [--limit 400] [--law both] [--page docs] \\
+        [--with FOLDER ...]
 
 Each design has a folder below results/unseen with its configuration, its results and outcome.json; what is
 finished is kept, so that the same command continues an interrupted campaign. A stage of a design that needs more CPU
-seconds than the limit is recorded as too slow. After each design the page is written into the folder of the campaign,
-and at the end into that of --page with its histogram; --stored writes it from what is there. Seeds 1 to 3, 23, 31 and
-37 are for finding and mending defects, so they are not reported: --page is not for them.
+seconds than the limit is recorded as too slow. After each design the pages are written into the folder of the campaign,
+and at the end into that of --page with their histogram; --stored writes them from what is there, and --with adds the
+designs of other campaigns, given by their folders, in front. Seeds 1 to 3, 23, 31 and 37 are for finding and mending
+defects, so they are not reported: --page is not for them.
 """
 
 import argparse
+import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -19,7 +22,7 @@ from typing import Any
 
 from benchmarks.unseen.designs import Drawn, drawn
 from benchmarks.unseen.histogram import draw
-from benchmarks.unseen.page import write_page
+from benchmarks.unseen.page import joined, write_pages
 from benchmarks.unseen.sorting import ERROR, NO_LIMIT, TRACEBACK, WRONG, outcome, rod_errors
 from benchmarks.unseen.work import LIMIT, kept, outcome_of
 from pipeline.config.config import LAW_CHOICES
@@ -42,9 +45,9 @@ def with_law(designs: Sequence[Drawn], law: str) -> list[Drawn]:
 
 
 def campaign(given: argparse.Namespace, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """What the page is written from."""
+    """What the pages are written from."""
     settings = {"seed": given.seed, "drawn": given.count, "limit": given.limit, "law": given.law}
-    return {**settings, "records": list(records)}
+    return {"campaigns": [settings], "records": [{"seed": given.seed, **record} for record in records]}
 
 
 def main() -> int:
@@ -57,7 +60,8 @@ def main() -> int:
     parser.add_argument("--limit", type=float, default=LIMIT, help="CPU seconds of a stage of a design")
     parser.add_argument("--finer", type=int, default=8, help="how many designs are solved on a finer mesh too")
     parser.add_argument("--law", choices=LAW_CHOICES, default="both", help="law of the rod, as in a configuration")
-    parser.add_argument("--page", type=Path, help="folder into which unseen.md and unseen.json are written as well")
+    parser.add_argument("--page", type=Path, help="folder into which the pages and unseen.json are written as well")
+    parser.add_argument("--with", dest="others", type=Path, nargs="+", default=[], help="folders of other campaigns")
     parser.add_argument("--stored", action="store_true", help="solve nothing; write the page from what is stored")
     given = parser.parse_args()
     if given.page and given.seed in MENDING:
@@ -79,7 +83,8 @@ def main() -> int:
         sys.stdout.flush()
         _write(folder, campaign(given, records))
     if given.page and records:
-        _write(given.page, campaign(given, records))
+        others = [json.loads((other / "unseen.json").read_text(encoding="utf-8")) for other in given.others]
+        _write(given.page, joined([*others, campaign(given, records)]))
     results = {outcome(record) for record in records}
     return int(bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records))
 
@@ -88,7 +93,7 @@ def _write(folder: Path, content: dict[str, Any]) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "pictures").mkdir(exist_ok=True)
     draw(rod_errors(content["records"]), folder / "pictures" / "unseen.png")
-    write_page(folder, content)
+    write_pages(folder, content)
 
 
 if __name__ == "__main__":

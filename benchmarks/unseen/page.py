@@ -1,4 +1,4 @@
-"""docs/unseen.md from the records of the designs; unseen.json beside it holds them, to write the page again."""
+"""docs/unseen.md and unseen_designs.md from the records of the designs, which unseen.json beside them holds."""
 
 import json
 from collections import Counter
@@ -33,7 +33,6 @@ from benchmarks.unseen.sorting import (
     within_mesh_error,
 )
 
-TEMPLATE = Path(__file__).with_name("page.md")
 WIDTH = 118  #: characters of a line
 
 Record = Mapping[str, Any]
@@ -43,66 +42,89 @@ SWITCHED_OFF = "switched off in the config"
 NUMBERS = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
 
 
-def write_page(folder: Path, campaign: Record) -> None:
-    """Write unseen.json and unseen.md into a folder."""
-    text = json.dumps(campaign, indent=1, ensure_ascii=False) + "\n"
+def joined(contents: Sequence[Record]) -> dict[str, Any]:
+    """Several campaigns as one; raises ValueError where their designs were run with different laws of the rod."""
+    campaigns = [campaign for content in contents for campaign in content["campaigns"]]
+    if len({campaign["law"] for campaign in campaigns}) != 1:
+        raise ValueError("campaigns on one page have the same law of the rod")
+    return {"campaigns": campaigns, "records": [record for content in contents for record in content["records"]]}
+
+
+def write_pages(folder: Path, content: Record) -> None:
+    """Write unseen.json, unseen.md and unseen_designs.md into a folder."""
+    text = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
     (folder / "unseen.json").write_text(text, encoding="utf-8")
-    (folder / "unseen.md").write_text(page(json.loads(text)), encoding="utf-8")
+    for name, page in pages(json.loads(text)).items():
+        (folder / name).write_text(page, encoding="utf-8")
 
 
-def page(campaign: Record) -> str:
-    """The page of a campaign: {seed, drawn, limit, law, records}."""
-    records = campaign["records"]
-    return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
-        seed=campaign["seed"],
-        drawn=campaign["drawn"],
-        rod_law=campaign["law"],
-        provenance=fill(_provenance(campaign), WIDTH),
-        law=fill(_law(campaign["law"]), WIDTH),
-        modulus=_range(designs.MODULUS),
-        poisson=f"{designs.POISSON[0][0]:g} to {designs.POISSON[1][1]:g}",
-        size=_range(designs.SIZE),
-        cells=f"{min(designs.CELLS)} to {max(designs.CELLS)}",
-        load=_range(designs.LOAD),
-        limit=f"{campaign['limit']:g}",
-        targets=_targets(records),
-        certainty=fill(_certainty(records), WIDTH),
-        bend=fill(_bend(records), WIDTH),
-        outcomes=_outcomes(records),
-        sums=_sums(records),
-        table=_table(records),
-        rods=fill(_rods(records), WIDTH),
-        limits=_limits(records),
-        other=_other(records),
-        checks=_checks(records),
-        unmade=_unmade(records),
-        mesh=_mesh(records),
-    )
+def pages(content: Record) -> dict[str, str]:
+    """The two pages of {campaigns: [{seed, drawn, limit, law}], records} by their file names."""
+    records, campaigns = content["records"], content["campaigns"]
+    values = {
+        "commands": "\n".join(_command(campaign) for campaign in campaigns),
+        "provenance": _provenance(content),
+        "law": fill(_law(campaigns[0]["law"]), WIDTH),
+        "modulus": _range(designs.MODULUS),
+        "poisson": f"{designs.POISSON[0][0]:g} to {designs.POISSON[1][1]:g}",
+        "size": _range(designs.SIZE),
+        "cells": f"{min(designs.CELLS)} to {max(designs.CELLS)}",
+        "load": _range(designs.LOAD),
+        "limit": f"{max(campaign['limit'] for campaign in campaigns):g}",
+        "targets": _targets(records),
+        "certainty": fill(_certainty(records), WIDTH),
+        "bend": fill(_bend(records), WIDTH),
+        "outcomes": _outcomes(records),
+        "sums": _sums(records),
+        "table": _table(records),
+        "rods": fill(_rods(records), WIDTH),
+        "confirmed": fill(_confirmed(records), WIDTH),
+        "limits": _limits(records),
+        "other": _other(records),
+        "checks": _checks(records),
+        "unmade": _unmade(records),
+        "mesh": _mesh(records),
+    }
+    templates = {"unseen.md": "page.md", "unseen_designs.md": "designs.md"}
+    texts = {name: Path(__file__).with_name(template).read_text("utf-8") for name, template in templates.items()}
+    return {name: Template(text).substitute(values) for name, text in texts.items()}
+
+
+def _command(campaign: Record) -> str:
+    return f"    make unseen SEED={campaign['seed']} N={campaign['drawn']} LAW={campaign['law']}"
+
+
+def _name(record: Record) -> str:
+    """Seed and number of a design."""
+    return f"{record['seed']}-{record['number']}"
 
 
 def _range(limits: tuple[float, float]) -> str:
     return f"{limits[0]:g} to {limits[1]:g}"
 
 
-def _provenance(campaign: Record) -> str:
-    records = campaign["records"]
-    seconds = sorted(sum(record["seconds"].values()) for record in records)
-    of_run = sorted(record["seconds"].get("run", 0.0) for record in records)
-    run, drawn = len(records), campaign["drawn"]
-    commits = sorted({record["sources"] for record in records})
-    numbers = [record["number"] for record in records]
-    if run == drawn:
-        part = f"{run} designs"
-    elif numbers == list(range(run)):
-        part = f"The first {run} of {drawn} designs"
-    else:
-        part = f"Of {drawn} designs those with the numbers {', '.join(map(str, numbers))}"
-    others = "" if run == drawn else f" The other {drawn - run} have not been finished."
-    return (
-        f"{part} of seed {campaign['seed']}; sources of commit {', '.join(commits)}. CPU time of a run on one thread: "
-        f"median {median(of_run):.0f} s, largest {of_run[-1]:.0f} s; with the checks, all designs together "
-        f"{sum(seconds) / 60:.0f} minutes.{others}"
+def _provenance(content: Record) -> str:
+    sentences = []
+    for campaign in content["campaigns"]:
+        records = [record for record in content["records"] if record["seed"] == campaign["seed"]]
+        run, drawn = len(records), campaign["drawn"]
+        commits = sorted({record["sources"] for record in records})
+        numbers = [record["number"] for record in records]
+        if run == drawn:
+            part = f"All {run} designs"
+        elif numbers == list(range(run)):
+            part = f"The first {run} of {drawn} designs"
+        else:
+            part = f"Of {drawn} designs those with the numbers {', '.join(map(str, numbers))}"
+        others = "" if run == drawn else f" The other {drawn - run} have not been finished."
+        sentences.append(f"{part} of seed {campaign['seed']}; sources of commit {', '.join(commits)}.{others}")
+    seconds = [sum(record["seconds"].values()) for record in content["records"]]
+    of_run = [record["seconds"].get("run", 0.0) for record in content["records"]]
+    time = (
+        f"CPU time of a run on one thread: median {median(of_run):.0f} s, largest {max(of_run):.0f} s; with the checks "
+        f"all {len(seconds)} designs together {sum(seconds) / 3600:.1f} hours."
     )
+    return "\n".join(_item(sentence) for sentence in sentences) + "\n\n" + fill(time, WIDTH)
 
 
 def _law(law: str) -> str:
@@ -194,7 +216,7 @@ def _sums(records: Sequence[Record]) -> str:
 
 def _table(records: Sequence[Record]) -> str:
     head = [
-        "no.",
+        "seed and no.",
         "design",
         "p V/(E V)",
         "elements",
@@ -212,7 +234,7 @@ def _row(record: Record) -> list[str]:
     errors = rod_errors([record])
     turn = record.get("turn_rad")
     return [
-        str(record["number"]),
+        _name(record),
         record["words"],
         f"{record['load']:.4f}",
         record.get("elements", ""),
@@ -248,10 +270,19 @@ def _rods(records: Sequence[Record]) -> str:
     return " ".join(sentences)
 
 
+def _confirmed(records: Sequence[Record]) -> str:
+    """How many of the limits that were named a second way confirms."""
+    limits = [limit for record in records for limit in record["limits"]]
+    if not limits:
+        return "No design met a limit."
+    confirmed = sum(bool(limit["confirmed"]) for limit in limits)
+    return f"{confirmed} of the {len(limits)} limits that runs named are confirmed."
+
+
 def _limits(records: Sequence[Record]) -> str:
     rows = [
         [
-            str(record["number"]),
+            _name(record),
             limit["experiment"],
             f"{limit['limit_kPa']:.4g}",
             "yes" if limit["confirmed"] else "**no**",
@@ -262,7 +293,7 @@ def _limits(records: Sequence[Record]) -> str:
     ]
     if not rows:
         return "No design met a limit."
-    return table(["no.", "experiment", "limit kPa", "confirmed", "by"], rows)
+    return table(["seed and no.", "experiment", "limit kPa", "confirmed", "by"], rows)
 
 
 def _other(records: Sequence[Record]) -> str:
@@ -271,14 +302,14 @@ def _other(records: Sequence[Record]) -> str:
     for record in records:
         result = outcome(record)
         if record["reason"]:
-            lines.append(f"Design {record['number']}, {result}: {record['reason']}")
+            lines.append(f"Design {_name(record)}, {result}: {record['reason']}")
         for experiment, reason in record.get("reasons", {}).items():
-            lines.append(f"Design {record['number']}, experiment {experiment}: {reason}")
-        lines += [f"Design {record['number']}: {sentence}" for sentence in record.get("other_failures", ())]
+            lines.append(f"Design {_name(record)}, experiment {experiment}: {reason}")
+        lines += [f"Design {_name(record)}: {sentence}" for sentence in record.get("other_failures", ())]
         if record.get("why_no_arm_law") and record["why_no_arm_law"] != SWITCHED_OFF:
-            lines.append(f"Design {record['number']}, no law of the arm: {record['why_no_arm_law']}")
-        lines += [f"Design {record['number']}, {name}: {text}" for name, text in record.get("broken", {}).items()]
-        lines += [f"Design {record['number']}: {name} needed more time than allowed" for name in record["slow"]]
+            lines.append(f"Design {_name(record)}, no law of the arm: {record['why_no_arm_law']}")
+        lines += [f"Design {_name(record)}, {name}: {text}" for name, text in record.get("broken", {}).items()]
+        lines += [f"Design {_name(record)}: {name} needed more time than allowed" for name in record["slow"]]
     if not lines:
         return "Nothing else was missing."
     return "What was not reached, in the program's own words:\n\n" + "\n".join(_item(line) for line in lines)
@@ -305,12 +336,12 @@ def _checks(records: Sequence[Record]) -> str:
 
 def _unmade(records: Sequence[Record]) -> str:
     lines = [
-        f"Design {record['number']}, {check.name} at {check.pressure_kPa:g} kPa: {check.note}"
+        f"Design {_name(record)}, {check.name} at {check.pressure_kPa:g} kPa: {check.note}"
         for record in records
         for check in checks_in(record)
         if not check.made
     ]
-    without = [str(record["number"]) for record in records if not record["checks"]]
+    without = [_name(record) for record in records if not record["checks"]]
     if without:
         lines.append(f"Without checks: designs {', '.join(without)}")
     if not lines:
@@ -324,13 +355,13 @@ def _mesh(records: Sequence[Record]) -> str:
     if not measured:
         return "Not measured in this campaign."
     good = sum(bool(within_mesh_error(record)) for record in measured)
-    head = ["no.", "design", "elements", "size mm"]
+    head = ["seed and no.", "design", "elements", "size mm"]
     for name in NUMBERS.values():
         head += [f"{name}, measured", f"{name}, estimated"]
     rows = []
     for record in measured:
         errors = record["finer"]["errors"]
-        row = [str(record["number"]), record["words"], record["elements"], f"{record['size_mm']:g}"]
+        row = [_name(record), record["words"], record["elements"], f"{record['size_mm']:g}"]
         for name in NUMBERS:
             entry = errors[name]
             estimated = entry["estimated"]
@@ -348,6 +379,6 @@ def _mesh(records: Sequence[Record]) -> str:
     )
     parts = [fill(text, WIDTH), table(head, rows)]
     if lacking:
-        reasons = "\n".join(_item(f"Design {r['number']}: {r['finer'].get('failure', '')}") for r in lacking)
+        reasons = "\n".join(_item(f"Design {_name(r)}: {r['finer'].get('failure', '')}") for r in lacking)
         parts.append("Of the sample these could not be compared:\n\n" + reasons)
     return "\n\n".join(parts)

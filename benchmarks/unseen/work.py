@@ -38,7 +38,7 @@ from pipeline.store.state_key import NUMBER_SOURCES, result_key
 Record = dict[str, Any]
 
 #: CPU seconds of the run, and of each of the other stages
-LIMIT = 400.0
+LIMIT = 600.0
 #: wall seconds over all CPU seconds after which a process is ended that does not use any
 PATIENCE = 15.0
 #: size of the default mesh over that of the finer one
