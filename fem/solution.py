@@ -11,7 +11,7 @@ from fem.discretisation import Discretisation
 from fem.effects.loads import enclosed_volume
 from fem.equations.state import Change
 from fem.supports import Where, nodes_at
-from geometry.arrays import Array
+from geometry.arrays import Array, Index
 
 
 @dataclass(frozen=True)
@@ -84,6 +84,9 @@ class Step:
     cutbacks: int  #: increments that failed since the previous step
     effects: tuple[str, ...]  #: names of the effects in the potential
     active: tuple[bool, ...]  #: which of the model's effects, in their order, are in the potential
+    #: (k,) node pairs that contact has brought into the pattern of the matrix (`fem.equations.storage`), so that a path
+    #: that is resumed has the same one
+    added_pairs: Index = field(repr=False)
     seconds: float  #: wall seconds since the previous step
     spent: Seconds  #: the same by what they were spent on; no set-up
 
@@ -169,6 +172,7 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
         "extremes": np.concatenate([np.atleast_1d(value) for value in astuple(step.extremes)]),
         "effects": np.array(step.effects, dtype=str),
         "active": np.array(step.active, dtype=bool),
+        "added_pairs": step.added_pairs,
         "instability": np.array(step.instability),
         "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
         "timed_effects": np.array(list(spent.effects), dtype=str),
@@ -196,6 +200,7 @@ def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) 
         instability=str(arrays["instability"]),
         effects=tuple(arrays["effects"].tolist()),
         active=tuple(arrays["active"].tolist()),
+        added_pairs=arrays["added_pairs"],
         seconds=seconds,
         spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
     )

@@ -233,7 +233,7 @@ def test_a_face_that_faces_nothing_has_no_pairs() -> None:
     assert FacingPairs.of(space.surface("above"), space.points).nodes.size == 0
 
 
-@pytest.mark.parametrize("name", ["pressure", "facing walls", "layer"])
+@pytest.mark.parametrize("name", ["pressure", "layer"])
 def test_terms_give_the_same_node_pairs_on_each_call(name: str) -> None:
     """The same arrays, so that their position in the matrix is looked up once."""
     if name == "layer":

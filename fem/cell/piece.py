@@ -102,7 +102,7 @@ class BendingPiece:
         acting: list[Effect] = [AirPressure(name, value) for name, value in given.items() if value]
         if dhat is not None and "gap" in body.mesh.faces:
             acting.append(MirrorContact("gap", "tip", dhat))
-            acting.append(SelfContact("gap", dhat, starts_inactive=True))
+            acting.append(SelfContact("gap", dhat, starts_inactive=True, near=np.inf))
         self.terms = tuple(effect.bind(self.space, laws_of(material)[""]) for effect in (*acting, *effects))
         self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())

@@ -12,13 +12,13 @@ them through each other all the same, the state is solved again with a stiffer b
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import final
+from typing import NamedTuple, final
 
 import numpy as np
 
 from fem.effects.effect import Blocks, CarryingTerm, PenaltyTerm, UnilateralTerm
 from fem.effects.facing_pairs import FacingPairs, LocalPairs
-from geometry.arrays import Array
+from geometry.arrays import Array, Index
 
 #: fraction of the barrier's width that lies behind the wall: without it walls in contact rest at nine tenths of the
 #: width, with more of it they cross and the stiffness must be raised (docs/theory.md)
@@ -41,6 +41,16 @@ RATE_STEP = 1e-3
 WEIGHT = 1.55 / 2
 
 
+class _Pressed(NamedTuple):
+    """Pairs in contact, with the derivatives of their energy by the gap."""
+
+    pairs: FacingPairs
+    local: LocalPairs
+    force: Array  #: (m,) first derivative, linearised around the carried gap, N
+    slope: Array  #: (m,) first derivative at the carried gap, N
+    curvature: Array  #: (m,) second derivative there, N/mm
+
+
 @final
 @dataclass(frozen=True, eq=False)  # arrays inside: two terms are the same one or not
 class FacingTerm(PenaltyTerm, CarryingTerm):
@@ -56,6 +66,8 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
     stiffness: float  #: MPa
     overlap: float  #: fraction of the barrier's width that lies behind the wall
     starts_inactive: bool
+    #: gap below which a pair takes part in the pattern of the matrix from the first pair in contact on, mm
+    near: float = np.inf
     #: gives the barrier with exact distances; None where a crossing is judged by the signed gaps alone
     exact: Callable[[], UnilateralTerm] | None = field(default=None, repr=False)
     stiffenings: int = field(default=MAX_STIFFENINGS, repr=False)  #: how often the stiffness may still be raised
@@ -66,21 +78,23 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
         return WEIGHT * self.stiffness * float(self.pairs.area @ value)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
-        local, slope, curvature = self._derivatives(x)
-        if self.carried is not None:
-            slope = slope + curvature * (local.gap - self.carried)
-        np.add.at(out, local.nodes, slope[:, None, None] * local.first)
+        pressed = self._pressed(x)
+        np.add.at(out, pressed.local.nodes, pressed.force[:, None, None] * pressed.local.first)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
-        local, slope, curvature = self._derivatives(x)
+        pressed = self._pressed(x)
         a, b = np.triu_indices(4)
-        first = local.first
-        values = curvature[:, None, None, None] * first[:, a, :, None] * first[:, b, None, :]
+        first = pressed.local.first
+        values = pressed.curvature[:, None, None, None] * first[:, a, :, None] * first[:, b, None, :]
         if not convex:
-            values += slope[:, None, None, None] * local.second(a, b)
-        rows, columns, swapped = self.pairs.node_pairs
+            values += pressed.slope[:, None, None, None] * pressed.local.second(a, b)
+        rows, columns, swapped = pressed.pairs.node_pairs
         values[swapped] = values[swapped].transpose(0, 2, 1)
         return Blocks(rows, columns, values.reshape(-1, 3, 3))
+
+    def near_pairs(self, x: Array) -> tuple[Index, Index]:
+        rows, columns, _ = self.pairs.taken(np.flatnonzero(self.pairs.gaps(x) < self.near)).node_pairs
+        return rows, columns
 
     def advanced(self, x: Array, dx: Array) -> "FacingTerm":
         local = self.pairs.local(x)
@@ -123,16 +137,15 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
             return replace(self, stiffness=STIFFENING_FACTOR * self.stiffness, stiffenings=self.stiffenings - 1)
         return self.exact() if self.exact else self
 
-    def _derivatives(self, x: Array) -> tuple[LocalPairs, Array, Array]:
-        """All pairs, with first and second derivative of their energy by the carried gap (k,), zero beyond dhat.
-
-        All of them, so that the matrix keeps one pattern: larger than it need be, but analysed once.
-        """
-        local = self.pairs.local(x)
-        gap = local.gap if self.carried is None else self.carried
+    def _pressed(self, x: Array) -> "_Pressed":
+        """The pairs whose carried gap is below dhat, beyond which the barrier is zero."""
+        gap = self.pairs.gaps(x) if self.carried is None else self.carried
+        which = np.flatnonzero(gap < self.dhat)
+        pairs, gap = self.pairs.taken(which), gap[which]
+        local, scale = pairs.local(x), WEIGHT * self.stiffness * pairs.area
         _, slope, curvature = contact_potential(gap, self.dhat, self.overlap)
-        scale = WEIGHT * self.stiffness * self.pairs.area
-        return local, scale * slope, scale * curvature
+        force = slope if self.carried is None else slope + curvature * (local.gap - gap)
+        return _Pressed(pairs, local, scale * force, scale * slope, scale * curvature)
 
 
 def contact_potential(gap: Array, dhat: float, overlap: float = OVERLAP) -> tuple[Array, Array, Array]:

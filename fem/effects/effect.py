@@ -116,6 +116,14 @@ class UnilateralTerm(Term):
     def violation(self, x: Array) -> str:
         """Why a converged state x (n, 3) is not admissible, in a clause; empty where it is."""
 
+    def near_pairs(self, x: Array) -> tuple[Index, Index]:
+        """Node pairs rows <= columns, two lists (m,), that may come into contact near the positions x (n, 3).
+
+        Only a forecast: the matrix takes them up together with a pair in contact that it does not hold yet, so that it
+        is analysed once for many. None by default.
+        """
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+
     def gap_ahead(self, x: Array, dx: Array) -> float:
         """Smallest gap after a motion dx (n, 3) if each gap kept the rate that it has at x, mm.
 
@@ -172,6 +180,13 @@ def settled(terms: Terms) -> Terms:
 def step_limit(terms: Terms, x: Array, dx: Array) -> float:
     """Largest fraction of the step dx (n, 3) in (0, 1] that all terms admit."""
     return min((term.step_limit(x, dx) for term in terms if isinstance(term, InteriorTerm)), default=1.0)
+
+
+def near_pairs(terms: Terms, x: Array) -> tuple[Index, Index]:
+    """Node pairs rows <= columns (m,) that may come into contact near the positions x (n, 3)."""
+    pairs = [np.stack(term.near_pairs(x)) for term in terms if isinstance(term, UnilateralTerm)]
+    rows, columns = np.concatenate([np.empty((2, 0), np.int64), *pairs], axis=1)
+    return rows, columns
 
 
 def smallest_gap(terms: Terms, x: Array) -> float:

@@ -1,7 +1,6 @@
 """Contact search at rest: pairs of a node and a triangle of facing walls; their signed gaps with derivatives."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -47,10 +46,14 @@ class FacingPairs:
         count = np.bincount(node, minlength=nodes.shape[0])
         return cls(nodes[node], triangles[triangle], area[nodes[node]] / count[node])
 
-    @cached_property
+    def taken(self, which: Index) -> "FacingPairs":
+        """The pairs with these numbers."""
+        return FacingPairs(self.nodes[which], self.triangles[which], self.area[which])
+
+    @property
     def node_pairs(self) -> tuple[Index, Index, Mask]:
         """Of the ten pairs of the four nodes of each gap, the smaller and the larger node (10 k,), and whether they
-        were swapped for it (k, 10). The same arrays on each call, so that their position in a matrix can be kept."""
+        were swapped for it (k, 10)."""
         nodes = np.column_stack([self.nodes, self.triangles])
         a, b = np.triu_indices(4)
         first, second = nodes[:, a], nodes[:, b]

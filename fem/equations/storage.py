@@ -1,6 +1,6 @@
 """Where the values of a tangent stand: in the upper triangle over the free components, reduced by the constraints."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import final
 
 import numpy as np
@@ -12,12 +12,14 @@ from fem.effects.effect import Blocks
 from fem.equations.constraints import Constraints
 from fem.equations.formulation import Formulation, PressureOffsets
 from fem.equations.linear import LinearSolver
-from fem.equations.pattern import MissingPairs, Pattern, element_keys
+from fem.equations.pattern import MissingPairs, Pattern, element_keys, sorted_unique
 from fem.equations.reduction import Reduction
 from geometry.arrays import Array, Index
 
 #: row starts (d + 1,) and columns (nnz,) of an upper triangle in compressed rows
 UpperTriangle = tuple[Index, NDArray[np.int32]]
+#: rows and columns (m,), rows <= columns
+NodePairs = tuple[Index, Index]
 
 
 @final
@@ -46,7 +48,18 @@ class TangentStorage:
         #: blocks of the last tangent: their rows and starts, by the identity of the array of rows
         self._last: dict[int, tuple[Index, NDArray[np.int32]]] = {}
         nodes = space.points.shape[0] + formulation.unknowns
-        self._use(element_keys(formulation.element_unknowns, nodes))
+        self._of_elements = element_keys(formulation.element_unknowns, nodes)
+        self._use(self._of_elements)
+
+    @property
+    def added(self) -> Index:
+        """(k,) the node pairs of the pattern that no element has, as `Pattern.keys` are, sorted."""
+        return np.setdiff1d(self.pattern.keys, self._of_elements, assume_unique=True)
+
+    def hold(self, added: Index) -> None:
+        """Take the pattern of the elements and of these further node pairs, as `added` gives them."""
+        if not np.array_equal(added, self.added):
+            self._use(sorted_unique(np.concatenate([self._of_elements, added])))
 
     def constrain(self, constraints: Constraints) -> None:
         """Take other constraints; analyse again only if the pattern of the factorized matrix is another one."""
@@ -61,14 +74,18 @@ class TangentStorage:
         """Values of the factorized matrix from those of the assembled tangent (nnz,)."""
         return data if self._reduction is None else self._reduction.values(data)
 
-    def starts(self, blocks: Sequence[Blocks]) -> list[NDArray[np.int32]]:
-        """Where the blocks of effects stand in the pattern, which is enlarged where it does not hold them."""
+    def starts(self, blocks: Sequence[Blocks], near: Callable[[], NodePairs]) -> list[NDArray[np.int32]]:
+        """Where the blocks of effects stand in the pattern.
+
+        Where it does not hold them it is enlarged, by them and by the node pairs that `near` gives.
+        """
         try:
             starts = [self._starts(block) for block in blocks]
         except MissingPairs:
-            rows = np.concatenate([block.rows for block in blocks])
-            columns = np.concatenate([block.columns for block in blocks])
-            self._use(self.pattern.with_pairs(rows, columns).keys)
+            rows, columns = near()
+            rows = np.concatenate([rows, *(block.rows for block in blocks)])
+            columns = np.concatenate([columns, *(block.columns for block in blocks)])
+            self._use(self.pattern.keys_with(rows, columns))
             starts = [self._starts(block) for block in blocks]
         self._last = {id(block.rows): (block.rows, start) for block, start in zip(blocks, starts, strict=True)}
         return starts

@@ -5,7 +5,7 @@ from typing import final
 import numpy as np
 
 from fem.discretisation import Discretisation
-from fem.effects.effect import Terms
+from fem.effects.effect import Terms, near_pairs
 from fem.equations.clock import Clock
 from fem.equations.constraints import Constraints
 from fem.equations.formulation import formulation_of
@@ -150,7 +150,7 @@ class System:
         for term in terms:
             with self.clock.timing(term.effect):
                 hessians.append(term.blocks(x, state.factor, convex))
-        starts = self.storage.starts(hessians)
+        starts = self.storage.starts(hessians, lambda: near_pairs(terms, x))
         with self.clock.timing("assembly"):
             pattern, moves = self.storage.pattern, bool(np.any(increment))
             data, coupling = np.zeros(pattern.indices.shape[0]), np.zeros_like(x)

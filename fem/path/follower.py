@@ -151,6 +151,8 @@ class PathFollower:
             if step.rate is not None:
                 point = replace(point, rate=self.system.rate(state, self.system.assemble(state, ()), step.rate))
             self.points, self.is_stable = [self.points[-1], point], step.negative_pivots == 0
+        if steps:
+            self.system.storage.hold(steps[-1].added_pairs)
 
     def advance(self, target: float) -> Step:
         """Equilibrium at `target`, in as few increments as converge; raises `PathEnded`."""
@@ -386,6 +388,7 @@ class PathFollower:
             cutbacks=cutbacks,
             effects=self.active_set.effects,
             active=self.active_set.is_active,
+            added_pairs=system.storage.added,
             seconds=costs.wall,
             spent=costs.seconds,
         )

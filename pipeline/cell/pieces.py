@@ -1,5 +1,6 @@
 """The pieces of an arm whose own law is measured, as its configuration sets them up."""
 
+import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -84,7 +85,8 @@ class ArmPieces:
             walls = _contact_walls(config)
             effects, dhat = layer_in(body, config), self.dhat if walls == GAP else None
             if walls != GAP and self.dhat is not None:
-                effects += [MirrorContact(walls, "tip", self.dhat), SelfContact(walls, self.dhat, starts_inactive=True)]
+                contact = SelfContact(walls, self.dhat, starts_inactive=True, near=math.inf)
+                effects += [MirrorContact(walls, "tip", self.dhat), contact]
             try:
                 self._pieces[key] = BendingPiece(
                     *(body, material_of(config), start, config.mesh.formulation, self.fractions, dhat), effects=effects
