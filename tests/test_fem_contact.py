@@ -66,6 +66,19 @@ def distance(one: Step, other: Step) -> float:
     return float(np.abs(one.displacement - other.displacement).max())
 
 
+def test_pairs_far_from_contact_have_no_place_in_the_matrix_and_results_do_not_depend_on_it(
+    short: Body, touching: tuple[Experiment, tuple[Step, ...]]
+) -> None:
+    _, steps = touching
+    _, with_all = bend(short, [SelfContact("gap", starts_inactive=True, near=np.inf)], [5.0, 37.0])
+    _, with_few = bend(short, [SelfContact("gap", starts_inactive=True, near=0.05)], [5.0, 37.0])
+    assert len(steps[0].added_pairs) == 0, "nothing touches at 5 kPa"
+    assert 0 < len(with_few[1].added_pairs) < len(steps[1].added_pairs) < 0.6 * len(with_all[1].added_pairs)
+    for other in (with_all, with_few):
+        assert distance(other[1], steps[1]) < 1e-8
+        assert other[1].factorizations == steps[1].factorizations
+
+
 def test_walls_touch_and_do_not_cross(short: Body, touching: tuple[Experiment, tuple[Step, ...]]) -> None:
     step = touching[1][-1]
     assert 0 < step.min_gap < 0.1 * GAP
