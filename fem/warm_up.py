@@ -5,6 +5,7 @@ import numpy as np
 from fem.collector import pass_over_what_is_loaded, paused
 from fem.effects.loads import Pressure
 from fem.materials import StVenantKirchhoff
+from fem.materials.regions import Solid, laws_of
 from fem.model import Model
 from fem.path.loadpath import follow
 from fem.post.recovery import stress_error
@@ -12,12 +13,12 @@ from fem.supports import Fixed, Prescribed, Support
 from geometry import Mesh
 
 
-def compile_kernels(formulation: str = "p2p0") -> None:
+def compile_kernels(formulation: str = "p2p0", material: Solid | None = None) -> None:
     """Solve a model of one element, which compiles every kernel: half a minute once, half a second from disk.
 
-    The kernels serve all laws and all formulations. "mixed" has one more, which is compiled with that formulation; a
-    strain-limiting layer compiles small kernels of its own when it is first used. Raises ValueError for a formulation
-    that does not exist.
+    The kernels serve all formulations. "mixed" has one more, which is compiled with that formulation, and so have laws
+    that are not linear in the strain, with a material of such a law; a strain-limiting layer compiles small kernels of
+    its own when it is first used. Raises ValueError for a formulation that does not exist.
     """
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     faces = {"clamp": np.array([[0, 1, 2]]), "cavity": np.array([[1, 2, 3]])}
@@ -27,4 +28,7 @@ def compile_kernels(formulation: str = "p2p0") -> None:
     with paused():
         solution = follow(Model(mesh, law, supports, [Pressure("cavity", 1e-3)], formulation), [1.0])
         stress_error(solution.steps[0], law)
+        for law_of_region in laws_of(material or law).values():
+            for evaluate in (law_of_region.shear, law_of_region.dilatation):
+                evaluate(np.zeros((1, 6)))
     pass_over_what_is_loaded()

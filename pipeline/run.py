@@ -21,7 +21,7 @@ from pipeline.run_report import ReviewedPlan, RunReport
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
-from pipeline.simulation.scene import Scene
+from pipeline.simulation.scene import Scene, material_of
 from pipeline.simulation.simulate import simulate
 from pipeline.simulation.waiting import told_while_waiting
 from pipeline.store.store import open_store
@@ -55,7 +55,7 @@ def _solved(
 ) -> RunReport:
     """The stages of the run. One waits for what it needs; tasks of later ones are done meanwhile."""
     store, progress, workers = context.store, context.progress, context.workers
-    loading = loaded(context, config.mesh.formulation)
+    loading = loaded(context, config.mesh.formulation, material_of(config))
     with stages.timed("mesh"), told_while_waiting(progress, "meshing the body"):
         scene = Scene.meshed(config)
     for sentence in of_mesh(scene.body.mesh):

@@ -9,6 +9,7 @@ from bodies import box, bricks, difference, fork, hollow_box, named
 
 from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StrainLimitingLayer, StVenantKirchhoff
 from fem.discretisation import Discretisation
+from fem.effects import facing_pairs
 from fem.effects.barrier import CONTINUATION, FacingTerm, continued_barrier
 from fem.effects.contact import BarrierTerm
 from fem.effects.effect import Blocks, LoadTerm, Term, advanced, at_constant_fraction
@@ -288,3 +289,19 @@ def test_contact_that_starts_inactive_on_faces_that_face_nothing_is_never_activa
     term = SelfContact("above", starts_inactive=True).bind(space, LAW)
     assert not term.must_activate(space.points)
     assert term.gap(space.points) == np.inf
+
+
+def test_pairs_of_one_surface_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(facing_pairs, "_kept", {})
+    space = Discretisation.of(fork(GAP), "p2p0")
+    wider = Discretisation.of(fork(2 * GAP), "p2p0")
+    first = FacingPairs.of(space.surface("prongs"), space.points)
+    again = Discretisation.of(fork(GAP), "p2p0")
+    assert FacingPairs.of(again.surface("prongs"), again.points) is first
+    other = FacingPairs.of(wider.surface("prongs"), wider.points)
+    assert other.gaps(wider.points).min() > 1.5 * first.gaps(space.points).min()
+    for count in range(facing_pairs.KEPT):
+        moved = space.points + 0.1 * (1 + count)
+        FacingPairs.of(space.surface("prongs"), moved)
+    assert len(facing_pairs._kept) == facing_pairs.KEPT
+    np.testing.assert_array_equal(FacingPairs.of(space.surface("prongs"), space.points).nodes, first.nodes)

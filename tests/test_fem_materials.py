@@ -1,5 +1,7 @@
 """Every law: derivatives against finite differences, the linear limit, isotropy, stable range and refused constants."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from bodies import box, difference
@@ -25,10 +27,25 @@ from fem.materials import Constant
 from fem.materials.hencky import divided_difference
 from fem.materials.ogden import difference_of_powers
 from fem.materials.rubber_law import stable_range
-from fem.materials.tensors import COLUMN, ROW, CauchyGreen, voigt
+from fem.materials.tensors import CauchyGreen, Products
 from geometry.arrays import Array
 
+#: axes of the components 11, 22, 33, 12, 23, 13
+ROW, COLUMN = np.array([0, 1, 2, 0, 1, 0]), np.array([0, 1, 2, 1, 2, 2])
+
 PARTS = [(name, part) for name in LAWS for part in ("shear", "volumetric")]
+
+
+def voigt(tensor: Array) -> Array:
+    """Components (..., 6) of symmetric tensors (..., 3, 3)."""
+    return tensor[..., ROW, COLUMN]
+
+
+def symmetric(strain: Array) -> Array:
+    """(..., 3, 3) of strains (..., 6) with engineering shear."""
+    full = np.empty((*strain.shape[:-1], 3, 3))
+    full[..., ROW, COLUMN] = full[..., COLUMN, ROW] = strain * np.array([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
+    return full
 
 
 def strains(size: float, count: int = 7) -> Array:
@@ -238,12 +255,46 @@ def test_the_divided_difference_is_continuous_where_its_series_takes_over() -> N
 
 
 def test_inverse_and_invariants() -> None:
-    c = CauchyGreen.of(strains(0.2))
-    np.testing.assert_allclose(c.inverse_tensor, np.linalg.inv(c.tensor), rtol=1e-10)
-    np.testing.assert_allclose(c.determinant, np.linalg.det(c.tensor), rtol=1e-12)
-    values = np.linalg.eigvalsh(c.tensor)
+    strain = strains(0.2)
+    c, tensor = CauchyGreen.of(strain), np.eye(3) + 2.0 * symmetric(strain)
+    np.testing.assert_allclose(c.components, tensor[..., ROW, COLUMN], rtol=1e-14)
+    np.testing.assert_allclose(c.inverse, np.linalg.inv(tensor)[..., ROW, COLUMN], rtol=1e-10, atol=1e-14)
+    np.testing.assert_allclose(c.determinant, np.linalg.det(tensor), rtol=1e-12)
+    values = np.linalg.eigvalsh(tensor)
     np.testing.assert_allclose(c.first, values.sum(axis=-1))
     np.testing.assert_allclose(c.second, values[..., 0] * values[..., 1] + values[..., 2] * (values[..., :2].sum(-1)))
+
+
+def test_products_of_tensors() -> None:
+    """Against sums over all indices, one product after the other."""
+    strain = strains(0.2)
+    c, tensor, one = CauchyGreen.of(strain), np.eye(3) + 2.0 * symmetric(strain), np.eye(3)
+    inverse, every = np.linalg.inv(tensor), np.broadcast_to(one, tensor.shape)
+
+    def dyads(first: Array, second: Array) -> Array:
+        return np.einsum("...ij,...km->...ijkm", first, second) + np.einsum("...ij,...km->...ijkm", second, first)
+
+    def crossed(factor: Array) -> Array:
+        both = np.einsum("...ik,...jm->...ijkm", factor, factor), np.einsum("...im,...jk->...ijkm", factor, factor)
+        return 0.5 * (both[0] + both[1])
+
+    expected = {
+        "one_one": 0.5 * dyads(every, every),
+        "one_inverse": dyads(every, inverse),
+        "inverse_inverse": 0.5 * dyads(inverse, inverse),
+        "derivative": crossed(inverse),
+        "tensor_inverse": dyads(tensor, inverse),
+        "symmetric": crossed(every),
+    }
+    assert set(expected) == {field.name for field in fields(Products)}
+    factor = np.linspace(0.5, 2.0, c.first.size).reshape(c.first.shape)
+    for name, full in expected.items():
+        by_components = full[..., ROW[:, None], COLUMN[:, None], ROW, COLUMN]
+        wanted = factor[..., None, None] * by_components
+        np.testing.assert_allclose(c.products(Products(**{name: factor})), wanted, rtol=1e-10, atol=1e-13)
+    total = c.products(Products(one_one=1.0))
+    c.add_products(Products(symmetric=2.0), total)
+    np.testing.assert_allclose(total, c.products(Products(one_one=1.0, symmetric=2.0)))
 
 
 def test_stretch_limits() -> None:

@@ -1,6 +1,7 @@
 """Contact search at rest: pairs of a node and a triangle of facing walls; their signed gaps with derivatives."""
 
 from dataclasses import dataclass
+from hashlib import sha256
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from geometry.arrays import Array, Index, Mask
 EQUALLY_NEAR = 1e-6
 #: nearest triangles that are examined at every step of the search: two walls with all that meet in a node
 CANDIDATES = 32
+#: surfaces whose pairs a process keeps, because it solves several load cases on one mesh
+KEPT = 4
 
 
 @dataclass(frozen=True)
@@ -31,6 +34,15 @@ class FacingPairs:
         Where triangles are equally near (walls that mirror each other, planes of symmetry) the node faces all of them:
         to choose one would make the contact of a symmetric body unsymmetric.
         """
+        key = sha256(surface.nodes.tobytes()).digest() + sha256(points.tobytes()).digest()
+        if key not in _kept:
+            _kept[key] = cls._searched(surface, points)
+            if len(_kept) > KEPT:
+                del _kept[next(iter(_kept))]
+        return _kept[key]
+
+    @classmethod
+    def _searched(cls, surface: Faces, points: Array) -> "FacingPairs":
         triangles = surface.triangles
         normal = _normals(points, triangles)
         doubled = np.linalg.norm(np.cross(*_edges(points, triangles)), axis=1)
@@ -81,6 +93,10 @@ class FacingPairs:
         shape[:, 0], shape[:, 1] = 1.0, -1.0 - shape[:, 2] - shape[:, 3]
         gap = np.einsum("ki,ki->k", reach, normal)
         return LocalPairs(np.column_stack([node, triangle]), normal, shape, slope, gap)
+
+
+#: pairs by the nodes of the surface and the positions, the oldest first
+_kept: dict[bytes, FacingPairs] = {}
 
 
 @dataclass(frozen=True)

@@ -200,13 +200,14 @@ class Mixed(Formulation):
 
     def evaluate(self, strain: Array, pressure: Array) -> LawValues:
         shear, theta = self.laws.shear(strain), self.laws.dilatation(strain)
-        pressures = self._pressure_at_points(pressure)
+        pressures, tangent = self._pressure_at_points(pressure), shear.tangent
+        if theta.hessian.any():
+            tangent = pressures[..., None, None] * theta.hessian
+            tangent += shear.tangent
         return LawValues(
             shear.energy + pressures * (theta.value - 0.5 * pressures / self._modulus),
             shear.stress + pressures[..., None] * theta.gradient,
-            np.ascontiguousarray(shear.tangent + pressures[..., None, None] * theta.hessian)
-            if theta.hessian.any()
-            else shear.tangent,
+            tangent,
             theta.value,
             np.ascontiguousarray(theta.gradient),
         )

@@ -5,8 +5,8 @@ from typing import final
 
 import numpy as np
 
-from fem.materials.material import Dilatation, Response, TwoModuli, Uniaxial, quadratic
-from fem.materials.tensors import MIN_DETERMINANT, PAIRS, CauchyGreen, principal_basis
+from fem.materials.material import Dilatation, Response, TwoModuli, Uniaxial
+from fem.materials.tensors import PAIRS, CauchyGreen, Products, from_principal_axes, scaled
 from geometry.arrays import Array
 
 #: eigenvalues of C closer than this are treated as one in divided differences (error 1e-13 there)
@@ -38,28 +38,23 @@ class Hencky(TwoModuli):
 
     def shear(self, strain: Array) -> Response:
         mu = self.lame[1]
-        value, axes = np.linalg.eigh(CauchyGreen.of(strain).tensor)
-        value = np.maximum(value, MIN_DETERMINANT)
+        value, axes = CauchyGreen.of(strain).principal_values()
         log = np.log(value)
-        principal = mu * log / value
         # S = sum_a S_a N_a N_a^T; dS follows from the principal stresses and their divided differences (Ogden 1984)
-        normal, mixed = principal_basis(axes)
-        diagonal = 2 * mu * (1 - log) / value**2
+        diagonal = (2 * mu * (1 - log) / value**2)[..., None] * np.eye(3)
         rotation = np.stack([mu * divided_difference(value[..., a], value[..., b]) for a, b in PAIRS], axis=-1)
-        basis = np.concatenate([normal, mixed], axis=-2)
-        weight = np.concatenate([diagonal, rotation], axis=-1)
-        return Response(
-            0.25 * mu * np.sum(log**2, axis=-1),
-            np.einsum("...a,...av->...v", principal, normal),
-            np.matmul(np.swapaxes(basis, -1, -2), weight[..., None] * basis),
-        )
+        stress, tangent = from_principal_axes(axes, mu * log / value, diagonal, rotation)
+        return Response(0.25 * mu * np.sum(log**2, axis=-1), stress, tangent)
 
     def volumetric(self, strain: Array) -> Response:
-        return quadratic(self.lame[0], self.dilatation(strain))
+        c, modulus = CauchyGreen.of(strain), self.lame[0]
+        theta = 0.5 * np.log(c.determinant)
+        tangent = c.products(Products(inverse_inverse=modulus, derivative=-2 * modulus * theta))
+        return Response(0.5 * modulus * theta**2, scaled(modulus * theta, c.inverse), tangent)
 
     def dilatation(self, strain: Array) -> Dilatation:
         c = CauchyGreen.of(strain)
-        return Dilatation(0.5 * np.log(c.determinant), c.inverse, -2 * c.inverse_derivative)
+        return Dilatation(0.5 * np.log(c.determinant), c.inverse, c.products(Products(derivative=-2.0)))
 
 
 def divided_difference(first: Array, second: Array) -> Array:

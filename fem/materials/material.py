@@ -194,14 +194,3 @@ class TwoModuli(LinearLaw):
     @property
     def poisson_ratio(self) -> float:
         return self.nu
-
-
-def quadratic(modulus: float, theta: Dilatation) -> Response:
-    """W = modulus/2 theta^2."""
-    gradient = theta.gradient
-    square = gradient[..., :, None] * gradient[..., None, :]
-    return Response(
-        0.5 * modulus * theta.value**2,
-        modulus * theta.value[..., None] * gradient,
-        modulus * (square + theta.value[..., None, None] * theta.hessian),
-    )

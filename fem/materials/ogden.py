@@ -14,7 +14,7 @@ import numpy as np
 
 from fem.materials.material import Exponents, MaterialError, PositiveStress, Response, Stresses
 from fem.materials.rubber_law import RubberLaw, check_positive, range_of
-from fem.materials.tensors import MIN_DETERMINANT, PAIRS, CauchyGreen, principal_basis
+from fem.materials.tensors import MIN_DETERMINANT, PAIRS, CauchyGreen, from_principal_axes
 from geometry.arrays import Array, Mask
 
 #: principal stretches (3, n) of an incompressible body in the usual tests
@@ -87,10 +87,8 @@ class Ogden(RubberLaw):
         return np.asarray(sum(mu * (stretch ** (a - 1) - stretch ** (-a / 2 - 1)) for mu, a in self.terms))
 
     def isochoric(self, c: CauchyGreen) -> Response:
-        value, axes = np.linalg.eigh(c.tensor)
-        value = np.maximum(value, MIN_DETERMINANT)
+        value, axes = c.principal_values()
         size = np.maximum(value.prod(axis=-1), MIN_DETERMINANT) ** (-1 / 3)
-        normal, mixed = principal_basis(axes)
         energy = np.zeros(value.shape[:-1])
         kirchhoff, rotation = np.zeros(value.shape), np.zeros(value.shape)  # (..., a), (..., pair)
         slope = np.zeros((*value.shape, 3))  # d kirchhoff_a / d ln c_b
@@ -109,12 +107,7 @@ class Ogden(RubberLaw):
         diagonal = 2 * slope / (value[..., :, None] * value[..., None, :])
         index = np.arange(3)
         diagonal[..., index, index] -= 2 * principal / value
-        return Response(
-            energy,
-            np.einsum("...a,...av->...v", principal, normal),
-            np.matmul(np.swapaxes(normal, -1, -2), np.matmul(diagonal, normal))
-            + np.matmul(np.swapaxes(mixed, -1, -2), rotation[..., None] * mixed),
-        )
+        return Response(energy, *from_principal_axes(axes, principal, diagonal, rotation))
 
 
 def _slope(factor: float, power: Array, mean: Array) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 
 from fem.materials.material import LinearLaw, PositiveStress, Response, Stress
 from fem.materials.rubber_law import RubberLaw, check_positive
-from fem.materials.tensors import IDENTITY, SYMMETRIC, CauchyGreen, outer, scaled, voigt
+from fem.materials.tensors import IDENTITY, CauchyGreen, Products, scaled
 from geometry.arrays import Array
 
 
@@ -42,34 +42,29 @@ class IsochoricLaw(RubberLaw, LinearLaw):
     @final
     def isochoric(self, c: CauchyGreen) -> Response:
         size = c.determinant ** (-1 / 3)
-        invariant = size * c.first
-        energy, derivative, second_derivative = self.first_invariant_energy(invariant)
-        gradient = scaled(size, IDENTITY - scaled(c.first / 3, c.inverse))
-        cross = outer(np.broadcast_to(IDENTITY, c.inverse.shape), c.inverse)
-        square = outer(c.inverse, c.inverse)
-        hessian = scaled(c.first / 9, square) + scaled(c.first / 3, c.inverse_derivative)
-        hessian = hessian - (cross + _transposed(cross)) / 3
-        stress = 2 * scaled(derivative, gradient)
-        tangent = 4 * (scaled(derivative * size, hessian) + scaled(second_derivative, outer(gradient, gradient)))
-        if c01 := self.second_invariant_modulus:
-            second = _second_invariant(c, size**2)
-            energy = energy + c01 * (second.energy - 3)
-            stress = stress + 2 * c01 * second.stress
-            tangent = tangent + 4 * c01 * second.tangent
-        return Response(energy, stress, tangent)
-
-
-def _second_invariant(c: CauchyGreen, size: Array) -> Response:
-    """I2bar = size I2 with its first two derivatives by C."""
-    unscaled = scaled(c.first, np.broadcast_to(IDENTITY, c.inverse.shape)) - voigt(c.tensor)
-    gradient = unscaled - scaled(2 * c.second / 3, c.inverse)
-    hessian = np.outer(IDENTITY, IDENTITY) - SYMMETRIC + scaled(2 * c.second / 3, c.inverse_derivative)
-    hessian = hessian - 2 / 3 * (outer(gradient, c.inverse) + outer(c.inverse, unscaled))
-    return Response(size * c.second, scaled(size, gradient), scaled(size, hessian))
-
-
-def _transposed(tensor: Array) -> Array:
-    return np.swapaxes(tensor, -1, -2)
+        energy, first, second = self.first_invariant_energy(size * c.first)
+        # the gradient of I1bar by C is size (I - I1/3 C^-1)
+        stress = 2 * scaled(first * size, IDENTITY - scaled(c.first / 3, c.inverse))
+        first, second = 4 * first * size, 4 * second * size**2
+        one_one, one_inverse = second, -first / 3 - second * c.first / 3
+        inverse_inverse, derivative = first * c.first / 9 + second * c.first**2 / 9, first * c.first / 3
+        if not (c01 := self.second_invariant_modulus):
+            return Response(energy, stress, c.products(Products(one_one, one_inverse, inverse_inverse, derivative)))
+        # that of I2bar is size^2 (I1 I - C - 2/3 I2 C^-1)
+        size = c01 * size**2
+        energy = energy + size * c.second - 3 * c01
+        stress = stress + 2 * scaled(size, c.first[..., None] * IDENTITY - c.components)
+        stress = stress - scaled(4 / 3 * size * c.second, c.inverse)
+        size = 4 * size
+        factors = Products(
+            one_one + size,
+            one_inverse - 2 / 3 * size * c.first,
+            inverse_inverse + 4 / 9 * size * c.second,
+            derivative + 2 / 3 * size * c.second,
+            2 / 3 * size,
+            -size,
+        )
+        return Response(energy, stress, c.products(factors))
 
 
 def _linear_term(stretch: Array) -> Array:

@@ -11,8 +11,8 @@ from typing import Self, final
 
 import numpy as np
 
-from fem.materials.material import Dilatation, Material, MaterialError, PositiveStress, Response, Uniaxial, quadratic
-from fem.materials.tensors import CauchyGreen, outer, scaled
+from fem.materials.material import Dilatation, Material, MaterialError, PositiveStress, Response, Uniaxial
+from fem.materials.tensors import CauchyGreen, Products, scaled
 from geometry.arrays import Array, Mask
 
 
@@ -78,18 +78,19 @@ class RubberLaw(Material):
     @final
     def shear(self, strain: Array) -> Response:
         c = CauchyGreen.of(strain)
-        isochoric, volume = self.isochoric(c), quadratic(2 / 3 * self.shear_modulus, _volume_change(c))
-        return Response(
-            isochoric.energy + volume.energy, isochoric.stress + volume.stress, isochoric.tangent + volume.tangent
-        )
+        return _with_volume(self.isochoric(c), c, 2 / 3 * self.shear_modulus)
 
     @final
     def volumetric(self, strain: Array) -> Response:
-        return quadratic(self.volumetric_modulus, self.dilatation(strain))
+        c = CauchyGreen.of(strain)
+        nothing = Response(np.zeros_like(c.first), np.zeros_like(c.inverse), c.products(Products()))
+        return _with_volume(nothing, c, self.volumetric_modulus)
 
     @final
     def dilatation(self, strain: Array) -> Dilatation:
-        return _volume_change(CauchyGreen.of(strain))
+        c = CauchyGreen.of(strain)
+        j = np.sqrt(c.determinant)
+        return Dilatation(j - 1, scaled(j, c.inverse), c.products(Products(inverse_inverse=j, derivative=-2 * j)))
 
     @final
     @property
@@ -97,11 +98,13 @@ class RubberLaw(Material):
         return self.kappa - 2 / 3 * self.shear_modulus
 
 
-def _volume_change(c: CauchyGreen) -> Dilatation:
-    """J - 1."""
+def _with_volume(response: Response, c: CauchyGreen, modulus: float) -> Response:
+    """The response, whose tangent is changed in place, with that of modulus/2 (J - 1)^2."""
     j = np.sqrt(c.determinant)
-    square = outer(c.inverse, c.inverse)
-    return Dilatation(j - 1, scaled(j, c.inverse), scaled(j, square - 2 * c.inverse_derivative))
+    pressure = modulus * (j - 1) * j
+    c.add_products(Products(inverse_inverse=modulus * j**2 + pressure, derivative=-2 * pressure), response.tangent)
+    energy, stress = response.energy + 0.5 * modulus * (j - 1) ** 2, response.stress + scaled(pressure, c.inverse)
+    return Response(energy, stress, response.tangent)
 
 
 def stable_range(nominal: Callable[[Array], Array]) -> tuple[float, float]:

@@ -1,35 +1,25 @@
 """Right Cauchy-Green tensors and their products in Voigt notation, for laws that are not linear in the strain.
 
 Components 11, 22, 33, 12, 23, 13. A fourth-order tensor with both minor symmetries becomes a 6 x 6 matrix of its own
-components, which maps strains with engineering shear to stresses.
+components, which maps strains with engineering shear to stresses. The loops over the points are compiled
+(`fem.kernels.tensors`); they are imported where they are called, because a configuration imports the laws, too.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import astuple, dataclass
+from typing import final
 
 import numpy as np
 
 from geometry.arrays import Array
 
-ROW = np.array([0, 1, 2, 0, 1, 0])
-COLUMN = np.array([0, 1, 2, 1, 2, 2])
 IDENTITY = np.array([1.0, 1.0, 1.0, 0.0, 0.0, 0.0])
-#: the identity on symmetric tensors
-SYMMETRIC = np.diag([1.0, 1.0, 1.0, 0.5, 0.5, 0.5])
 #: lower bound of det C: Newton's iterates may pass through states that no body can have
 MIN_DETERMINANT = 1e-12
 #: pairs of principal axes
 PAIRS = ((0, 1), (1, 2), (0, 2))
 
-
-def voigt(tensor: Array) -> Array:
-    """Components (..., 6) of symmetric tensors (..., 3, 3)."""
-    return tensor[..., ROW, COLUMN]
-
-
-def outer(first: Array, second: Array) -> Array:
-    """first x second, (..., 6, 6)."""
-    return first[..., :, None] * second[..., None, :]
+_ROW = np.array([0, 1, 2, 0, 1, 0])
+_COLUMN = np.array([0, 1, 2, 1, 2, 2])
 
 
 def scaled(factor: Array, tensor: Array) -> Array:
@@ -37,63 +27,77 @@ def scaled(factor: Array, tensor: Array) -> Array:
     return factor.reshape(factor.shape + (1,) * (tensor.ndim - factor.ndim)) * tensor
 
 
-def principal_basis(axes: Array) -> tuple[Array, Array]:
-    """N_a x N_a for each of the three axes and N_a x N_b + N_b x N_a for `PAIRS`, (..., 3, 6) both, of orthonormal
-    axes in the columns of (..., 3, 3)."""
-    vectors = np.swapaxes(axes, -1, -2)
-    normal = vectors[..., ROW] * vectors[..., COLUMN]
-    first, second = vectors[..., [a for a, _ in PAIRS], :], vectors[..., [b for _, b in PAIRS], :]
-    return normal, first[..., ROW] * second[..., COLUMN] + second[..., ROW] * first[..., COLUMN]
+@final
+@dataclass(frozen=True)
+class Products:
+    """Factors (...), or one number for all points, of the fourth-order tensors that the tangents of isotropic laws are
+    made of; a x b is the dyadic product."""
+
+    one_one: Array | float = 0.0  #: of I x I
+    one_inverse: Array | float = 0.0  #: of I x C^-1 + C^-1 x I
+    inverse_inverse: Array | float = 0.0  #: of C^-1 x C^-1
+    derivative: Array | float = 0.0  #: of -d C^-1 / dC
+    tensor_inverse: Array | float = 0.0  #: of C x C^-1 + C^-1 x C
+    symmetric: Array | float = 0.0  #: of the identity on symmetric tensors
 
 
+@final
 @dataclass(frozen=True)
 class CauchyGreen:
     """C = 2 E + I and what the laws need of it."""
 
-    tensor: Array  #: (..., 3, 3)
+    components: Array  #: (..., 6) C
+    inverse: Array  #: (..., 6) C^-1
+    determinant: Array  #: (...,) det C = J^2, at least `MIN_DETERMINANT`
+    first: Array  #: (...,) I1 = tr C
+    second: Array  #: (...,) I2 = (I1^2 - tr C^2) / 2
 
     @classmethod
     def of(cls, strain: Array) -> "CauchyGreen":
         """From Green-Lagrange strains (..., 6) with engineering shear."""
-        tensor = np.empty((*strain.shape[:-1], 3, 3))
-        tensor[..., ROW, COLUMN] = tensor[..., COLUMN, ROW] = strain * np.array([2.0, 2.0, 2.0, 1.0, 1.0, 1.0])
-        return cls(tensor + np.eye(3))
+        from fem.kernels.tensors import cauchy_green
 
-    @cached_property
-    def determinant(self) -> Array:
-        """(...,) det C = J^2."""
-        c = self.tensor
-        return np.maximum(np.einsum("...i,...i", c[..., 0, :], np.cross(c[..., 1, :], c[..., 2, :])), MIN_DETERMINANT)
+        points = np.ascontiguousarray(strain, dtype=float).reshape(-1, 6)
+        components, inverse, invariants = np.empty_like(points), np.empty_like(points), np.empty((points.shape[0], 3))
+        cauchy_green(points, MIN_DETERMINANT, components, inverse, invariants)
+        of_point = (invariants[:, number].reshape(strain.shape[:-1]) for number in range(3))
+        return cls(components.reshape(strain.shape), inverse.reshape(strain.shape), *of_point)
 
-    @cached_property
-    def inverse_tensor(self) -> Array:
-        """(..., 3, 3) C^-1."""
-        c = self.tensor
-        rows = [
-            np.cross(c[..., 1, :], c[..., 2, :]),
-            np.cross(c[..., 2, :], c[..., 0, :]),
-            np.cross(c[..., 0, :], c[..., 1, :]),
-        ]
-        return np.stack(rows, axis=-1) / self.determinant[..., None, None]
+    def products(self, factors: Products) -> Array:
+        """(..., 6, 6) the sum of the products with these factors."""
+        total = np.zeros((*self.components.shape, 6))
+        self.add_products(factors, total)
+        return total
 
-    @cached_property
-    def inverse(self) -> Array:
-        """(..., 6) C^-1."""
-        return voigt(self.inverse_tensor)
+    def add_products(self, factors: Products, total: Array) -> None:
+        """Add the products with these factors to total (..., 6, 6), contiguous; raises ValueError for another one."""
+        from fem.kernels.tensors import add_products
 
-    @cached_property
-    def inverse_derivative(self) -> Array:
-        """(..., 6, 6) -d C^-1 / dC."""
-        i, j, k, m = ROW[:, None], COLUMN[:, None], ROW[None, :], COLUMN[None, :]
-        c = self.inverse_tensor
-        return 0.5 * (c[..., i, k] * c[..., j, m] + c[..., i, m] * c[..., j, k])
+        of_point = np.empty((*self.determinant.shape, 6))
+        for number, factor in enumerate(astuple(factors)):
+            of_point[..., number] = factor
+        points = (array.reshape(-1, 6) for array in (of_point, self.components, self.inverse))
+        add_products(*points, total.reshape((-1, 6, 6), copy=False))
 
-    @cached_property
-    def first(self) -> Array:
-        """(...,) I1 = tr C."""
-        return np.trace(self.tensor, axis1=-2, axis2=-1)
+    def principal_values(self) -> tuple[Array, Array]:
+        """Eigenvalues (..., 3) of C, at least `MIN_DETERMINANT`, and eigenvectors in the columns of (..., 3, 3)."""
+        tensor = np.empty((*self.determinant.shape, 3, 3))
+        tensor[..., _ROW, _COLUMN] = tensor[..., _COLUMN, _ROW] = self.components
+        values, axes = np.linalg.eigh(tensor)
+        return np.maximum(values, MIN_DETERMINANT), axes
 
-    @cached_property
-    def second(self) -> Array:
-        """(...,) I2 = (I1^2 - tr C^2) / 2."""
-        return 0.5 * (self.first**2 - np.einsum("...ij,...ij", self.tensor, self.tensor))
+
+def from_principal_axes(axes: Array, values: Array, diagonal: Array, rotation: Array) -> tuple[Array, Array]:
+    """Stress (..., 6) and tangent (..., 6, 6) from what they are in the principal axes.
+
+    With the axes N_a in the columns of axes (..., 3, 3), n_a = N_a N_a^T and r_k = N_a N_b^T + N_b N_a^T for `PAIRS`:
+    stress sum_a values_a n_a, tangent sum_ab diagonal_ab n_a x n_b + sum_k rotation_k r_k x r_k; values (..., 3),
+    diagonal (..., 3, 3) symmetric, rotation (..., 3).
+    """
+    from fem.kernels.tensors import principal
+
+    shape = axes.shape[:-2]
+    stress, tangent = np.empty((*shape, 6)), np.empty((*shape, 6, 6))
+    given = (array.reshape(-1, *array.shape[len(shape) :]) for array in (axes, values, diagonal, rotation))
+    principal(*given, stress.reshape(-1, 6), tangent.reshape(-1, 6, 6))
+    return stress, tangent

@@ -21,14 +21,14 @@ from pipeline.errors import InputError, RunFailed
 from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.progress import Silent
 from pipeline.simulation.outcome import Outcomes, Record
-from pipeline.simulation.scene import Scene
+from pipeline.simulation.scene import Scene, material_of
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 
 
 def measure(rung: Rung) -> RungResult:
     """Solve II and III and identify the numbers, from all nodes of the material curve and from every n-th."""
-    compile_kernels(rung.config.mesh.formulation)
+    compile_kernels(rung.config.mesh.formulation, material_of(rung.config))
     start, cpu = perf_counter(), _cpu_seconds()
     try:
         scene = Scene.meshed(rung.config)

@@ -99,7 +99,7 @@ def _experiments(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
     config = task.config
     with open_store(task.folder, config) as store:
         scene = Scene.meshed(config)
-        compile_kernels(config.mesh.formulation)
+        compile_kernels(config.mesh.formulation, scene.material)
         outcomes = simulate(scene, RunContext.alone(store, Silent()), task.run)
         store.save_json("experiments.json", outcomes.rows())
         store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, (), scene.body.pitch))
