@@ -74,6 +74,12 @@ class TangentStorage:
         """Values of the factorized matrix from those of the assembled tangent (nnz,)."""
         return data if self._reduction is None else self._reduction.values(data)
 
+    def enlarge(self, rows: Index, columns: Index) -> None:
+        """Hold the node pairs rows <= columns (m,) as well."""
+        keys = self.pattern.keys_with(rows, columns)
+        if keys.shape != self.pattern.keys.shape:
+            self._use(keys)
+
     def starts(self, blocks: Sequence[Blocks], near: Callable[[], NodePairs]) -> list[NDArray[np.int32]]:
         """Where the blocks of effects stand in the pattern.
 
@@ -85,7 +91,7 @@ class TangentStorage:
             rows, columns = near()
             rows = np.concatenate([rows, *(block.rows for block in blocks)])
             columns = np.concatenate([columns, *(block.columns for block in blocks)])
-            self._use(self.pattern.keys_with(rows, columns))
+            self.enlarge(rows, columns)
             starts = [self._starts(block) for block in blocks]
         self._last = {id(block.rows): (block.rows, start) for block, start in zip(blocks, starts, strict=True)}
         return starts

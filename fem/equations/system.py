@@ -63,6 +63,14 @@ class System:
         self.constraints = constraints
         self.storage.constrain(constraints)
 
+    def hold_near_pairs(self) -> None:
+        """Take up all node pairs that may come into contact near the positions at rest.
+
+        With contact that takes all facing pairs to be near, the matrix keeps one pattern from here on.
+        """
+        rows, columns = near_pairs(self.terms, self.space.points)
+        self.storage.enlarge(rows, columns)
+
     def rest_state(self) -> State:
         """The body at rest."""
         elements, points = self.space.weight.shape
