@@ -18,7 +18,7 @@ from typing import Any
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
-import fem.equations.linear  # noqa: E402
+import fem.equations.pardiso  # noqa: E402
 from benchmarks.cell import ARMS, Arm, Case, Cost, Pieces, renew, report, solve_whole, table_of  # noqa: E402
 from fem.cell.piece import BendingPiece  # noqa: E402
 from pipeline.cell.measure_ends import clamp_curve, tip_curve  # noqa: E402
@@ -56,8 +56,8 @@ def _cost(begin: float, pieces: Sequence[BendingPiece]) -> Cost:
 def main(rounds: int) -> None:
     """Renew the table after every round."""
     arm = ARMS[0]
-    linear: Any = fem.equations.linear
-    linear.perf_counter = process_time  # what other programs take does not count
+    pardiso: Any = fem.equations.pardiso
+    pardiso.perf_counter = process_time  # what other programs take does not count
     solve_whole(arm, Case("II", "II"), arm.pressures[:1])  # loads the kernels
     measured: list[tuple[Cost, Cost, Cost]] = []
     for _ in range(rounds):

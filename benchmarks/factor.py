@@ -23,8 +23,7 @@ import scipy.sparse as sp  # noqa: E402
 from scipy.sparse.linalg import LinearOperator, gmres  # noqa: E402
 
 from fem import Experiment, Pressure, StVenantKirchhoff  # noqa: E402
-from fem.equations import linear  # noqa: E402
-from fem.equations.linear import Pardiso  # noqa: E402
+from fem.equations.pardiso import LARGE, Pardiso, forget_unused_analyses  # noqa: E402
 from fem.path import newton  # noqa: E402
 from fem.path.control import LoadControl  # noqa: E402
 from geometry import PneuNet  # noqa: E402
@@ -91,8 +90,8 @@ def fresh_factor(
     indptr: Array, indices: Array, kept: Systems, large: int, memory: float | None
 ) -> tuple[float, float, str]:
     """Seconds for all iterations with a new factor in each, of the analysis, and a remark."""
-    linear.LARGE = large
-    solver = Pardiso(memory)
+    forget_unused_analyses()
+    solver = Pardiso(memory, large)
     _, analysis = timed(lambda: solver.analyse(indptr, indices))
     seconds = 0.0
     for data, right in kept:
@@ -105,6 +104,7 @@ def fresh_factor(
 
 def stale_factor(indptr: Array, indices: Array, kept: Systems, patience: int) -> tuple[float, float, str]:
     """The factor is kept as a preconditioner until an iteration needs more than `patience` products."""
+    forget_unused_analyses()
     solver = Pardiso()
     _, analysis = timed(lambda: solver.analyse(indptr, indices))
     seconds, fresh, counts = 0.0, True, []
@@ -132,7 +132,7 @@ def main() -> None:
     ways = {
         "new factor each time, nested dissection": lambda: fresh_factor(indptr, indices, kept, 0, None),
         "new factor each time, minimum degree": lambda: fresh_factor(indptr, indices, kept, 10**9, None),
-        "single precision, refined": lambda: fresh_factor(indptr, indices, kept, linear.LARGE, 0.0),
+        "single precision, refined": lambda: fresh_factor(indptr, indices, kept, LARGE, 0.0),
         "stale factor, up to 8 products": lambda: stale_factor(indptr, indices, kept, 8),
         "stale factor, up to 25 products": lambda: stale_factor(indptr, indices, kept, 25),
     }

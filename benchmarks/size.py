@@ -24,7 +24,7 @@ def measured(size: float, single: bool) -> dict[str, float]:
     from functools import partial
 
     from fem import Experiment, PathOptions, Pressure, StVenantKirchhoff, compile_kernels, follow
-    from fem.equations.linear import Pardiso
+    from fem.equations.pardiso import Pardiso
     from geometry import PneuNet
 
     compile_kernels()

@@ -121,7 +121,9 @@ class Solution:
     steps: tuple[Step, ...]
     seconds: Seconds
     factorizations: int  #: numeric ones, in all
-    analyses: int  #: symbolic factorizations: one, plus one whenever contact enlarged the sparsity pattern
+    #: sparsity patterns: one, plus one whenever contact enlarged it. Each needs a symbolic factorization, unless one of
+    #: the same pattern was kept in this process
+    analyses: int
     solver: str  #: name of the linear solver
     degrees_of_freedom: int  #: free ones
 

@@ -16,9 +16,10 @@ from geometry import Mesh
 def compile_kernels(formulation: str = "p2p0", material: Solid | None = None) -> None:
     """Solve a model of one element, which compiles every kernel: half a minute once, half a second from disk.
 
-    The kernels serve all formulations. "mixed" has one more, which is compiled with that formulation, and so have laws
-    that are not linear in the strain, with a material of such a law; a strain-limiting layer compiles small kernels of
-    its own when it is first used. Raises ValueError for a formulation that does not exist.
+    The kernels serve all formulations. "mixed" has one more, which is compiled with that formulation. Laws that are not
+    linear in the strain have kernels of their own, compiled if `material` is such a law, or has one in a region. A
+    strain-limiting layer compiles small kernels of its own when it is first used. Raises ValueError for a formulation
+    that does not exist.
     """
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     faces = {"clamp": np.array([[0, 1, 2]]), "cavity": np.array([[1, 2, 3]])}

@@ -259,7 +259,7 @@ def test_the_page_lists_every_design() -> None:
     content = campaign(given, [record(), wrong, finer, slow, limited])
     text, listed = pages(content)["unseen.md"], pages(content)["unseen_designs.md"]
     assert "with `law: five`" in text
-    assert "sources of commit abc1234." in text
+    assert "sources of commit abc1234; at most 400 s of CPU time for each stage." in " ".join(text.split())
     assert sum(line.endswith("| **no** |") for line in text.splitlines()) == 3
     assert "| designs that end wrong, with an error of the program, or not in time | none | 2 of 5 | **no** |" in text
     assert "| designs with numbers or an early refusal | all | 5 of 5 | yes |" in text
@@ -285,6 +285,8 @@ def test_campaigns_are_joined_on_one_page() -> None:
         assert f"\n| {name} | an arm |" in found["unseen_designs.md"]
     with pytest.raises(ValueError, match="the same law of the rod"):
         joined([first, campaign(Namespace(seed=9, count=1, limit=400.0, law="five"), [record()])])
+    with pytest.raises(ValueError, match="different seeds"):
+        joined([first, first])
 
 
 def test_few_designs_say_little() -> None:

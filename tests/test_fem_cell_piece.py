@@ -135,3 +135,13 @@ def test_a_pressure_no_cell_can_bear_ends_with_a_sentence() -> None:
     piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
     with pytest.raises(PieceFailed, match=r"^no equilibrium of the half cell at \d.* kPa and a mean curvature of"):
         piece.solve(5.0, 0.0, piece.rest())
+
+
+def test_a_state_does_not_depend_on_those_that_the_same_piece_had_before() -> None:
+    """Bit for bit, so that results are the same whichever process computes what."""
+    body, at = DESIGN.half_cell(4.0), (0.005, -0.005)
+    first, second = (BendingPiece(body, SVK, "mirror", dhat=0.04) for _ in range(2))
+    assert second.solve(0.02, -0.04, second.rest()).touches
+    alone, later = first.solve(*at, first.rest()), second.solve(*at, second.rest())
+    assert not alone.touches
+    np.testing.assert_array_equal(alone.state.displacement, later.state.displacement)

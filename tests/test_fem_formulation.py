@@ -21,7 +21,8 @@ from fem import (
     element_fields,
     follow,
 )
-from fem.equations.linear import Pardiso, SuperLU
+from fem.equations.linear import SuperLU
+from fem.equations.pardiso import Pardiso
 from fem.equations.state import State
 from fem.equations.system import System
 from geometry.arrays import Array

@@ -1,5 +1,6 @@
 """The two linear solvers against dense algebra, and their messages for singular matrices."""
 
+import ctypes
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,9 +11,10 @@ import scipy.sparse as sp
 from bodies import hollow_box
 
 from fem import Fixed, Model, NewtonOptions, PathOptions, Pressure, StVenantKirchhoff, follow
-from fem.equations import linear
+from fem.equations import pardiso
 from fem.equations.heap import keep_freed_memory
-from fem.equations.linear import LinearSolver, Pardiso, SingularMatrix, SuperLU, available_solver
+from fem.equations.linear import LinearSolver, SingularMatrix, SuperLU, available_solver
+from fem.equations.pardiso import Pardiso
 from geometry.arrays import Array
 
 WITH_PARDISO = pytest.mark.skipif(available_solver() is not Pardiso, reason="no PARDISO here")
@@ -124,13 +126,31 @@ def test_both_solvers_agree_on_an_indefinite_matrix() -> None:
     assert pardiso.negative_pivots == superlu.negative_pivots == 11
 
 
+def mkl_bytes() -> int:
+    """What the MKL holds in this process besides its buffers."""
+    library = Pardiso()._solver.libmkl
+    library.mkl_free_buffers()
+    library.mkl_mem_stat.restype = ctypes.c_int64
+    return int(library.mkl_mem_stat(ctypes.byref(ctypes.c_int(0))))
+
+
 @WITH_PARDISO
-def test_a_closed_solver_has_released_its_memory() -> None:
-    for kind in (Pardiso, in_single_precision, of_large_matrices):
-        solver = factorized(kind, indefinite(30, 2, seed=1))
+def test_a_closed_solver_has_released_its_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its factor always; its analysis where none is kept."""
+    monkeypatch.setattr(pardiso, "_unused", [])
+    chain = 2 * np.eye(40) - np.eye(40, k=1) - np.eye(40, k=-1)
+    matrix = np.kron(chain, np.eye(40)) + np.kron(np.eye(40), chain)
+    before = mkl_bytes()
+    for kind in (in_single_precision, of_large_matrices, Pardiso):
+        solver = factorized(kind, matrix)
+        held = mkl_bytes()
         solver.close()
         solver.close()
         assert not solver._solver.pt.any()
+        assert mkl_bytes() < held
+    assert mkl_bytes() > before, "one analysis is kept"
+    pardiso.forget_unused_analyses()
+    assert mkl_bytes() == before
 
 
 @WITH_PARDISO
@@ -138,7 +158,7 @@ def test_the_analysis_of_a_closed_solver_serves_the_next_one_of_its_pattern(monk
     phases: list[int] = []
     call = Pardiso._call
     monkeypatch.setattr(Pardiso, "_call", lambda self, phase, right: phases.append(phase) or call(self, phase, right))
-    monkeypatch.setattr(linear, "_unused", [])
+    monkeypatch.setattr(pardiso, "_unused", [])
     matrix, right = indefinite(200, 3, seed=11), np.linspace(1.0, 2.0, 200)
 
     def solution(factor: float) -> Array:
@@ -150,28 +170,63 @@ def test_the_analysis_of_a_closed_solver_serves_the_next_one_of_its_pattern(monk
             solver.close()
 
     first, double, again = solution(1.0), solution(2.0), solution(1.0)
-    assert phases.count(linear.ANALYSE) == 1
+    assert phases.count(pardiso.ANALYSE) == 1
     np.testing.assert_array_equal(first, again)
     np.testing.assert_allclose(double, 0.5 * first, rtol=1e-9)
     both = [factorized(Pardiso, matrix) for _ in range(2)]  # an analysis in use is not shared
-    assert phases.count(linear.ANALYSE) == 2
+    assert phases.count(pardiso.ANALYSE) == 2
     np.testing.assert_array_equal(both[0].solve(right), first)
     np.testing.assert_array_equal(both[1].solve(right), first)
 
 
 @WITH_PARDISO
-def test_few_analyses_are_kept_and_none_after_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    kept: list[linear._Analysis] = []
-    monkeypatch.setattr(linear, "_unused", kept)
-    for size in range(20, 20 + 2 * linear.KEPT):
+def test_few_analyses_are_kept_and_none_that_is_large_or_single_or_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept: list[pardiso._Analysis] = []
+    monkeypatch.setattr(pardiso, "_unused", kept)
+    single = factorized(in_single_precision, np.eye(9))
+    for size in range(20, 20 + 2 * pardiso.KEPT):
         factorized(Pardiso, indefinite(size, 1, seed=size)).close()
     sizes = [analysis.indptr.shape[0] - 1 for analysis in kept]
-    assert sizes == list(range(20 + linear.KEPT, 20 + 2 * linear.KEPT))
-    for solver in (factorized(Pardiso, indefinite(10, 0, seed=1)), factorized(in_single_precision, np.eye(9))):
-        solver._failed = True
+    assert sizes == list(range(20 + pardiso.KEPT, 20 + 2 * pardiso.KEPT))
+    failed = factorized(Pardiso, indefinite(10, 0, seed=1))
+    failed._failed = True
+    for solver in (failed, single, factorized(of_large_matrices, np.eye(8))):
         solver.close()
-    assert len(kept) == linear.KEPT
-    assert not any(analysis.indptr.shape[0] - 1 in (9, 10) for analysis in kept)
+        assert not solver._solver.pt.any()
+    assert [analysis.indptr.shape[0] - 1 for analysis in kept] == sizes
+
+
+@WITH_PARDISO
+def test_an_error_while_a_factor_is_given_back_is_not_raised(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would hide why the path ended."""
+    kept: list[pardiso._Analysis] = []
+    monkeypatch.setattr(pardiso, "_unused", kept)
+    solver, call = factorized(Pardiso, indefinite(30, 2, seed=1)), Pardiso._call
+
+    def failing(self: Pardiso, phase: int, right: Array) -> Array:
+        if phase == pardiso.RELEASE_FACTOR:
+            self._failed = True
+            raise SingularMatrix("PARDISO stopped with error -1")
+        return call(self, phase, right)
+
+    monkeypatch.setattr(Pardiso, "_call", failing)
+    solver.close()
+    assert not solver._solver.pt.any()
+    assert not kept
+
+
+@WITH_PARDISO
+def test_unused_analyses_make_room_before_single_precision_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What was solved before must not decide about the precision."""
+    monkeypatch.setattr(pardiso, "_unused", [])
+    factorized(Pardiso, indefinite(30, 2, seed=1)).close()
+    spare = iter([0.0, 1e9])
+    monkeypatch.setattr(pardiso, "spare_memory", lambda: next(spare))
+    solver = Pardiso()
+    triangle = upper(indefinite(40, 2, seed=2))
+    solver.analyse(triangle.indptr, triangle.indices)
+    assert not solver.single
+    assert not pardiso._unused
 
 
 @WITH_PARDISO
@@ -212,7 +267,7 @@ def test_a_singular_matrix_in_single_precision_is_refused_by_its_solution() -> N
 def test_the_mkl_is_not_searched_for() -> None:
     """pypardiso looks through all files of the environment with `glob`, when it is imported and for each solver."""
     forbidden = "import glob\ndef search(*arguments, **options): raise SystemExit('searched')\nglob.glob = search\n"
-    command = f"{forbidden}from fem.equations.linear import Pardiso, _runtime\nprint(bool(_runtime()))\nPardiso()"
+    command = f"{forbidden}from fem.equations.pardiso import Pardiso, _runtime\nprint(bool(_runtime()))\nPardiso()"
     done = subprocess.run([sys.executable, "-c", command], capture_output=True, text=True, check=False)
     if done.stdout.strip() == "False":
         pytest.skip("the MKL does not come from its Python package")

@@ -8,8 +8,9 @@ from bodies import box, hollow_box
 
 from fem import Fixed, Model, NewtonOptions, Pressure, StVenantKirchhoff
 from fem.effects.effect import Terms
-from fem.equations.linear import LinearSolver, Pardiso, SuperLU, available_solver
+from fem.equations.linear import LinearSolver, SuperLU, available_solver
 from fem.equations.linearised import Linearised, StaleFactorization
+from fem.equations.pardiso import Pardiso
 from fem.equations.state import State
 from fem.equations.system import System
 from fem.path import newton

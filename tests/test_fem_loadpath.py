@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bodies import box
+from bodies import box, hollow_box
 from loads import Traction
 
 from fem import (
@@ -13,6 +13,7 @@ from fem import (
     Fixed,
     Gravity,
     Model,
+    NeoHooke,
     NewtonOptions,
     NotConverged,
     PathObserver,
@@ -171,6 +172,23 @@ def test_a_resumed_path_continues_as_if_it_had_not_been_interrupted(short: Body,
             assert step.factorizations == first.factorizations
             assert step.newton_iterations == first.newton_iterations
             assert step.effects == first.effects
+
+
+@pytest.mark.parametrize(("formulation", "limit"), [("p2p0", 0.5198), ("mixed", 0.4779)])
+@pytest.mark.parametrize("fractions", [(0.7, 0.99), (0.3, 0.6, 0.9)])
+def test_a_path_towards_a_limit_that_is_resumed_is_the_same_bit_for_bit(
+    fractions: tuple[float, ...], formulation: str, limit: float
+) -> None:
+    """The last two points and the rate at rest announce the limit, on which increments and starts depend."""
+    supports = [Fixed("clamp"), Fixed("sym", "z")]
+    model = Model(hollow_box(True), NeoHooke(0.4, 20.0), supports, [Pressure("cavity", 1.0)], formulation)
+    factors = [fraction * limit for fraction in fractions]
+    whole = follow(model, factors).steps
+    for count in range(1, len(factors)):
+        again = follow(model, factors, resume=whole[:count]).steps
+        for step, first in zip(again, whole, strict=True):
+            np.testing.assert_array_equal(step.displacement, first.displacement)
+            assert step.factorizations == first.factorizations
 
 
 def test_a_finished_path_that_is_resumed_solves_nothing() -> None:

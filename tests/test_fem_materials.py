@@ -1,7 +1,5 @@
 """Every law: derivatives against finite differences, the linear limit, isotropy, stable range and refused constants."""
 
-from dataclasses import fields
-
 import numpy as np
 import pytest
 from bodies import box, difference
@@ -286,7 +284,7 @@ def test_products_of_tensors() -> None:
         "tensor_inverse": dyads(tensor, inverse),
         "symmetric": crossed(every),
     }
-    assert set(expected) == {field.name for field in fields(Products)}
+    assert set(expected) == set(Products._fields)
     factor = np.linspace(0.5, 2.0, c.first.size).reshape(c.first.shape)
     for name, full in expected.items():
         by_components = full[..., ROW[:, None], COLUMN[:, None], ROW, COLUMN]

@@ -39,7 +39,7 @@ DOORS: dict[str, set[str]] = {
     # the doctor tries the threads of numba
     "numba": {"fem/kernels/", "rod/compiled.py", "pipeline/doctor.py"},
     "ipctk": {"fem/effects/contact.py"},
-    "pypardiso": {"fem/equations/linear.py"},
+    "pypardiso": {"fem/equations/pardiso.py"},
     "sklearn": {"rod/curves/gaussian_process.py"},
     "pydantic": {"pipeline/config/kinds.py", "pipeline/config/schema.py", "pipeline/sweep/spec.py"},
     "pint": {"pipeline/config/units.py"},

@@ -64,6 +64,13 @@ def main() -> int:
     parser.add_argument("--with", dest="others", type=Path, nargs="+", default=[], help="folders of other campaigns")
     parser.add_argument("--stored", action="store_true", help="solve nothing; write the page from what is stored")
     given = parser.parse_args()
+    if given.others and not given.page:
+        parser.error("--with joins campaigns on a page: give --page too")
+    try:
+        others = [_stored(other) for other in given.others]
+        joined([*others, campaign(given, [])])
+    except (OSError, ValueError) as reason:
+        parser.error(f"--with: {reason}")
     if given.page and given.seed in MENDING:
         sys.stdout.write(
             f"seed {given.seed} is for mending the program; its page is written beside its results alone\n"
@@ -83,10 +90,19 @@ def main() -> int:
         sys.stdout.flush()
         _write(folder, campaign(given, records))
     if given.page and records:
-        others = [json.loads((other / "unseen.json").read_text(encoding="utf-8")) for other in given.others]
         _write(given.page, joined([*others, campaign(given, records)]))
     results = {outcome(record) for record in records}
     return int(bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records))
+
+
+def _stored(folder: Path) -> dict[str, Any]:
+    """What the pages of a finished campaign were written from; raises OSError and ValueError."""
+    content: dict[str, Any] = json.loads((folder / "unseen.json").read_text(encoding="utf-8"))
+    if "campaigns" not in content:
+        raise ValueError(f"{folder / 'unseen.json'} was written by an earlier version; run that campaign with --stored")
+    if bad := {entry["seed"] for entry in content["campaigns"]} & set(MENDING):
+        raise ValueError(f"seed {', '.join(map(str, bad))} is for mending the program and is not reported")
+    return content
 
 
 def _write(folder: Path, content: dict[str, Any]) -> None:

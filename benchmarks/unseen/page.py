@@ -43,10 +43,13 @@ NUMBERS = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
 
 
 def joined(contents: Sequence[Record]) -> dict[str, Any]:
-    """Several campaigns as one; raises ValueError where their designs were run with different laws of the rod."""
+    """Several campaigns as one; raises ValueError where their designs were run with different laws of the rod, or two
+    have the same seed."""
     campaigns = [campaign for content in contents for campaign in content["campaigns"]]
     if len({campaign["law"] for campaign in campaigns}) != 1:
         raise ValueError("campaigns on one page have the same law of the rod")
+    if len({campaign["seed"] for campaign in campaigns}) != len(campaigns):
+        raise ValueError("campaigns on one page have different seeds")
     return {"campaigns": campaigns, "records": [record for content in contents for record in content["records"]]}
 
 
@@ -70,7 +73,6 @@ def pages(content: Record) -> dict[str, str]:
         "size": _range(designs.SIZE),
         "cells": f"{min(designs.CELLS)} to {max(designs.CELLS)}",
         "load": _range(designs.LOAD),
-        "limit": f"{max(campaign['limit'] for campaign in campaigns):g}",
         "targets": _targets(records),
         "certainty": fill(_certainty(records), WIDTH),
         "bend": fill(_bend(records), WIDTH),
@@ -117,7 +119,10 @@ def _provenance(content: Record) -> str:
         else:
             part = f"Of {drawn} designs those with the numbers {', '.join(map(str, numbers))}"
         others = "" if run == drawn else f" The other {drawn - run} have not been finished."
-        sentences.append(f"{part} of seed {campaign['seed']}; sources of commit {', '.join(commits)}.{others}")
+        sentences.append(
+            f"{part} of seed {campaign['seed']}; sources of commit {', '.join(commits)}; at most "
+            f"{campaign['limit']:g} s of CPU time for each stage.{others}"
+        )
     seconds = [sum(record["seconds"].values()) for record in content["records"]]
     of_run = [record["seconds"].get("run", 0.0) for record in content["records"]]
     time = (

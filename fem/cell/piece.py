@@ -106,7 +106,7 @@ class BendingPiece:
         self.terms = tuple(effect.bind(self.space, laws_of(material)[""]) for effect in (*acting, *effects))
         self._constraints: tuple[float, Constraints] | None = None  #: of the last angle
         self._system = System(self.space, material, self.terms, self.constraints(0.0), available_solver()())
-        self._system.hold_near_pairs()  # one pattern: a state does not depend on those solved before, bit for bit
+        self._system.hold_near_pairs()  # all: a state does not depend on those solved before, bit for bit
         self._shear_system: System | None = None
 
     @property
@@ -214,7 +214,6 @@ class BendingPiece:
         """The equations with other terms and constraints; its pattern and symbolic analysis are kept as well."""
         if self._shear_system is None:
             self._shear_system = System(self.space, self.material, terms, constraints, available_solver()())
-            self._shear_system.hold_near_pairs()
         else:
             self._shear_system.replace_constraints(constraints)
         return self._shear_system

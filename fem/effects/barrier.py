@@ -66,7 +66,8 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
     stiffness: float  #: MPa
     overlap: float  #: fraction of the barrier's width that lies behind the wall
     starts_inactive: bool
-    #: gap below which a pair takes part in the pattern of the matrix from the first pair in contact on, mm
+    #: mm: where the matrix has no place for a pair in contact yet, it is given places for all pairs whose gap is below
+    #: this at the same positions
     near: float = np.inf
     #: gives the barrier with exact distances; None where a crossing is judged by the signed gaps alone
     exact: Callable[[], UnilateralTerm] | None = field(default=None, repr=False)

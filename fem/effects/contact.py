@@ -46,8 +46,8 @@ class SelfContact(Effect):
     other, and dhat is a tenth of the gap by default.
 
     near: gap, over the smallest one at rest, below which a pair of walls takes part in the pattern of the matrix from
-    the first contact on, because it may be the next to touch. Fewer pairs make a factorization cheaper. With infinity
-    the pattern is the same whatever was solved before with these equations, and so are results, bit for bit.
+    the first contact on, because it may be the next to touch. Fewer pairs make a factorization cheaper; infinity stands
+    for all pairs.
     """
 
     faces: str

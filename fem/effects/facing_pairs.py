@@ -36,7 +36,9 @@ class FacingPairs:
         """
         key = sha256(surface.nodes.tobytes()).digest() + sha256(points.tobytes()).digest()
         if key not in _kept:
-            _kept[key] = cls._searched(surface, points)
+            _kept[key] = pairs = cls._searched(surface, points)
+            for array in (pairs.nodes, pairs.triangles, pairs.area):
+                array.flags.writeable = False  # several models share them
             if len(_kept) > KEPT:
                 del _kept[next(iter(_kept))]
         return _kept[key]

@@ -27,8 +27,8 @@ class TangentStorage:
     """Sparsity pattern of a model's tangent, with the positions of elements, pressures and effects in it.
 
     Where the constraints select components the tangent is assembled over these alone. For others it is assembled over
-    all components and reduced, T^T K T. The pattern is enlarged by new contact pairs and never shrinks, so re-analysis
-    is rare.
+    all components and reduced, T^T K T. The pattern is enlarged by new contact pairs and does not shrink along a path,
+    so that re-analysis is rare.
     """
 
     pattern: Pattern  #: of the assembled tangent

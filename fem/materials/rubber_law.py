@@ -28,7 +28,7 @@ class RubberLaw(Material):
 
     @abstractmethod
     def isochoric(self, c: CauchyGreen) -> Response:
-        """psi and its first two derivatives by the strain."""
+        """psi and its first two derivatives by the strain; the tangent is contiguous and belongs to the caller."""
 
     @abstractmethod
     def incompressible(self, stretch: Array) -> Array:
@@ -78,13 +78,15 @@ class RubberLaw(Material):
     @final
     def shear(self, strain: Array) -> Response:
         c = CauchyGreen.of(strain)
-        return _with_volume(self.isochoric(c), c, 2 / 3 * self.shear_modulus)
+        response, (energy, stress, factors) = self.isochoric(c), _volume_energy(c, 2 / 3 * self.shear_modulus)
+        c.add_products(factors, response.tangent)
+        return Response(response.energy + energy, response.stress + stress, response.tangent)
 
     @final
     def volumetric(self, strain: Array) -> Response:
         c = CauchyGreen.of(strain)
-        nothing = Response(np.zeros_like(c.first), np.zeros_like(c.inverse), c.products(Products()))
-        return _with_volume(nothing, c, self.volumetric_modulus)
+        energy, stress, factors = _volume_energy(c, self.volumetric_modulus)
+        return Response(energy, stress, c.products(factors))
 
     @final
     def dilatation(self, strain: Array) -> Dilatation:
@@ -98,13 +100,12 @@ class RubberLaw(Material):
         return self.kappa - 2 / 3 * self.shear_modulus
 
 
-def _with_volume(response: Response, c: CauchyGreen, modulus: float) -> Response:
-    """The response, whose tangent is changed in place, with that of modulus/2 (J - 1)^2."""
+def _volume_energy(c: CauchyGreen, modulus: float) -> tuple[Array, Array, Products]:
+    """modulus/2 (J - 1)^2, its stress (..., 6), and the factors of its tangent."""
     j = np.sqrt(c.determinant)
     pressure = modulus * (j - 1) * j
-    c.add_products(Products(inverse_inverse=modulus * j**2 + pressure, derivative=-2 * pressure), response.tangent)
-    energy, stress = response.energy + 0.5 * modulus * (j - 1) ** 2, response.stress + scaled(pressure, c.inverse)
-    return Response(energy, stress, response.tangent)
+    factors = Products(inverse_inverse=modulus * j**2 + pressure, derivative=-2 * pressure)
+    return 0.5 * modulus * (j - 1) ** 2, scaled(pressure, c.inverse), factors
 
 
 def stable_range(nominal: Callable[[Array], Array]) -> tuple[float, float]:

@@ -5,8 +5,8 @@ components, which maps strains with engineering shear to stresses. The loops ove
 (`fem.kernels.tensors`); they are imported where they are called, because a configuration imports the laws, too.
 """
 
-from dataclasses import astuple, dataclass
-from typing import final
+from dataclasses import dataclass
+from typing import NamedTuple, final
 
 import numpy as np
 
@@ -27,9 +27,7 @@ def scaled(factor: Array, tensor: Array) -> Array:
     return factor.reshape(factor.shape + (1,) * (tensor.ndim - factor.ndim)) * tensor
 
 
-@final
-@dataclass(frozen=True)
-class Products:
+class Products(NamedTuple):
     """Factors (...), or one number for all points, of the fourth-order tensors that the tangents of isotropic laws are
     made of; a x b is the dyadic product."""
 
@@ -74,7 +72,7 @@ class CauchyGreen:
         from fem.kernels.tensors import add_products
 
         of_point = np.empty((*self.determinant.shape, 6))
-        for number, factor in enumerate(astuple(factors)):
+        for number, factor in enumerate(factors):
             of_point[..., number] = factor
         points = (array.reshape(-1, 6) for array in (of_point, self.components, self.inverse))
         add_products(*points, total.reshape((-1, 6, 6), copy=False))

@@ -140,8 +140,11 @@ class PathFollower:
         self.limit: float | None = None  #: value at which the path announces its end
         self.iterations = 0  #: of all solutions of the present increment that converged
 
-    def resume(self, steps: Sequence[Step]) -> None:
-        """Go on from the last of the given steps."""
+    def resume(self, steps: Sequence[Step], goes_on: bool) -> None:
+        """Go on from the last of the given steps; goes_on: whether more targets follow.
+
+        From the first step the way on depends on the rate at rest, which is computed again (one factorization).
+        """
         for step in steps:
             state = self.system.state_at(step.displacement, step.factor)
             self.active_set = ActiveSet.resumed(self.system.terms, step.active, step.positions)
@@ -151,6 +154,8 @@ class PathFollower:
             if step.rate is not None:
                 point = replace(point, rate=self.system.rate(state, self.system.assemble(state, ()), step.rate))
             self.points, self.is_stable = [self.points[-1], point], step.negative_pivots == 0
+        if goes_on and len(steps) == 1:
+            self.predictor.rate_from_rest(self.control.target(self.points[-1].value, 1.0))
         if steps:
             self.system.storage.hold(steps[-1].added_pairs)
 

@@ -50,7 +50,7 @@ def follow_volume(
 
 def _follow(path: PathFollower, targets: Sequence[float], resume: Sequence[Step], begin: float) -> Solution:
     steps = list(resume)
-    path.resume(steps)
+    path.resume(steps, goes_on=len(targets) > len(steps))
     set_up = perf_counter() - begin - path.system.solver.times.analysis
     try:
         for target in targets[len(steps) :]:

@@ -80,7 +80,7 @@ class Predictor:
         before, last = points[0], points[-1]
         at_rest = len(points) == 1
         if at_rest:
-            last = replace(last, rate=self._rate_from_rest(target))
+            last = replace(last, rate=self.rate_from_rest(target))
         else:
             first = before if self._is_smooth(before, last) else None
             extrapolated = extrapolate(first, last, target.value, limit)
@@ -97,6 +97,15 @@ class Predictor:
         yield Start(balanced, with_stress, trial=at_rest)
         if at_rest:
             yield Start(small, terms)
+
+    def rate_from_rest(self, target: Control) -> State | None:
+        """d(state)/d(value) at rest, on the way to the first target; computed once, for all increments on that way."""
+        if not self._has_rate_at_rest and target.value != self.rest.value:
+            self._has_rate_at_rest = True
+            with suppress(SingularMatrix):  # Newton's method meets the same tangent, and says so
+                fraction = target.constant_fraction / (target.value - self.rest.value)
+                self._rate_at_rest = target.rate_at_rest(self.rest.terms, fraction)
+        return self._rate_at_rest
 
     @property
     def rate_at_rest(self) -> State | None:
@@ -122,15 +131,6 @@ class Predictor:
             growth = point.constant_fraction / ahead
             return point.rate_with_constants(converged.state, converged.assembly, converged.linearised, terms, growth)
         return None
-
-    def _rate_from_rest(self, target: Control) -> State | None:
-        """d(state)/d(value) at rest, on the way to the first target; computed once, for all increments on that way."""
-        if not self._has_rate_at_rest and target.value != self.rest.value:
-            self._has_rate_at_rest = True
-            with suppress(SingularMatrix):  # Newton's method meets the same tangent, and says so
-                fraction = target.constant_fraction / (target.value - self.rest.value)
-                self._rate_at_rest = target.rate_at_rest(self.rest.terms, fraction)
-        return self._rate_at_rest
 
     def _is_smooth(self, before: PathPoint, last: PathPoint) -> bool:
         """Whether a polynomial through both points describes the path: there is no kink between them (the first contact
