@@ -10,6 +10,7 @@ import json
 import re
 import sys
 from pathlib import Path
+from textwrap import fill
 
 HERE = Path(__file__).resolve().parent.parent
 # the rooms stand beside this folder
@@ -20,6 +21,7 @@ from pipeline.accuracy.table import COLUMNS, cells, reference_sentences  # noqa:
 from pipeline.store.formats import with_present_keys  # noqa: E402
 
 DOCS = HERE / "docs" / "accuracy.md"
+WIDTH = 118  #: characters of a line
 
 
 def with_tables(text: str, results: Path) -> str:
@@ -31,11 +33,16 @@ def with_tables(text: str, results: Path) -> str:
         if not file.is_file():
             return mark.group(0)
         study = ConvergenceStudy.read(with_present_keys(json.loads(file.read_text(encoding="utf-8"))))
-        sentences = "".join(f"- {sentence}\n" for sentence in reference_sentences(study))
+        sentences = "".join(f"{_item(sentence)}\n" for sentence in reference_sentences(study))
         picture = f"![error over CPU seconds](pictures/accuracy_{name}.svg)"
         return f"<!-- {name} -->\n\n### {name}\n\n{picture}\n\n{sentences}\n{markdown(study)}\n<!-- end of {name} -->"
 
     return re.sub(r"<!-- (\w+) -->\n.*?<!-- end of \1 -->", table, text, flags=re.DOTALL)
+
+
+def _item(sentence: str) -> str:
+    """An item of a list, in lines of the docs' length."""
+    return fill(sentence, WIDTH, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)
 
 
 def markdown(study: ConvergenceStudy) -> str:
