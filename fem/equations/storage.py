@@ -32,6 +32,7 @@ class TangentStorage:
     """
 
     pattern: Pattern  #: of the assembled tangent
+    added: Index  #: (k,) the node pairs of the pattern that no element has, as `Pattern.keys` are, sorted
     element_starts: NDArray[np.int32]  #: (e, pairs, 3) of the node pairs a <= b of each element (`Pattern.starts_of`)
     pressure_offsets: PressureOffsets
 
@@ -49,16 +50,13 @@ class TangentStorage:
         self._last: dict[int, tuple[Index, NDArray[np.int32]]] = {}
         nodes = space.points.shape[0] + formulation.unknowns
         self._of_elements = element_keys(formulation.element_unknowns, nodes)
+        self.added = np.empty(0, dtype=np.int64)
         self._use(self._of_elements)
-
-    @property
-    def added(self) -> Index:
-        """(k,) the node pairs of the pattern that no element has, as `Pattern.keys` are, sorted."""
-        return np.setdiff1d(self.pattern.keys, self._of_elements, assume_unique=True)
 
     def hold(self, added: Index) -> None:
         """Take the pattern of the elements and of these further node pairs, as `added` gives them."""
         if not np.array_equal(added, self.added):
+            self.added = added
             self._use(sorted_unique(np.concatenate([self._of_elements, added])))
 
     def constrain(self, constraints: Constraints) -> None:
@@ -78,6 +76,7 @@ class TangentStorage:
         """Hold the node pairs rows <= columns (m,) as well."""
         keys = self.pattern.keys_with(rows, columns)
         if keys.shape != self.pattern.keys.shape:
+            self.added = np.setdiff1d(keys, self._of_elements, assume_unique=True)
             self._use(keys)
 
     def starts(self, blocks: Sequence[Blocks], near: Callable[[], NodePairs]) -> list[NDArray[np.int32]]:
