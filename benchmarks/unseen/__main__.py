@@ -82,7 +82,7 @@ def main() -> int:
     for design in with_law(drawn(given.seed, given.count)[: given.first], given.law):
         place = folder / design.name
         record = kept(place) if given.stored else outcome_of(design, place, given.limit, design.number in finer)
-        if record is None:
+        if record is None or not record["finished"]:
             continue
         records.append(record)
         spent = sum(record["seconds"].values())
