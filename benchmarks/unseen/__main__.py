@@ -1,7 +1,7 @@
 """A campaign over designs drawn at random: each is run as users run theirs, checked, and sorted by its outcome.
 
     make unseen SEED=1 N=4
-    python -m benchmarks.unseen --seed 1 --count 4 [--first 2] [--finer 8] [--limit 400] [--law both] [--page docs] \\
+    python -m benchmarks.unseen --seed 1 --count 4 [--first 2] [--finer 8] [--limit 600] [--law both] [--page docs] \\
         [--with FOLDER ...]
 
 Each design has a folder below results/unseen with its configuration, its results and outcome.json; what is
