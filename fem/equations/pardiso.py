@@ -116,7 +116,7 @@ class Pardiso(LinearSolver):
             self._solver.set_iparm(TWO_LEVEL, int(is_large))
             for kind, precision in ((np.float64, 0), (np.float32, 1)):
                 self._solver.set_iparm(28, precision)
-                self._matrix = sp.csr_matrix((np.ones(indices.shape[0], kind), indices, indptr), shape=(size, size))
+                self._matrix = _ones(indptr, indices, kind)
                 self._call(ANALYSE, np.zeros(size))
                 if self.single or self._fits(spare):
                     break
@@ -143,8 +143,7 @@ class Pardiso(LinearSolver):
                 del _unused[position]
                 self._finalizer.detach()
                 self._own(kept.solver)
-                size = indptr.shape[0] - 1
-                self._matrix = sp.csr_matrix((np.ones(indices.shape[0]), indices, indptr), shape=(size, size))
+                self._matrix = _ones(indptr, indices, np.float64)
                 if self._fits(spare):
                     return True
                 _release(self._solver)
@@ -233,6 +232,12 @@ def forget_unused_analyses() -> None:
     """Give the memory of all analyses back that no solver uses."""
     while _unused:
         _release(_unused.pop().solver)
+
+
+def _ones(indptr: NDArray[Any], indices: NDArray[Any], kind: type[np.floating[Any]]) -> sp.csr_matrix:
+    """The matrix of a pattern before its values are known."""
+    size = indptr.shape[0] - 1
+    return sp.csr_matrix((np.ones(indices.shape[0], kind), indices, indptr), shape=(size, size))
 
 
 def _new_solver() -> Any:
