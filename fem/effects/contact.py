@@ -59,7 +59,7 @@ class SelfContact(Effect):
     def bind(self, space: Discretisation, material: Material) -> FacingTerm:
         """The barrier; raises `ContactError`."""
         surface = space.surface(self.faces)
-        pairs = FacingPairs.of(surface, space.points)
+        pairs = self._pairs(space)
         dhat = self._dhat(pairs, space)
         E = 3 * material.shear_modulus
         exact = cache(lambda: BarrierTerm(surface, space.points, dhat, STIFFNESS_NO_OVERLAP * E))
@@ -69,7 +69,11 @@ class SelfContact(Effect):
 
     def activation_distance(self, space: Discretisation) -> float:
         """dhat, or its default for these faces, mm; raises `ContactError`."""
-        return self._dhat(FacingPairs.of(space.surface(self.faces), space.points), space)
+        return self._dhat(self._pairs(space), space)
+
+    def _pairs(self, space: Discretisation) -> FacingPairs:
+        symmetric = [space.surfaces["sym"].unique_nodes] if "sym" in space.surfaces else []
+        return FacingPairs.of(space.surface(self.faces), space.points, *symmetric)
 
     def _dhat(self, pairs: FacingPairs, space: Discretisation) -> float:
         if pairs.nodes.size == 0 and not self.starts_inactive:

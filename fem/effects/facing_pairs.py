@@ -10,10 +10,13 @@ from geometry.arrays import Array, Index, Mask
 
 #: difference of two distances, over the size of a triangle, that is rounding
 EQUALLY_NEAR = 1e-6
-#: nearest triangles that are examined at every step of the search: two walls with all that meet in a node
-CANDIDATES = 32
+#: largest distance from a ray to the centre of a triangle that it may face, over the size of the triangles
+BESIDE = 2.0
+#: largest cosine of the angle between a ray and the normal of a triangle that it may face
+OPPOSITE = -0.7
 #: surfaces whose pairs a process keeps, because it solves several load cases on one mesh
 KEPT = 4
+NO_NODES = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -28,15 +31,18 @@ class FacingPairs:
     area: Array  #: (k,) the node's part of the surface at rest, divided among its triangles, mm2
 
     @classmethod
-    def of(cls, surface: Faces, points: Array) -> "FacingPairs":
+    def of(cls, surface: Faces, points: Array, in_plane: Index = NO_NODES) -> "FacingPairs":
         """Pairs of a node and the first triangle of opposite normal in front of it; points (n, 3) at rest, mm.
+
+        in_plane: nodes on the plane of symmetry z = 0 of half a body. They look along it, as in the whole body; the
+        triangles of their half alone would turn them off it.
 
         Where triangles are equally near (walls that mirror each other, planes of symmetry) the node faces all of them:
         to choose one would make the contact of a symmetric body unsymmetric.
         """
-        key = sha256(surface.nodes.tobytes()).digest() + sha256(points.tobytes()).digest()
+        key = b"".join(sha256(array.tobytes()).digest() for array in (surface.nodes, points, in_plane))
         if key not in _kept:
-            _kept[key] = pairs = cls._searched(surface, points)
+            _kept[key] = pairs = cls._searched(surface, points, in_plane)
             for array in (pairs.nodes, pairs.triangles, pairs.area):
                 array.flags.writeable = False  # several models share them
             if len(_kept) > KEPT:
@@ -44,15 +50,17 @@ class FacingPairs:
         return _kept[key]
 
     @classmethod
-    def _searched(cls, surface: Faces, points: Array) -> "FacingPairs":
+    def _searched(cls, surface: Faces, points: Array, in_plane: Index) -> "FacingPairs":
         triangles = surface.triangles
         normal = _normals(points, triangles)
         doubled = np.linalg.norm(np.cross(*_edges(points, triangles)), axis=1)
+        angle = _angles(points, triangles)
         of_node = np.zeros_like(points)
         area = np.zeros(points.shape[0])
         for corner in range(3):
-            np.add.at(of_node, triangles[:, corner], normal)
+            np.add.at(of_node, triangles[:, corner], angle[:, corner, None] * normal)
             np.add.at(area, triangles[:, corner], doubled / 6)
+        of_node[in_plane, 2] = 0.0
         nodes = surface.unique_nodes
         facing = of_node[nodes] / np.linalg.norm(of_node[nodes], axis=1, keepdims=True)
         targets = _Triangles(points[triangles].mean(axis=1), normal, float(np.sqrt(doubled.mean())))
@@ -148,34 +156,48 @@ class _Triangles:
 
         size, tree = self.size, cKDTree(self.centre)
         low, high = self.centre.min(axis=0) - size, self.centre.max(axis=0) + size
-        count = min(CANDIDATES, self.centre.shape[0])
         searching, pairs = np.arange(start.shape[0]), [np.empty((2, 0), dtype=np.int64)]
-        for step in range(int(np.linalg.norm(high - low) / size) + 1):
-            probe = start[searching] + (step + 0.5) * size * facing[searching]
-            inside = ((probe > low) & (probe < high)).all(axis=1)
-            searching, probe = searching[inside], probe[inside]
+        for step in range(1, int(np.linalg.norm(high - low) / size) + 2):
+            probe = start[searching] + (step - 0.5) * size * facing[searching]
+            searching = searching[((probe > low) & (probe < high)).all(axis=1)]
             if searching.size == 0:
                 break
-            near = tree.query(probe, k=count)[1].reshape(searching.size, count)
-            point, which = self._first(start[searching], facing[searching], near)
-            pairs.append(np.stack([searching[point], near[point, which]]))
-            searching = np.delete(searching, point)
+            probe = start[searching] + step * size * facing[searching]
+            # the ball holds the ray's cylinder of radius BESIDE from one size before the probe to one size after it
+            near = tree.query_ball_point(probe, np.hypot(1.0, BESIDE) * size)
+            ray = np.repeat(np.arange(searching.size), [len(triangles) for triangles in near])
+            triangle = np.concatenate(near).astype(np.int64)
+            ray, triangle = self._first(start[searching], facing[searching], ray, triangle, step * size)
+            pairs.append(np.stack([searching[ray], triangle]))
+            searching = np.delete(searching, ray)
         both = np.concatenate(pairs, axis=1)
-        points, triangles = both[:, np.argsort(both[0], kind="stable")]
+        points, triangles = both[:, np.lexsort(both[::-1])]
         return points, triangles
 
-    def _first(self, start: Array, facing: Array, near: Index) -> tuple[Index, Index]:
-        """Of the triangles `near` (k, c) to each ray those of opposite normal that it meets first: rows and columns."""
-        reach = self.centre[near] - start[:, None, :]
-        ahead = np.einsum("ki,kmi->km", facing, reach)
-        beside = np.linalg.norm(reach - ahead[..., None] * facing[:, None, :], axis=2)
-        opposite = np.einsum("ki,kmi->km", facing, self.normal[near]) < -0.7
-        candidate = opposite & (ahead > 0) & (beside < 2 * self.size)
-        candidate &= np.einsum("kmi,kmi->km", reach, self.normal[near]) < 0
-        first = candidate & (ahead < np.where(candidate, ahead, np.inf).min(axis=1, keepdims=True) + self.size)
-        misfit = np.where(first, beside, np.inf)
-        row, column = np.nonzero(first & (misfit <= misfit.min(axis=1, keepdims=True) + EQUALLY_NEAR * self.size))
-        return row, column
+    def _first(self, start: Array, facing: Array, ray: Index, triangle: Index, limit: float) -> tuple[Index, Index]:
+        """Of the candidates (ray, triangle) those that a ray meets first, not beyond the distance `limit` in mm.
+
+        Among the triangles that are at most their size behind the first one a ray faces the one that lies least beside
+        it.
+        """
+        along, normal, reach = facing[ray], self.normal[triangle], self.centre[triangle] - start[ray]
+        ahead = np.einsum("ki,ki->k", along, reach)
+        beside = np.linalg.norm(reach - ahead[:, None] * along, axis=1)
+        candidate = (np.einsum("ki,ki->k", along, normal) < OPPOSITE) & (np.einsum("ki,ki->k", reach, normal) < 0)
+        candidate &= (ahead > 0) & (beside < BESIDE * self.size)
+        ray, triangle, ahead, beside = (values[candidate] for values in (ray, triangle, ahead, beside))
+        nearest = _least(ahead, ray, start.shape[0])
+        first = (nearest[ray] <= limit) & (ahead < nearest[ray] + self.size)
+        ray, triangle, beside = ray[first], triangle[first], beside[first]
+        chosen = beside <= _least(beside, ray, start.shape[0])[ray] + EQUALLY_NEAR * self.size
+        return ray[chosen], triangle[chosen]
+
+
+def _least(values: Array, of: Index, count: int) -> Array:
+    """The smallest of the values with each number `of`, (count,); infinity where there is none."""
+    least = np.full(count, np.inf)
+    np.minimum.at(least, of, values)
+    return least
 
 
 def _edges(x: Array, triangles: Index) -> tuple[Array, Array]:
@@ -185,3 +207,11 @@ def _edges(x: Array, triangles: Index) -> tuple[Array, Array]:
 def _normals(x: Array, triangles: Index) -> Array:
     normal = np.cross(*_edges(x, triangles))
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+
+def _angles(x: Array, triangles: Index) -> Array:
+    """The angle of each triangle at its corners, (m, 3)."""
+    corners = x[triangles]
+    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    area = np.linalg.norm(np.cross(ahead, behind), axis=2)
+    return np.asarray(np.arctan2(area, np.einsum("mki,mki->mk", ahead, behind)))
