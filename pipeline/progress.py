@@ -158,6 +158,7 @@ class Lines:
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
         self._clock.add(len(pressures))
+        self._iterations.pop(name, None)  # of an experiment of this name that has failed
         self._print(f"experiment {name}: {', '.join(f'{pressure:g}' for pressure in pressures)} kPa")
 
     def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:

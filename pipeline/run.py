@@ -18,6 +18,7 @@ from pipeline.plausibility import Solved, after_solving, before_solving, of_mesh
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
+from pipeline.simulation.below_limit import with_states_below_limit
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
@@ -67,8 +68,11 @@ def _solved(
     with stages.timed("experiments"):
         simulated = workers.beside(simulate, scene, replace(context, urgency=_OF_EXPERIMENTS))
         measured = law_of_run(scene, replace(context, urgency=_OF_LAW))
-        outcomes = simulated.result()
+        outcomes, remark = with_states_below_limit(scene, context, simulated.result())
         store.save_json("experiments.json", outcomes.rows())
+    if remark:
+        progress.remark(remark)
+        unusual = (*unusual, remark)
     # II and III at pressures between go on from the states of the experiments
     validation = workers.beside(validation_outcomes, scene, replace(context, urgency=_OF_VALIDATION))
     with stages.timed("identification"):
