@@ -10,7 +10,7 @@ PEERS := .venv-peers
 # those with the longest points first
 paper_sweeps := lengths cells heights arms pneunet contact forces
 # designs drawn at random: their seed, how many, and the law of the rod
-SEED := 47
+SEED := 7
 N := 40
 LAW := both
 
@@ -91,7 +91,7 @@ fuzz: $(READY)  ## two thousand valid and invalid configurations: each is meshed
 kills: $(READY)  ## fifty runs killed at random times and continued, compared with uninterrupted runs
 	@$(BIN)/python benchmarks/kills.py
 
-unseen: $(READY)  ## N=40 designs drawn at random with SEED=47, run, checked and sorted by their outcome; a table of the outcomes
+unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run, checked and sorted by their outcome; a table of the outcomes
 	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --law $(LAW) --page docs
 
 wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
