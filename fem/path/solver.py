@@ -1,0 +1,136 @@
+"""Solves one increment of a path: an equilibrium with the contact that its states demand.
+
+Within an increment contact is activated and stiffened (`fem.path.active_set`), and stays so for the rest of the way to
+the target.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+from fem.effects.effect import at_constant_fraction
+from fem.equations.system import System
+from fem.path import newton
+from fem.path.active_set import ActiveSet
+from fem.path.control import Control
+from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, Start, StepFailed, Unstable, Watch
+from fem.path.predictor import PathPoint, Predictor
+from fem.post.extremes import extremes_of, position_text
+from geometry.arrays import Array
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What a solution may cost."""
+
+    iterations: int | None = None  #: largest number of iterations besides that of the options; None: no other
+    unstable: int | None = None  #: largest number of those with an indefinite tangent; None: any
+    stays_stable: bool = False  #: whether none of those may follow one with a definite tangent
+    is_near_limit: bool = False  #: whether one start is enough, because it is near or the load is too large
+
+
+@dataclass(frozen=True)
+class Increment:
+    """From the last points of a path to an equilibrium."""
+
+    points: Sequence[PathPoint]  #: the last two, one at rest
+    control: Control  #: what is prescribed at the end
+    limit: float | None  #: value of the driven quantity at which the path announces its end
+    effort: Effort
+    watch: Watch  #: called after every iteration with its number and the relative residual
+
+
+@final
+class IncrementSolver:
+    """Solves increments one after the other; keeps the contact that is active, and what it has learnt of starts."""
+
+    def __init__(self, system: System, predictor: Predictor, active_set: ActiveSet, options: NewtonOptions) -> None:
+        self.system, self.predictor, self.options = system, predictor, options
+        self.active_set = active_set
+        self.predictor_failed = False  #: whether an extrapolated start has failed on the way to the target
+        self.iterations = 0  #: of all solutions of the last increment that converged
+
+    def begin_target(self) -> None:
+        """Forget what held on the way to the last target alone."""
+        self.predictor_failed, self.active_set = False, self.active_set.restored()
+
+    def positions(self, converged: Converged) -> Array:
+        """Of all nodes, (n, 3) in mm."""
+        return self.system.space.points + converged.state.displacement
+
+    def solve(self, increment: Increment) -> Converged:
+        """An admissible equilibrium at the end of the increment; raises `StepFailed`."""
+        self.iterations = 0
+        last, known = increment.points[-1].state, self.active_set
+        foreseen = self._approach(increment)
+        if self.active_set.is_tightened:
+            converged = self._solve(Start(last, self.active_set.active), increment)
+        else:
+            converged = self._from_predictor(increment)
+        converged = self._activate(converged, increment)
+        while violations := self.active_set.violations(x := self.positions(converged)):
+            tightened = self.active_set.tightened(x)
+            if tightened is self.active_set:
+                raise NotAdmissible(violations[0])
+            self.active_set = tightened
+            start = Start(last if tightened.needs_admissible_start else converged.state, tightened.active)
+            converged = self._activate(self._solve(start, increment), increment)
+        if foreseen and not self.active_set.touching(self.positions(converged)):
+            self.active_set = known  # the contact did not come, and does nothing where the gaps are open
+        if converged.assembly.jacobian.min() <= 0:
+            worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
+            raise Inverted(
+                f"an element is turned inside out at {position_text(worst.min_J_at)} (J = {worst.min_J:.3g})"
+            )
+        return converged
+
+    def _approach(self, increment: Increment) -> bool:
+        """Activate contact whose gaps close on the way at the rates of the last equilibrium; whether there is some.
+
+        Behind the first contact an extrapolated path is far off, and is not tried.
+        """
+        last = increment.points[-1]
+        if len(increment.points) == 1 or last.rate is None:  # rates at rest are too large by far where walls are thin
+            return False
+        motion = (increment.control.value - last.value) * last.rate.displacement
+        approached = self.active_set.approached(self.system.space.points + last.state.displacement, motion)
+        if approached is self.active_set:
+            return False
+        self.active_set, self.predictor_failed = approached, True
+        return True
+
+    def _activate(self, converged: Converged, increment: Increment) -> Converged:
+        """Equilibrium with those contacts too that a state activates; each may activate the next."""
+        while (activated := self.active_set.activated(self.positions(converged))) is not self.active_set:
+            self.active_set = activated
+            converged = self._solve(Start(converged.state, activated.active), increment)
+        return converged
+
+    def _from_predictor(self, increment: Increment) -> Converged:
+        """Equilibrium, or a state that activates contact, from the first start of the predictor that leads to one."""
+        failure, points, effort = StepFailed("no start was tried"), increment.points, increment.effort
+        for start in self.predictor.starts(points, increment.control, self.active_set.active, increment.limit):
+            is_extrapolated = start.max_iterations is not None
+            if is_extrapolated and self.predictor_failed:
+                continue
+            try:
+                return self._solve(start, increment)
+            except StepFailed as failed:
+                failure, is_unstable = failed, isinstance(failed, Unstable)
+                # where the load is too large, the start is not to blame
+                self.predictor_failed = self.predictor_failed or (is_extrapolated and not is_unstable)
+                is_enough = effort.is_near_limit or (is_unstable and effort.stays_stable)
+                if is_enough and len(points) > 1:
+                    break
+        raise failure
+
+    def _solve(self, start: Start, increment: Increment) -> Converged:
+        control, effort = increment.control, increment.effort
+        start = replace(start, terms=at_constant_fraction(start.terms, control.constant_fraction))
+        if not self.active_set.needs_admissible_start:
+            limits = [limit for limit in (effort.iterations, start.max_iterations) if limit]
+            start = replace(start, max_iterations=min(limits, default=None), max_unstable=effort.unstable)
+            start = replace(start, stays_stable=effort.stays_stable)
+        converged = newton.solve(start, control, self.options, increment.watch, self.active_set.inactive)
+        self.iterations += converged.iterations
+        return converged
