@@ -112,7 +112,7 @@ def test_a_half_solid_may_be_clamped_at_the_other_end(folder: Path) -> None:
 
 def test_solids_that_touch_are_united(folder: Path) -> None:
     path = save(folder / "pair.step", two_solids)
-    with pytest.raises(DesignError, match=r"holds 2 solids; unite them to one, or write unite: true"):
+    with pytest.raises(DesignError, match=r"holds 2 solids; unite them to one, write unite: true"):
         CadFile(str(path), 1.5)
     check_bar(CadFile(str(path), 1.5, unite=True))
     apart = save(folder / "apart.step", lambda occ: (bar(occ), box(occ, (0, 20, -2), (60, 24, 2))))

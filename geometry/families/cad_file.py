@@ -1,7 +1,7 @@
 """A body from a CAD file (STEP or BREP)."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, final
@@ -25,7 +25,7 @@ from geometry.meshing.mirror import Repetition
 @final
 @dataclass(frozen=True)
 class CadFile(FileDesign):
-    """One solid from a STEP or BREP file; all lengths in mm.
+    """One solid from a STEP or BREP file, or several of which some are of another material; all lengths in mm.
 
     In the frame of the arm (`axes`) x is along the length, y up, z across, and the body is symmetric about z = 0 (or
     the half z >= 0) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError` names the
@@ -46,6 +46,7 @@ class CadFile(FileDesign):
     unit: float = 1.0  #: unit of length of a BREP file, which does not store it
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
     unite: bool = False  #: whether several solids that touch become one
+    parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
@@ -62,6 +63,15 @@ class CadFile(FileDesign):
         if self.unit != 1 and path.suffix.lower() in (".step", ".stp"):
             raise DesignError("unit", "STEP files store their unit; leave it out")
         self._keep_own_copies()
+        object.__setattr__(self, "parts", dict(self.parts))
+        if self.parts and self.unite:
+            raise DesignError(
+                ("parts", "unite"), "solids of another material stay solids of their own; give one of the two"
+            )
+        if self.parts and isinstance(self.cell, CellPlanes):
+            raise DesignError(
+                "cell", "is a length where the body has parts: an arm of several solids has no law of its own"
+            )
         clamp, tip = self._ends
         if clamp == tip:
             raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
@@ -93,7 +103,8 @@ class CadFile(FileDesign):
 
     def _source(self, turn: Array) -> CadSource:
         first, second, third = (tuple(float(x) for x in row) for row in turn)
-        return CadSource(Path(self.file), self.unit, (first, second, third), self.unite)  # type: ignore[arg-type]
+        turned = (first, second, third)
+        return CadSource(Path(self.file), self.unit, turned, self.unite, bool(self.parts))  # type: ignore[arg-type]
 
     @cached_property
     def _cad(self) -> CadBody:
@@ -103,12 +114,12 @@ class CadFile(FileDesign):
         exchanged by that, so that z keeps its sign; where the file holds the half z >= 0 alone, it is mirrored back.
         """
         (clamp, tip), turn = self._ends, rotation(self.axes)
-        air, turned = dict(self.air), tip < clamp
+        air, parts, turned = dict(self.air), dict(self.parts), tip < clamp
         if turned:
             clamp, tip, turn = -clamp, -tip, np.diag([-1.0, 1.0, -1.0]) @ turn
             side = 1.0 if self.symmetric else -1.0
-            air = {name: (-x, y, side * z) for name, (x, y, z) in air.items()}
-        return CadBody(self._source(turn), clamp, tip, self.curve, self.symmetric, air, self.plug, turned)
+            air, parts = ({name: (-x, y, side * z) for name, (x, y, z) in given.items()} for given in (air, parts))
+        return CadBody(self._source(turn), clamp, tip, self.curve, self.symmetric, air, parts, self.plug, turned)
 
     @property
     def length(self) -> float:
@@ -126,6 +137,10 @@ class CadFile(FileDesign):
     @property
     def cavity_volumes(self) -> Mapping[str, float]:
         return {name: self.measures.air_volumes[name] for name in self._cad.cavities}
+
+    @property
+    def region_volumes(self) -> Mapping[str, float]:
+        return self.measures.part_volumes
 
     @cached_property
     def thinnest_wall(self) -> float:
@@ -150,5 +165,6 @@ class CadFile(FileDesign):
     def body(self, size: float, grading: Grading = OFF) -> Body:
         check_size(size, self.extent, self.solid_volume / (2 if self.symmetric else 1))
         mesh = self.repetition(size, grading).mesh() if self.repeats else mesh_cad(self._cad, size, grading)
+        mesh = replace(mesh, regions={name: mesh.regions[name] for name in self.regions})
         check_manifold(mesh)
         return self._body(mesh, self.length, self.symmetric)

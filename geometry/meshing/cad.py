@@ -1,13 +1,13 @@
-"""A solid from a CAD file: its measures and its mesh. Works in the Gmsh session of `geometry.meshing.solid`.
+"""A body from a CAD file: its measures and its mesh. Works in the Gmsh session of `geometry.meshing.solid`.
 
 The body is drawn in its frame: x along the length, y up, z across. The air is a box around the body minus the body; the
 component of it at the corners of the box is the outside, every other component is a cavity and must be named by a point
-in it.
+in it. Solids of another material are parts, named by a point in each.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,7 +16,7 @@ from geometry.curved import CurvedEdges
 from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.mesh import Mesh
-from geometry.meshing.cad_import import CadSource, Point, bounds, import_solid
+from geometry.meshing.cad_import import CadSource, Point, bounds, import_solids
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.shapes import Volume
 from geometry.meshing.size_field import set_size_field, thinnest_wall
@@ -24,13 +24,15 @@ from geometry.meshing.solid import SolidMesh, collect_mesh, optimize, session, w
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
+#: name of the material outside of all parts
+BODY = ""
 #: A mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 FLAT = 0.05
 
 
 @dataclass(frozen=True)
 class CadBody:
-    """A solid in a CAD file and how to read it; lengths in mm."""
+    """The solids of a CAD file and how to read them; lengths in mm."""
 
     source: CadSource
     clamp: float  #: x of the clamped face
@@ -38,6 +40,7 @@ class CadBody:
     curve: float  #: y of the material curve
     half: bool  #: mesh z >= 0 only
     air: Mapping[str, Point]  #: name of a cavity -> a point in it; empty for one cavity alone
+    parts: Mapping[str, Point]  #: name of a solid of another material -> a point in it
     plug: bool  #: whether what is open in the plane of the clamp is closed there
     turned: bool  #: whether x and z have the other sign than in the file, because the arm is clamped at its larger x
 
@@ -45,6 +48,15 @@ class CadBody:
     def cavities(self) -> list[str]:
         """Names of the cavities."""
         return list(self.air) or ["cavity"]
+
+    def upright(self, point: Point) -> Point:
+        """A point of this frame in the one that the user knows."""
+        x, y, z = point
+        return (-x, y, z if self.half else -z) if self.turned else point
+
+    def within_half(self, point: Point, low: Point, high: Point) -> Point:
+        """A point, or its mirror image in the half z > 0 if that alone is meshed; low, high: bounds of the body, mm."""
+        return (point[0], point[1], max(abs(point[2]), 1e-5 * (high[2] - low[2]))) if self.half else point
 
 
 @dataclass(frozen=True)
@@ -55,6 +67,7 @@ class CadMeasures:
     high: Point  #: largest x, y and z, mm
     solid_volume: float  #: mm3
     air_volumes: Mapping[str, float]  #: by the name of the cavity, mm3
+    part_volumes: Mapping[str, float]  #: by the name of the part, mm3
 
 
 def measure(body: CadBody) -> CadMeasures:
@@ -63,10 +76,15 @@ def measure(body: CadBody) -> CadMeasures:
         occ = gmsh.model.occ
         halves = 2 if body.half else 1
         volumes = {name: halves * float(occ.getMass(*volume)) for volume, name in air.items()}
-        low, high = bounds(gmsh, blocks)
+        low, high = bounds(gmsh, list(blocks))
         if body.half:
             low = (low[0], low[1], -high[2])
-        return CadMeasures(low, high, halves * sum(float(occ.getMass(*block)) for block in blocks), volumes)
+        parts = dict.fromkeys([BODY, *body.parts], 0.0)
+        for block, name in blocks.items():
+            parts[name] += halves * float(occ.getMass(*block))
+        solid_volume = sum(parts.values())
+        del parts[BODY]
+        return CadMeasures(low, high, solid_volume, volumes, parts)
 
 
 def measure_thinnest_wall(body: CadBody) -> float:
@@ -76,7 +94,7 @@ def measure_thinnest_wall(body: CadBody) -> float:
         return thinnest_wall(gmsh, half=body.half)
 
 
-def keep_material(gmsh: Any, blocks: list[Volume]) -> None:
+def keep_material(gmsh: Any, blocks: Collection[Volume]) -> None:
     """Remove the air from the session."""
     gmsh.model.occ.remove([v for v in gmsh.model.getEntities(3) if v not in blocks], recursive=True)
     gmsh.model.occ.synchronize()
@@ -85,14 +103,13 @@ def keep_material(gmsh: Any, blocks: list[Volume]) -> None:
 def mesh_cad(body: CadBody, size: float, grading: Grading) -> Mesh:
     """Mesh the body with element edges of about `size` mm at most, moved along x so that it is clamped at x = 0.
 
-    Faces: clamp, tip, sym (of a half), the cavities by their names, outer.
+    Faces: clamp, tip, sym (of a half), the cavities by their names, outer. Regions: the parts.
     """
     with cad_session(body) as (gmsh, blocks, air):
-        material = dict.fromkeys(blocks, "body")
-        walls = walls_between(gmsh, material, air)
+        walls = walls_between(gmsh, blocks, air)
         keep_material(gmsh, blocks)
         mesh_session(gmsh, size, grading, body.half)
-        mesh = collect_mesh(gmsh, material, walls, ["body"], body.cavities)
+        mesh = collect_mesh(gmsh, blocks, walls, [BODY, *body.parts], body.cavities)
     return _named_mesh(body, mesh)
 
 
@@ -116,29 +133,35 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
         points[near, axis] = position
     planes = {"clamp": (0, 0.0), "tip": (0, length)} | ({"sym": (2, 0.0)} if body.half else {})
     curved = CurvedEdges(mesh.curved.ends, mesh.curved.middles - [body.clamp, 0, 0])
-    named = name_faces(points, mesh.regions["body"], mesh.walls, planes, curved)
+    tets = np.vstack(list(mesh.regions.values()))
+    named = name_faces(points, tets, mesh.walls, planes, curved)
     for name in ("clamp", "tip"):
         if name not in named.faces:
             position = getattr(body, name) * (-1 if body.turned else 1)
             raise DesignError(name, f"the body has no face in the plane x = {position:g} mm")
-    return named
+    ends = np.cumsum([len(region) for region in mesh.regions.values()])
+    numbers = np.split(np.arange(len(tets)), ends[:-1])
+    regions = {name: of_name for name, of_name in zip(mesh.regions, numbers, strict=True) if name != BODY}
+    return replace(named, regions=regions)
 
 
 @contextmanager
-def cad_session(body: CadBody) -> Iterator[tuple[Any, list[Volume], dict[Volume, str]]]:
-    """A session with the body: its blocks, cut at the planes of the material curve, and its named cavities."""
+def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Volume, str]]]:
+    """A session with the body: its blocks, cut at the planes of the material curve, with the names of their parts, and
+    its named cavities."""
     with session() as gmsh:
-        solid = import_solid(gmsh, body.source)
-        low, high = bounds(gmsh, [solid])
+        solids = import_solids(gmsh, body.source)
+        low, high = bounds(gmsh, solids)
         if body.half and body.turned and high[2] <= 1e-6 * (high[0] - low[0]):
-            gmsh.model.occ.mirror([solid], 0, 0, 1, 0)  # the half z >= 0 of the file has been turned to z <= 0
+            gmsh.model.occ.mirror(solids, 0, 0, 1, 0)  # the half z >= 0 of the file has been turned to z <= 0
             gmsh.model.occ.synchronize()
-            low, high = bounds(gmsh, [solid])
+            low, high = bounds(gmsh, solids)
         _check_position(body, low, high)
         if body.half and low[2] < -1e-6 * (high[0] - low[0]):
-            _check_symmetric(gmsh, solid)
+            for solid in solids:
+                _check_symmetric(gmsh, solid)
             low = (low[0], low[1], 0.0)
-        blocks, air = _fragments(gmsh, body, solid, low, high)
+        blocks, air = _fragments(gmsh, body, _named_parts(gmsh, body, solids, low, high), low, high)
         yield gmsh, blocks, _named_air(gmsh, body, blocks, air, low, high)
 
 
@@ -187,40 +210,72 @@ def _check_symmetric(gmsh: Any, solid: Volume) -> None:
         )
 
 
-def _fragments(gmsh: Any, body: CadBody, solid: Volume, low: Point, high: Point) -> tuple[list[Volume], list[Volume]]:
-    """The blocks of the body, cut along its material curve, and the components of the air in a box around it."""
+def _fragments(
+    gmsh: Any, body: CadBody, parts: Mapping[Volume, str], low: Point, high: Point
+) -> tuple[dict[Volume, str], list[Volume]]:
+    """The blocks of the body, cut along its material curve, with the names of their parts, and the components of the
+    air in a box around it."""
     occ = gmsh.model.occ
     margin = 0.1 * max(np.subtract(high, low))
     start, stop = np.subtract(low, margin), np.add(high, margin)
     if body.half:
         start[2] = 0.0
     behind = np.array([body.clamp, *start[1:]]) if body.plug else start  # the plug closes what is open at the clamp
-    air, _ = occ.cut([(3, _box(occ, behind, stop))], [solid], removeObject=True, removeTool=False)
+    air, _ = occ.cut([(3, _box(occ, behind, stop))], list(parts), removeObject=True, removeTool=False)
     cuts_y = [start[1], body.curve, stop[1]]
     cuts_z = [0.0, stop[2]] if body.half else [start[2], 0.0, stop[2]]
     windows = [
-        (3, _box(occ, (start[0], y, z), (stop[0], cuts_y[i + 1], cuts_z[k + 1])))
+        ((start[0], y, z), (stop[0], cuts_y[i + 1], cuts_z[k + 1]))
         for i, y in enumerate(cuts_y[:-1])
         for k, z in enumerate(cuts_z[:-1])
     ]
-    blocks = []
-    for window in windows:
-        parts, _ = occ.intersect([solid], [window], removeObject=False, removeTool=True)
-        blocks += [volume for volume in parts if volume[0] == 3]
-    occ.remove([solid], recursive=True)
-    _, children = occ.fragment(blocks + air, [])
+    blocks: list[tuple[Volume, str]] = []
+    for corners in windows:
+        for solid, name in parts.items():
+            window = (3, _box(occ, *corners))
+            pieces, _ = occ.intersect(occ.copy([solid]), [window])  # a solid within the window would be returned itself
+            blocks += [(volume, name) for volume in pieces if volume[0] == 3]
+    occ.remove(list(parts), recursive=True)
+    _, children = occ.fragment([volume for volume, _ in blocks] + air, [])
     occ.synchronize()
-    inside = {child for parts in children[: len(blocks)] for child in parts if child[0] == 3}
-    around = {child for parts in children[len(blocks) :] for child in parts if child[0] == 3} - inside
-    return sorted(inside), sorted(around)
+    inside = {
+        child: name for (_, name), pieces in zip(blocks, children, strict=False) for child in pieces if child[0] == 3
+    }
+    around = {child for pieces in children[len(blocks) :] for child in pieces if child[0] == 3} - inside.keys()
+    return dict(sorted(inside.items())), sorted(around)
 
 
 def _box(occ: Any, low: Any, high: Any) -> int:
     return int(occ.addBox(*low, *np.subtract(high, low)))
 
 
+def _named_parts(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> dict[Volume, str]:
+    """The name of the part of each solid, `BODY` for those without. Raises `DesignError` for a point in no solid or in
+    one that has a name already, and where all solids have one."""
+    named = dict.fromkeys(solids, BODY)
+    for name, point in body.parts.items():
+        given = "(" + ", ".join(f"{x + 0.0:g}" for x in body.upright(point)) + ") mm"
+        inner = body.within_half(point, low, high)
+        holders = [solid for solid in solids if gmsh.model.isInside(3, solid[1], list(inner))]
+        if not holders:
+            raise DesignError(
+                f"parts.{name}", f"the point {given} lies in no solid of the file; give a point inside one"
+            )
+        if named[holders[0]] != BODY:
+            raise DesignError(
+                f"parts.{name}", f"the point {given} lies in the same solid as that of {named[holders[0]]}"
+            )
+        named[holders[0]] = name
+    if body.parts and BODY not in named.values():
+        raise DesignError(
+            "parts",
+            f"all solids of the file ({len(solids)}) are named; leave out the one that has the walls of the cavity",
+        )
+    return named
+
+
 def _named_air(
-    gmsh: Any, body: CadBody, blocks: list[Volume], air: list[Volume], low: Point, high: Point
+    gmsh: Any, body: CadBody, blocks: Collection[Volume], air: list[Volume], low: Point, high: Point
 ) -> dict[Volume, str]:
     """The name of each cavity. Raises `DesignError` unless every cavity has exactly one of the given points in it, or
     there is one cavity alone and no point."""
@@ -231,13 +286,11 @@ def _named_air(
         return {_only(gmsh, body, inner): "cavity"}
     named: dict[Volume, str] = {}
     for name, point in body.air.items():
-        given = point if not body.turned else (-point[0], point[1], point[2] if body.half else -point[2])
-        coordinates = "(" + ", ".join(f"{x + 0.0:g}" for x in given) + ") mm"
-        if body.half:
-            point = (point[0], point[1], max(abs(point[2]), 1e-5 * (high[2] - low[2])))
-        holders = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(point))]
+        coordinates = "(" + ", ".join(f"{x + 0.0:g}" for x in body.upright(point)) + ") mm"
+        inner_point = list(body.within_half(point, low, high))
+        holders = [volume for volume in air if gmsh.model.isInside(3, volume[1], inner_point)]
         if not holders:
-            in_solid = any(gmsh.model.isInside(3, volume[1], list(point)) for volume in blocks)
+            in_solid = any(gmsh.model.isInside(3, volume[1], inner_point) for volume in blocks)
             where = "in the material" if in_solid else "away from the body"
             raise DesignError(f"air.{name}", f"the point {coordinates} lies {where}; give a point in the cavity")
         if holders[0] in outside:
@@ -284,6 +337,5 @@ def _at_plug(gmsh: Any, body: CadBody, volume: Volume) -> bool:
 
 def _middle(gmsh: Any, body: CadBody, volume: Volume) -> str:
     """The centre of a volume, in the frame that the user knows."""
-    x, y, z = gmsh.model.occ.getCenterOfMass(*volume)
-    x, z = (-x, z if body.half else -z) if body.turned else (x, z)
-    return "(" + ", ".join(f"{coordinate + 0.0:.4g}" for coordinate in (x, y, z)) + ") mm"
+    centre = body.upright(gmsh.model.occ.getCenterOfMass(*volume))
+    return "(" + ", ".join(f"{coordinate + 0.0:.4g}" for coordinate in centre) + ") mm"

@@ -1,4 +1,4 @@
-"""One solid from a CAD file, in mm and in the directions of the arm, in the session of `geometry.meshing.solid`."""
+"""The solids of a CAD file, in mm and in the directions of the arm, in the session of `geometry.meshing.solid`."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,20 +13,25 @@ from geometry.meshing.solid import Volume, session
 Point: TypeAlias = tuple[float, float, float]
 
 SUFFIXES = (".step", ".stp", ".brep", ".brp")
+#: part of the volume of several solids that two of them may have in common, which is rounding
+OVERLAP = 1e-6
 
 
 @dataclass(frozen=True)
 class CadSource:
-    """A CAD file and how its solid is turned."""
+    """A CAD file and how its solids are turned."""
 
     path: Path
     unit: float  #: mm per unit of length of the file (STEP files carry their unit, so 1 for them)
     turn: tuple[Point, Point, Point]  #: rows of the rotation into the frame of the arm
     unite: bool  #: whether several solids that touch become one
+    apart: bool = (
+        False  #: whether they stay several that have their faces in common, because they are of other materials
+    )
 
 
-def import_solid(gmsh: Any, source: CadSource) -> Volume:
-    """The solid of the file, in mm. Raises `DesignError` unless there is exactly one."""
+def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
+    """The solids of the file, in mm: one, or several that touch where they stay apart. Raises `DesignError`."""
     occ, path = gmsh.model.occ, source.path
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
     try:
@@ -37,24 +42,41 @@ def import_solid(gmsh: Any, source: CadSource) -> Volume:
     solids = gmsh.model.getEntities(3)
     if not solids:
         raise DesignError("file", f"{path} holds no solid, only surfaces or curves; close them to one solid")
-    if len(solids) > 1 and not source.unite:
+    if len(solids) > 1 and not (source.unite or source.apart):
         raise DesignError(
             "file",
-            f"{path} holds {len(solids)} solids; unite them to one, or write unite: true if they touch, or overlap",
+            f"{path} holds {len(solids)} solids; unite them to one, write unite: true if they touch, or overlap, or "
+            "give parts, a point in each one of another material",
         )
     if len(solids) > 1:
-        solids = _united(gmsh, solids)
+        solids = _touching(gmsh, solids) if source.apart else _united(gmsh, solids)
     if source.unit != 1:
         occ.dilate(solids, 0, 0, 0, source.unit, source.unit, source.unit)
     axis, angle = _axis_and_angle(np.array(source.turn))
     if angle:
         occ.rotate(solids, 0, 0, 0, *axis, angle)
     occ.synchronize()
-    return solids[0]
+    return solids
 
 
-def _united(gmsh: Any, solids: list[Volume]) -> list[Volume]:
-    """The one solid that several are together. Raises `DesignError` where some of them do not touch."""
+def _touching(gmsh: Any, solids: list[Volume]) -> list[Volume]:
+    """The solids themselves. Raises `DesignError` where some overlap or do not touch."""
+    occ = gmsh.model.occ
+    together = sum(float(occ.getMass(*volume)) for volume in solids)
+    image = _united(gmsh, occ.copy(solids), "parts")
+    common = together - sum(float(occ.getMass(*volume)) for volume in image)
+    occ.remove(image, recursive=True)
+    occ.synchronize()
+    if common > OVERLAP * together:
+        raise DesignError(
+            "parts",
+            f"the solids of the file overlap in {common:.3g} mm3; subtract one from the other in the CAD program",
+        )
+    return solids
+
+
+def _united(gmsh: Any, solids: list[Volume], key: str = "unite") -> list[Volume]:
+    """The one solid that several are together. Raises `DesignError` on `key` where some of them do not touch."""
     occ = gmsh.model.occ
     united, _ = occ.fuse(solids[:1], solids[1:])
     occ.synchronize()
@@ -62,7 +84,7 @@ def _united(gmsh: Any, solids: list[Volume]) -> list[Volume]:
     if len(united) > 1:
         places = "; ".join("(" + ", ".join(f"{x:.4g}" for x in occ.getCenterOfMass(*volume)) + ")" for volume in united)
         raise DesignError(
-            "unite",
+            key,
             f"the {len(solids)} solids of the file are {len(united)} parts that do not touch, around {places} in the "
             "file's own frame; save the body alone",
         )
@@ -70,9 +92,9 @@ def _united(gmsh: Any, solids: list[Volume]) -> list[Volume]:
 
 
 def file_bounds(source: CadSource) -> tuple[Point, Point]:
-    """Corners of the bounding box of the solid of the file, mm. Raises `DesignError` as `import_solid`."""
+    """Corners of the bounding box of the solids of the file, mm. Raises `DesignError` as `import_solids`."""
     with session() as gmsh:
-        return bounds(gmsh, [import_solid(gmsh, source)])
+        return bounds(gmsh, import_solids(gmsh, source))
 
 
 def bounds(gmsh: Any, volumes: list[Volume]) -> tuple[Point, Point]:

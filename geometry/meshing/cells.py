@@ -5,6 +5,7 @@ space between them and each of its neighbours must be mirror images of each othe
 they are. In the Gmsh session of `geometry.meshing.solid`.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from math import floor, pi
 from typing import Any
@@ -160,7 +161,7 @@ def _between(gmsh: Any, volumes: list[Volume], low: float, high: float) -> list[
 class _Slots:
     """Half cells of a body one after the other, number 0 between the planes of the user."""
 
-    def __init__(self, gmsh: Any, body: CadBody, blocks: list[Volume], start: float, half_pitch: float) -> None:
+    def __init__(self, gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, half_pitch: float) -> None:
         self.gmsh = gmsh
         self.body = body
         self.start, self.h = start, half_pitch
@@ -250,7 +251,7 @@ class _Slots:
             )
 
 
-def _cut_at(gmsh: Any, blocks: list[Volume], positions: list[float]) -> list[Volume]:
+def _cut_at(gmsh: Any, blocks: Collection[Volume], positions: list[float]) -> list[Volume]:
     """The blocks, cut at the planes x = position (mm)."""
     occ = gmsh.model.occ
     (_, y, z), (_, top, far) = _box(gmsh, blocks)
@@ -261,11 +262,11 @@ def _cut_at(gmsh: Any, blocks: list[Volume], positions: list[float]) -> list[Vol
         occ.rotate([(2, sheet)], 0, 0, 0, 0, 1, 0, pi / 2)  # its sides were along x and y
         occ.translate([(2, sheet)], x, (y + top) / 2, (z + far) / 2)
         planes.append((2, sheet))
-    _, children = occ.fragment(blocks, planes)
+    _, children = occ.fragment(list(blocks), planes)
     return [part for parts in children[: len(blocks)] for part in parts if part[0] == 3]
 
 
-def _box(gmsh: Any, volumes: list[Volume]) -> Array:
+def _box(gmsh: Any, volumes: Collection[Volume]) -> Array:
     """Corners (2, 3) of the box around some volumes, mm."""
     boxes = np.array([gmsh.model.occ.getBoundingBox(*volume) for volume in volumes])
     return np.stack([boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)])

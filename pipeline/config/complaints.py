@@ -62,9 +62,11 @@ def _complaint(error: Mapping[str, Any], model: Any) -> str:
         meant = close_to(error["input"], re.split(", | or ", allowed))
         return f"{quoted(error['input'])} is not allowed; {meant}allowed: {allowed}"
     if kind in ("model_type", "model_attributes_type", "dict_type"):
-        return f"must hold keys; allowed here: {', '.join(keys_below(model, key))}"
+        if keys := keys_below(model, key):
+            return f"must hold keys; allowed here: {', '.join(keys)}"
+        return f"must hold names, for example {_example(model, key)}"
     if kind in ("tuple_type", "list_type"):
-        return "must be a list, for example [17 kPa, 37 kPa]"
+        return f"must be a list, for example {_list_example(model, key)}"
     if kind in ("string_type", "string_too_short"):
         return f"{quoted(error['input'])} is not a text; for example '{_example(model, key)}'"
     if kind == "string_pattern_mismatch":
@@ -88,6 +90,15 @@ def keys_below(model: Any, key: Key) -> Mapping[str, Any]:
     for name in key:
         keys = getattr(keys[str(name)].annotation, "model_fields", {})
     return keys
+
+
+def _list_example(model: Any, key: Key) -> str:
+    """That of the key, or of the one that it is an entry of."""
+    for length in range(len(key), 0, -1):
+        field = keys_below(model, key[: length - 1]).get(str(key[length - 1]))
+        if field is not None and field.examples and "[" in str(field.examples[0]):
+            return str(field.examples[0])
+    return "[17 kPa, 37 kPa]"
 
 
 def _example(model: Any, key: Key) -> str:

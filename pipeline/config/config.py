@@ -338,8 +338,10 @@ def _dimensions(design: Any) -> dict[str, Json]:
     values = {name: list(v) if isinstance(v, tuple) else v for name, v in values.items() if v != ()}
     if isinstance(design, FileDesign):
         values |= {"file": Path(design.file).name, "sha256": design.digest}
-    if "air" in values:
-        values["air"] = {name: list(point) for name, point in values["air"].items()}
+    if not values.get("parts"):
+        values.pop("parts", None)
+    for key in {"air", "parts"} & values.keys():
+        values[key] = {name: list(point) for name, point in values[key].items()}
     if isinstance(cell := values.get("cell"), CellPlanes):
         values["cell"] = {"from": cell.start, "to": cell.stop}
     return values

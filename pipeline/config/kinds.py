@@ -298,7 +298,7 @@ Cell = Annotated[
     Any, BeforeValidator(_cell), Field(examples=["8 mm"]), Written("mm", "a length, or two planes `{from, to}`")
 ]
 Points = Annotated[
-    dict[str, Point], Field(examples=["{cavity: [40 mm, 7 mm, 0 mm]}"]), Written("mm", "a point for each cavity")
+    dict[str, Point], Field(examples=["{cavity: [40 mm, 7 mm, 0 mm]}"]), Written("mm", "a name and a point for each")
 ]
 Coarser = Annotated[
     float | Literal["auto", "off"],

@@ -1,0 +1,133 @@
+"""A CAD file of several solids, some of which are of another material."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geometry import CadFile, DesignError, Mesh
+from pipeline.config.load import load_config
+from pipeline.errors import InputError
+from tests.step_bodies import box, save
+
+#: mm3: a plate of 60 x 3 x 15 mm below a block of 60 x 9 x 15 mm, and a cavity of 54 x 5 x 9 mm that the plate closes
+PLATE, BLOCK, AIR = 60.0 * 3 * 15, 60.0 * 9 * 15, 54.0 * 5 * 9
+IN_PLATE, IN_BLOCK = (20.0, 1.0, 0.0), (20.0, 11.0, 0.0)
+
+
+def pair(occ: Any, apart: float = 0.0) -> None:
+    """Both solids, `apart` mm from each other (overlapping where that is negative)."""
+    box(occ, (0, -apart, -7.5), (60, 3 - apart, 7.5))
+    occ.cut([box(occ, (0, 3, -7.5), (60, 12, 7.5))], [box(occ, (3, 3, -4.5), (57, 8, 4.5))])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("parts")
+    save(folder / "pair.step", pair)
+    save(
+        folder / "half.brep",
+        lambda occ: (pair(occ), occ.intersect(occ.getEntities(3), [box(occ, (0, 0, 0), (60, 12, 8))])),
+    )
+    save(folder / "standing.step", lambda occ: (pair(occ), occ.rotate(occ.getEntities(3), 0, 0, 0, 1, 0, 0, np.pi / 2)))
+    return folder
+
+
+def volume_of(mesh: Mesh, name: str) -> float:
+    return Mesh(mesh.points, mesh.tets[mesh.regions[name]], {}).volume
+
+
+@pytest.mark.parametrize(
+    ("file", "keys"),
+    [
+        ("pair.step", {}),
+        ("pair.step", {"symmetric": False}),
+        ("pair.step", {"clamp": 60.0, "tip": 0.0, "parts": {"plate": (10.0, 1.0, -2.0)}}),
+        ("half.brep", {"clamp": 60.0, "tip": 0.0}),
+        ("standing.step", {"axes": ("x", "z", "-y")}),
+    ],
+    ids=["half", "whole", "clamped at the larger x", "half, clamped at the larger x", "standing"],
+)
+def test_a_solid_is_a_region(file: str, keys: dict[str, Any], folder: Path) -> None:
+    design = CadFile(str(folder / file), 1.5, **{"parts": {"plate": IN_PLATE}, **keys})
+    assert design.region_volumes == pytest.approx({"plate": PLATE}, rel=1e-6)
+    assert design.solid_volume == pytest.approx(PLATE + BLOCK - AIR, rel=1e-6)
+    assert design.cavity_volumes == pytest.approx({"cavity": AIR}, rel=1e-6)
+    assert design.body(6.0).mesh.regions == {}
+    mesh = design.with_regions(["plate"]).body(6.0).mesh
+    halves = 2 if "sym" in mesh.faces else 1
+    assert halves * volume_of(mesh, "plate") == pytest.approx(PLATE, rel=1e-9)
+    assert mesh.points[mesh.tets[mesh.regions["plate"]], 1].max() == pytest.approx(3.0, abs=1e-12)
+    assert halves * mesh.volume == pytest.approx(PLATE + BLOCK - AIR, rel=1e-9)
+    assert halves * mesh.enclosed_volume("cavity") == pytest.approx(AIR, rel=1e-9)
+
+
+def test_the_solid_with_the_cavity_may_be_the_part(folder: Path) -> None:
+    design = CadFile(str(folder / "pair.step"), 1.5, parts={"block": IN_BLOCK}).with_regions(["block"])
+    assert 2 * volume_of(design.body(6.0).mesh, "block") == pytest.approx(BLOCK - AIR, rel=1e-9)
+
+
+def test_the_curve_may_run_along_the_bottom_of_a_half(folder: Path) -> None:
+    """Nothing of the solid lies below the curve."""
+    design = CadFile(str(folder / "half.brep"), 0.0, unite=True)
+    assert 2 * design.body(6.0).mesh.volume == pytest.approx(PLATE + BLOCK - AIR, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("draw", "keys", "key", "sentence"),
+    [
+        (pair, {}, "file", "give parts, a point in each one of another material"),
+        (pair, {"parts": {"plate": (20.0, 5.0, 0.0)}}, "parts.plate", "(20, 5, 0) mm lies in no solid of the file"),
+        (pair, {"parts": {"a": IN_PLATE, "b": (9.0, 2.0, 1.0)}}, "parts.b", "lies in the same solid as that of a"),
+        (pair, {"parts": {"a": IN_PLATE, "b": IN_BLOCK}}, "parts", "all solids of the file (2) are named"),
+        (pair, {"parts": {"a": IN_PLATE}, "unite": True}, "parts", "give one of the two"),
+        (lambda occ: pair(occ, apart=1.0), {"parts": {"a": (20.0, 0.0, 0.0)}}, "parts", "2 parts that do not touch"),
+        (lambda occ: pair(occ, apart=-0.5), {"parts": {"a": IN_PLATE}}, "parts", "overlap in 207 mm3"),
+    ],
+    ids=["not named", "in the air", "named twice", "all named", "united", "apart", "overlap"],
+)
+def test_parts_that_cannot_be(
+    draw: Callable[[Any], Any], keys: dict[str, Any], key: str, sentence: str, tmp_path: Path
+) -> None:
+    path = save(tmp_path / "bodies.step", draw)
+    with pytest.raises(DesignError) as refused:
+        CadFile(str(path), 1.5, **keys)
+    assert key in refused.value.keys
+    assert sentence in str(refused.value)
+
+
+def test_a_configuration_gives_a_part_its_material(folder: Path) -> None:
+    document = """
+name: two
+geometry: {family: own, file: pair.step, curve: 1.5 mm, parts: {plate: [20 mm, 1 mm, 0 mm]}}
+material: {law: neo_hooke, mu: 0.1 MPa, nu: 0.49, density: 1000 kg/m^3}
+materials: {plate: {law: neo_hooke, mu: 0.6 MPa, nu: 0.49, density: 2000 kg/m^3}}
+mesh: {size: 6 mm}
+"""
+    (folder / "two.yaml").write_text(document, encoding="utf-8")
+    config = load_config(folder / "two.yaml")
+    assert config.mass_tonne == pytest.approx((2 * PLATE + BLOCK - AIR) * 1e-9, rel=1e-6)
+    assert config.record()["geometry"]["parts"] == {"plate": [20.0, 1.0, 0.0]}
+    united = ["geometry.parts={}", "geometry.unite=true", "materials={}"]
+    assert "parts" not in load_config(folder / "two.yaml", united).record()["geometry"]
+
+
+@pytest.mark.parametrize(
+    ("parts", "complaint"),
+    [
+        ("3", "geometry.parts: must hold names, for example {cavity: [40 mm, 7 mm, 0 mm]}"),
+        ("{plate: 5 mm}", "geometry.parts.plate: must be a list, for example {cavity: [40 mm, 7 mm, 0 mm]}"),
+        ("{plate: [1 mm, 2 mm]}", "geometry.parts.plate: has 2 numbers instead of x, y and z"),
+    ],
+)
+def test_parts_that_are_no_points_are_refused(parts: str, complaint: str, folder: Path) -> None:
+    (folder / "wrong.yaml").write_text(
+        f"name: wrong\ngeometry: {{family: own, file: pair.step, curve: 1.5 mm, parts: {parts}}}\n"
+        "material: {law: neo_hooke, mu: 0.1 MPa, nu: 0.49}\n",
+        encoding="utf-8",
+    )
+    with pytest.raises(InputError) as refused:
+        load_config(folder / "wrong.yaml")
+    assert complaint in str(refused.value)
