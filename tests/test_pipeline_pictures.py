@@ -42,6 +42,19 @@ def test_the_body_at_rest(tmp_path: Path, cut_open: bool) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["body.png"]
 
 
+@pytest.mark.parametrize("cut_open", [False, True])
+def test_a_region_has_a_colour_of_its_own(tmp_path: Path, cut_open: bool) -> None:
+    points, tets = bar()
+    behind = points[tets, 0].mean(axis=1) > 4
+    draw_body(tmp_path / "one.png", points, tets, cut_open=cut_open)
+    draw_body(tmp_path / "two.png", points, tets, cut_open=cut_open, regions=behind)
+    blue = [(np.ptp(seen(tmp_path / name).astype(int), axis=2) > 40).mean() for name in ("one.png", "two.png")]
+    grey = [(seen(tmp_path / name) < 250).all(axis=2).mean() for name in ("one.png", "two.png")]
+    assert blue[0] == 0
+    assert 0.2 * grey[1] < blue[1] < 0.8 * grey[1]
+    assert grey[1] == pytest.approx(grey[0], rel=0.01)
+
+
 def test_a_full_body_is_not_mirrored(tmp_path: Path) -> None:
     """Mirroring it would double every face, and no edge would be left to draw."""
     points, tets = bar()

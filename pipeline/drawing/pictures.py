@@ -22,6 +22,7 @@ Array = NDArray[Any]
 _WIDTH, _TALLEST = 1400, 900  # pixels of the body in a picture
 _BAR = 190  # pixels of the scale under it
 _SILICONE = "#d9dde3"
+_REGIONS = ("#7fa6c9", "#d3a97b", "#93ba8b", "#b79bc8")  # of regions with a material of their own, in turn
 _INK = "#1f2933"
 _OUTLINE = "#9aa5b1"
 
@@ -61,13 +62,29 @@ def write_series(path: Path, files: Sequence[tuple[float, str]]) -> None:
     write_atomic(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
 
 
-def draw_body(path: Path, points: Array, tets: Array, *, mirrored: bool = True, cut_open: bool = False) -> None:
-    """Draw the body at rest into a PNG: a half model mirrored at z = 0, or cut open there to show its inside."""
-    body = _skin(_grid(points, tets))
+def draw_body(
+    path: Path,
+    points: Array,
+    tets: Array,
+    *,
+    mirrored: bool = True,
+    cut_open: bool = False,
+    regions: Array | None = None,
+) -> None:
+    """Draw the body at rest into a PNG: a half model mirrored at z = 0, or cut open there to show its inside.
+
+    regions: number of the region of each tetrahedron (m,), 0 where it has none; each region has a colour of its own.
+    """
+    grid = _grid(points, tets)
+    _attach(grid, "region", np.zeros(len(tets)) if regions is None else regions)
+    body = _skin(grid)
     if mirrored and not cut_open:
         body = _mirrored(body)
     plotter = _plotter()
-    plotter.add_mesh(body, color=_SILICONE, smooth_shading=True, split_sharp_edges=True, ambient=0.35, diffuse=0.75)
+    for number in np.unique(body.cell_data["region"]).astype(int):
+        part = body.extract_cells(body.cell_data["region"] == number).extract_surface(algorithm="dataset_surface")
+        colour = _REGIONS[(number - 1) % len(_REGIONS)] if number else _SILICONE
+        plotter.add_mesh(part, color=colour, smooth_shading=True, split_sharp_edges=True, ambient=0.35, diffuse=0.75)
     _add_edges(plotter, body)
     _aim_camera(plotter, body.points, -1.0 if cut_open else 1.0)
     _save(plotter, path)

@@ -41,11 +41,12 @@ def region_field(mesh: Mesh) -> dict[str, Array]:
 
 
 def _draw(body: Body, outcomes: Outcomes, store: Store) -> None:
-    mesh = body.mesh
-    write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets, region_field(mesh))
-    draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half)
+    mesh, regions = body.mesh, region_field(body.mesh)
+    write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets, regions)
+    colours = regions.get("region")
+    draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half, regions=colours)
     if body.half:
-        draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True)
+        draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True, regions=colours)
     stretches = {
         outcome.name: at_nodes([record.fields["stretch"] for record in outcome.records], outcome.nodes)
         for outcome in outcomes
