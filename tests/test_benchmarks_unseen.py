@@ -15,8 +15,9 @@ from benchmarks.unseen.__main__ import campaign, sample
 from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_difference
 from benchmarks.unseen.confirm import judged, named_limit, second_law, turned
 from benchmarks.unseen.designs import COMPRESSIBLE, LOAD, LOWER, Drawn, drawn
+from benchmarks.unseen.details import designs_table
 from benchmarks.unseen.histogram import CLASSES, counts
-from benchmarks.unseen.page import joined, largest_share, pages
+from benchmarks.unseen.page import joined, pages
 from benchmarks.unseen.sorting import (
     EARLY,
     LIMIT,
@@ -32,6 +33,7 @@ from benchmarks.unseen.sorting import (
     states_of,
     within_mesh_error,
 )
+from benchmarks.unseen.summary import largest_share
 from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, outcome_of
 from fem.materials import LAWS
 from geometry import FAMILIES
@@ -242,6 +244,13 @@ def test_errors_of_the_rod_are_counted_by_size() -> None:
     assert (found[0], found[-1]) == (1, 1)
     assert found[CLASSES.index(0.2)] == 1
     assert np.all(np.diff(CLASSES) > 0)
+
+
+@pytest.mark.parametrize(
+    ("at_kPa", "said"), [([10.0], "1 of 2 pressures"), ([], "0 of 2 pressures"), ([3.2, 6.4], "2 below the limit")]
+)
+def test_the_page_tells_at_which_pressures_there_are_parameters(at_kPa: list[float], said: str) -> None:
+    assert f" | {said} | " in designs_table([record(seed=1, five_at_kPa=at_kPa)])
 
 
 def test_the_page_lists_every_design() -> None:

@@ -1,0 +1,189 @@
+"""The parts of docs/unseen.md: what all designs together say."""
+
+from collections import Counter
+from collections.abc import Sequence
+from math import degrees
+from statistics import median
+from textwrap import fill
+
+from scipy.stats import beta
+
+from benchmarks.peers.page import table
+from benchmarks.unseen.checks import ALLOWED
+from benchmarks.unseen.sorting import (
+    EARLY,
+    GOOD_MESHES,
+    GOOD_STATES,
+    MESH_ERROR,
+    OUTCOMES,
+    TOO_SLOW,
+    TRACEBACK,
+    WRONG,
+    States,
+    checks_in,
+    has_numbers,
+    outcome,
+    rod_errors,
+    states_of,
+    within_mesh_error,
+)
+from benchmarks.unseen.wording import WIDTH, Record, item, name_of, percent
+
+#: names of the three numbers in the records, and as they are written
+NUMBERS = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
+
+
+def targets(records: Sequence[Record]) -> str:
+    """The goals beside what was reached."""
+    counts = Counter(outcome(record) for record in records)
+    bad = counts[WRONG] + counts[TRACEBACK] + counts[TOO_SLOW]
+    states = sum((states_of(record) for record in records), States(0, 0, 0, 0))
+    numbers = sum(has_numbers(record) for record in records)
+    measured = [good for record in records if (good := within_mesh_error(record)) is not None]
+    of_mesh = f"{sum(measured)} of {len(measured)}" if measured else "not measured"
+    rows = [
+        [
+            "designs that end wrong, with an error of the program, or not in time",
+            "none",
+            f"{bad} of {len(records)}",
+            bad == 0,
+        ],
+        [
+            "states solved or beyond a limit that a second way confirms",
+            percent(GOOD_STATES),
+            percent(states.good),
+            states.good >= GOOD_STATES,
+        ],
+        ["designs with numbers or an early refusal", "all", f"{numbers} of {len(records)}", numbers == len(records)],
+        [
+            f"designs of the sample with κ₀, α₂ and F within {100 * MESH_ERROR:g} % of the limit of the mesh",
+            "nine of ten",
+            of_mesh,
+            bool(measured) and sum(measured) >= GOOD_MESHES * len(measured),
+        ],
+    ]
+    return table(["", "goal", "result", "met"], [[*map(str, row[:3]), "yes" if row[3] else "**no**"] for row in rows])
+
+
+def largest_share(bad: int, count: int) -> float:
+    """The largest part of bad designs that is compatible with `bad` of `count` (95 % one-sided, Clopper-Pearson)."""
+    return float(beta.ppf(0.95, bad + 1, count - bad)) if bad < count else 1.0
+
+
+def certainty(records: Sequence[Record]) -> str:
+    """What so many designs say about all that can be drawn."""
+    bad = sum(outcome(record) in (WRONG, TRACEBACK, TOO_SLOW) for record in records)
+    share = percent(largest_share(bad, len(records)))
+    return (
+        f"{bad} of {len(records)} designs say that at most {share} of all designs that can be drawn end wrong, with an "
+        "error of the program, or not in time (95 % confidence)."
+    )
+
+
+def bend(records: Sequence[Record]) -> str:
+    """How far the arms bend, because a small bend is a mild test."""
+    turns = [abs(degrees(record["turn_rad"])) for record in records if record.get("turn_rad") is not None]
+    if not turns:
+        return ""
+    return (
+        f"At the lower pressure the arms bend by {min(turns):.1f} to {max(turns):.1f} degrees over their length, "
+        f"median {median(turns):.1f}: the pressures are drawn by the strain of the walls and not by the bend, so that "
+        "arms that curl are rare here; those are among the hard cases ([robustness](robustness.md))."
+    )
+
+
+def outcomes(records: Sequence[Record]) -> str:
+    """How many designs ended in which way."""
+    counts = Counter(outcome(record) for record in records)
+    return table(["outcome", "designs"], [[name, str(counts[name])] for name in OUTCOMES])
+
+
+def sums(records: Sequence[Record]) -> str:
+    """How many states were solved, and how many designs have numbers."""
+    states = sum((states_of(record) for record in records), States(0, 0, 0, 0))
+    numbers = sum(has_numbers(record) for record in records)
+    early = sum(outcome(record) == EARLY for record in records)
+    sentences = (
+        f"States (experiments I, II and III at both pressures): {states.solved} of {states.all} are solved, "
+        f"{states.beyond} are beyond a limit that a second way confirms, {states.not_confirmed} are not reached "
+        f"without such a confirmation or belong to a wrong design, {states.not_tried} belong to designs that did not "
+        f"end: {percent(states.good)} are solved or beyond a confirmed limit.",
+        f"Numbers (five parameters or the arm's own law) or an early refusal: {numbers} of {len(records)} designs, "
+        f"{early} of them refused.",
+    )
+    return "\n\n".join(fill(sentence, WIDTH) for sentence in sentences)
+
+
+def rods(records: Sequence[Record]) -> str:
+    """The errors of the recommended rods, and which they are."""
+    sentences = []
+    for name, errors in rod_errors(records).items():
+        if errors:
+            small = {"shape": 0.03, "force": 0.10}[name]
+            sentences.append(
+                f"{name.capitalize()} error: median {percent(median(errors))}, largest {percent(max(errors))}, below "
+                f"{percent(small)} on {sum(error < small for error in errors)} of {len(errors)} designs."
+            )
+    chosen = Counter(record["rod"]["rod"] for record in records if record.get("rod"))
+    if chosen:
+        sentences.append(
+            "Recommended rod: " + ", ".join(f"`{rod}` on {count}" for rod, count in chosen.most_common()) + "."
+        )
+    return " ".join(sentences)
+
+
+def confirmed(records: Sequence[Record]) -> str:
+    """How many of the limits that were named a second way confirms."""
+    limits = [limit for record in records for limit in record["limits"]]
+    if not limits:
+        return "No design met a limit."
+    confirmed = sum(bool(limit["confirmed"]) for limit in limits)
+    return f"{confirmed} of the {len(limits)} limits that runs named are confirmed."
+
+
+def checks(records: Sequence[Record]) -> str:
+    """The largest difference that each check has found."""
+    rows = []
+    for name, allowed in ALLOWED.items():
+        found = [check for record in records for check in checks_in(record) if check.name == name]
+        made = [check.value for check in found if check.made]
+        numbers = [f"{median(made):.1e}", f"{max(made):.1e}"] if made else ["", ""]
+        failed = sum(check.failed for check in found)
+        rows.append([name, str(len(made)), *numbers, f"{allowed:g}", str(failed)])
+    return table(["check", "designs", "median difference", "largest", "allowed", "failed"], rows)
+
+
+def mesh(records: Sequence[Record]) -> str:
+    """The error of the default mesh on the designs that were solved on a finer one too."""
+    measured = [record for record in records if record.get("finer", {}).get("errors")]
+    lacking = [record for record in records if record.get("finer") and not record["finer"].get("errors")]
+    if not measured:
+        return "Not measured in this campaign."
+    good = sum(bool(within_mesh_error(record)) for record in measured)
+    head = ["seed and no.", "design", "elements", "size mm"]
+    for name in NUMBERS.values():
+        head += [f"{name}, measured", f"{name}, estimated"]
+    rows = []
+    for record in measured:
+        errors = record["finer"]["errors"]
+        row = [name_of(record), record["words"], record["elements"], f"{record['size_mm']:g}"]
+        for name in NUMBERS:
+            entry = errors[name]
+            estimated = entry["estimated"]
+            row += [
+                f"{100 * entry['error']:+.1f} ± {100 * entry['std']:.1f} %",
+                "" if estimated is None else f"{100 * estimated:.1f} %",
+            ]
+        rows.append(row)
+    text = (
+        f"On a sample of {len(measured)} designs, chosen by their numbers before anything was solved, II and III were "
+        "solved again at the lower pressure on a mesh with elements smaller by a factor of 1.5. The table has the "
+        "error of the default mesh against the limit that both extrapolate to (the standard deviation covers orders "
+        "of convergence from 1 to 2), and the error that the run itself has estimated from a coarser mesh. "
+        f"{good} of {len(measured)} designs are within {100 * MESH_ERROR:g} % in all three numbers."
+    )
+    parts = [fill(text, WIDTH), table(head, rows)]
+    if lacking:
+        reasons = "\n".join(item(f"Design {name_of(r)}: {r['finer'].get('failure', '')}") for r in lacking)
+        parts.append("Of the sample these could not be compared:\n\n" + reasons)
+    return "\n\n".join(parts)
