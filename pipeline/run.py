@@ -28,7 +28,7 @@ from pipeline.simulation.waiting import told_while_waiting
 from pipeline.store.store import open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.validation.rods import ArmRods
-from pipeline.validation.validate import Validated, validate, validation_outcomes
+from pipeline.validation.validate import Validated, validate, validation_outcomes, with_reached_loads
 
 #: which of the tasks that wait for a worker are next: those of the longest chain first
 _OF_LAW, _OF_EXPERIMENTS, _OF_COARSER_MESH, _OF_VALIDATION = range(4)
@@ -74,7 +74,8 @@ def _solved(
         progress.remark(remark)
         unusual = (*unusual, remark)
     # II and III at pressures between go on from the states of the experiments
-    validation = workers.beside(validation_outcomes, scene, replace(context, urgency=_OF_VALIDATION))
+    tested = with_reached_loads(scene, outcomes)
+    validation = workers.beside(validation_outcomes, tested, replace(context, urgency=_OF_VALIDATION))
     with stages.timed("identification"):
         identified = identify_run(scene, context, outcomes)
         outcomes, parameters = identified.outcomes, identified.parameters
@@ -97,7 +98,7 @@ def _solved(
         store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, scene.body.pitch))
         store.save_json("validation.json", [row for c in comparisons for row in c.rows()])
     with stages.timed("validation"):
-        validated = validate(scene, validation.result(), rods) if parameters or arm.law else Validated()
+        validated = validate(tested, validation.result(), rods) if parameters or arm.law else Validated()
         validated.save(store, comparisons)
     with stages.timed("report"):
         other_rod = arm.law is not None

@@ -489,6 +489,21 @@ def test_a_load_between_the_pressures_with_the_end_elsewhere_is_part_of_every_ru
 
 
 @pytest.mark.parametrize(
+    ("reached", "pressures"),
+    [((17.0, 37.0), (27.0,)), ((17.0, 30.0), (27.0,)), ((17.0,), (17.0,)), ((5.0, 8.0, 16.0), (12.0,)), ((), ())],
+)
+def test_the_load_that_the_program_chooses_is_among_reached_pressures(
+    configs: Path, reached: tuple[float, ...], pressures: tuple[float, ...]
+) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    chosen = load_config(coarse).validation.among(reached)
+    assert chosen.pressures_kPa == pressures
+    assert chosen.end_y_mm == ((11.2,) if pressures else ())
+    given = load_config(coarse, ["validation={pressures: [20 kPa], end_y: [5 mm]}"]).validation
+    assert given.among(reached) == given
+
+
+@pytest.mark.parametrize(
     ("written_end", "end"),
     [
         ("{}", End()),

@@ -6,9 +6,10 @@
 import hashlib
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
 from enum import Enum
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, final, get_args
 
@@ -92,7 +93,26 @@ class Validation:
     pressures_kPa: tuple[float, ...]  #: ascending; those of the run and others between them
     end_y_mm: tuple[float, ...]  #: displacements u_y of the end in III
     forces_N: tuple[tuple[float, float], ...]  #: dead forces on the end
-    with_experiments: bool = True  #: whether II and III are solved at the pressures between as well
+    #: whether II and III are solved at the pressures between as well; not for the one load that the program chooses
+    with_experiments: bool = True
+
+    def among(self, reached_kPa: Sequence[float]) -> "Validation":
+        """The same loads, or the one that the program chooses at a pressure among those (ascending) that were reached.
+
+        Empty where that load has no such pressure.
+        """
+        if self.with_experiments or (reached_kPa and self.pressures_kPa[-1] <= reached_kPa[-1]):
+            return self
+        if not reached_kPa:
+            return Validation((), (), ())
+        return replace(self, pressures_kPa=(middle_of_widest(reached_kPa),))
+
+
+def middle_of_widest(pressures_kPa: Sequence[float]) -> float:
+    """The middle of the widest interval between pressures (ascending), or the only one, kPa."""
+    intervals = list(pairwise(pressures_kPa))
+    low, high = max(intervals, key=lambda interval: interval[1] - interval[0], default=(pressures_kPa[0],) * 2)
+    return float(f"{0.5 * (low + high):.12g}")
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,6 @@ A refusal is one sentence for each thing that is wrong: `FILE: key: what is wron
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import fields
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
@@ -25,6 +24,7 @@ from pipeline.config.config import (
     Newton,
     PressureEffect,
     Validation,
+    middle_of_widest,
 )
 from pipeline.config.document import Document, read_document
 from pipeline.config.schema import OWN, checked, own_design
@@ -156,11 +156,9 @@ def _check_identification(document: Document, content: Any, length: float) -> No
 
 def _default_validation(content: Any, length: float) -> Validation:
     """One load that nothing is fitted to: in the middle of the widest interval of pressures, the end elsewhere."""
-    intervals = list(pairwise(content.pressures))
-    low, high = max(intervals, key=lambda interval: interval[1] - interval[0], default=content.pressures * 2)
     at_rest = content.end.y.displacement_mm or 0.0
-    pressure, end = (float(f"{value:.12g}") for value in (0.5 * (low + high), at_rest + ELSEWHERE * length))
-    return Validation((pressure,), (end,), (), with_experiments=False)
+    end = float(f"{at_rest + ELSEWHERE * length:.12g}")
+    return Validation((middle_of_widest(content.pressures),), (end,), (), with_experiments=False)
 
 
 def _validation(document: Document, content: Any, length: float) -> Validation:

@@ -1,7 +1,7 @@
 """The rod under loads that its parameters were not fitted to, and the laws that such loads distinguish."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, observed
@@ -48,6 +48,16 @@ class Validated:
         store.save_json("laws.json", [law.row() for law in self.laws])
         rows = [(c.state.load, *row) for c in self.comparisons for row in rows_of(c.record, c, c.pitch)]
         store.save_rows("validation_curves.csv", VALIDATION_COLUMNS, rows)
+
+
+def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
+    """The scene with the validation load that the program chooses among the pressures that II and III have reached.
+
+    Behind a limit it would take long to end without a result.
+    """
+    free, loaded = outcomes["II"], outcomes["III"]
+    reached = [record.pressure_kPa for record in free.records if loaded.at(record.pressure_kPa)]
+    return replace(scene, config=replace(scene.config, validation=scene.config.validation.among(reached)))
 
 
 def validation_outcomes(scene: Scene, context: RunContext) -> Outcomes:
