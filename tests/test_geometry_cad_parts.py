@@ -69,6 +69,31 @@ def test_the_solid_with_the_cavity_may_be_the_part(folder: Path) -> None:
     assert 2 * volume_of(design.body(6.0).mesh, "block") == pytest.approx(BLOCK - AIR, rel=1e-9)
 
 
+def rails(occ: Any) -> None:
+    """The block on a plate that is a solid between two rails, each a solid of its own and 2 mm wide."""
+    box(occ, (0, 0, -5.5), (60, 3, 5.5))
+    box(occ, (0, 0, 5.5), (60, 3, 7.5))
+    box(occ, (0, 0, -7.5), (60, 3, -5.5))
+    occ.cut([box(occ, (0, 3, -7.5), (60, 12, 7.5))], [box(occ, (3, 3, -4.5), (57, 8, 4.5))])
+
+
+@pytest.mark.parametrize("z", [6.0, -6.0])
+def test_a_solid_has_the_name_of_its_mirror_image(z: float, tmp_path: Path) -> None:
+    path = save(tmp_path / "rails.step", rails)
+    design = CadFile(str(path), 1.5, parts={"rail": (20.0, 1.0, z)}).with_regions(["rail"])
+    assert design.region_volumes == pytest.approx({"rail": 2 * 60.0 * 3 * 2}, rel=1e-6)
+    assert 2 * volume_of(design.body(6.0).mesh, "rail") == pytest.approx(2 * 60.0 * 3 * 2, rel=1e-9)
+    one = CadFile(str(path), 1.5, symmetric=False, parts={"rail": (20.0, 1.0, z)})
+    assert one.region_volumes == pytest.approx({"rail": 60.0 * 3 * 2}, rel=1e-6)
+
+
+def test_materials_that_are_not_symmetric_are_refused(tmp_path: Path) -> None:
+    """The body is symmetric as a whole."""
+    path = save(tmp_path / "uneven.step", lambda occ: (rails(occ), occ.fuse([(3, 1)], [(3, 3)])))
+    with pytest.raises(DesignError, match="symmetric: the halves of the body about z = 0 differ"):
+        CadFile(str(path), 1.5, parts={"rail": (20.0, 1.0, 6.0)})
+
+
 def test_the_curve_may_run_along_the_bottom_of_a_half(folder: Path) -> None:
     """Nothing of the solid lies below the curve."""
     design = CadFile(str(folder / "half.brep"), 0.0, unite=True)

@@ -1,10 +1,10 @@
-"""An arm that bears none of its pressures has parameters at pressures below its limit."""
+"""An arm that bears none of its pressures has states at pressures below its limit."""
 
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from test_pipeline_limits import LIMIT_KPA, THIN, VACUUM
+from test_pipeline_limits import THIN, VACUUM
 from test_pipeline_plausibility import CONFIGS
 
 from pipeline.config.load import load_config
@@ -16,10 +16,13 @@ from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 
+#: long enough for five parameters
+LONG = [*THIN, VACUUM, "geometry.length=70 mm", "mesh.size=9 mm"]
+
 
 def followed(folder: Path, *changes: str) -> tuple[Outcomes, Outcomes, str]:
     """The outcomes of II and III, those with states below the limit, and the sentence about them."""
-    settings = [*THIN, VACUUM, "experiments=[II, III]", *changes]
+    settings = [*LONG, "experiments=[II, III]", *changes]
     config = load_config(CONFIGS / "semicircular_single_coarse.yaml", settings)
     with open_store(folder, config) as store:
         context = RunContext.alone(store, Silent())
@@ -29,32 +32,47 @@ def followed(folder: Path, *changes: str) -> tuple[Outcomes, Outcomes, str]:
 
 
 def test_states_below_the_limit_replace_pressures_that_the_arm_does_not_bear(tmp_path: Path) -> None:
-    without, outcomes, sentence = followed(tmp_path, "pressures=[1.5 kPa, 3 kPa]")
+    without, outcomes, sentence = followed(tmp_path, "pressures=[3 kPa, 5 kPa]")
     assert without.records == ()
     pressures = [record.pressure_kPa for record in outcomes["II"].records]
     assert pressures == [record.pressure_kPa for record in outcomes["III"].records]
-    assert pressures == pytest.approx([0.4 * LIMIT_KPA, 0.8 * LIMIT_KPA], rel=0.01)
+    limit = min(o.failure.limit_kPa for o in without if o.failure)
+    assert limit > 0
+    assert pressures == pytest.approx([0.4 * limit, 0.8 * limit], rel=0.01)
     assert outcomes.failures == without.failures
-    assert sentence.startswith(
-        "the arm bears none of the pressures of the configuration, the lowest of which is 1.5 kPa"
-    )
-    assert f"at {pressures[0]:g} kPa and {pressures[1]:g} kPa" in sentence
+    assert "of the pressures of the configuration, of which 3 kPa is the lowest" in sentence
+    assert f"were also solved at {pressures[0]:g} and {pressures[1]:g} kPa" in sentence
+    assert f"ends at {limit:.3g} kPa: give pressures below that" in sentence
 
 
-def test_nothing_is_added_where_a_pressure_is_reached_or_no_parameters_are_wanted(tmp_path: Path) -> None:
-    without, outcomes, sentence = followed(tmp_path / "reached", "pressures=[0.5 kPa, 3 kPa]")
+def test_nothing_is_added_where_a_pressure_is_reached_or_no_parameters_are_made(tmp_path: Path) -> None:
+    without, outcomes, sentence = followed(tmp_path / "reached", "pressures=[1 kPa, 3 kPa]")
     assert (outcomes, sentence) == (without, "")
     assert len(outcomes.records) == 2
-    without, outcomes, sentence = followed(tmp_path / "cell", "pressures=[1.5 kPa]", "law=cell")
-    assert (outcomes, sentence) == (without, "")
+    for folder, change in (("cell", "law=cell"), ("short", "geometry.length=30 mm")):
+        without, outcomes, sentence = followed(tmp_path / folder, "pressures=[3 kPa]", change)
+        assert (outcomes, sentence) == (without, "")
+        assert without.records == ()
 
 
-def test_nothing_is_added_without_a_named_limit(tmp_path: Path) -> None:
-    config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, "pressures=[1.5 kPa]"])
+def test_the_last_equilibrium_stands_for_a_limit_that_is_not_named(tmp_path: Path) -> None:
+    config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*LONG, "pressures=[3 kPa]"])
     with open_store(tmp_path, config) as store:
         context = RunContext.alone(store, Silent())
         scene = Scene.meshed(config)
         outcomes = simulate(scene, context, ["II", "III"])
-        unnamed = {o.name: replace(o, failure=replace(o.failure, limit_kPa=0.0)) for o in outcomes if o.failure}
-        assert len(unnamed) == 2
-        assert with_states_below_limit(scene, context, Outcomes(unnamed)) == (Outcomes(unnamed), "")
+
+        def ending(limit_kPa: float, reached_kPa: float) -> Outcomes:
+            changed = {
+                o.name: replace(o, failure=replace(o.failure, limit_kPa=limit_kPa, reached_kPa=reached_kPa))
+                for o in outcomes
+                if o.failure
+            }
+            assert len(changed) == 2
+            return Outcomes(changed)
+
+        assert all(o.failure and 0.9 * o.failure.limit_kPa < o.failure.reached_kPa < 3.0 for o in outcomes)
+        added, _ = with_states_below_limit(scene, context, ending(0.0, 1.0))
+        assert [record.pressure_kPa for record in added["II"].records] == [0.4, 0.8]
+        at_rest = ending(0.0, 0.0)
+        assert with_states_below_limit(scene, context, at_rest) == (at_rest, "")

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from pipeline.cell import deviation
+from pipeline.cell import deviation, mesh_error
 from pipeline.cell.deviation import CHECKS, largest_deviation
 from rod.arm_law.curves import CellCurve
 
@@ -66,3 +66,10 @@ def test_the_cell_is_bent_to_either_side_from_the_state_of_the_smallest_moment()
 def test_a_difference_of_the_moment_is_told_as_one_of_the_curvature() -> None:
     found = largest_deviation(Cell(missing=0.25), curve(0.0), curve(20.0))
     assert found.kappa == pytest.approx(0.25 / EI, rel=1e-9)
+
+
+def test_the_rigidity_for_the_error_of_the_mesh_is_taken_within_the_curve() -> None:
+    """Of a short arm the change of the curvature by one over its length lies beyond the end of the curve."""
+    for length, change in ((500.0, 0.002), (10.0, 0.02)):
+        assert mesh_error.change_of(curve(0.01), length) == pytest.approx(change)
+        assert mesh_error._numbers(curve(0.01), change)[1] == pytest.approx(EI)

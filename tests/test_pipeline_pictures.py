@@ -55,6 +55,18 @@ def test_a_region_has_a_colour_of_its_own(tmp_path: Path, cut_open: bool) -> Non
     assert grey[1] == pytest.approx(grey[0], rel=0.01)
 
 
+def test_a_body_without_sharp_edges(tmp_path: Path) -> None:
+    sphere = pyvista.Sphere(radius=5.0, center=(5.0, 0.0, 0.0))
+    surface = np.asarray(sphere.regular_faces)
+    points = np.vstack([np.asarray(sphere.points, dtype=float), [[5.0, 0.0, 0.0]]])
+    tets = np.column_stack([np.full(len(surface), len(points) - 1), surface])
+    draw_body(tmp_path / "body.png", points, tets, mirrored=False)
+    colour = Colour(points[:, 0], "x (mm)")
+    draw_deformed(tmp_path / "deformed.png", points, tets, 0.1 * points, colour, mirrored=False)
+    assert_shows_something(tmp_path / "body.png")
+    assert_shows_something(tmp_path / "deformed.png")
+
+
 def test_a_full_body_is_not_mirrored(tmp_path: Path) -> None:
     """Mirroring it would double every face, and no edge would be left to draw."""
     points, tets = bar()

@@ -198,6 +198,12 @@ def test_a_scheduler_that_does_not_answer_is_named(
         assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize("memory", ["4", "4 kB", "0.4 GB"])
+def test_too_little_memory_is_refused(memory: str) -> None:
+    with pytest.raises(InputError, match=f"--memory {memory}: is too little for a worker"):
+        LocalWorkers.of(1, memory)
+
+
 def test_a_wrong_amount_of_memory_is_refused() -> None:
     with pytest.raises(InputError, match="--memory much: is no amount of memory"):
         LocalWorkers.of(2, "much")

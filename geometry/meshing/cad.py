@@ -157,11 +157,12 @@ def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Vo
             gmsh.model.occ.synchronize()
             low, high = bounds(gmsh, solids)
         _check_position(body, low, high)
+        parts = _named_parts(gmsh, body, solids, low, high)
         if body.half and low[2] < -1e-6 * (high[0] - low[0]):
-            for solid in solids:
-                _check_symmetric(gmsh, solid)
+            for name in dict.fromkeys(parts.values()):
+                _check_symmetric(gmsh, [solid for solid in solids if parts[solid] == name])
             low = (low[0], low[1], 0.0)
-        blocks, air = _fragments(gmsh, body, _named_parts(gmsh, body, solids, low, high), low, high)
+        blocks, air = _fragments(gmsh, body, parts, low, high)
         yield gmsh, blocks, _named_air(gmsh, body, blocks, air, low, high)
 
 
@@ -193,13 +194,14 @@ def _check_position(body: CadBody, low: Point, high: Point) -> None:
         )
 
 
-def _check_symmetric(gmsh: Any, solid: Volume) -> None:
-    """Raise `DesignError` unless the body and its mirror image at z = 0 fill the same space."""
+def _check_symmetric(gmsh: Any, solids: list[Volume]) -> None:
+    """Raise `DesignError` unless solids of one material and their mirror images at z = 0 fill the same space."""
     occ = gmsh.model.occ
-    image = occ.copy([solid])
+    image = occ.copy(solids)
     occ.mirror(image, 0, 0, 1, 0)
-    rest, _ = occ.cut([solid], image, removeObject=False, removeTool=True)
-    fraction = sum(float(occ.getMass(*volume)) for volume in rest if volume[0] == 3) / float(occ.getMass(*solid))
+    whole = sum(float(occ.getMass(*solid)) for solid in solids)
+    rest, _ = occ.cut(solids, image, removeObject=False, removeTool=True)
+    fraction = sum(float(occ.getMass(*volume)) for volume in rest if volume[0] == 3) / whole
     if rest:
         occ.remove(rest, recursive=True)
     occ.synchronize()
@@ -250,22 +252,23 @@ def _box(occ: Any, low: Any, high: Any) -> int:
 
 
 def _named_parts(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> dict[Volume, str]:
-    """The name of the part of each solid, `BODY` for those without. Raises `DesignError` for a point in no solid or in
-    one that has a name already, and where all solids have one."""
+    """The name of the part of each solid, `BODY` for those without; of a symmetric body that of its mirror image too.
+
+    Raises `DesignError` for a point in no solid or in one that has a name already, and where all solids have one.
+    """
     named = dict.fromkeys(solids, BODY)
     for name, point in body.parts.items():
         given = "(" + ", ".join(f"{x + 0.0:g}" for x in body.upright(point)) + ") mm"
-        inner = body.within_half(point, low, high)
-        holders = [solid for solid in solids if gmsh.model.isInside(3, solid[1], list(inner))]
+        x, y, z = body.within_half(point, low, high)
+        places = [[x, y, z], [x, y, -z]] if body.half else [[x, y, z]]
+        holders = [solid for solid in solids if any(gmsh.model.isInside(3, solid[1], place) for place in places)]
         if not holders:
             raise DesignError(
                 f"parts.{name}", f"the point {given} lies in no solid of the file; give a point inside one"
             )
-        if named[holders[0]] != BODY:
-            raise DesignError(
-                f"parts.{name}", f"the point {given} lies in the same solid as that of {named[holders[0]]}"
-            )
-        named[holders[0]] = name
+        if taken := [named[solid] for solid in holders if named[solid] != BODY]:
+            raise DesignError(f"parts.{name}", f"the point {given} lies in the same solid as that of {taken[0]}")
+        named |= dict.fromkeys(holders, name)
     if body.parts and BODY not in named.values():
         raise DesignError(
             "parts",

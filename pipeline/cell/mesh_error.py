@@ -36,8 +36,8 @@ NUMBERS = ("kappa_0_per_mm", "rigidity_N_mm2", "moment_N_mm")
 class MeshError:
     """Estimated errors of kappa_0, of the rigidity from there on and of the moment at half of kappa_0, by pressure.
 
-    The rigidity is the mean over a change of the curvature by one over the length of the arm: where walls touch node by
-    node, the slope at a point says more about the node than about the mesh.
+    The rigidity is the mean over a change of the curvature by one over the length of the arm, or as far as the curve of
+    the law reaches: where walls touch node by node, the slope at a point says more about the node than about the mesh.
     """
 
     size_mm: float
@@ -103,14 +103,14 @@ def _joined(finer: MeshError, coarser: MeshError) -> MeshError:
 def _estimated(pieces: ArmPieces, cells: Sequence[CellCurve], factor: float, context: RunContext) -> MeshError:
     """From a second mesh, factor times as large, at the pressures that it bears."""
     size = pieces.config.mesh.element_size_mm
-    change = 1.0 / pieces.design.length
+    length = pieces.design.length
     second = ArmTasks.of(pieces.with_mesh_size(factor * size), context)
-    pending = [(cell, second.submit(_numbers_on, cell, change)) for cell in cells]
+    pending = [(cell, second.submit(_numbers_on, cell, change_of(cell, length))) for cell in cells]
     rows: dict[float, tuple[tuple[float, ...], tuple[float, ...]]] = {}
     reasons: dict[str, None] = {}  # in their order, each once
     for cell, on_second in pending:
         try:
-            rows[cell.pressure] = _numbers(cell, change), on_second.result()
+            rows[cell.pressure] = _numbers(cell, change_of(cell, length)), on_second.result()
         except (PieceFailed, InputError) as failure:
             reasons[str(failure).rstrip(".")] = None
     columns = list(rows.values())
@@ -128,6 +128,11 @@ def deviation(factor: float, value: float, second: float) -> float:
     """Standard deviation of a value due to its mesh: its distance from the limit, and the uncertainty of that."""
     limit = extrapolated((1.0, factor), (value, second))
     return math.hypot(value - limit.limit, limit.limit_std)
+
+
+def change_of(cell: CellCurve, length: float) -> float:
+    """The change of the curvature for the rigidity, 1/mm: not beyond the end of the curve."""
+    return min(1.0 / length, float(cell.kappa[-1]) - cell.at(0.0)[0])
 
 
 def _numbers(cell: CellCurve, change: float) -> tuple[float, ...]:

@@ -114,8 +114,7 @@ def draw_deformed(
     )
     _add_edges(plotter, body)
     rest = rest.connectivity("closest", closest_point=rest.points[rest.points[:, 0].argmax()])  # not the cavities
-    outline = rest.extract_feature_edges(35, boundary_edges=False, non_manifold_edges=False)
-    plotter.add_mesh(outline, color=_OUTLINE, line_width=2)
+    _add_edges(plotter, rest, angle=35, color=_OUTLINE, line_width=2)
     _aim_camera(plotter, np.vstack([body.points, rest.points]), 1.0, below=_BAR)
     _add_bar(plotter, colour.title, actor.mapper)
     _save(plotter, path)
@@ -153,9 +152,11 @@ def _mirrored(half: Any) -> Any:
     return shell.merge(shell.reflect((0.0, 0.0, 1.0)).flip_faces()).clean(tolerance=1e-7)
 
 
-def _add_edges(plotter: Any, body: Any) -> None:
-    edges = body.extract_feature_edges(40, boundary_edges=False, non_manifold_edges=False)
-    plotter.add_mesh(edges, color=_INK, line_width=1.5, opacity=0.6)
+def _add_edges(plotter: Any, body: Any, angle: float = 40, **how: Any) -> None:
+    """Lines where faces meet at more than an angle in degrees; a body whose edges are all rounded has none."""
+    edges = body.extract_feature_edges(angle, boundary_edges=False, non_manifold_edges=False)
+    if edges.n_points:
+        plotter.add_mesh(edges, **(how or {"color": _INK, "line_width": 1.5, "opacity": 0.6}))
 
 
 def _add_bar(plotter: Any, title: str, mapper: Any) -> None:

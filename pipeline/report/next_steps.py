@@ -13,8 +13,14 @@ def _after_failure(results: Results) -> list[str]:
     if not results.run.get("failure") and not results.failures:
         return []
     reached = [row.pressure_kPa for row in results.experiments if row.reached]
+    given = results.run.get("config", {}).get("pressures_kPa", ())
     if not reached:
         return ["Next: lower the pressures or change the design, because no pressure was reached."]
+    if given and results.identified_pressures and not set(given) & set(results.identified_pressures):
+        return [
+            "Next: give lower pressures (a note says below which), or change the wall, the material or the mesh. What "
+            "was reached is kept and is not solved again."
+        ]
     return [
         "Next: the sentence above names the pressure that was not reached and its cause; leave this pressure out, or "
         "change the wall, the material or the mesh there. What was reached is kept and is not solved again."
@@ -23,7 +29,7 @@ def _after_failure(results: Results) -> list[str]:
 
 def _mesh(results: Results) -> list[str]:
     estimated = results.parameters.get("mesh_error") or results.run.get("accuracy")
-    if not results.parameters or estimated:
+    if not results.identified_pressures or estimated:
         return []
     return [
         "Next: have the error of the mesh estimated, in another --out, with --set mesh.coarser=1.5 (II and III once "
@@ -32,7 +38,8 @@ def _mesh(results: Results) -> list[str]:
 
 
 def _loads(results: Results) -> list[str]:
-    if not results.validation or any(row.sample == "out" and row.rod == FIVE for row in results.validation):
+    tested = any(row.sample == "out" and (row.load or row.rod == FIVE) for row in results.validation)
+    if not results.validation or tested:
         return []
     return ["Next: test the rod under loads it was not fitted to, with the section `validation` of the configuration."]
 
@@ -46,7 +53,7 @@ def _use(results: Results, rod: str) -> list[str]:
     stretch = {EXTENSIBLE: " --stretch", FIVE: " --no-stretch"}.get(rod, "")
     pressure = f"--pressure '{pressures[-1]:g} kPa'"
     steps = [f"To use the rod: pneurod rod {file} {pressure} --force '[0 N, 0.05 N]'{stretch}"]
-    if results.parameters:
+    if results.identified_pressures:
         steps.append(
             "To use the rod with five parameters in another program (csv, json, pyelastica, mujoco, somo or sorosim): "
             f"pneurod export {results.directory} --to pyelastica"

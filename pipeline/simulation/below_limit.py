@@ -1,12 +1,13 @@
-"""States below its limit for an arm that bears none of the pressures of its configuration."""
+"""States below its limit for an arm of which II and III reach no pressure of the configuration together."""
 
 from pipeline.context import RunContext
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import experiments_of, simulate
+from rod import too_few_pitches
 
-#: pressures over the lowest limit of II and III: high enough to say something about the arm as it was to be loaded
+#: pressures over the lower limit of II and III: high enough to say something about the arm as it was to be loaded
 PARTS = (0.4, 0.8)
 #: digits of these pressures, so that they can be typed
 DIGITS = 3
@@ -15,37 +16,37 @@ DIGITS = 3
 def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcomes) -> tuple[Outcomes, str]:
     """The outcomes with states at pressures below the limit, and a sentence about them, without full stop.
 
-    Unchanged, and an empty sentence, where II and III have reached a pressure of the configuration together or where
-    neither names a limit, and without the five parameters (`law: cell`), for which alone these states are solved.
+    The limit is where one of II and III ended: the limit that it names, or its last equilibrium. Unchanged, with an
+    empty sentence, where both have reached a pressure of the configuration or one has no equilibrium but that at rest,
+    and where there would be no five parameters (`law: cell`, a short arm), for which alone these states are solved.
     Raises RunFailed as `simulate`.
     """
-    pressures = _pressures(outcomes)
-    if scene.config.law == "cell" or not pressures:
+    limit = _limit(outcomes)
+    without_five = scene.config.law == "cell" or too_few_pitches(scene.body.length, scene.body.pitch)
+    if not limit or without_five:
         return outcomes, ""
-    cases = [
-        LoadCase(name, name, schedule(scene.config, pressures), scene.config.end)
-        for name in experiments_of(scene.config)
-    ]
+    pressures = tuple(float(f"{part * limit:.{DIGITS}g}") for part in PARTS)
+    names = experiments_of(scene.config)
+    cases = [LoadCase(name, name, schedule(scene.config, pressures), scene.config.end) for name in names]
     more = simulate(scene, context, cases)
     reached = [pressure for pressure in pressures if more["II"].at(pressure) and more["III"].at(pressure)]
     if not reached:
         return outcomes, ""
-    at = " and ".join(f"{pressure:g} kPa" for pressure in reached)
+    at = " and ".join(f"{pressure:g}" for pressure in reached)
     return outcomes.merged(more), (
-        f"the arm bears none of the pressures of the configuration, the lowest of which is "
-        f"{scene.config.pressures_kPa[0]:g} kPa; its parameters are those at {at}, below its limit"
+        f"II and III together reach none of the pressures of the configuration, of which "
+        f"{scene.config.pressures_kPa[0]:g} kPa is the lowest; they were also solved at "
+        f"{at} kPa, because one of them ends at {limit:.{DIGITS}g} kPa: "
+        "give pressures below that"
     )
 
 
-def _pressures(outcomes: Outcomes) -> tuple[float, ...]:
-    """The pressures in kPa to be solved; none where they are not needed or no limit is known."""
+def _limit(outcomes: Outcomes) -> float:
+    """The lower pressure in kPa at which II or III ended; 0 where both have reached one, or nothing is known."""
     if any(name not in outcomes.by_name for name in ("II", "III")):
-        return ()
+        return 0.0
     free, loaded = outcomes["II"], outcomes["III"]
     if any(loaded.at(record.pressure_kPa) for record in free.records):
-        return ()
-    limits = [o.failure.limit_kPa for o in (free, loaded) if o.failure and o.failure.limit_kPa]
-    if not limits:
-        return ()
-    limit = min(limits, key=abs)
-    return tuple(float(f"{part * limit:.{DIGITS}g}") for part in PARTS)
+        return 0.0
+    ends = [outcome.failure.limit_kPa or outcome.failure.reached_kPa for outcome in (free, loaded) if outcome.failure]
+    return min((end for end in ends if end > 0.0), default=0.0)

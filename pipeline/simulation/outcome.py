@@ -105,6 +105,7 @@ class Failure:
     cutbacks: int  #: attempts that failed on the way to it
     factorizations: int  #: of these attempts
     limit_kPa: float = 0.0  #: of a limit point that was found; 0 where none was
+    reached_kPa: float = 0.0  #: of the last equilibrium on the way to it
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,8 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
         solution, end = ended.partial, ended.end
         pressure = case.schedule.pressures_kPa[len(solution.steps)]
         limit_kPa = case.schedule.pressure_at(end.limit) if end.limit else 0.0
-        failure = Failure(pressure, failure_in_kPa(end, case), end.cutbacks, end.factorizations, limit_kPa)
+        reached_kPa = case.schedule.pressure_at(end.reached)
+        failure = Failure(pressure, failure_in_kPa(end, case), end.cutbacks, end.factorizations, limit_kPa, reached_kPa)
     if tells is not None:
         tells.set(failure.limit_kPa if failure else 0.0)
     steps, intersection = _before_intersection(scene, solution.steps)

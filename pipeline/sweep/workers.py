@@ -28,6 +28,8 @@ _SETTINGS = {
 GROUP = "point"
 #: how long a scheduler may take to answer, seconds
 PATIENCE = 10
+#: bytes that a worker needs before it solves anything
+LEAST_MEMORY = 500_000_000
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,10 @@ class LocalWorkers:
             each = MEMORY_LIMIT // jobs if memory is None else parse_bytes(memory)
         except ValueError:
             raise InputError(f"--memory {memory}: is no amount of memory; for example --memory '4 GB'") from None
+        if memory is not None and each < LEAST_MEMORY:
+            raise InputError(
+                f"--memory {memory}: is too little for a worker; give it with its unit, for example '4 GB'"
+            )
         return LocalWorkers(jobs, each)
 
 
