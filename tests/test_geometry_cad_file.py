@@ -149,6 +149,7 @@ BAD_SPECS: list[tuple[dict[str, Any], str, str]] = [
     ({"tip": -5}, "tip", "x = -5 mm lies outside the body, which reaches from 0 to 60 mm"),
     ({"tip": 0}, "clamp", "both at x = 0 mm"),
     ({"curve": 17}, "curve", "y = 17 mm lies outside the body"),
+    ({"curve": 5}, "curve", "y = 5 mm, z = 0 is outside the material between .* mm behind the clamp; give a height at"),
     ({"cell": 0}, "cell", "positive"),
     ({"unit": float("nan")}, "unit", "positive"),
 ]
@@ -164,12 +165,16 @@ def test_keys_that_cannot_be_used(changes: dict[str, Any], key: str, sentence: s
     assert caught.value.keys[0] == key
 
 
+def test_a_whole_body_beside_its_middle_is_refused(folder: Path) -> None:
+    path = save(folder / "beside.brep", lambda occ: occ.translate(finger(occ), 0, 0, 7.5))
+    with pytest.raises(DesignError, match=r"symmetric: the body reaches from z = 0 to 15 mm, and the material curve"):
+        design_of(path, symmetric=False, air={})
+
+
 def test_errors_that_only_meshing_shows(folder: Path) -> None:
     path = save(folder / "late.brep", finger)
     with pytest.raises(DesignError, match="tip: the body has no face in the plane x = 40 mm"):
         design_of(path, tip=40).body(5)
-    with pytest.raises(MeshError, match="material curve"):
-        design_of(path, curve=5).body(5)
     with pytest.raises(DesignError, match=r"mesh\.size"):
         design_of(path).body(50)
 

@@ -42,6 +42,17 @@ def check_bar(design: MeshFile, rel: float = 1e-9) -> None:
     assert curve[[0, -1], 0] == pytest.approx([0, 60])
 
 
+def test_nodes_of_no_element_are_left_out(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
+    """A reference point behind the tip, first in the file, and one in the cavity."""
+    points, tets = plain
+    more = np.vstack([[[100.0, 0.0, 0.0]], points, [[30.0, 6.0, 0.0]]])
+    design = MeshFile(str(write_mesh(folder / "reference.inp", more, tets + 1)), 1.5)
+    check_bar(design)
+    assert design.length == 60
+    without = MeshFile(str(write_mesh(folder / "plain.inp", points, tets)), 1.5)
+    assert len(design.fixed_body.mesh.points) == len(without.fixed_body.mesh.points)
+
+
 @pytest.mark.parametrize("suffix", [".vtk", ".vtu", ".inp", ".mesh", ".su2", ".avs"])
 def test_formats_of_meshio(suffix: str, folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
     check_bar(MeshFile(str(write_mesh(folder / f"bar{suffix}", *plain)), curve=1.5))

@@ -16,8 +16,8 @@ from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
-from geometry.meshing.cad import CadBody, CadMeasures, measure, measure_thinnest_wall, mesh_cad
-from geometry.meshing.cad_import import SUFFIXES, CadSource, Point, file_bounds
+from geometry.meshing.cad import CadMeasures, measure, measure_thinnest_wall, mesh_cad
+from geometry.meshing.cad_import import SUFFIXES, CadBody, CadSource, Point, file_bounds
 from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
 from geometry.meshing.mirror import Repetition
 

@@ -120,7 +120,13 @@ def _collected(
         if block.shape[1] == 10:
             curved = curved.joined(_curved(path, points, block))
     tets = np.vstack([block[:, :4] for block in blocks])
-    return FileMesh(points, tets, faces, curved.usable(points, tets), regions)
+    used = np.unique(np.concatenate([tets.ravel(), *(triangles.ravel() for triangles in faces.values())]))
+    if used[0] < 0 or used[-1] >= len(points):
+        return FileMesh(points, tets, faces, curved, regions)  # refused with the file's own numbers
+    number = np.full(len(points), -1)  # reference points and middles belong to no element
+    number[used] = np.arange(len(used))
+    points, tets, faces = points[used], number[tets], {name: number[of_name] for name, of_name in faces.items()}
+    return FileMesh(points, tets, faces, curved.renumbered(number).usable(points, tets), regions)
 
 
 def _curved(path: Path, points: Array, tets: Index) -> CurvedEdges:

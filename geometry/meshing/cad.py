@@ -16,47 +16,18 @@ from geometry.curved import CurvedEdges
 from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.mesh import Mesh
-from geometry.meshing.cad_import import CadSource, Point, bounds, import_solids
+from geometry.meshing.cad_curve import check_curve
+from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids
+from geometry.meshing.cad_parts import BODY, named_parts
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.shapes import Volume
 from geometry.meshing.size_field import set_size_field, thinnest_wall
-from geometry.meshing.solid import SolidMesh, collect_mesh, optimize, session, walls_between
+from geometry.meshing.solid import SolidMesh, collect_mesh, generate, optimize, session, walls_between
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
-#: name of the material outside of all parts
-BODY = ""
 #: A mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 FLAT = 0.05
-
-
-@dataclass(frozen=True)
-class CadBody:
-    """The solids of a CAD file and how to read them; lengths in mm."""
-
-    source: CadSource
-    clamp: float  #: x of the clamped face
-    tip: float  #: x of the other end
-    curve: float  #: y of the material curve
-    half: bool  #: mesh z >= 0 only
-    air: Mapping[str, Point]  #: name of a cavity -> a point in it; empty for one cavity alone
-    parts: Mapping[str, Point]  #: name of a solid of another material -> a point in it
-    plug: bool  #: whether what is open in the plane of the clamp is closed there
-    turned: bool  #: whether x and z have the other sign than in the file, because the arm is clamped at its larger x
-
-    @property
-    def cavities(self) -> list[str]:
-        """Names of the cavities."""
-        return list(self.air) or ["cavity"]
-
-    def upright(self, point: Point) -> Point:
-        """A point of this frame in the one that the user knows."""
-        x, y, z = point
-        return (-x, y, z if self.half else -z) if self.turned else point
-
-    def within_half(self, point: Point, low: Point, high: Point) -> Point:
-        """A point, or its mirror image in the half z > 0 if that alone is meshed; low, high: bounds of the body, mm."""
-        return (point[0], point[1], max(abs(point[2]), 1e-5 * (high[2] - low[2]))) if self.half else point
 
 
 @dataclass(frozen=True)
@@ -119,7 +90,7 @@ def mesh_session(gmsh: Any, size: float, grading: Grading, half: bool) -> None:
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords of at most pi/8
     gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)
     set_size_field(gmsh, size, grading, half=half, mirrored=False)
-    gmsh.model.mesh.generate(3)
+    generate(gmsh)
     optimize(gmsh, FLAT)
 
 
@@ -157,7 +128,8 @@ def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Vo
             gmsh.model.occ.synchronize()
             low, high = bounds(gmsh, solids)
         _check_position(body, low, high)
-        parts = _named_parts(gmsh, body, solids, low, high)
+        check_curve(gmsh, body, solids, low, high)
+        parts = named_parts(gmsh, body, solids, low, high)
         if body.half and low[2] < -1e-6 * (high[0] - low[0]):
             for name in dict.fromkeys(parts.values()):
                 _check_symmetric(gmsh, [solid for solid in solids if parts[solid] == name])
@@ -186,6 +158,12 @@ def _check_position(body: CadBody, low: Point, high: Point) -> None:
                 f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
                 f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm",
             )
+    if not body.half and not low[2] < -tolerance < tolerance < high[2]:
+        raise DesignError(
+            "symmetric",
+            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm, and the material curve runs at z = 0; write "
+            "true if the file holds the half z >= 0 of an arm, else move the body so that its middle is at z = 0",
+        )
     if body.half and abs(low[2]) > tolerance and abs(low[2] + high[2]) > tolerance:
         raise DesignError(
             "symmetric",
@@ -251,32 +229,6 @@ def _box(occ: Any, low: Any, high: Any) -> int:
     return int(occ.addBox(*low, *np.subtract(high, low)))
 
 
-def _named_parts(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> dict[Volume, str]:
-    """The name of the part of each solid, `BODY` for those without; of a symmetric body that of its mirror image too.
-
-    Raises `DesignError` for a point in no solid or in one that has a name already, and where all solids have one.
-    """
-    named = dict.fromkeys(solids, BODY)
-    for name, point in body.parts.items():
-        given = "(" + ", ".join(f"{x + 0.0:g}" for x in body.upright(point)) + ") mm"
-        x, y, z = body.within_half(point, low, high)
-        places = [[x, y, z], [x, y, -z]] if body.half else [[x, y, z]]
-        holders = [solid for solid in solids if any(gmsh.model.isInside(3, solid[1], place) for place in places)]
-        if not holders:
-            raise DesignError(
-                f"parts.{name}", f"the point {given} lies in no solid of the file; give a point inside one"
-            )
-        if taken := [named[solid] for solid in holders if named[solid] != BODY]:
-            raise DesignError(f"parts.{name}", f"the point {given} lies in the same solid as that of {taken[0]}")
-        named |= dict.fromkeys(holders, name)
-    if body.parts and BODY not in named.values():
-        raise DesignError(
-            "parts",
-            f"all solids of the file ({len(solids)}) are named; leave out the one that has the walls of the cavity",
-        )
-    return named
-
-
 def _named_air(
     gmsh: Any, body: CadBody, blocks: Collection[Volume], air: list[Volume], low: Point, high: Point
 ) -> dict[Volume, str]:
@@ -303,8 +255,9 @@ def _named_air(
                 f"{_close(body)}",
             )
         if holders[0] in named:
+            image = ", or in its mirror image at z = 0, which symmetric: false keeps apart" if body.half else ""
             raise DesignError(
-                f"air.{name}", f"the point {coordinates} lies in the same cavity as that of {named[holders[0]]}"
+                f"air.{name}", f"the point {coordinates} lies in the same cavity as that of {named[holders[0]]}{image}"
             )
         named[holders[0]] = name
     for volume in inner:

@@ -1,5 +1,6 @@
 """The solids of a CAD file, in mm and in the directions of the arm, in the session of `geometry.meshing.solid`."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -28,6 +29,35 @@ class CadSource:
     apart: bool = (
         False  #: whether they stay several that have their faces in common, because they are of other materials
     )
+
+
+@dataclass(frozen=True)
+class CadBody:
+    """The solids of a CAD file and how to read them; lengths in mm."""
+
+    source: CadSource
+    clamp: float  #: x of the clamped face
+    tip: float  #: x of the other end
+    curve: float  #: y of the material curve
+    half: bool  #: mesh z >= 0 only
+    air: Mapping[str, Point]  #: name of a cavity -> a point in it; empty for one cavity alone
+    parts: Mapping[str, Point]  #: name of a solid of another material -> a point in it
+    plug: bool  #: whether what is open in the plane of the clamp is closed there
+    turned: bool  #: whether x and z have the other sign than in the file, because the arm is clamped at its larger x
+
+    @property
+    def cavities(self) -> list[str]:
+        """Names of the cavities."""
+        return list(self.air) or ["cavity"]
+
+    def upright(self, point: Point) -> Point:
+        """A point of this frame in the one that the user knows."""
+        x, y, z = point
+        return (-x, y, z if self.half else -z) if self.turned else point
+
+    def within_half(self, point: Point, low: Point, high: Point) -> Point:
+        """A point, or its mirror image in the half z > 0 if that alone is meshed; low, high: bounds of the body, mm."""
+        return (point[0], point[1], max(abs(point[2]), 1e-5 * (high[2] - low[2]))) if self.half else point
 
 
 def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:

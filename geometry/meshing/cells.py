@@ -16,7 +16,8 @@ from geometry.arrays import Array
 from geometry.curved import CurvedEdges
 from geometry.design import DesignError
 from geometry.grading import Grading
-from geometry.meshing.cad import CadBody, cad_session, keep_material, mesh_session
+from geometry.meshing.cad import cad_session, keep_material, mesh_session
+from geometry.meshing.cad_import import CadBody
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.shapes import Volume
 from geometry.meshing.solid import SolidMesh, collect_mesh, walls_between

@@ -109,6 +109,9 @@ _OPTIONS = {
     "Mesh.MeshSizeExtendFromBoundary": 0,  # else the 1 mm walls would refine everything near them
 }
 
+#: other values of Mesh.Algorithm3D: a mesh without inner points, and Delaunay's algorithm
+_INITIAL, _DELAUNAY = 3, 1
+
 
 def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
     """Mesh the material of `solid` with element edges of about `size` mm at most, smaller where `grading` says so."""
@@ -133,6 +136,23 @@ def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
         if grading != OFF:
             optimize(gmsh, POOR)
         return collect_mesh(gmsh, material, walls, list(solid.material), list(solid.air))
+
+
+def generate(gmsh: Any) -> None:
+    """Mesh the volumes of the session: by HXT, or by Delaunay's algorithm where edges of the surfaces need more points.
+
+    HXT corrupts its memory where it puts such points (Steiner points) on the edges between surfaces, and ends the
+    process. A mesh without inner points, which takes a hundredth of a second, shows whether some are needed.
+    """
+    mesh = gmsh.model.mesh
+    mesh.generate(2)
+    count = len(mesh.getNodes()[0])
+    gmsh.option.setNumber("Mesh.Algorithm3D", _INITIAL)
+    mesh.generate(3)
+    needs_points = len(mesh.getNodes()[0]) > count
+    gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY if needs_points else _OPTIONS["Mesh.Algorithm3D"])
+    mesh.clear([] if needs_points else gmsh.model.getEntities(3))  # the points have changed the surfaces
+    mesh.generate(3)
 
 
 def optimize(gmsh: Any, minimum: float) -> None:

@@ -1,0 +1,44 @@
+"""Whether the material curve lies in the material of a CAD file; in a session of `geometry.meshing.solid`."""
+
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from geometry.design import DesignError
+from geometry.meshing.cad_import import CadBody, Point
+from geometry.meshing.shapes import Volume
+
+#: points of the curve that are looked at, and other heights
+SAMPLES, HEIGHTS = 100, 19
+#: distance from the surface, over the height of the body, that is rounding
+ROUNDING = 1e-4
+
+
+def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> None:
+    """Raise `DesignError` where the curve leaves the material; low, high: bounds of the body, mm."""
+    along = np.linspace(body.clamp, body.tip, SAMPLES + 2)[1:-1]
+    across = body.within_half((0.0, 0.0, 0.0), low, high)[2]
+    rounding = ROUNDING * (high[1] - low[1])
+
+    def inside(y: float) -> bool:
+        points = np.column_stack([along, np.full(SAMPLES, y), np.full(SAMPLES, across)])
+        return sum(gmsh.model.isInside(3, solid[1], points.ravel()) for solid in solids) >= SAMPLES
+
+    if any(inside(body.curve + side * rounding) for side in (1.0, -1.0)):
+        return
+    outside = [x for x in along if not _in_material(gmsh, solids, np.array([x, body.curve, across]))] or list(along)
+    heights = [y for y in np.linspace(low[1], high[1], HEIGHTS + 2)[1:-1] if inside(float(y))]
+    remedy = "at no height does it run through the material from end to end; is the arm along x (axes)?"
+    if heights:
+        listed = ", ".join(f"{y:.3g}" for y in heights[:: max(1, len(heights) // 4)])
+        remedy = f"give a height at which it runs through a wall from end to end, for example y = {listed} mm"
+    raise DesignError(
+        "curve",
+        f"the line y = {body.curve:g} mm, z = 0 is outside the material between {outside[0] - body.clamp:.3g} and "
+        f"{outside[-1] - body.clamp:.3g} mm behind the clamp; {remedy}",
+    )
+
+
+def _in_material(gmsh: Any, solids: list[Volume], point: Array) -> bool:
+    return any(gmsh.model.isInside(3, solid[1], list(point)) for solid in solids)
