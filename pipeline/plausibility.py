@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
-from geometry import Mesh, PneuNet
+from geometry import Body, Mesh, PneuNet
 from pipeline.config.config import Config
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Outcomes, StateSummary
@@ -27,6 +27,8 @@ HARDLY_BENT = 0.05
 #: smallest radius ratio of an element that is not mentioned: meshes of the families have 0.1 to 0.3, and below this one
 #: a mesh of a CAD file is optimized once more
 FLAT_ELEMENT = 0.05
+#: distance of a cavity from the plane of symmetry, over the length of the arm, that is more than rounding
+APART = 1e-5
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,21 @@ class Solved:
 def before_solving(config: Config) -> tuple[str, ...]:
     """The sentences on a design, known from its configuration alone."""
     return tuple(filter(None, (rule(config) for rule in BEFORE)))
+
+
+def of_half(body: Body) -> str:
+    """The sentence on cavities that have a mirror image apart from themselves in a half that is meshed; else empty."""
+    if not body.half:
+        return ""
+    points, faces = body.mesh.points, body.mesh.faces
+    away = [name for name in body.cavities if points[faces[name], 2].min() > APART * body.length]
+    if not away:
+        return ""
+    names, verb, them = ", ".join(away), "does" if len(away) == 1 else "do", "it" if len(away) == 1 else "them"
+    return (
+        f"of the half z >= 0 of the body, {names} {verb} not reach the plane z = 0: the whole body has a mirror image "
+        f"of {them} at z < 0, with the same pressure; write geometry.symmetric: false if it has not"
+    )
 
 
 def of_mesh(mesh: Mesh) -> tuple[str, ...]:

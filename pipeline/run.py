@@ -14,7 +14,7 @@ from pipeline.identification.added_pressures import identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.record import parameters_record
 from pipeline.parallel.loading import loaded
-from pipeline.plausibility import Solved, after_solving, before_solving, of_mesh
+from pipeline.plausibility import Solved, after_solving, before_solving, of_half, of_mesh
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
@@ -59,7 +59,7 @@ def _solved(
     loading = loaded(context, config.mesh.formulation, material_of(config))
     with stages.timed("mesh"), told_while_waiting(progress, "meshing the body"):
         scene = Scene.meshed(config)
-    for sentence in of_mesh(scene.body.mesh):
+    for sentence in filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body))):
         progress.remark(sentence)
         unusual = (*unusual, sentence)
     with stages.timed("kernels (compiled once)"):

@@ -11,15 +11,19 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+from rich.table import Table
 from typer.testing import CliRunner, Result
 
 from pipeline import doctor
 from pipeline.cli import app
+from pipeline.commands.ending import print_lines
+from pipeline.config.load import load_config
 from pipeline.doctor import Finding
 from pipeline.errors import RunFailed
 from pipeline.progress import Progress
 from pipeline.report.results import read_results
 from pipeline.report.verdict import verdict_of
+from pipeline.store.store import open_store
 
 DATA = Path(__file__).parent / "data" / "results_format_1"
 Task = Callable[[object, Path, int, bool, Progress], object]
@@ -197,6 +201,26 @@ def test_mesh_writes_the_body_and_its_quality(coarse: str, tmp_path: Path) -> No
     assert (tmp_path / "mesh.vtu").stat().st_size > 1000
     for text in ("22 mm", "closed form", "radius ratio", "tetrahedra"):
         assert text in result.stdout
+
+
+def test_mesh_does_not_replace_the_body_of_another_configuration(coarse: str, tmp_path: Path) -> None:
+    with open_store(tmp_path, load_config(coarse)):
+        pass
+    message = sentence(call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2"), 2)
+    assert message.endswith("holds the results of another configuration; give another --out")
+    assert not (tmp_path / "mesh.vtu").exists()
+
+
+def test_no_number_of_a_table_is_cut_off(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    table = Table(*(f"column {k}" for k in range(6)), box=None)
+    for column in table.columns:
+        column.no_wrap = True
+    table.add_row(*(f"{k}.123 ± 0.456" for k in range(6)))
+    print_lines(table)
+    shown = capsys.readouterr().out
+    assert all(f"{k}.123 ± 0.456" in shown for k in range(6))
+    assert len(shown.splitlines()) == 2
 
 
 def test_mesh_into_a_folder_that_cannot_be_written(coarse: str, tmp_path: Path) -> None:

@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from bodies import bricks, named, on_plane
 
-from geometry import Mesh, PneuNet
+from geometry import Body, Mesh, PneuNet
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
-from pipeline.plausibility import FLAT_ELEMENT, Solved, after_solving, before_solving, of_mesh
+from pipeline.plausibility import FLAT_ELEMENT, Solved, after_solving, before_solving, of_half, of_mesh
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
 from pipeline.simulation.outcome import Outcomes
@@ -149,6 +150,21 @@ def test_a_flat_element_is_named_before_solving() -> None:
     where = ", ".join(f"{x:.3g}" for x in flat.quality.position)
     assert f"radius ratio of {flat.quality.minimum:.2g}" in sentence
     assert f"near ({where}) mm" in sentence
+
+
+@pytest.mark.parametrize("layer", [0, 1])
+def test_a_cavity_that_is_mirrored_is_named(layer: int) -> None:
+    """In a half of 0 <= z <= 8 mm the cavity reaches from the plane of symmetry to 2 mm, or from 2 to 6 mm."""
+    filled = np.ones((3, 3, 3), dtype=bool)
+    filled[1, 1, layer] = False
+    mesh = bricks(filled, [np.array([0.0, 2, 18, 20]), np.array([0.0, 2, 6, 8]), np.array([0.0, 2, 6, 8])])
+    ends = {"clamp": on_plane(mesh, 0, 0.0), "tip": on_plane(mesh, 0, 20.0), "sym": on_plane(mesh, 2, 0.0)}
+    outer = np.logical_or.reduce([*(on_plane(mesh, axis, value) for axis, value in ((1, 0.0), (1, 8.0), (2, 8.0)))])
+    cavity = ~np.logical_or.reduce([*ends.values(), outer])
+    body = Body(named(mesh, **ends, cavity=cavity, outer=outer), "bar", 20.0, 2.0, 0.0)
+    assert bool(of_half(body)) is (layer == 1)
+    if layer:
+        assert of_half(body).startswith("of the half z >= 0 of the body, cavity does not reach the plane z = 0")
 
 
 def test_long_calls_are_told_of() -> None:

@@ -14,14 +14,19 @@ if TYPE_CHECKING:
     from pipeline.store.json_values import JsonObject
 
 
+#: columns beyond which no table goes
+WIDEST = 400
+
+
 def print_lines(*lines: RenderableType) -> None:
-    """Tables and sentences; a sentence is not broken into lines."""
+    """Tables and sentences; a sentence is not broken into lines, and no number of a table is cut off."""
     console = Console()
     for line in lines:
         if isinstance(line, str):
             console.print(line, highlight=False, markup=False, soft_wrap=True)
         else:
-            console.print(line, highlight=False)
+            natural = console.measure(line, options=console.options.update(width=WIDEST)).maximum
+            Console(width=max(console.width, natural)).print(line, highlight=False)
 
 
 def print_sentences(*sentences: str) -> None:

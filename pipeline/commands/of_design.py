@@ -75,16 +75,20 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_mesh")
 
+        from pipeline.plausibility import of_half, of_mesh
         from pipeline.simulation.scene import Scene
         from pipeline.store.atomic_file import replacing
         from pipeline.store.result_folder import open_folder
+        from pipeline.store.store import check_owner
         from pipeline.terminal import body_table
 
-        body = Scene.meshed(design).body
-        file = open_folder(folder).path("mesh.vtu")
+        body, results = Scene.meshed(design).body, open_folder(folder)
+        check_owner(results.directory, design, "give another --out")
+        file = results.path("mesh.vtu")
         with replacing(file) as part:
             body.mesh.write(part)
         print_lines(body_table(file, design.design, body))
+        print_sentences(*(f"Note: {sentence}." for sentence in (*of_mesh(body.mesh), of_half(body)) if sentence))
 
 
 def effects(

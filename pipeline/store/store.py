@@ -84,7 +84,7 @@ def open_store(directory: Path | str, config: Configuration, *, fresh: bool = Fa
             part.unlink(missing_ok=True)  # a worker of the killed run may still be ending
         if fresh:
             _clear(folder)
-        _check_owner(folder, config)
+        check_owner(folder, config, "give another --out, or --fresh to replace them")
         keys = (result_key(config.hash, sources) for sources in (STATE_SOURCES, NUMBER_SOURCES))
         store = Store(folder, *keys)
         store.save_json(_IDENTITY, {"config_hash": config.hash, "config": config.record()})
@@ -106,8 +106,8 @@ def locked(folder: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def _check_owner(folder: Path, config: Configuration) -> None:
-    """Refuse a folder that holds something else: results of another configuration, or files of the user."""
+def check_owner(folder: Path, config: Configuration, remedy: str) -> None:
+    """Raise InputError, with the remedy, for a folder that holds the results of another configuration."""
     try:
         owner = json.loads((folder / _IDENTITY).read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -115,10 +115,7 @@ def _check_owner(folder: Path, config: Configuration) -> None:
     except (OSError, ValueError):
         owner = {}
     if owner.get("config_hash") != config.hash:
-        raise InputError(
-            f"--out {folder}: holds the results of another configuration; give another --out, or --fresh to replace "
-            "them"
-        )
+        raise InputError(f"--out {folder}: holds the results of another configuration; {remedy}")
 
 
 def _clear(folder: Path) -> None:
