@@ -552,6 +552,11 @@ def test_a_run_makes_both_laws_unless_the_configuration_names_one(configs: Path)
     assert load_config(coarse).law == "both"
     assert load_config(coarse, ["law=five"]).law == "five"
     assert load_config(coarse, ["law=cell"]).law == "cell"
+    unequal = ["law=cell", "geometry.chambers=3", "geometry.gaps=[2 mm, 2 mm, 3 mm, 2 mm]"]
+    with pytest.raises(
+        InputError, match="law: cell is not possible: the chambers or the gaps of the arm are not equal"
+    ):
+        load_config(coarse, unequal)
     assert "law" in refusal(coarse, "law=six")
 
 

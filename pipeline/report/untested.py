@@ -31,7 +31,8 @@ def _loads(results: Results) -> list[str]:
 
 
 def _range(results: Results) -> list[str]:
-    low, high = results.reached_pressures[0], results.reached_pressures[-1]
+    tested = results.identified_pressures or results.reached_pressures
+    low, high = tested[0], tested[-1]
     below = f"below {number(low)} kPa and " if low > 0.0 else ""
     return [f"Not tested: pressures {below}above {number(high)} kPa."]
 
