@@ -41,6 +41,7 @@ from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
+from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Failure
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
@@ -337,6 +338,18 @@ def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:
     assert found["load steps"].failed
     assert found["half and whole"].failed
     assert not found["other elements"].failed, "elements differ by more than that"
+
+
+def test_states_at_other_pressures_than_those_of_the_design_are_checked(tmp_path: Path) -> None:
+    """An arm that bears none of its pressures has states below its limit."""
+    config = config_of(tmp_path, TINY)
+    with open_store(tmp_path / "run", config) as store:
+        case = LoadCase("II", "II", schedule(config, (4.0,)), config.end)
+        states = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), [case])["II"].records
+    found = checks_of(config, states, tmp_path)
+    assert [(check.name, check.pressure_kPa, check.passed) for check in found] == [
+        (name, 4.0, True) for name in ALLOWED
+    ]
 
 
 def test_work_and_energy_differ_where_the_state_is_no_equilibrium(tmp_path: Path) -> None:

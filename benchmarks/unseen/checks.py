@@ -108,7 +108,8 @@ def _steps_and_work(config: Config, state: Record, folder: Path) -> tuple[float,
     Where the work differs from the energy, it is integrated along twice as many steps, because thin walls bulge at a
     fraction of the lowest pressure; `HALVINGS` times at most.
     """
-    scene, below = Scene.meshed(config), [p for p in config.pressures_kPa if p <= state.pressure_kPa]
+    scene = Scene.meshed(config)
+    below = [*(p for p in config.pressures_kPa if p < state.pressure_kPa), state.pressure_kPa]
     experiment, differences = fem.Experiment.of("II", scene.body, 0.0), []
     # the first gives the slope near rest
     path, top = [NEAR_REST * below[0], *below], config.pressures_kPa[-1]
