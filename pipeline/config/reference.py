@@ -132,7 +132,7 @@ _OWN_EXAMPLES = {
     "tip": "80 mm",
     "curve": "1 mm",
     "air": "{cavity: [40 mm, 7 mm, 0 mm]}",
-    "parts": "{base: [40 mm, 0.5 mm, 0 mm]}",
+    "parts": "{}",
     "cell": "8 mm",
     "chamber_lengths": f"[{', '.join(['8 mm'] * 11)}]",
     "chamber_heights": f"[{', '.join(['12 mm'] * 11)}]",
