@@ -17,9 +17,9 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     """The outcomes with states at pressures below the limit, and a sentence about them, without full stop.
 
     The limit is where one of II and III ended: the limit that it names, or its last equilibrium. Unchanged, with an
-    empty sentence, where both have reached a pressure of the configuration or one has no equilibrium but that at rest,
-    and where there would be no five parameters (`law: cell`, a short arm), for which alone these states are solved.
-    Raises RunFailed as `simulate`.
+    empty sentence, where both have reached a pressure of the configuration or neither has an equilibrium but that at
+    rest, and where there would be no five parameters (`law: cell`, a short arm), for which alone these states are
+    solved. Raises RunFailed as `simulate`.
     """
     limit = _limit(outcomes)
     without_five = scene.config.law == "cell" or too_few_pitches(scene.body.length, scene.body.pitch)
