@@ -126,7 +126,11 @@ BAD_FILES: dict[str, tuple[Draw, str, str]] = {
     "surface": (lambda occ: occ.addRectangle(0, 0, 0, 60, 10), "file", "holds no solid"),
     "huge": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "file", "in another unit"),
     "asymmetric": (asymmetric, "symmetric", "differ"),
-    "aside": (lambda occ: occ.translate(finger(occ), 0, 0, 3), "symmetric", "neither one half"),
+    "aside": (
+        lambda occ: occ.translate(finger(occ), 0, 0, 3),
+        "symmetric",
+        "neither the half z >= 0 nor symmetric about z = 0; move it",
+    ),
 }
 
 
@@ -163,6 +167,15 @@ def test_keys_that_cannot_be_used(changes: dict[str, Any], key: str, sentence: s
     with pytest.raises(DesignError, match=sentence) as caught:
         design_of(path, **changes)
     assert caught.value.keys[0] == key
+
+
+def test_a_body_along_another_direction_is_refused_with_advice(folder: Path) -> None:
+    def along_z(occ: Any) -> None:
+        occ.rotate(finger(occ), 0, 0, 0, 0, 1, 0, np.pi / 2)
+
+    path = save(folder / "along_z.brep", along_z)
+    with pytest.raises(DesignError, match=r"symmetric: .*longest along z: give axes if that is the arm's length"):
+        CadFile(str(path), 1.0)
 
 
 def test_a_whole_body_beside_its_middle_is_refused(folder: Path) -> None:

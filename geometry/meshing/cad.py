@@ -109,7 +109,11 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
     for name in ("clamp", "tip"):
         if name not in named.faces:
             position = getattr(body, name) * (-1 if body.turned else 1)
-            raise DesignError(name, f"the body has no face in the plane x = {position:g} mm")
+            raise DesignError(
+                name,
+                f"the body has no face in the plane x = {position:g} mm; clamp and tip are flat faces across x: cut a "
+                "rounded end off in the CAD program, or turn the body with axes",
+            )
     ends = np.cumsum([len(region) for region in mesh.regions.values()])
     numbers = np.split(np.arange(len(tets)), ends[:-1])
     regions = {name: of_name for name, of_name in zip(mesh.regions, numbers, strict=True) if name != BODY}
@@ -158,17 +162,20 @@ def _check_position(body: CadBody, low: Point, high: Point) -> None:
                 f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
                 f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm",
             )
+    longest = "xyz"[int(np.argmax(sides))]
+    turned = "" if longest == "x" else f"; the body is longest along {longest}: give axes if that is the arm's length"
     if not body.half and not low[2] < -tolerance < tolerance < high[2]:
         raise DesignError(
             "symmetric",
             f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm, and the material curve runs at z = 0; write "
-            "true if the file holds the half z >= 0 of an arm, else move the body so that its middle is at z = 0",
+            "true if the file holds the half z >= 0 of an arm, else move the body so that its middle is at "
+            f"z = 0{turned}",
         )
     if body.half and abs(low[2]) > tolerance and abs(low[2] + high[2]) > tolerance:
         raise DesignError(
             "symmetric",
-            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm: it is neither one half that ends at z = 0 "
-            "nor symmetric about z = 0; move it or write false",
+            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm: it is neither the half z >= 0 nor symmetric "
+            f"about z = 0; move it (mirror a half z <= 0), or write false for a whole body{turned}",
         )
 
 
