@@ -7,16 +7,22 @@ from pathlib import Path
 import pytest
 
 from geometry import Body, PneuNet
+from pipeline.processes import THREADS
+
+#: of the libraries, as the tests begin
+BEGAN_WITH = {name: os.environ.get(name) for name in THREADS}
 
 
 @pytest.fixture(autouse=True)
-def environment() -> Iterator[None]:
-    """Whatever a test sets in the environment holds for that test alone: a point of a sweep sets its threads."""
-    before = dict(os.environ)
+def threads() -> Iterator[None]:
+    """Numbers of threads that a test or its fixtures leave in the environment do not reach the next test: points of a
+    sweep and Dask set them in this process, and numba refuses another number than it has begun with."""
     yield
-    if dict(os.environ) != before:
-        os.environ.clear()
-        os.environ.update(before)
+    for name, value in BEGAN_WITH.items():
+        if value is None:
+            os.environ.pop(name, None)
+        else:
+            os.environ[name] = value
 
 
 @pytest.fixture
