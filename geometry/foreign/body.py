@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Array, Index
+from geometry.curve_height import HEIGHTS, height_advice
 from geometry.curved import CurvedEdges
 from geometry.design import DesignError
 from geometry.foreign.curve import with_curve
@@ -24,8 +25,6 @@ from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
 FLAT = 1e-5
-#: number of heights that are tried where a material curve leaves the material
-HEIGHTS = 25
 
 
 @dataclass(frozen=True)
@@ -213,14 +212,13 @@ def _heights(mesh: Mesh, length: float) -> str:
     """At which of some heights the material curve would lie in the material, the second half of a sentence."""
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     z = 1e-3 * float(high[2] - low[2]) if low[2] >= 0 else 0.0  # within a half body
-    heights = np.linspace(low[1], high[1], HEIGHTS + 2)[1:-1]
     along = np.linspace(0.0, length, 2 * HEIGHTS + 2)[1:-1]
     corners = mesh.points[mesh.boundary]
-    fits = [y for y in heights if all(windings(np.array([x, y, z]), corners) > 0.5 for x in along)]
-    if not fits:
-        return "at no height does it run through the material from end to end; is the arm along x (axes)?"
-    listed = ", ".join(f"{y:.3g}" for y in fits[:: max(1, len(fits) // 4)])
-    return f"give a height at which it runs through a wall from end to end, for example y = {listed} mm"
+
+    def fits(y: float) -> bool:
+        return all(windings(np.array([x, y, z]), corners) > 0.5 for x in along)
+
+    return height_advice(float(low[1]), float(high[1]), fits)
 
 
 def curve_gap(mesh: Mesh, curve_y: float, length: float) -> tuple[float, float] | None:

@@ -248,7 +248,7 @@ def _named_air(
         return {_only(gmsh, body, inner): "cavity"}
     named: dict[Volume, str] = {}
     for name, point in body.air.items():
-        coordinates = "(" + ", ".join(f"{x + 0.0:g}" for x in body.upright(point)) + ") mm"
+        coordinates = body.words(point)
         inner_point = list(body.within_half(point, low, high))
         holders = [volume for volume in air if gmsh.model.isInside(3, volume[1], inner_point)]
         if not holders:
@@ -300,5 +300,4 @@ def _at_plug(gmsh: Any, body: CadBody, volume: Volume) -> bool:
 
 def _middle(gmsh: Any, body: CadBody, volume: Volume) -> str:
     """The centre of a volume, in the frame that the user knows."""
-    centre = body.upright(gmsh.model.occ.getCenterOfMass(*volume))
-    return "(" + ", ".join(f"{coordinate + 0.0:.4g}" for coordinate in centre) + ") mm"
+    return body.words(gmsh.model.occ.getCenterOfMass(*volume), ".4")

@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.curve_height import height_advice
 from geometry.design import DesignError
 from geometry.meshing.cad_import import CadBody, Point
 from geometry.meshing.shapes import Volume
 
-#: points of the curve that are looked at, and other heights
-SAMPLES, HEIGHTS = 100, 19
+#: points of the curve that are looked at
+SAMPLES = 100
 #: distance from the surface, over the height of the body, that is rounding
 ROUNDING = 1e-4
 
@@ -28,15 +29,10 @@ def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
     if any(inside(body.curve + side * rounding) for side in (1.0, -1.0)):
         return
     outside = [x for x in along if not _in_material(gmsh, solids, np.array([x, body.curve, across]))] or list(along)
-    heights = [y for y in np.linspace(low[1], high[1], HEIGHTS + 2)[1:-1] if inside(float(y))]
-    remedy = "at no height does it run through the material from end to end; is the arm along x (axes)?"
-    if heights:
-        listed = ", ".join(f"{y:.3g}" for y in heights[:: max(1, len(heights) // 4)])
-        remedy = f"give a height at which it runs through a wall from end to end, for example y = {listed} mm"
     raise DesignError(
         "curve",
         f"the line y = {body.curve:g} mm, z = 0 is outside the material between {outside[0] - body.clamp:.3g} and "
-        f"{outside[-1] - body.clamp:.3g} mm behind the clamp; {remedy}",
+        f"{outside[-1] - body.clamp:.3g} mm behind the clamp; {height_advice(low[1], high[1], inside)}",
     )
 
 

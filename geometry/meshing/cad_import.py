@@ -50,10 +50,11 @@ class CadBody:
         """Names of the cavities."""
         return list(self.air) or ["cavity"]
 
-    def upright(self, point: Point) -> Point:
-        """A point of this frame in the one that the user knows."""
+    def words(self, point: Point, digits: str = "") -> str:
+        """A point of this frame in the one that the user knows; digits: as in a format, such as .4."""
         x, y, z = point
-        return (-x, y, z if self.half else -z) if self.turned else point
+        upright = (-x, y, z if self.half else -z) if self.turned else point
+        return "(" + ", ".join(f"{coordinate + 0.0:{digits}g}" for coordinate in upright) + ") mm"
 
     def within_half(self, point: Point, low: Point, high: Point) -> Point:
         """A point, or its mirror image in the half z > 0 if that alone is meshed; low, high: bounds of the body, mm."""

@@ -19,7 +19,7 @@ def named_parts(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
     """
     named = dict.fromkeys(solids, BODY)
     for name, point in body.parts.items():
-        given = "(" + ", ".join(f"{x + 0.0:g}" for x in body.upright(point)) + ") mm"
+        given = body.words(point)
         inner = body.within_half(point, low, high)
         holders = [solid for solid in solids if gmsh.model.isInside(3, solid[1], list(inner))]
         if body.half:
