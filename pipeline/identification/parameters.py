@@ -167,21 +167,15 @@ def identify_all(
 
     d: mm, the break where it is given and not sought.
     """
-    return _gathered({pair[0].pressure_kPa: partial(_identified, *pair, pitch, d) for pair in _pairs(outcomes)})
+    return _gathered({pair[0].pressure_kPa: partial(_identified, *pair, pitch, d) for pair in outcomes.pairs})
 
 
 def identify_in_tasks(
     context: RunContext, outcomes: Outcomes, pitch: float, d: float | None = None
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     """The same with a task for every pressure."""
-    pending = {pair[0].pressure_kPa: context.submit(_task, *pair, pitch, d) for pair in _pairs(outcomes)}
+    pending = {pair[0].pressure_kPa: context.submit(_task, *pair, pitch, d) for pair in outcomes.pairs}
     return _gathered({pressure: task.result for pressure, task in pending.items()})
-
-
-def _pairs(outcomes: Outcomes) -> list[tuple[Record, Record]]:
-    """The states of II and of III at every pressure that both reached, by ascending pressure."""
-    free, loaded = ({record.pressure_kPa: record for record in outcomes[name].records} for name in ("II", "III"))
-    return [(free[pressure], loaded[pressure]) for pressure in sorted(free.keys() & loaded.keys())]
 
 
 def _gathered(by_pressure: Mapping[float, Callable[[], Parameters]]) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:

@@ -29,24 +29,20 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     names = experiments_of(scene.config)
     cases = [LoadCase(name, name, schedule(scene.config, pressures), scene.config.end) for name in names]
     more = simulate(scene, context, cases)
-    reached = [pressure for pressure in pressures if more["II"].at(pressure) and more["III"].at(pressure)]
-    if not reached:
+    if not more.pairs:
         return outcomes, ""
-    at = " and ".join(f"{pressure:g}" for pressure in reached)
+    at = " and ".join(f"{free.pressure_kPa:g}" for free, _ in more.pairs)
     return outcomes.merged(more), (
         f"II and III together reach none of the pressures of the configuration, of which "
-        f"{scene.config.pressures_kPa[0]:g} kPa is the lowest; they were also solved at "
-        f"{at} kPa, because one of them ends at {limit:.{DIGITS}g} kPa: "
-        "give pressures below that"
+        f"{scene.config.pressures_kPa[0]:g} kPa is the lowest; they were also solved at {at} kPa, because one of them "
+        f"ends at {limit:.{DIGITS}g} kPa: give pressures below that"
     )
 
 
 def _limit(outcomes: Outcomes) -> float:
     """The lower pressure in kPa at which II or III ended; 0 where both have reached one, or nothing is known."""
-    if any(name not in outcomes.by_name for name in ("II", "III")):
+    if outcomes.pairs:
         return 0.0
-    free, loaded = outcomes["II"], outcomes["III"]
-    if any(loaded.at(record.pressure_kPa) for record in free.records):
-        return 0.0
-    ends = [outcome.failure.limit_kPa or outcome.failure.reached_kPa for outcome in (free, loaded) if outcome.failure]
+    failures = [outcomes[name].failure for name in ("II", "III")]
+    ends = [failure.limit_kPa or failure.reached_kPa for failure in failures if failure]
     return min((end for end in ends if end > 0.0), default=0.0)

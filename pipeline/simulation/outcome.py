@@ -190,6 +190,12 @@ class Outcomes:
         return iter(self.by_name.values())
 
     @property
+    def pairs(self) -> tuple[tuple[Record, Record], ...]:
+        """The states of II and of III at every pressure that both reached, by ascending pressure."""
+        free, loaded = ({record.pressure_kPa: record for record in self[name].records} for name in ("II", "III"))
+        return tuple((free[pressure], loaded[pressure]) for pressure in sorted(free.keys() & loaded.keys()))
+
+    @property
     def records(self) -> tuple[Record, ...]:
         """All states that were reached."""
         return tuple(record for outcome in self for record in outcome.records)

@@ -55,8 +55,7 @@ def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
 
     Behind a limit it would take long to end without a result.
     """
-    free, loaded = outcomes["II"], outcomes["III"]
-    reached = [record.pressure_kPa for record in free.records if loaded.at(record.pressure_kPa)]
+    reached = [free.pressure_kPa for free, _ in outcomes.pairs]
     return replace(scene, config=replace(scene.config, validation=scene.config.validation.among(reached)))
 
 
