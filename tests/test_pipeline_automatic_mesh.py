@@ -45,6 +45,8 @@ def test_sizes_follow_from_the_walls_and_end_where_memory_does() -> None:
     usual, thin = (chosen_mesh(Semicircular(wall=w), "svk", 0.495, None, NOTHING) for w in (1.0, 0.25))
     assert thin.size_mm == pytest.approx(usual.size_mm / 2, rel=0.05)
     assert "0.25 mm" in thin.reasons["size"]
+    even = chosen_mesh(Semicircular(), "svk", 0.495, None, GivenMesh(None, None, "off"))
+    assert even.size_mm == pytest.approx(0.75 * usual.size_mm, rel=0.05)
     design = Semicircular(chambers=800)
     long = chosen_mesh(design, "svk", 0.495, None, NOTHING)
     assert long.size_mm > usual.size_mm
