@@ -14,7 +14,9 @@ from pipeline.identification.added_pressures import identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.record import parameters_record
 from pipeline.parallel.loading import loaded
-from pipeline.plausibility import Solved, after_solving, before_solving, of_half, of_mesh
+from pipeline.plausibility.after import Solved, after_solving
+from pipeline.plausibility.before import before_solving
+from pipeline.plausibility.body import of_half, of_mesh
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
@@ -43,25 +45,22 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     """
     with open_store(out, config, fresh=fresh) as store:
         stages = _Stages(progress)
-        unusual = before_solving(config)
-        for sentence in unusual:
+        for sentence in before_solving(config):
             progress.remark(sentence)
         config, plan = plan_discretisation(config, store, progress)
         with run_context(store, jobs, progress) as context:
-            return _solved(config, plan, context, stages, unusual)
+            return _solved(config, plan, context, stages)
 
 
-def _solved(
-    config: Config, plan: Plan | None, context: RunContext, stages: "_Stages", unusual: tuple[str, ...]
-) -> RunReport:
+def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_Stages") -> RunReport:
     """The stages of the run. One waits for what it needs; tasks of later ones are done meanwhile."""
     store, progress, workers = context.store, context.progress, context.workers
     loading = loaded(context, config.mesh.formulation, material_of(config))
     with stages.timed("mesh"), told_while_waiting(progress, "meshing the body"):
         scene = Scene.meshed(config)
-    for sentence in filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body))):
+    unusual = tuple(filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body))))
+    for sentence in unusual:
         progress.remark(sentence)
-        unusual = (*unusual, sentence)
     with stages.timed("kernels (compiled once)"):
         for pending in loading:
             pending.result()
@@ -103,7 +102,9 @@ def _solved(
     with stages.timed("report"):
         other_rod = arm.law is not None
         not_identified = identified.failures(other_rod)
-        remarks = (*unusual, *identified.remarks(other_rod), *after_solving(Solved(config, outcomes, parameters)))
+        of_design = before_solving(config, outcomes.lowest_end_kPa())
+        of_states = after_solving(Solved(config, outcomes, parameters))
+        remarks = (*of_design, *unusual, *identified.remarks(other_rod), *of_states)
         reviewed = review(plan, outcomes, parameters, outcomes.largest_indicator) if plan else None
         report = RunReport(
             directory=store.directory,

@@ -17,7 +17,7 @@ from pipeline.config.load import load_config
 from pipeline.config.schema import EFFECTS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
-from pipeline.plausibility import before_solving
+from pipeline.plausibility.before import before_solving
 from pipeline.simulation.scene import Scene, material_of
 
 

@@ -81,6 +81,19 @@ def test_a_failure_is_a_sentence_and_a_row() -> None:
     assert stopped.at(10.0) is stopped.records[0]
 
 
+def test_the_lowest_end_is_a_limit_or_the_last_equilibrium() -> None:
+    ends = {
+        "I": Failure(150.0, "a limit", 0, 0, limit_kPa=64.7, reached_kPa=64.6),
+        "II": Failure(150.0, "not in small increments", 0, 0, reached_kPa=5.0, not_followed=True),
+        "III": Failure(150.0, "no luck", 0, 0, reached_kPa=40.0),
+    }
+    outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
+    assert outcomes.lowest_end_kPa() == 40.0
+    assert outcomes.lowest_end_kPa("I", "II") == 64.7
+    assert outcomes.lowest_end_kPa("II") == float("inf")
+    assert Outcomes({"II": outcome("II", record(5.0))}).lowest_end_kPa() == float("inf")
+
+
 def test_the_indicator_is_that_of_the_worst_state() -> None:
     outcomes = Outcomes({"II": outcome("II", record(10.0, 0.1), record(20.0, 0.3), record(30.0, 0.2))})
     worst = outcomes.largest_indicator

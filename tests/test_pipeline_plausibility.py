@@ -1,5 +1,6 @@
 """Sentences about designs that are possible but unusual, and pressures without parameters that do not end a run."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from time import sleep
@@ -15,7 +16,9 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
-from pipeline.plausibility import FLAT_ELEMENT, Solved, after_solving, before_solving, of_half, of_mesh
+from pipeline.plausibility.after import Solved, after_solving
+from pipeline.plausibility.before import WELL_BELOW, before_solving
+from pipeline.plausibility.body import FLAT_ELEMENT, of_half, of_mesh
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
 from pipeline.simulation.outcome import Outcomes
@@ -55,6 +58,19 @@ def test_the_shipped_designs_are_plausible(config: str) -> None:
 )
 def test_what_is_unusual_is_said_before_anything_is_solved(setting: str, sentence: str) -> None:
     assert sentence in said(PRESSURES, setting)
+
+
+@pytest.mark.parametrize("pressures", ["[150 kPa]", "[17 kPa, 150 kPa]", "[0.1 MPa, 0.4 MPa]"])
+@pytest.mark.parametrize("end", [64.7, 3.0, 1e3])
+def test_pressures_that_are_suggested_lie_below_the_lowest_end_of_an_experiment(pressures: str, end: float) -> None:
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", [f"pressures={pressures}"])
+    without, sentences = before_solving(config), before_solving(config, end)
+    assert len(without) == len(sentences)
+    suggested = re.findall(r"well below ([\d.]+) kPa|([\d.]+) kPa(?=[,\]])", "; ".join(sentences))
+    numbers = [float(number) for pair in suggested for number in pair if number]
+    assert len(numbers) >= 4
+    assert max(numbers) <= 1.01 * WELL_BELOW * end
+    assert (without == sentences) == (end == 1e3)
 
 
 def test_nothing_is_said_of_a_usual_design() -> None:

@@ -75,7 +75,7 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_mesh")
 
-        from pipeline.plausibility import of_half, of_mesh
+        from pipeline.plausibility.body import of_half, of_mesh
         from pipeline.simulation.scene import Scene
         from pipeline.store.atomic_file import replacing
         from pipeline.store.result_folder import open_folder

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 
 import fem
 from fem.solution import Extremes
@@ -106,6 +107,7 @@ class Failure:
     factorizations: int  #: of these attempts
     limit_kPa: float = 0.0  #: of a limit point that was found; 0 where none was
     reached_kPa: float = 0.0  #: of the last equilibrium on the way to it
+    not_followed: bool = False  #: whether the path was left because of the limit of another experiment
 
 
 @dataclass(frozen=True)
@@ -204,6 +206,18 @@ class Outcomes:
     def failures(self) -> tuple[str, ...]:
         """A sentence for every experiment that stopped early."""
         return tuple(outcome.failure_sentence() for outcome in self if outcome.failure)
+
+    def lowest_end_kPa(self, *names: str) -> float:
+        """The lowest pressure at which one of these experiments ended, or of all where none is named: the limit that it
+        names, else its last equilibrium; infinite where that is not known of any.
+
+        One that was not followed because of the limit of another tells nothing.
+        """
+        failures = [outcome.failure for outcome in self if not names or outcome.name in names]
+        ends = [
+            failure.limit_kPa or failure.reached_kPa for failure in failures if failure and not failure.not_followed
+        ]
+        return min((end for end in ends if end > 0.0), default=inf)
 
     @property
     def seconds(self) -> fem.Seconds:
