@@ -17,6 +17,7 @@ from pipeline.parallel.loading import loaded
 from pipeline.plausibility.after import Solved, after_solving
 from pipeline.plausibility.before import before_solving
 from pipeline.plausibility.body import of_half, of_mesh
+from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
@@ -45,7 +46,7 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     """
     with open_store(out, config, fresh=fresh) as store:
         stages = _Stages(progress)
-        for sentence in before_solving(config):
+        for sentence in (*before_solving(config), *of_units(config)):
             progress.remark(sentence)
         config, plan = plan_discretisation(config, store, progress)
         with run_context(store, jobs, progress) as context:
@@ -58,7 +59,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
     loading = loaded(context, config.mesh.formulation, material_of(config))
     with stages.timed("mesh"), told_while_waiting(progress, "meshing the body"):
         scene = Scene.meshed(config)
-    unusual = tuple(filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body))))
+    unusual = tuple(filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body), of_contact(scene))))
     for sentence in unusual:
         progress.remark(sentence)
     with stages.timed("kernels (compiled once)"):
@@ -102,7 +103,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
     with stages.timed("report"):
         other_rod = arm.law is not None
         not_identified = identified.failures(other_rod)
-        of_design = before_solving(config, outcomes.lowest_end_kPa())
+        of_design = (*before_solving(config, outcomes.lowest_end_kPa()), *of_units(config))
         of_states = after_solving(Solved(config, outcomes, parameters))
         remarks = (*of_design, *unusual, *identified.remarks(other_rod), *of_states)
         reviewed = review(plan, outcomes, parameters, outcomes.largest_indicator) if plan else None
