@@ -253,6 +253,15 @@ def test_all_mistakes_of_the_keys_are_named_at_once(written: Path) -> None:
     assert not any("mesh.size: is missing" in sentence for sentence in named)
 
 
+def test_all_mistakes_of_the_geometry_are_named_at_once(written: Path) -> None:
+    spoil(spoil(written, "wall: 1 mm  ", "wall: 5 mm  "), "strip: 3 mm", "strip: -3 mm")
+    named = refusals(written, "geometry.roof=20 mm", "geometry.side_wall=8 mm", "mesh.size=1 km")
+    assert [sentence.partition(": ")[0] for sentence in named] == [
+        *("geometry.strip", "geometry.wall", "--set geometry.side_wall", "--set geometry.roof")
+    ]
+    assert "wall 5 mm must be less than half of chamber_length, 4 mm: the two walls leave no cavity" in named[1]
+
+
 def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:
     spoil(spoil(written, "wall: 1 mm  ", "wall: 5 mm  "), "[17 kPa, 37 kPa]", "[17 kPa, 37 MPa]")
     named = refusals(written, "mesh.formulation=p2", "effects.incompressibility=on")
