@@ -109,6 +109,11 @@ class Failure:
     reached_kPa: float = 0.0  #: of the last equilibrium on the way to it
     not_followed: bool = False  #: whether the path was left because of the limit of another experiment
 
+    @property
+    def first_clause(self) -> str:
+        """The beginning of the reason: the last equilibrium, and the limit or the first cause."""
+        return self.reason.partition("; ")[0]
+
 
 @dataclass(frozen=True)
 class Outcome:

@@ -101,6 +101,8 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
     if intersection:
         limit_kPa = failure.limit_kPa if failure else 0.0
         failure = Failure(case.schedule.pressures_kPa[len(steps)], intersection, 0, 0, limit_kPa)
+    if failure:
+        progress.stopped(case.name, case.schedule.pressures_kPa[len(steps) :], failure.first_clause)
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))
     pressures = case.schedule.pressures_kPa[: len(steps)]
     return Outcome(
