@@ -200,6 +200,10 @@ def test_a_pressure_that_cannot_be_borne_ends_in_a_sentence_and_keeps_the_rest(
     with pytest.raises(RunFailed, match=REFUSED) as failure:
         report.raise_if_failed()
     assert "\n" not in str(failure.value)
+    assert failure.value.brief == (
+        "experiments I, II and III stopped before 1000 kPa; no five parameters; why, and what was reached, is in "
+        f"{tmp_path}"
+    )
     assert {outcome.failure and outcome.failure.pressure_kPa for outcome in report.outcomes} == {1000.0}
     rows = read(tmp_path, "experiments.json")
     assert {row["status"] for row in rows if row["pressure_kPa"] == 8.0} == {"converged"}

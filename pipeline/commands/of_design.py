@@ -66,7 +66,7 @@ def run(
             print_json(verdict.record())
         else:
             print_lines(*([spent_table(report.seconds)] if verbose else []), *verdict_table(verdict))
-            print_sentences(*verdict.sentences, f"report: {folder / 'report.html'}")
+            print_sentences(*verdict.terminal_sentences, f"report: {folder / 'report.html'}")
         report.raise_if_failed()
 
 
