@@ -84,7 +84,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
     with stages.timed("pictures"):
         draw_all(scene.body, outcomes, store)
     with stages.timed("cell law"):
-        arm = measured.result()
+        arm = measured.result().beside(outcomes)
         arm.save(store)
         effects = (*effect_states(scene, outcomes), arm.effect)
         store.save_json("effects.json", [state.row() for state in effects])
@@ -105,7 +105,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
         not_identified = identified.failures(other_rod)
         of_design = (*before_solving(config, outcomes.lowest_end_kPa()), *of_units(config))
         of_states = after_solving(Solved(config, outcomes, parameters))
-        remarks = (*of_design, *unusual, *identified.remarks(other_rod), *of_states)
+        remarks = (*of_design, *unusual, *identified.remarks(other_rod), *arm.remarks(outcomes), *of_states)
         reviewed = review(plan, outcomes, parameters, outcomes.largest_indicator) if plan else None
         report = RunReport(
             directory=store.directory,

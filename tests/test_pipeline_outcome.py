@@ -88,6 +88,7 @@ def test_the_lowest_end_is_a_limit_or_the_last_equilibrium() -> None:
         "III": Failure(150.0, "no luck", 0, 0, reached_kPa=40.0),
     }
     outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
+    assert outcomes.first_to_end == ("III", 40.0)
     assert outcomes.lowest_end_kPa() == 40.0
     assert outcomes.lowest_end_kPa("I", "II") == 64.7
     assert outcomes.lowest_end_kPa("II") == float("inf")

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import pneurod
+from pipeline.report.next_steps import next_steps
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import in_short, not_reached
 from pipeline.report.verdict import Verdict, verdict_of
@@ -153,6 +154,11 @@ def test_a_place_at_the_end_of_a_reason_has_no_remark_on_the_elements() -> None:
 def test_without_a_failure_a_terminal_shows_the_same_sentences(folder: Path) -> None:
     verdict = verdict_of(read_results(folder))
     assert verdict.terminal_sentences == verdict.sentences
+
+
+def test_the_law_is_not_offered_above_the_pressures_of_the_experiments(folder: Path) -> None:
+    (folder / "law.json").write_text(json.dumps({"format": 1, "pressures_kPa": [0.0, 17.0, 37.0, 64.6]}))
+    assert any("law.json --pressure '37 kPa'" in step for step in next_steps(read_results(folder), "arm_law"))
 
 
 def test_a_folder_with_nothing_has_a_verdict(tmp_path: Path) -> None:

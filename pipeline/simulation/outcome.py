@@ -212,17 +212,22 @@ class Outcomes:
         """A sentence for every experiment that stopped early."""
         return tuple(outcome.failure_sentence() for outcome in self if outcome.failure)
 
-    def lowest_end_kPa(self, *names: str) -> float:
-        """The lowest pressure at which one of these experiments ended, or of all where none is named: the limit that it
-        names, else its last equilibrium; infinite where that is not known of any.
+    @property
+    def first_to_end(self) -> tuple[str, float] | None:
+        """The experiment that ended at the lowest pressure, and this pressure in kPa: the limit that it names, else its
+        last equilibrium. None where that is not known of any.
 
         One that was not followed because of the limit of another tells nothing.
         """
-        failures = [outcome.failure for outcome in self if not names or outcome.name in names]
-        ends = [
-            failure.limit_kPa or failure.reached_kPa for failure in failures if failure and not failure.not_followed
-        ]
-        return min((end for end in ends if end > 0.0), default=inf)
+        known = [o for o in self if o.failure and not o.failure.not_followed]
+        ends = [(o.failure.limit_kPa or o.failure.reached_kPa, o.name) for o in known if o.failure]
+        lowest = min((end for end in ends if end[0] > 0.0), default=None)
+        return lowest and (lowest[1], lowest[0])
+
+    def lowest_end_kPa(self, *names: str) -> float:
+        """That pressure, of these experiments alone where any are named; infinite where it is not known of any."""
+        among = Outcomes({name: outcome for name, outcome in self.by_name.items() if not names or name in names})
+        return among.first_to_end[1] if among.first_to_end else inf
 
     @property
     def seconds(self) -> fem.Seconds:
