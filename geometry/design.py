@@ -3,10 +3,9 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping, Sequence
 from copy import copy
-from dataclasses import fields, replace
+from dataclasses import replace
 from itertools import pairwise
-from math import isfinite
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -25,21 +24,27 @@ REGULAR_TET = 1 / (6 * 2**0.5)
 TETS_PER_SQUARE = 15.0
 #: Smallest and largest dimension that Gmsh draws reliably, mm.
 SHORTEST, LONGEST = 1e-3, 1e6
-#: Largest number of chambers: one chamber has at least 140 elements, so twice as many exceed MOST_TETS.
-MOST_CHAMBERS = 10_000
 
 
 class DesignError(ValueError):
     """Dimensions that no body can have.
 
     `keys` are the names of the dimensions as in a config (`("wall", "chamber_length")`), `sentence` tells what is
-    allowed.
+    allowed. `others` are what else is wrong about the same design.
     """
 
-    def __init__(self, keys: str | Sequence[str], sentence: str) -> None:
+    def __init__(self, keys: str | Sequence[str], sentence: str, others: Sequence["DesignError"] = ()) -> None:
         self.keys: tuple[str, ...] = (keys,) if isinstance(keys, str) else tuple(keys)
         self.sentence = sentence
-        super().__init__(f"{', '.join(self.keys)}: {sentence}")
+        self.others = tuple(others)
+        super().__init__("; ".join([f"{', '.join(self.keys)}: {sentence}", *map(str, self.others)]))
+
+
+def raise_together(found: Iterable[DesignError]) -> None:
+    """Raise one `DesignError` that holds all those found, if there are any."""
+    errors = list(found)
+    if errors:
+        raise DesignError(errors[0].keys, errors[0].sentence, errors[1:])
 
 
 class Design(ABC):
@@ -107,10 +112,11 @@ class Design(ABC):
         """
         divided = copy(self)
         object.__setattr__(divided, "regions", tuple(names))  # a frozen dataclass, of which it is no field
-        for name in divided.regions:
-            if name not in self.region_volumes:
-                known = f"it has {', '.join(self.region_volumes)}" if self.region_volumes else "it has none"
-                raise DesignError(f"materials.{name}", f"this body has no region of that name; {known}")
+        known = f"it has {', '.join(self.region_volumes)}" if self.region_volumes else "it has none"
+        unknown = [name for name in divided.regions if name not in self.region_volumes]
+        raise_together(
+            DesignError(f"materials.{name}", f"this body has no region of that name; {known}") for name in unknown
+        )
         return divided
 
     @property
@@ -271,45 +277,4 @@ def check_size(size: float, extent: Sequence[float], volume: float) -> None:
         raise DesignError(
             "mesh.size",
             f"{size:g} mm would give about {count:.0e} elements in a body of {measures} mm; at least {smallest:.2g} mm",
-        )
-
-
-def check_numbers(design: Any, counts: Sequence[str] = (), or_zero: Sequence[str] = ()) -> None:
-    """Raise `DesignError` unless every field of a dataclass is a length that can be drawn, or zero, if it is named in
-    `or_zero`, or, if it is named in `counts`, an integer from 1 to MOST_CHAMBERS.
-    """
-    for field in fields(design):
-        value = getattr(design, field.name)
-        if isinstance(value, tuple):
-            for number, entry in enumerate(value, start=1):
-                _check_length(field.name, entry, f"entry {number} ")
-        elif field.name in counts:
-            if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-                raise DesignError(field.name, f"must be a whole number of at least 1, not {value!r}")
-            if value > MOST_CHAMBERS:
-                raise DesignError(field.name, f"at most {MOST_CHAMBERS} fit into memory")
-        elif field.name in or_zero and not isinstance(value, bool) and value == 0:
-            continue
-        else:
-            _check_length(field.name, value, "", " or 0" if field.name in or_zero else "")
-
-
-def _check_length(name: str, value: Any, which: str, also: str = "") -> None:
-    """Raise `DesignError` for a value that is no length that can be drawn; which: entry of a list."""
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value) or value <= 0:
-        raise DesignError(name, f"{which}must be a positive length{also}, not {value!r}")
-    if not SHORTEST <= value <= LONGEST:
-        raise DesignError(name, f"{which}must lie between {SHORTEST:g} mm and {LONGEST:g} mm, not be {value:g} mm")
-
-
-def check_less(design: Any, small: str, large: str, fraction: float = 1.0, because: str = "") -> None:
-    """Raise `DesignError` unless the field `small` is less than `fraction` (1 or 1/2) times the field `large`, or times
-    the smallest entry of a list."""
-    whole = getattr(design, large)
-    value, bound = getattr(design, small), fraction * (min(whole) if isinstance(whole, tuple) else whole)
-    if not value < bound:
-        part = {1.0: "", 0.5: "half of "}[fraction] + ("the smallest of " if isinstance(whole, tuple) else "")
-        raise DesignError(
-            (small, large),
-            f"{small} {value:g} mm must be less than {part}{large}, {bound:g} mm{because and ': ' + because}",
         )

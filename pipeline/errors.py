@@ -37,9 +37,10 @@ class InputError(Exception):
 class RunFailed(_Sentence):
     """The work was started and could not be finished (exit status 1). Everything finished so far is on disk."""
 
-    def __init__(self, sentence: str, directory: Path | None = None) -> None:
+    def __init__(self, sentence: str, directory: Path | None = None, brief: str = "") -> None:
         super().__init__(sentence)
         self.directory = directory  #: the folder with everything finished so far, where there is one
+        self.brief = _one_line(brief) or str(self)  #: where the reasons are shown besides: the sentence without them
 
 
 @final

@@ -1,6 +1,6 @@
 """Progress of a run: what is reported, and how it is shown.
 
-A run calls the five methods of `Progress`. In a worker process it calls them on a `ToQueue`, and `relayed` in the main
+A run calls the methods of `Progress`. In a worker process it calls them on a `ToQueue`, and `relayed` in the main
 process passes the messages on to the listener, so that a single listener receives those of every experiment.
 """
 
@@ -15,6 +15,8 @@ from rich.live import Live
 from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
+
+from pipeline.remaining_time import RemainingTime, duration
 
 
 class Progress(Protocol):
@@ -35,6 +37,9 @@ class Progress(Protocol):
 
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
         """A pressure is reached; `seconds` is 0 where its state was stored by an earlier run."""
+
+    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None:
+        """An experiment has ended before the first of `pressures`, which it will not reach; `why` in a few words."""
 
     def done(self) -> None:
         """The run is finished."""
@@ -61,6 +66,8 @@ class Silent:
 
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None: ...
 
+    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None: ...
+
     def done(self) -> None: ...
 
 
@@ -86,6 +93,9 @@ class ToQueue:
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
         self._queue.put(Message("step_done", (experiment, pressure_kPa, seconds)))
 
+    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None:
+        self._queue.put(Message("stopped", (experiment, tuple(pressures), why)))
+
     def done(self) -> None:
         """Sends nothing: the end of a worker is not the end of the run."""
 
@@ -107,37 +117,6 @@ def relayed(queue: Any, listener: Progress) -> Iterator[None]:
         thread.join(timeout=5.0)
 
 
-class _Clock:
-    """Estimates the remaining time of the pressures requested so far, from those that were solved."""
-
-    def __init__(self) -> None:
-        self._began = time.monotonic()
-        self._requested = 0
-        self._reached = 0
-        self._solved = 0
-
-    def add(self, number: int) -> None:
-        if self._requested == 0:
-            self._began = time.monotonic()
-        self._requested += number
-
-    def reach(self, seconds: float) -> None:
-        self._reached += 1
-        self._solved += seconds > 0.0
-
-    def remaining(self) -> str:
-        """The time until all of them are reached, in words; empty where it is not known or over."""
-        if self._solved == 0 or self.is_over:
-            return ""
-        pace = (time.monotonic() - self._began) / self._solved
-        return f"begun: {duration(pace * (self._requested - self._reached))} left"
-
-    @property
-    def is_over(self) -> bool:
-        """Whether all of them are reached."""
-        return self._requested <= self._reached
-
-
 @final
 class Lines:
     """One plain line per stage and per pressure, for logs and pipes; `verbose` adds one per Newton iteration."""
@@ -145,19 +124,19 @@ class Lines:
     def __init__(self, console: Console, *, verbose: bool = False) -> None:
         self._console = console
         self._verbose = verbose
-        self._clock = _Clock()
+        self._clock = RemainingTime()
         self._iterations: dict[str, int] = {}
 
     def stage(self, name: str) -> None:
         if self._clock.is_over:
-            self._clock = _Clock()
+            self._clock = RemainingTime()
         self._print(f"stage: {name}")
 
     def remark(self, sentence: str) -> None:
         self._print(f"note: {sentence}")
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
-        self._clock.add(len(pressures))
+        self._clock.add(name, pressures)
         self._iterations.pop(name, None)  # of an experiment of this name that has failed
         self._print(f"experiment {name}: {', '.join(f'{pressure:g}' for pressure in pressures)} kPa")
 
@@ -168,13 +147,17 @@ class Lines:
             self._print(f"{experiment}: {at}, residual {residual:.0e}")
 
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
-        self._clock.reach(seconds)
+        self._clock.reach(experiment, pressure_kPa, seconds)
         iterations = self._iterations.pop(experiment, 0)
         counted = f"{iterations} iterations, " if iterations else ""
         work = f"{counted}{duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
         left = self._clock.remaining()
         after = f"; {left}" if left else ""
         self._print(f"{experiment}: {pressure_kPa:g} kPa ({work}){after}")
+
+    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None:
+        self._clock.stop(experiment, pressures)
+        self._print(_stopped(experiment, pressures, why))
 
     def done(self) -> None: ...
 
@@ -187,6 +170,7 @@ class _Row(NamedTuple):
     reached: int
     iterations: int
     now: str
+    has_stopped: bool = False
 
 
 @final
@@ -196,7 +180,7 @@ class Terminal:
 
     def __init__(self, console: Console) -> None:
         self._console = console
-        self._clock = _Clock()
+        self._clock = RemainingTime()
         self._stage = ""
         self._began = time.monotonic()
         self._rows: dict[str, _Row] = {}
@@ -206,15 +190,17 @@ class Terminal:
         self._live.start()  # a second start changes nothing
         self._print_stage()
         if self._clock.is_over:
-            self._clock = _Clock()
-        self._rows = {name: row for name, row in self._rows.items() if row.reached < len(row.pressures)}
+            self._clock = RemainingTime()
+        self._rows = {
+            name: row for name, row in self._rows.items() if row.reached < len(row.pressures) and not row.has_stopped
+        }
         self._stage, self._began = name, time.monotonic()
 
     def remark(self, sentence: str) -> None:
         self._console.print(f"note: {sentence}", highlight=False, markup=False, soft_wrap=True)
 
     def experiment(self, name: str, pressures: Sequence[float]) -> None:
-        self._clock.add(len(pressures))
+        self._clock.add(name, pressures)
         self._rows[name] = _Row(tuple(pressures), 0, 0, "starts")
 
     def iteration(self, experiment: str, pressure_kPa: float, newton_iteration: int, residual: float) -> None:
@@ -223,10 +209,16 @@ class Terminal:
         self._rows[experiment] = row._replace(iterations=row.iterations + 1, now=now)
 
     def step_done(self, experiment: str, pressure_kPa: float, seconds: float) -> None:
-        self._clock.reach(seconds)
+        self._clock.reach(experiment, pressure_kPa, seconds)
         row = self._rows.get(experiment, _Row((pressure_kPa,), 0, 0, ""))
         now = f"{pressure_kPa:g} kPa reached, {row.iterations} iterations in total"
         self._rows[experiment] = row._replace(reached=row.reached + 1, now=now)
+
+    def stopped(self, experiment: str, pressures: Sequence[float], why: str) -> None:
+        self._clock.stop(experiment, pressures)
+        self._console.print(_stopped(experiment, pressures, why), highlight=False, markup=False, soft_wrap=True)
+        row = self._rows.get(experiment, _Row(tuple(pressures), 0, 0, ""))
+        self._rows[experiment] = row._replace(has_stopped=True, now="stopped")
 
     def done(self) -> None:
         self._print_stage()
@@ -250,6 +242,11 @@ class Terminal:
         return Group(Text(f"{head}, {left}" if left else head), table)
 
 
+def _stopped(experiment: str, pressures: Sequence[float], why: str) -> str:
+    before = f" before {pressures[0]:g} kPa" if pressures else ""
+    return f"{experiment} stopped{before}: {why}"
+
+
 def progress_for(console: Console | None = None, *, verbose: bool = False) -> Progress:
     """A live table on a terminal, plain lines elsewhere; on standard output unless a console is given.
 
@@ -257,12 +254,3 @@ def progress_for(console: Console | None = None, *, verbose: bool = False) -> Pr
     """
     console = console or Console()
     return Terminal(console) if console.is_terminal and not verbose else Lines(console, verbose=verbose)
-
-
-def duration(seconds: float) -> str:
-    """Seconds in words."""
-    if seconds < 10.0:
-        return f"{seconds:.1f} s"
-    if seconds < 120.0:
-        return f"{seconds:.0f} s"
-    return f"{seconds // 60:.0f} min {seconds % 60:02.0f} s"

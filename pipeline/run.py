@@ -14,7 +14,10 @@ from pipeline.identification.added_pressures import identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.record import parameters_record
 from pipeline.parallel.loading import loaded
-from pipeline.plausibility import Solved, after_solving, before_solving, of_half, of_mesh
+from pipeline.plausibility.after import Solved, after_solving
+from pipeline.plausibility.before import before_solving
+from pipeline.plausibility.body import of_half, of_mesh
+from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
@@ -43,25 +46,22 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     """
     with open_store(out, config, fresh=fresh) as store:
         stages = _Stages(progress)
-        unusual = before_solving(config)
-        for sentence in unusual:
+        for sentence in (*before_solving(config), *of_units(config)):
             progress.remark(sentence)
         config, plan = plan_discretisation(config, store, progress)
         with run_context(store, jobs, progress) as context:
-            return _solved(config, plan, context, stages, unusual)
+            return _solved(config, plan, context, stages)
 
 
-def _solved(
-    config: Config, plan: Plan | None, context: RunContext, stages: "_Stages", unusual: tuple[str, ...]
-) -> RunReport:
+def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_Stages") -> RunReport:
     """The stages of the run. One waits for what it needs; tasks of later ones are done meanwhile."""
     store, progress, workers = context.store, context.progress, context.workers
     loading = loaded(context, config.mesh.formulation, material_of(config))
     with stages.timed("mesh"), told_while_waiting(progress, "meshing the body"):
         scene = Scene.meshed(config)
-    for sentence in filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body))):
+    unusual = tuple(filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body), of_contact(scene))))
+    for sentence in unusual:
         progress.remark(sentence)
-        unusual = (*unusual, sentence)
     with stages.timed("kernels (compiled once)"):
         for pending in loading:
             pending.result()
@@ -84,7 +84,7 @@ def _solved(
     with stages.timed("pictures"):
         draw_all(scene.body, outcomes, store)
     with stages.timed("cell law"):
-        arm = measured.result()
+        arm = measured.result().beside(outcomes)
         arm.save(store)
         effects = (*effect_states(scene, outcomes), arm.effect)
         store.save_json("effects.json", [state.row() for state in effects])
@@ -103,7 +103,9 @@ def _solved(
     with stages.timed("report"):
         other_rod = arm.law is not None
         not_identified = identified.failures(other_rod)
-        remarks = (*unusual, *identified.remarks(other_rod), *after_solving(Solved(config, outcomes, parameters)))
+        of_design = (*before_solving(config, outcomes.lowest_end_kPa()), *of_units(config))
+        of_states = after_solving(Solved(config, outcomes, parameters))
+        remarks = (*of_design, *unusual, *identified.remarks(other_rod), *arm.remarks(outcomes), *of_states)
         reviewed = review(plan, outcomes, parameters, outcomes.largest_indicator) if plan else None
         report = RunReport(
             directory=store.directory,

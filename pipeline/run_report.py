@@ -9,6 +9,7 @@ from pipeline.cell.of_run import LawOfRun
 from pipeline.config.config import Config
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
+from pipeline.report.sentences import not_reached
 from pipeline.simulation.effects_record import EffectState
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.outcome import Outcomes
@@ -58,7 +59,11 @@ class RunReport:
     def raise_if_failed(self) -> None:
         """Raise RunFailed with the failures and the directory where anything was not reached."""
         if self.failures:
-            raise RunFailed(f"{self.failure}; what was reached is in {self.directory}", directory=self.directory)
+            raise RunFailed(
+                f"{self.failure}; what was reached is in {self.directory}",
+                directory=self.directory,
+                brief=f"{'; '.join(not_reached(self.failures))}; why, and what was reached, is in {self.directory}",
+            )
 
     def record(self) -> JsonObject:
         """The content of run.json."""

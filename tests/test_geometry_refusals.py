@@ -88,3 +88,41 @@ def test_dimensions_that_leave_no_body(family: type[Design], dimensions: dict, k
     assert str(caught.value).startswith(", ".join(keys))
     assert "mm" in caught.value.sentence
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("family", "dimensions", "keys"),
+    [
+        (
+            PneuNet,
+            {"wall": 5, "side_wall": 8, "roof": 13, "channel": 3, "fillet": 20},
+            ["wall", "side_wall", "roof", "channel", "fillet", "fillet"],
+        ),
+        (
+            PneuNet,
+            {"wall": -1, "width": float("nan"), "chambers": 0, "roof": 13},
+            ["chambers", "width", "wall", "roof"],
+        ),
+        (PneuNet, {"wall": "5 mm", "width": 0, "roof": 13}, ["width", "wall"]),
+        (PneuNet, {"gaps": (2, -1, 0), "chambers": 2, "roof": 13}, ["gaps", "gaps", "roof"]),
+        (Semicircular, {"wall": 7.5, "channel": 8}, ["wall"]),
+        (SemicircularSingle, {"wall": 8, "end_wall": 60}, ["wall", "end_wall"]),
+        (BisectedCircle, {"wall": 8, "end_wall": 60, "divider": 20}, ["wall", "end_wall"]),
+        (BisectedCircle, {"end_wall": 60, "divider": 20}, ["end_wall", "divider"]),
+        (Rectangular, {"side_wall": 7.5, "roof": 14, "channel": 30}, ["side_wall", "base"]),
+        (Rectangular, {"side_wall": -2, "roof": 14}, ["side_wall", "base"]),
+    ],
+)
+def test_all_that_is_wrong_is_told_together(family: type[Design], dimensions: dict, keys: list[str]) -> None:
+    """But not what follows from another mistake: walls that leave no cavity leave no room for a channel either."""
+    with pytest.raises(DesignError) as caught:
+        family(**dimensions)
+    errors = (caught.value, *caught.value.others)
+    assert [error.keys[0] for error in errors] == keys
+    assert all(error.sentence in str(caught.value) for error in errors)
+
+
+def test_regions_that_a_body_does_not_have_are_told_together() -> None:
+    with pytest.raises(DesignError, match=r"^materials\.lid: .*; materials\.foot: this body has no region") as caught:
+        PneuNet().with_regions(["lid", "base", "foot"])
+    assert [error.keys for error in caught.value.others] == [("materials.foot",)]

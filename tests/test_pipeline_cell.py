@@ -212,8 +212,9 @@ def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_st
     assert again.measured.law.pressures[-1] == 6.0
     [sentence] = again.measured.failures
     assert "9 kPa" in sentence
-    with pytest.raises(pneurod.RunFailed, match="no equilibrium of the half cell at 9 kPa"):
+    with pytest.raises(pneurod.RunFailed, match="no equilibrium of the half cell at 9 kPa") as failure:
         again.raise_if_failed()
+    assert "the law goes up to 6 kPa, the whole arm may bear less, which `pneurod run` finds out" in str(failure.value)
 
 
 def test_the_rod_command_reads_the_law(report: LawReport, tmp_path: Path) -> None:

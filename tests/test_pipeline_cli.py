@@ -123,6 +123,26 @@ def test_the_verdict_of_a_failed_run_is_shown_before_the_reason(
     assert "No rod was compared with the finite elements." in result.stdout
 
 
+def test_a_reason_that_the_verdict_has_is_not_printed_twice(
+    replace_run: Callable[[Task], None], coarse: str, tmp_path: Path
+) -> None:
+    results = shutil.copytree(DATA, tmp_path / "out")
+    reason = "experiment II stopped before 45 kPa: the limit is at 41 kPa; the tangent becomes indefinite"
+    run = json.loads((results / "run.json").read_text(encoding="utf-8"))
+    (results / "run.json").write_text(json.dumps({**run, "failure": reason, "failures": [reason]}), encoding="utf-8")
+
+    def fail() -> None:
+        raise RunFailed(f"{reason}; more", directory=results, brief="experiment II stopped before 45 kPa")
+
+    replace_run(lambda *arguments: types.SimpleNamespace(raise_if_failed=fail))
+    result = call("run", coarse, "--out", str(results), "-q")
+    assert sentence(result, 1) == "experiment II stopped before 45 kPa"
+    assert result.stdout.count("the limit is at 41 kPa") == 1
+    assert "indefinite" not in result.stdout
+    whole = json.loads(call("run", coarse, "--out", str(results), "--json").stdout)
+    assert whole["sentences"]["failure"] == [f"Not everything was reached: {reason}."]
+
+
 def test_the_version() -> None:
     result = call("--version")
     assert (result.exit_code, result.stdout) == (0, f"pneurod {metadata.version('pneurod')}\n")

@@ -17,7 +17,7 @@ from pipeline.config.load import load_config
 from pipeline.config.schema import EFFECTS
 from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
 from pipeline.errors import InputError
-from pipeline.plausibility import before_solving
+from pipeline.plausibility.before import before_solving
 from pipeline.simulation.scene import Scene, material_of
 
 
@@ -251,6 +251,15 @@ def test_all_mistakes_of_the_keys_are_named_at_once(written: Path) -> None:
     assert "did you mean 'pneunet'?" in named[0]
     assert "did you mean 'size'?" in named[1]
     assert not any("mesh.size: is missing" in sentence for sentence in named)
+
+
+def test_all_mistakes_of_the_geometry_are_named_at_once(written: Path) -> None:
+    spoil(spoil(written, "wall: 1 mm  ", "wall: 5 mm  "), "strip: 3 mm", "strip: -3 mm")
+    named = refusals(written, "geometry.roof=20 mm", "geometry.side_wall=8 mm", "mesh.size=1 km")
+    assert [sentence.partition(": ")[0] for sentence in named] == [
+        *("geometry.strip", "geometry.wall", "--set geometry.side_wall", "--set geometry.roof")
+    ]
+    assert "wall 5 mm must be less than half of chamber_length, 4 mm: the two walls leave no cavity" in named[1]
 
 
 def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:

@@ -2,16 +2,22 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
+from test_pipeline_outcome import outcome, record
 
 import pneurod
-from pipeline.cell.of_run import law_of_run
+from pipeline.cell.of_run import LawOfRun, law_of_run
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
+from pipeline.report.results import read_results
+from pipeline.report.verdict import verdict_of
 from pipeline.run import run
+from pipeline.simulation.outcome import Failure, Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import open_store
 from rod import Rod, law_from_record
@@ -97,6 +103,48 @@ def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: P
         assert law.effect.state == "off"
         assert ("switched off" if choice == "five" else "weight") in law.reason
         assert len(law.failures) == failures
+
+
+def law_up_to(pressure: float, not_borne: bool) -> LawOfRun:
+    measured: Any = SimpleNamespace(law=SimpleNamespace(pressures=(0.0, pressure)))
+    return LawOfRun(measured, "of one cell", (), not_borne)
+
+
+def test_where_the_whole_arm_ends_is_named_beside_its_law() -> None:
+    """Of what a pool of workers has solved nothing is used before all of it is there."""
+    ended = {
+        "I": Failure(150.0, "the limit of II", 0, 0, reached_kPa=17.0, not_followed=True),
+        "II": Failure(150.0, "a limit point", 0, 0, limit_kPa=64.77),
+        "III": Failure(150.0, "a limit point", 0, 0, limit_kPa=44.93, reached_kPa=44.87),
+    }
+    outcomes = Outcomes({name: outcome(name, record(17.0), failure=failure) for name, failure in ended.items()})
+    without = Outcomes({name: outcome(name, record(17.0)) for name in ended})
+    for law in (law_up_to(37.0, True), LawOfRun(None, "the cell bears none of the pressures", (), True)):
+        assert law.beside(outcomes).reason == f"{law.reason}; experiment III of the whole arm ends at 44.93 kPa"
+        assert (law.beside(without), law.remarks(outcomes), law.remarks(without)) == (law, (), ())
+    higher = law_up_to(64.64, False)
+    assert higher.beside(outcomes) == higher
+    assert higher.remarks(without) == ()
+    (remark,) = higher.remarks(outcomes)
+    assert remark.startswith(
+        "the arm's own law goes up to 64.64 kPa, but experiment III of the whole arm ends at 44.93"
+    )
+
+
+def test_a_run_names_where_the_whole_arm_ends_beside_the_law(tmp_path: Path) -> None:
+    design = config(tmp_path, "pressures=[6 kPa, 2 MPa]", "law=cell", "validation=off", "experiments=[II, III]")
+    report = run(design, tmp_path / "out", 1, False, Silent())
+    first = report.outcomes.first_to_end
+    assert first is not None
+    assert report.arm.law is not None
+    assert report.arm.law.pressures[-1] == 6.0
+    assert ", on the way to 2000 kPa: " in report.arm.failures[0]
+    effects = {row["effect"]: row for row in read(tmp_path / "out", "effects.json")}
+    said = f"; experiment {first[0]} of the whole arm ends at {first[1]:.4g} kPa"
+    assert effects["arm_law"]["reason"].endswith(said)
+    assert [
+        step for step in verdict_of(read_results(tmp_path / "out")).on("next") if "law.json --pressure '6 kPa'" in step
+    ]
 
 
 def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: Path) -> None:

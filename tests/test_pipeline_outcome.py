@@ -1,13 +1,20 @@
 """Outcomes of experiments as values: merging, failures in sentences, the rows of experiments.json."""
 
 from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
+import pytest
 
 from fem import Seconds
 from fem.solution import Extremes
 from geometry import Centreline
+from pipeline.config.load import load_config
+from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
+from pipeline.simulation.scene import Scene
 from rod import Load
 
 REST = (0.0, 0.0, 0.0)
@@ -74,6 +81,20 @@ def test_a_failure_is_a_sentence_and_a_row() -> None:
     assert stopped.at(10.0) is stopped.records[0]
 
 
+def test_the_lowest_end_is_a_limit_or_the_last_equilibrium() -> None:
+    ends = {
+        "I": Failure(150.0, "a limit", 0, 0, limit_kPa=64.7, reached_kPa=64.6),
+        "II": Failure(150.0, "not in small increments", 0, 0, reached_kPa=5.0, not_followed=True),
+        "III": Failure(150.0, "no luck", 0, 0, reached_kPa=40.0),
+    }
+    outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
+    assert outcomes.first_to_end == ("III", 40.0)
+    assert outcomes.lowest_end_kPa() == 40.0
+    assert outcomes.lowest_end_kPa("I", "II") == 64.7
+    assert outcomes.lowest_end_kPa("II") == float("inf")
+    assert Outcomes({"II": outcome("II", record(5.0))}).lowest_end_kPa() == float("inf")
+
+
 def test_the_indicator_is_that_of_the_worst_state() -> None:
     outcomes = Outcomes({"II": outcome("II", record(10.0, 0.1), record(20.0, 0.3), record(30.0, 0.2))})
     worst = outcomes.largest_indicator
@@ -96,3 +117,20 @@ def test_records_can_be_replaced_in_all_outcomes() -> None:
     last = outcomes.with_records(lambda records: records[-1:])
     assert [one.pressure_kPa for one in last.records] == [20.0]
     assert replace(outcomes["II"], records=last["II"].records) == last["II"]
+
+
+@pytest.mark.parametrize(
+    ("gaps", "reason"),
+    [
+        ((), "no pressure was reached, so that no walls met"),
+        ((0.8, 0.25), "no walls came within the activation distance of contact; the smallest gap was 0.25 mm"),
+        ((float("inf"),), "no walls came within the activation distance of contact; no walls face each other"),
+    ],
+)
+def test_a_smallest_gap_is_named_where_there_is_one(gaps: tuple[float, ...], reason: str, configs: Path) -> None:
+    states = [record(10.0 * (k + 1)) for k in range(len(gaps))]
+    states = [replace(one, summary=replace(one.summary, min_gap_mm=gap)) for one, gap in zip(states, gaps, strict=True)]
+    body: Any = SimpleNamespace(half=True)
+    scene = Scene(load_config(configs / "pneunet_coarse.yaml"), body)
+    rows = {state.effect: state for state in effect_states(scene, Outcomes({"II": outcome("II", *states)}))}
+    assert (rows["self_contact"].state, rows["self_contact"].reason) == ("off", reason)

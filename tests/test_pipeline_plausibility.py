@@ -1,5 +1,6 @@
 """Sentences about designs that are possible but unusual, and pressures without parameters that do not end a run."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from time import sleep
@@ -15,7 +16,10 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
-from pipeline.plausibility import FLAT_ELEMENT, Solved, after_solving, before_solving, of_half, of_mesh
+from pipeline.plausibility.after import Solved, after_solving
+from pipeline.plausibility.before import WELL_BELOW, before_solving
+from pipeline.plausibility.body import FLAT_ELEMENT, of_half, of_mesh
+from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
 from pipeline.simulation.outcome import Outcomes
@@ -33,6 +37,7 @@ def said(*settings: str, config: str = "pneunet_coarse") -> str:
 @pytest.mark.parametrize("config", ["pneunet", "semicircular", "semicircular_single", "bisected_circle", "finger"])
 def test_the_shipped_designs_are_plausible(config: str) -> None:
     sentences = said(config=config)
+    assert of_units(load_config(CONFIGS / f"{config}.yaml")) == ()
     assert not any(word in sentences for word in ("hardly", "balloons", "pitches")), sentences
 
 
@@ -55,6 +60,84 @@ def test_the_shipped_designs_are_plausible(config: str) -> None:
 )
 def test_what_is_unusual_is_said_before_anything_is_solved(setting: str, sentence: str) -> None:
     assert sentence in said(PRESSURES, setting)
+
+
+@pytest.mark.parametrize("pressures", ["[150 kPa]", "[17 kPa, 150 kPa]", "[0.1 MPa, 0.4 MPa]"])
+@pytest.mark.parametrize("end", [64.7, 3.0, 1e3])
+def test_pressures_that_are_suggested_lie_below_the_lowest_end_of_an_experiment(pressures: str, end: float) -> None:
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", [f"pressures={pressures}"])
+    without, sentences = before_solving(config), before_solving(config, end)
+    assert len(without) == len(sentences)
+    suggested = re.findall(r"well below ([\d.]+) kPa|([\d.]+) kPa(?=[,\]])", "; ".join(sentences))
+    numbers = [float(number) for pair in suggested for number in pair if number]
+    assert len(numbers) >= 4
+    assert max(numbers) <= 1.01 * WELL_BELOW * end
+    assert (without == sentences) == (end == 1e3)
+
+
+STEEL = "materials={base: {law: svk, E: 200 GPa, nu: 0.3, density: 7850 %s}}"
+
+
+@pytest.mark.parametrize(
+    ("setting", "sentence"),
+    [
+        ("material.density=1.07 kg/m^3", "is 1.07 kg/m^3, and rubbers and foams have 20 to 3000 kg/m^3; did you mean"),
+        ("material.density=1.07 kg/m^3", "did you mean 1.07 g/cm^3?"),
+        ("material.density=1070 g/cm^3", "did you mean 1070 kg/m^3?"),
+        ("material.density=5 kg/m^3", "5 kg/m^3, and rubbers and foams have 20 to 3000 kg/m^3; check its unit"),
+        (STEEL % "g/cm^3", "materials.base.density is 7.85e+06 kg/m^3, and foams, rubbers and metals"),
+        ("end.y=20 cm", "end.y moves the end by 200 mm, 1.8 times the length of the arm, and an arm that is bent"),
+        ("end.y=-20 um", "end.y moves the end by -0.02 mm, 0.00018 times the length of the arm, which is hardly"),
+        ("validation={end_y: [5 mm, 1 m]}", "validation.end_y moves the end by 1000 mm, 8.9 times the length"),
+        ("end={y: 50 N}", "end: a force of 50 N on the end is 28 times what would fold or tear a bar"),
+        ("end={x: -50 N}", "a force of 50 N on the end is 28 times"),
+        ("validation={forces: [[0 N, 0.05 N], [0 kN, 0.05 kN]]}", "validation.forces: a force of 50 N on the end"),
+        ("end={x: 0.5 kN}", "a force of 500 N on the end is 6.4 times what would fold or tear"),
+        ("end={y: 0.05 mN}", "5e-05 N on the end is too small to move the arm; check its unit (N, mN), or give 0.0059"),
+    ],
+)
+def test_numbers_in_another_unit_are_named(setting: str, sentence: str) -> None:
+    (said,) = of_units(load_config(CONFIGS / "pneunet_coarse.yaml", [setting]))
+    assert sentence in said
+
+
+@pytest.mark.parametrize(
+    "setting",
+    [
+        *("material.density=30 kg/m^3", "material.density=2.5 g/cm^3", "material={law: svk, E: 1.2 MPa, nu: 0.495}"),
+        *("end.y=30 mm", "end.y=-60 mm", "end={x: 0.175 N, y: 0.07 N}", "end={x: 5 N}", "validation=off"),
+        *("validation={forces: [[0 N, 0.01 N]], end_y: [0.2 mm]}", STEEL % "kg/m^3"),
+    ],
+)
+def test_numbers_that_arms_have_are_not_named(setting: str) -> None:
+    assert of_units(load_config(CONFIGS / "pneunet_coarse.yaml", [setting])) == ()
+
+
+@pytest.mark.parametrize(
+    ("dhat", "sentence"),
+    [
+        (
+            "0.4 mm",
+            "dhat, 0.4 mm with a smallest gap of 2 mm and a thinnest wall of 1 mm, keeps walls in contact so far",
+        ),
+        (
+            "0.04 um",
+            "is smaller than any with which an arm was solved, and may need very many iterations; check its unit",
+        ),
+        *(("0.16 mm", ""), ("0.04 mm", ""), ("0.005 mm", "")),
+    ],
+)
+def test_activation_distances_are_compared_with_gap_and_wall(dhat: str, sentence: str) -> None:
+    settings = ["geometry.chambers=2", "mesh.size=6 mm", f"effects.self_contact={{dhat: {dhat}}}"]
+    said = of_contact(Scene.meshed(load_config(CONFIGS / "pneunet_coarse.yaml", settings)))
+    assert sentence in said
+    assert bool(sentence) == bool(said)
+
+
+def test_no_activation_distance_is_compared_where_none_is_given_or_nothing_meets() -> None:
+    for config, settings in (("pneunet", []), ("semicircular", ["effects.self_contact={dhat: 4 mm}"])):
+        short = ["geometry.chambers=2", "mesh.size=6 mm", *settings]
+        assert of_contact(Scene.meshed(load_config(CONFIGS / f"{config}_coarse.yaml", short))) == ""
 
 
 def test_nothing_is_said_of_a_usual_design() -> None:
@@ -168,21 +251,18 @@ def test_a_cavity_that_is_mirrored_is_named(layer: int) -> None:
 
 
 def test_long_calls_are_told_of() -> None:
-    class Recorder(Silent):
-        def __init__(self) -> None:
-            self.told: list[str] = []
+    def listener(told: list[str]) -> Any:
+        return SimpleNamespace(remark=told.append)
 
-        def remark(self, sentence: str) -> None:
-            self.told.append(sentence)
-
-    quick, slow = Recorder(), Recorder()
-    with told_while_waiting(quick, "meshing the body", every=10.0):
+    quick: list[str] = []
+    slow: list[str] = []
+    with told_while_waiting(listener(quick), "meshing the body", every=10.0):
         pass
-    with told_while_waiting(slow, "meshing the body", every=0.02):
+    with told_while_waiting(listener(slow), "meshing the body", every=0.02):
         sleep(0.3)
-    assert quick.told == []
-    assert len(slow.told) > 1
-    assert slow.told[0].startswith("meshing the body for 0.0")
-    count = len(slow.told)
+    assert quick == []
+    assert len(slow) > 1
+    assert slow[0].startswith("meshing the body for 0.0")
+    count = len(slow)
     sleep(0.1)
-    assert len(slow.told) == count, "nothing is told after the end"
+    assert len(slow) == count, "nothing is told after the end"

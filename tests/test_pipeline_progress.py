@@ -9,7 +9,9 @@ from typing import Any
 import pytest
 from rich.console import Console
 
+from pipeline import remaining_time
 from pipeline.progress import Lines, Message, Progress, Silent, Terminal, ToQueue, progress_for, relayed
+from pipeline.remaining_time import RemainingTime
 
 CALLS: list[tuple[str, tuple[Any, ...]]] = [
     ("stage", ("experiments",)),
@@ -18,6 +20,7 @@ CALLS: list[tuple[str, tuple[Any, ...]]] = [
     ("iteration", ("II", 17.0, 2, 1e-7)),
     ("step_done", ("II", 17.0, 3.25)),
     ("step_done", ("II", 37.0, 0.0)),
+    ("stopped", ("III", (45.0, 60.0), "the limit is at 41 kPa")),
     ("stage", ("report",)),
 ]
 
@@ -66,7 +69,8 @@ def test_plain_lines_where_there_is_no_terminal() -> None:
     assert lines[:2] == ["stage: experiments", "experiment II: 17, 37 kPa"]
     assert re.fullmatch(r"II: 17 kPa \(2 iterations, 3\.2 s\); begun: [\d.]+ s left", lines[2])
     assert lines[3] == "II: 37 kPa (stored by an earlier run)"
-    assert lines[4] == "stage: report"
+    assert lines[4] == "III stopped before 45 kPa: the limit is at 41 kPa"
+    assert lines[5] == "stage: report"
 
 
 def test_a_table_on_a_terminal() -> None:
@@ -93,6 +97,44 @@ def test_an_experiment_stays_in_the_table_while_the_run_waits_for_others() -> No
     progress.done()
     assert "cell" in text.getvalue()
     assert "II" not in text.getvalue()
+
+
+def test_an_experiment_that_has_stopped_leaves_the_table_with_the_next_stage() -> None:
+    text = io.StringIO()
+    progress = progress_for(Console(file=text, force_terminal=True, width=120))
+    progress.stage("experiments")
+    progress.experiment("II", (17.0, 150.0))
+    progress.experiment("cell", (17.0, 150.0))
+    progress.stopped("II", (150.0,), "the limit is at 64.7 kPa")
+    progress.stage("pictures")
+    assert "II stopped before 150 kPa: the limit is at 64.7 kPa" in text.getvalue()
+    text.truncate(0)
+    progress.done()
+    assert "cell" in text.getvalue()
+    assert "II" not in text.getvalue()
+
+
+def test_pressures_that_will_not_be_reached_are_not_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = 0.0
+    monkeypatch.setattr(remaining_time.time, "monotonic", lambda: now)
+    clock = RemainingTime()
+    for name in ("I", "II", "III"):
+        clock.add(name, (17.0, 37.0, 150.0))
+    now = 10.0
+    clock.reach("II", 17.0, 9.0)
+    assert clock.remaining() == "begun: 80 s left"
+    now = 20.0
+    clock.reach("II", 37.0, 9.0)
+    clock.stop("II", (150.0,))
+    assert clock.remaining() == "begun: 40 s left", "17 and 37 kPa of I and III"
+    for name in ("I", "III"):
+        for pressure in (17.0, 37.0):
+            assert not clock.is_over
+            clock.reach(name, pressure, 9.0)
+    assert (clock.is_over, clock.remaining()) == (True, "")
+    clock.reach("I", 150.0, 9.0)
+    clock.stop("III", (150.0,))
+    assert clock.is_over
 
 
 def test_every_iteration_where_it_is_requested() -> None:

@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 import pneurod
+from pipeline.report.next_steps import next_steps
 from pipeline.report.results import Results, read_results
+from pipeline.report.sentences import in_short, not_reached
 from pipeline.report.verdict import Verdict, verdict_of
 
 OLD = Path(__file__).parent / "data" / "results_format_1"
@@ -117,6 +119,46 @@ def test_a_failed_run_says_so_first(folder: Path) -> None:
     verdict = verdict_of(read_results(folder))
     assert verdict.sentences[0] == "Not everything was reached: experiment II stopped before 45 kPa: a limit point."
     assert verdict.on("next")[0].startswith("Next: the sentence above names the pressure")
+
+
+LIMIT = (
+    "stopped before 150 kPa: no equilibrium found beyond 64.65 kPa on the way to 150 kPa: the limit is at 64.74 kPa; "
+    "the tangent becomes indefinite (1 negative pivots); the smallest J is 0.622 at (102.8, 13.1, 0.4) mm; the "
+    "last equilibrium has 6.4% of its elastic stiffness left in a motion that is largest at (109.0, 8.5, 0.0) mm: a "
+    "limit point; the law is beyond its limits there (p2p0 elements are too soft)"
+)
+BEYOND = (
+    "stopped before 150 kPa: it was not tried in small increments, because experiment II has its limit at 64.74 kPa"
+)
+
+
+def test_a_terminal_shows_failures_in_short(folder: Path) -> None:
+    failures = [f"experiment I {BEYOND}", f"experiment II {LIMIT}", f"experiment III {BEYOND}", "no law: too short"]
+    change(folder, "run", failure="; ".join(failures), failures=failures)
+    verdict = verdict_of(read_results(folder))
+    assert verdict.terminal_sentences[0] == (
+        f"Not reached: experiments I and III {BEYOND}; experiment II stopped before 150 kPa: no equilibrium found "
+        "beyond 64.65 kPa on the way to 150 kPa: the limit is at 64.74 kPa; the smallest J is 0.622 at "
+        "(102.8, 13.1, 0.4) mm; no law: too short. The report and run.json have the whole reason."
+    )
+    assert verdict.terminal_sentences[1:] == verdict.sentences[1:]
+    assert verdict.on("failure") == (f"Not everything was reached: {'; '.join(failures)}.",)
+    assert not_reached(failures) == ["experiments I, II and III stopped before 150 kPa", "no law"]
+
+
+def test_a_place_at_the_end_of_a_reason_has_no_remark_on_the_elements() -> None:
+    (said,) = in_short(["experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm (p2p0 is soft)"])
+    assert said == "experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm"
+
+
+def test_without_a_failure_a_terminal_shows_the_same_sentences(folder: Path) -> None:
+    verdict = verdict_of(read_results(folder))
+    assert verdict.terminal_sentences == verdict.sentences
+
+
+def test_the_law_is_not_offered_above_the_pressures_of_the_experiments(folder: Path) -> None:
+    (folder / "law.json").write_text(json.dumps({"format": 1, "pressures_kPa": [0.0, 17.0, 37.0, 64.6]}))
+    assert any("law.json --pressure '37 kPa'" in step for step in next_steps(read_results(folder), "arm_law"))
 
 
 def test_a_folder_with_nothing_has_a_verdict(tmp_path: Path) -> None:

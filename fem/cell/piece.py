@@ -183,7 +183,7 @@ class BendingPiece:
             except StepFailed as failure:
                 halvings += 1
                 if halvings > MAX_HALVINGS:
-                    raise PieceFailed(self._sentence(p, phi, str(failure))) from None
+                    raise PieceFailed(self._sentence(p, phi, str(failure), pressure)) from None
                 increment /= 2.0
                 continue
             fraction = target
@@ -202,7 +202,7 @@ class BendingPiece:
         try:
             return self._solve_directly(pressure, angle, Start(predicted, start.terms, iterations, gives_up))
         except StepFailed as failure:
-            raise PieceFailed(self._sentence(pressure, angle, str(failure))) from None
+            raise PieceFailed(self._sentence(pressure, angle, str(failure), pressure)) from None
 
     def constraints(self, angle: float) -> Constraints:
         """The supports with the plane at an angle in rad, resolved to u = T q + g."""
@@ -290,11 +290,13 @@ class BendingPiece:
                 touches = touches or term.touching(x)
         return gap, touches
 
-    def _sentence(self, pressure: float, angle: float, cause: str) -> str:
+    def _sentence(self, pressure: float, angle: float, cause: str, target: float) -> str:
+        """target: MPa, the pressure to which the way led."""
         curvature = 1000.0 * angle / self.body.length
+        way = "" if pressure == target else f", on the way to {1000.0 * target:.4g} kPa"
         return (
             f"no equilibrium of the {self.name} at {1000.0 * pressure:.4g} kPa and a mean curvature of "
-            f"{curvature:.4g} 1/m: {cause}"
+            f"{curvature:.4g} 1/m{way}: {cause}"
         )
 
 

@@ -71,6 +71,10 @@ class SelfContact(Effect):
         """dhat, or its default for these faces, mm; raises `ContactError`."""
         return self._dhat(self._pairs(space), space)
 
+    def smallest_gap(self, space: Discretisation) -> float:
+        """The smallest gap between these faces at rest, mm; infinity where no two parts of them face each other."""
+        return _smallest_gap(self._pairs(space), space)
+
     def _pairs(self, space: Discretisation) -> FacingPairs:
         symmetric = [space.surfaces["sym"].unique_nodes] if "sym" in space.surfaces else []
         return FacingPairs.of(space.surface(self.faces), space.points, *symmetric)

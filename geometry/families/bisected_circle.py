@@ -1,11 +1,12 @@
 """Round arm with two D-shaped cavities, separated by a flat wall through its axis."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import acos, pi, sqrt
 from typing import ClassVar, final
 
-from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
+from geometry.design import DesignError, SymmetricDesign
+from geometry.dimensions import check_design, not_less
 from geometry.families.semicircular_single import nominal_cells
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition
@@ -31,12 +32,14 @@ class BisectedCircle(SymmetricDesign):
     divider: float = 1.5  #: thickness of the dividing wall, in the middle of which the material curve runs
 
     def __post_init__(self) -> None:
-        check_numbers(self)
-        check_less(self, "wall", "radius", because="the wall leaves no cavity")
-        check_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
+        check_design(self, self._impossible)
+
+    def _impossible(self) -> Iterator[DesignError]:
+        yield from not_less(self, "wall", "radius", because="the wall leaves no cavity")
+        yield from not_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
         across = 2 * (self.radius - self.wall)
-        if not self.divider < across:
-            raise DesignError(
+        if 0 < across <= self.divider:
+            yield DesignError(
                 ("divider", "radius", "wall"),
                 f"divider {self.divider:g} mm must be less than the inner diameter, {across:g} mm",
             )

@@ -1,6 +1,6 @@
 """A body from a CAD file (STEP or BREP)."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.design import Body, DesignError, check_size
+from geometry.design import Body, DesignError, check_size, raise_together
 from geometry.families.from_file import FileDesign
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import SAME, Axes, rotation
@@ -59,19 +59,9 @@ class CadFile(FileDesign):
             )
         if not path.is_file():
             raise DesignError("file", f"{path} does not exist")
-        self._check_lengths()
-        if self.unit != 1 and path.suffix.lower() in (".step", ".stp"):
-            raise DesignError("unit", "STEP files store their unit; leave it out")
+        raise_together((*self._wrong_lengths(), *self._contradictions()))
         self._keep_own_copies()
         object.__setattr__(self, "parts", dict(self.parts))
-        if self.parts and self.unite:
-            raise DesignError(
-                ("parts", "unite"), "solids of another material stay solids of their own; give one of the two"
-            )
-        if self.parts and isinstance(self.cell, CellPlanes):
-            raise DesignError(
-                "cell", "is a length where the body has parts: an arm of several solids has no law of its own"
-            )
         clamp, tip = self._ends
         if clamp == tip:
             raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
@@ -80,6 +70,19 @@ class CadFile(FileDesign):
                 "cell", "is a length where the arm is clamped at its larger x; turn the body with axes to give planes"
             )
         _ = self.measures, self.cells
+
+    def _contradictions(self) -> Iterator[DesignError]:
+        """What is wrong whatever the file holds."""
+        if self.unit != 1 and Path(self.file).suffix.lower() in (".step", ".stp"):
+            yield DesignError("unit", "STEP files store their unit; leave it out")
+        if self.parts and self.unite:
+            yield DesignError(
+                ("parts", "unite"), "solids of another material stay solids of their own; give one of the two"
+            )
+        if self.parts and isinstance(self.cell, CellPlanes):
+            yield DesignError(
+                "cell", "is a length where the body has parts: an arm of several solids has no law of its own"
+            )
 
     @cached_property
     def _ends(self) -> tuple[float, float]:

@@ -1,6 +1,6 @@
 """Bodies from files: what drawings, meshes and surfaces share."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from hashlib import sha256
 from math import isfinite
@@ -24,11 +24,11 @@ class FileDesign(Design):
     unit: float
     axes: Axes
 
-    def _check_lengths(self) -> None:
-        """Raise `DesignError` unless the lengths that the file does not tell are positive."""
+    def _wrong_lengths(self) -> Iterator[DesignError]:
+        """A `DesignError` for each length that the file does not tell and that is not positive."""
         for key, value in (("cell", self.cell), ("unit", self.unit)):
             if value is not None and not isinstance(value, CellPlanes) and not (isfinite(value) and value > 0):
-                raise DesignError(key, f"must be a positive length, not {value!r}")
+                yield DesignError(key, f"must be a positive length, not {value!r}")
 
     def _keep_own_copies(self) -> None:
         """Keep the values of `air` and `axes`, whatever happens to what was given."""

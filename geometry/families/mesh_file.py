@@ -9,7 +9,7 @@ from typing import ClassVar, Self, final
 
 import numpy as np
 
-from geometry.design import Body, DesignError
+from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, nominal_pitch
 from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
 from geometry.foreign.file import FileMesh, read_mesh_file
@@ -49,7 +49,7 @@ class MeshFile(FileDesign):
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
-        self._check_lengths()
+        raise_together(self._wrong_lengths())
         self._keep_own_copies()
         _ = self.fixed_body
 

@@ -1,13 +1,14 @@
 """Pneu-net with gaps between its chambers ("fast" pneu-net), the first arm of the paper."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import pi
 from typing import ClassVar, final
 
 from geometry.body import Body
-from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers, check_size
+from geometry.design import DesignError, SymmetricDesign, check_size
+from geometry.dimensions import check_design, not_less
 from geometry.grading import OFF, Grading
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.mirror import Repetition
@@ -61,29 +62,32 @@ class PneuNet(SymmetricDesign):
     gaps: tuple[float, ...] = ()  #: instead of `gap`: the solid at the clamp, between chambers, and at the tip
 
     def __post_init__(self) -> None:
-        check_numbers(self, counts=["chambers"], or_zero=["fillet"])
+        check_design(self, self._impossible, counts=["chambers"], or_zero=["fillet"])
+
+    def _impossible(self) -> Iterator[DesignError]:
         for name, usual, count in self._lists:
             if getattr(self, name) and len(getattr(self, name)) != count:
-                raise DesignError(
+                yield DesignError(
                     (name, "chambers"),
                     f"must have {count} entries for {self.chambers} chambers, not {len(getattr(self, name))}; "
                     f"give all of them, or {usual} alone for equal ones",
                 )
-        check_less(self, "wall", self._name("chamber_length"), 0.5, "the two walls leave no cavity")
-        check_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
-        check_less(self, "roof", self._name("chamber_height"), because="the cavity must rise above the strip")
-        check_less(self, "channel", "strip", because="a channel as high as the strip would open into the gaps")
+        yield from not_less(self, "wall", self._name("chamber_length"), 0.5, "the two walls leave no cavity")
+        yield from not_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
+        yield from not_less(self, "roof", self._name("chamber_height"), because="the cavity must rise above the strip")
+        yield from not_less(self, "channel", "strip", because="a channel as high as the strip would open into the gaps")
         if 0 < self.fillet < SMALLEST_FILLET:
-            raise DesignError(
+            yield DesignError(
                 "fillet",
                 f"must be 0 for sharp edges or at least {SMALLEST_FILLET:g} mm, not {self.fillet:g} mm: elements at "
                 "a rounded edge are as small as a third of its arc",
             )
-        check_less(self, "fillet", self._name("gap"), 0.5, "the fillets at both sides of a gap meet")
-        check_less(self, "fillet", self._name("chamber_height"), because="it rounds the edge below the chamber's wall")
+        yield from not_less(self, "fillet", self._name("gap"), 0.5, "the fillets at both sides of a gap meet")
+        rounded = "it rounds the edge below the chamber's wall"
+        yield from not_less(self, "fillet", self._name("chamber_height"), because=rounded)
         across = self.width - 2 * self.side_wall
-        if not self.channel < across:
-            raise DesignError(
+        if 0 < across <= self.channel:
+            yield DesignError(
                 ("channel", "width", "side_wall"),
                 f"channel {self.channel:g} mm must be less than the width of the cavity, "
                 f"width - 2 side_wall = {across:g} mm",
@@ -100,7 +104,7 @@ class PneuNet(SymmetricDesign):
 
     def _name(self, dimension: str) -> str:
         """The name of the list that is given instead of a dimension, or of the dimension."""
-        return next(name for name in (f"{dimension}s", dimension) if getattr(self, name))
+        return f"{dimension}s" if getattr(self, f"{dimension}s") else dimension
 
     def _each(self, dimension: str) -> list[float]:
         """Every entry of a dimension of the chambers or gaps, mm."""

@@ -1,10 +1,11 @@
 """Rectangular arm with a row of chambers, solid partitions, smooth outside: another reading of the paper's drawing."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar, final
 
-from geometry.design import DesignError, check_less, check_numbers
+from geometry.design import DesignError
+from geometry.dimensions import check_design, not_less
 from geometry.families.partitioned import PartitionedDesign
 from geometry.meshing.shapes import Box, Shape
 
@@ -32,16 +33,18 @@ class Rectangular(PartitionedDesign):
     channel: float = 2.0  #: width and height of the air channel on the base plate
 
     def __post_init__(self) -> None:
-        check_numbers(self, counts=["chambers"])
-        check_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
+        check_design(self, self._impossible, counts=["chambers"])
+
+    def _impossible(self) -> Iterator[DesignError]:
+        yield from not_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
         solid, across = self.base + self.roof, self.width - 2 * self.side_wall
         if not solid < self.height:
-            raise DesignError(
+            yield DesignError(
                 ("base", "roof", "height"),
                 f"base + roof = {solid:g} mm must be less than height {self.height:g} mm: they leave no cavity",
             )
-        if not self.channel < min(self.height - solid, across):
-            raise DesignError(
+        if 0 < min(self.height - solid, across) <= self.channel:
+            yield DesignError(
                 ("channel", "height", "width"),
                 f"channel {self.channel:g} mm must be less than height and width of the cavity, "
                 f"{self.height - solid:g} and {across:g} mm",

@@ -1,11 +1,12 @@
 """Semicircular arm with a row of chambers: a half disc on a base plate, solid partitions, smooth outside."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import hypot, pi
 from typing import ClassVar, final
 
-from geometry.design import DesignError, SymmetricDesign, check_less, check_numbers
+from geometry.design import DesignError, SymmetricDesign
+from geometry.dimensions import check_design, not_less
 from geometry.families.partitioned import PartitionedDesign
 from geometry.meshing.shapes import Box, RoundBar, Shape
 
@@ -32,11 +33,13 @@ class Semicircular(PartitionedDesign):
     channel: float = 2.0  #: width and height of the air channel on the base plate
 
     def __post_init__(self) -> None:
-        check_numbers(self, counts=["chambers"])
-        check_less(self, "wall", "radius", because="the wall leaves no cavity")
+        check_design(self, self._impossible, counts=["chambers"])
+
+    def _impossible(self) -> Iterator[DesignError]:
+        yield from not_less(self, "wall", "radius", because="the wall leaves no cavity")
         corner, inner = hypot(self.channel, self.channel / 2), self.radius - self.wall
-        if not corner < inner:
-            raise DesignError(
+        if 0 < inner <= corner:
+            yield DesignError(
                 ("channel", "radius", "wall"),
                 f"channel {self.channel:g} mm must be less than {inner / hypot(1, 0.5):.3g} mm "
                 f"to lie inside the cavity of radius {inner:g} mm",

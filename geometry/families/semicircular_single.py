@@ -1,11 +1,12 @@
 """Semicircular arm with a single cavity: a half disc on a base plate."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import pi
 from typing import ClassVar, final
 
-from geometry.design import SymmetricDesign, check_less, check_numbers
+from geometry.design import DesignError, SymmetricDesign
+from geometry.dimensions import check_design, not_less
 from geometry.families.semicircular import cavity, dome
 from geometry.grading import Grading
 from geometry.meshing.mirror import Repetition, slices
@@ -30,9 +31,11 @@ class SemicircularSingle(SymmetricDesign):
     wall: float = 1.0  #: thickness of the round wall
 
     def __post_init__(self) -> None:
-        check_numbers(self)
-        check_less(self, "wall", "radius", because="the wall leaves no cavity")
-        check_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
+        check_design(self, self._impossible)
+
+    def _impossible(self) -> Iterator[DesignError]:
+        yield from not_less(self, "wall", "radius", because="the wall leaves no cavity")
+        yield from not_less(self, "end_wall", "length", 0.5, "the two end walls leave no cavity")
 
     @property
     def extent(self) -> tuple[float, float, float]:

@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.design import Body, DesignError, check_size
+from geometry.design import Body, DesignError, check_size, raise_together
 from geometry.families.from_file import FileDesign
 from geometry.foreign.body import FLAT, Placed, Placing, check_dimensions, ends_of, placed_by_planes
 from geometry.foreign.fill import fill
@@ -48,7 +48,7 @@ class SurfaceFile(FileDesign):
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
-        self._check_lengths()
+        raise_together(self._wrong_lengths())
         self._keep_own_copies()
         _ = self.surface, self.length
         self._check_middle()

@@ -162,11 +162,13 @@ class _Builder:
     def _measured_cells(self, pressures: Sequence[float]) -> Iterator[Measured[CellCurve] | str]:
         """Cells at rising pressures; a sentence for one that is not borne."""
         self.context.progress.experiment("cell", pressures)
-        for pending in [self.tasks.submit(tasks.cell, p, self._largest_bend(p)) for p in pressures]:
+        for pressure, pending in [(p, self.tasks.submit(tasks.cell, p, self._largest_bend(p))) for p in pressures]:
             try:
                 cell = pending.result()
             except (PieceFailed, RodError) as failure:
-                yield str(failure).rstrip(".")
+                reason = str(failure).rstrip(".")
+                self.context.progress.stopped("cell", [pressure], reason)
+                yield reason
                 continue
             self._count("cell", cell)
             yield cell
@@ -269,6 +271,7 @@ class _Builder:
                 parts = both.result()
             except (PieceFailed, RodError) as failure:
                 self.failures.append(str(failure).rstrip("."))
+                self.context.progress.stopped("ends", [cell.curve.pressure], self.failures[-1])
                 break
             clamps.append(parts[0].curve)
             tips.append(parts[1].curve)

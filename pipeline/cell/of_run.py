@@ -1,6 +1,6 @@
 """The arm's own law as a part of a run: made where the arm and its effects have one, else a sentence why not."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
@@ -9,6 +9,7 @@ from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed, WorkerLost
 from pipeline.parallel.workers import Done, Pending
 from pipeline.simulation.effects_record import EffectState
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
 from rod import ArmLaw
@@ -21,6 +22,28 @@ class LawOfRun:
     measured: MeasuredLaw | None
     reason: str  #: why it was made or not, one sentence without its full stop
     failures: tuple[str, ...]  #: sentences about what a run with `law: cell` was to make and did not
+    not_borne: bool = False  #: whether a piece of the arm does not bear a pressure of the configuration
+
+    def beside(self, outcomes: Outcomes) -> "LawOfRun":
+        """The same law, whose reason names where the experiments on the whole arm have ended, if a piece did too.
+
+        Nothing is measured anew: pieces do not wait for the experiments, which take longer than to find out that they
+        do not bear a pressure.
+        """
+        ended = outcomes.first_to_end
+        if ended is None or not self.not_borne:
+            return self
+        return replace(self, reason=f"{self.reason}; {_ends(*ended)}")
+
+    def remarks(self, outcomes: Outcomes) -> tuple[str, ...]:
+        """A sentence where the law goes to pressures that the whole arm has not borne in an experiment."""
+        ended = outcomes.first_to_end
+        if self.law is None or ended is None or self.law.pressures[-1] <= ended[1]:
+            return ()
+        return (
+            f"the arm's own law goes up to {self.law.pressures[-1]:.4g} kPa, but {_ends(*ended)}, and its cells know "
+            "nothing of that; use the law below that pressure",
+        )
 
     @property
     def law(self) -> ArmLaw | None:
@@ -57,7 +80,12 @@ def law_of_run(scene: Scene, context: RunContext) -> Pending[LawOfRun]:
 
 def _none(choice: str, why: Exception) -> LawOfRun:
     reason = str(why).rstrip(".")
-    return LawOfRun(None, reason, (f"no law of the arm: {reason}",) if choice == "cell" else ())
+    failures = (f"no law of the arm: {reason}",) if choice == "cell" else ()
+    return LawOfRun(None, reason, failures, not_borne=isinstance(why, RunFailed))
+
+
+def _ends(experiment: str, pressure_kPa: float) -> str:
+    return f"experiment {experiment} of the whole arm ends at {pressure_kPa:.4g} kPa"
 
 
 def _law(choice: str, pieces: ArmPieces, context: RunContext) -> LawOfRun:
@@ -74,6 +102,6 @@ def _law(choice: str, pieces: ArmPieces, context: RunContext) -> LawOfRun:
         f"to {100 * measured.error_between:.2g} % of the largest one"
     )
     remarks = "; ".join((*measured.failures, *measured.limits))
-    return LawOfRun(
-        measured, f"{reason}; {remarks}" if remarks else reason, measured.failures if choice == "cell" else ()
-    )
+    failures = measured.failures if choice == "cell" else ()
+    not_borne = bool(measured.failures)
+    return LawOfRun(measured, f"{reason}; {remarks}" if remarks else reason, failures, not_borne)

@@ -38,7 +38,11 @@ class LawReport:
         """Raise RunFailed where a pressure was not reached."""
         if self.measured.failures:
             sentence = "; ".join(self.measured.failures)
-            raise RunFailed(f"{sentence}; what was reached is in {self.directory}", directory=self.directory)
+            known = f"the law goes up to {self.measured.law.pressures[-1]:g} kPa, the whole arm may bear less, which"
+            raise RunFailed(
+                f"{sentence}; {known} `pneurod run` finds out; what was reached is in {self.directory}",
+                directory=self.directory,
+            )
 
     def record(self) -> JsonObject:
         """The content of run.json."""

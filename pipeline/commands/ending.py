@@ -51,7 +51,7 @@ def errors_as_sentences() -> Iterator[None]:
     except InputError as failure:
         _end("\npneurod: ".join(failure.sentences), 2)
     except RunFailed as failure:
-        _end(str(failure), 1)
+        _end(failure.brief, 1)
     except KeyboardInterrupt:
         _end("interrupted; finished results are kept, and the same command continues from there", 130)
     except MemoryError:

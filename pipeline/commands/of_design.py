@@ -66,7 +66,7 @@ def run(
             print_json(verdict.record())
         else:
             print_lines(*([spent_table(report.seconds)] if verbose else []), *verdict_table(verdict))
-            print_sentences(*verdict.sentences, f"report: {folder / 'report.html'}")
+            print_sentences(*verdict.terminal_sentences, f"report: {folder / 'report.html'}")
         report.raise_if_failed()
 
 
@@ -75,20 +75,23 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_mesh")
 
-        from pipeline.plausibility import of_half, of_mesh
+        from pipeline.plausibility.body import of_half, of_mesh
+        from pipeline.plausibility.units import of_contact, of_units
         from pipeline.simulation.scene import Scene
         from pipeline.store.atomic_file import replacing
         from pipeline.store.result_folder import open_folder
         from pipeline.store.store import check_owner
         from pipeline.terminal import body_table
 
-        body, results = Scene.meshed(design).body, open_folder(folder)
+        scene, results = Scene.meshed(design), open_folder(folder)
+        body = scene.body
         check_owner(results.directory, design, "give another --out")
         file = results.path("mesh.vtu")
         with replacing(file) as part:
             body.mesh.write(part)
         print_lines(body_table(file, design.design, body))
-        print_sentences(*(f"Note: {sentence}." for sentence in (*of_mesh(body.mesh), of_half(body)) if sentence))
+        notes = (*of_units(design), *of_mesh(body.mesh), of_half(body), of_contact(scene))
+        print_sentences(*(f"Note: {sentence}." for sentence in notes if sentence))
 
 
 def effects(

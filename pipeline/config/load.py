@@ -142,9 +142,13 @@ def _design(document: Document, content: Any, family: str, regions: Sequence[str
 
 
 def _refused(document: Document, refused: DesignError, dimensions: Iterable[str] = ()) -> InputError:
-    parts = [tuple(key.split(".")) for key in refused.keys]
-    keys = tuple(("geometry", *key) if key[0] in dimensions else key for key in parts)
-    return document.wrong_together(keys, refused.sentence)
+    """A sentence for each thing that is wrong about a design."""
+    sentences: list[str] = []
+    for error in (refused, *refused.others):
+        parts = [tuple(key.split(".")) for key in error.keys]
+        keys = tuple(("geometry", *key) if key[0] in dimensions else key for key in parts)
+        sentences += document.wrong_together(keys, error.sentence).sentences
+    return InputError(*sentences)
 
 
 #: how far the end of the load that is part of every run lies from that of experiment III, over the length

@@ -1,5 +1,7 @@
 """What to do after a run, in sentences with the command or key to use."""
 
+from math import inf
+
 from pipeline.report.results import Results
 from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
 
@@ -45,7 +47,8 @@ def _loads(results: Results) -> list[str]:
 
 
 def _use(results: Results, rod: str) -> list[str]:
-    of_law = tuple(results.arm_law.get("pressures_kPa", ()))
+    highest = max(results.reached_pressures, default=inf)
+    of_law = tuple(p for p in results.arm_law.get("pressures_kPa", ()) if p <= highest)
     pressures = of_law if rod == ARM_LAW else results.identified_pressures
     if not rod or not pressures:
         return []

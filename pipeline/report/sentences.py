@@ -1,12 +1,16 @@
 """The sentences of the report."""
 
+import re
 from collections.abc import Iterable
 
 import numpy as np
 
-from pipeline.report.formatting import number, percent, seconds
+from pipeline.report.formatting import listed, number, percent, seconds
 from pipeline.report.results import Results, ValidationRow
 from pipeline.validation.rods import EXTENSIBLE, FIVE
+
+#: the sentence on an experiment that stopped early: its name, and the rest
+_OF_EXPERIMENT = re.compile(r"experiment (\w+) (.*)")
 
 
 def opening(results: Results) -> str:
@@ -18,6 +22,36 @@ def opening(results: Results) -> str:
     if not results.parameters:
         return f"{body}. The five parameters were not identified."
     return f"{body}, and rods were made that replace it in design and control. The verdict comes first."
+
+
+def not_reached(failures: Iterable[str]) -> list[str]:
+    """What was not reached, without the reasons, experiments with the same ending together."""
+    return _together(failure.partition(": ")[0] for failure in failures)
+
+
+def in_short(failures: Iterable[str]) -> list[str]:
+    """What was not reached, and of each reason the limit and the first place in the body, experiments with the same
+    reason together."""
+    return _together(map(_limit_and_place, failures))
+
+
+def _limit_and_place(failure: str) -> str:
+    first, *others = failure.split("; ")
+    place = next((clause for clause in others if ") mm" in clause), "")
+    return "; ".join(filter(None, (first, re.sub(r" \([^()]*\)$", "", place))))
+
+
+def _together(sentences: Iterable[str]) -> list[str]:
+    """Sentences that differ in the name of the experiment alone as one sentence."""
+    names: dict[str, list[str]] = {}
+    for sentence in sentences:
+        named = _OF_EXPERIMENT.fullmatch(sentence)
+        name, text = named.groups() if named else ("", sentence)
+        names.setdefault(text, []).append(name)
+    return [
+        f"experiment{'s' if len(found) > 1 else ''} {listed(found)} {text}" if any(found) else text
+        for text, found in names.items()
+    ]
 
 
 def not_identified(results: Results) -> str:

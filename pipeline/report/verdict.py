@@ -12,10 +12,13 @@ from pipeline.report.mesh import mesh_sentences
 from pipeline.report.next_steps import next_steps
 from pipeline.report.numbers import NUMBERS, Cell, five_parameters, law_mesh_error, mesh_error
 from pipeline.report.results import EffectRow, Results
-from pipeline.report.sentences import lines_needed
+from pipeline.report.sentences import in_short, lines_needed
 from pipeline.report.untested import untested
 from pipeline.report.validation import RodErrors, rod_errors, rod_to_take
 from pipeline.store.json_values import JsonObject
+
+#: the topic of what was not reached
+FAILURE = "failure"
 
 
 @dataclass(frozen=True)
@@ -45,11 +48,20 @@ class Verdict:
     errors: tuple[RodErrors, ...]  #: of every rod, that to take first
     statements: tuple[Statement, ...]
     parameters: tuple[JsonObject, ...]  #: by pressure: the five parameters unrounded, with _std and _95
+    failure_in_short: tuple[str, ...]  #: what is shown on a terminal for the statement on failure; empty without one
 
     @property
     def sentences(self) -> tuple[str, ...]:
         """All sentences, in the order in which they are shown."""
         return tuple(sentence for statement in self.statements for sentence in statement.sentences)
+
+    @property
+    def terminal_sentences(self) -> tuple[str, ...]:
+        """All sentences, with those on failure in short."""
+        return (
+            *self.failure_in_short,
+            *(sentence for s in self.statements if s.topic != FAILURE for sentence in s.sentences),
+        )
 
     def on(self, topic: str) -> tuple[str, ...]:
         """The sentences on one topic; none where nothing is said of it."""
@@ -71,7 +83,7 @@ def verdict_of(results: Results) -> Verdict:
     """The verdict on the result files of a run."""
     errors = rod_errors(results)
     topics = {
-        "failure": _failure(results),
+        FAILURE: _failure(results),
         "rod": rod_to_take(results)[:1] or ["No rod was compared with the finite elements."],
         "errors": rod_to_take(results)[1:],
         "single line": _single_line(results),
@@ -90,15 +102,30 @@ def verdict_of(results: Results) -> Verdict:
         errors=tuple(errors),
         statements=tuple(Statement(topic, tuple(said)) for topic, said in topics.items() if said),
         parameters=tuple(_parameters(results, index) for index in range(len(results.identified_pressures))),
+        failure_in_short=tuple(_failure_in_short(results)),
     )
 
 
 def _failure(results: Results) -> list[str]:
-    """What was not reached."""
+    """What was not reached, with all that is known of the reason."""
     if results.run.get("failure"):
         return [f"Not everything was reached: {results.run['failure']}."]
-    lost = [f"{row.experiment} at {number(row.pressure_kPa)} kPa: {row.reason}" for row in results.failures]
+    lost = _lost(results)
     return [f"Not every pressure was reached: {'; '.join(lost)}."] if lost else []
+
+
+def _failure_in_short(results: Results) -> list[str]:
+    """The same with the limit and a place of each reason."""
+    run = results.run
+    failures = run.get("failures") or ([run["failure"]] if run.get("failure") else _lost(results))
+    if not failures:
+        return []
+    return [f"Not reached: {'; '.join(in_short(failures))}. The report and run.json have the whole reason."]
+
+
+def _lost(results: Results) -> list[str]:
+    """The pressures that were not reached."""
+    return [f"{row.experiment} at {number(row.pressure_kPa)} kPa: {row.reason}" for row in results.failures]
 
 
 def _single_line(results: Results) -> list[str]:

@@ -1,5 +1,7 @@
 """States below its limit for an arm of which II and III reach no pressure of the configuration together."""
 
+from math import inf
+
 from pipeline.context import RunContext
 from pipeline.simulation.loadcase import LoadCase, schedule
 from pipeline.simulation.outcome import Outcomes
@@ -21,9 +23,9 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     rest, and where there would be no five parameters (`law: cell`, a short arm), for which alone these states are
     solved. Raises RunFailed as `simulate`.
     """
-    limit = _limit(outcomes)
+    limit = inf if outcomes.pairs else outcomes.lowest_end_kPa("II", "III")
     without_five = scene.config.law == "cell" or too_few_pitches(scene.body.length, scene.body.pitch)
-    if not limit or without_five:
+    if limit == inf or without_five:
         return outcomes, ""
     pressures = tuple(float(f"{part * limit:.{DIGITS}g}") for part in PARTS)
     names = experiments_of(scene.config)
@@ -37,12 +39,3 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
         f"{scene.config.pressures_kPa[0]:g} kPa is the lowest; they were also solved at {at} kPa, because one of them "
         f"ends at {limit:.{DIGITS}g} kPa: give pressures below that"
     )
-
-
-def _limit(outcomes: Outcomes) -> float:
-    """The lower pressure in kPa at which II or III ended; 0 where both have reached one, or nothing is known."""
-    if outcomes.pairs:
-        return 0.0
-    failures = [outcomes[name].failure for name in ("II", "III")]
-    ends = [failure.limit_kPa or failure.reached_kPa for failure in failures if failure]
-    return min((end for end in ends if end > 0.0), default=0.0)

@@ -1,6 +1,7 @@
 """Which effects took part in a run, and why."""
 
 from dataclasses import dataclass
+from math import isfinite
 
 from fem.elements import ELEMENTS
 from pipeline.config.config import CavityPressure, Config
@@ -78,8 +79,11 @@ def _contact(config: Config, outcomes: Outcomes) -> tuple[str, str]:
     ]
     if touched:
         return "on", f"walls came within the activation distance of contact: {', '.join(touched)}"
-    nearest = min((record.summary.min_gap_mm for record in outcomes.records), default=0.0)
-    return "off", f"no walls came within the activation distance of contact; the smallest gap was {nearest:.2g} mm"
+    if not outcomes.records:
+        return "off", "no pressure was reached, so that no walls met"
+    nearest = min(record.summary.min_gap_mm for record in outcomes.records)
+    smallest = f"the smallest gap was {nearest:.2g} mm" if isfinite(nearest) else "no walls face each other"
+    return "off", f"no walls came within the activation distance of contact; {smallest}"
 
 
 def _symmetry(scene: Scene) -> tuple[str, str]:

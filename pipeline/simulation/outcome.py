@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from math import inf
 
 import fem
 from fem.solution import Extremes
@@ -106,6 +107,12 @@ class Failure:
     factorizations: int  #: of these attempts
     limit_kPa: float = 0.0  #: of a limit point that was found; 0 where none was
     reached_kPa: float = 0.0  #: of the last equilibrium on the way to it
+    not_followed: bool = False  #: whether the path was left because of the limit of another experiment
+
+    @property
+    def first_clause(self) -> str:
+        """The beginning of the reason: the last equilibrium, and the limit or the first cause."""
+        return self.reason.partition("; ")[0]
 
 
 @dataclass(frozen=True)
@@ -204,6 +211,23 @@ class Outcomes:
     def failures(self) -> tuple[str, ...]:
         """A sentence for every experiment that stopped early."""
         return tuple(outcome.failure_sentence() for outcome in self if outcome.failure)
+
+    @property
+    def first_to_end(self) -> tuple[str, float] | None:
+        """The experiment that ended at the lowest pressure, and this pressure in kPa: the limit that it names, else its
+        last equilibrium. None where that is not known of any.
+
+        One that was not followed because of the limit of another tells nothing.
+        """
+        known = [o for o in self if o.failure and not o.failure.not_followed]
+        ends = [(o.failure.limit_kPa or o.failure.reached_kPa, o.name) for o in known if o.failure]
+        lowest = min((end for end in ends if end[0] > 0.0), default=None)
+        return lowest and (lowest[1], lowest[0])
+
+    def lowest_end_kPa(self, *names: str) -> float:
+        """That pressure, of these experiments alone where any are named; infinite where it is not known of any."""
+        among = Outcomes({name: outcome for name, outcome in self.by_name.items() if not names or name in names})
+        return among.first_to_end[1] if among.first_to_end else inf
 
     @property
     def seconds(self) -> fem.Seconds:

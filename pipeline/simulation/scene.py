@@ -1,6 +1,7 @@
 """From a configuration to its scene: the part of the body that is meshed, its material, and the effects on it."""
 
 from dataclasses import dataclass
+from math import inf
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
@@ -59,13 +60,19 @@ class Scene:
     @property
     def activation_distance(self) -> float | None:
         """The activation distance of contact (mm) as configured, or the default; None where no faces can meet."""
-        intended = [faces for faces in self.contact_faces if faces in self._intended_faces]
-        if not intended:
-            return None
         space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
+        return min((contact.activation_distance(space) for contact in self._intended_contacts), default=None)
+
+    @property
+    def smallest_gap(self) -> float:
+        """The smallest gap at rest between the faces that are expected to meet, mm; infinite where there are none."""
+        space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
+        return min((contact.smallest_gap(space) for contact in self._intended_contacts), default=inf)
+
+    @property
+    def _intended_contacts(self) -> list[fem.SelfContact]:
         dhat = self.config.effects.self_contact.dhat_mm
-        contacts = [fem.SelfContact(faces, dhat) for faces in intended]
-        return min(contact.activation_distance(space) for contact in contacts)
+        return [fem.SelfContact(faces, dhat) for faces in self.contact_faces if faces in self._intended_faces]
 
     @property
     def _intended_faces(self) -> tuple[str, ...]:

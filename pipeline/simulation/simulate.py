@@ -86,13 +86,23 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
         pressure = case.schedule.pressures_kPa[len(solution.steps)]
         limit_kPa = case.schedule.pressure_at(end.limit) if end.limit else 0.0
         reached_kPa = case.schedule.pressure_at(end.reached)
-        failure = Failure(pressure, failure_in_kPa(end, case), end.cutbacks, end.factorizations, limit_kPa, reached_kPa)
+        failure = Failure(
+            pressure,
+            failure_in_kPa(end, case),
+            end.cutbacks,
+            end.factorizations,
+            limit_kPa,
+            reached_kPa,
+            listener.is_given_up,
+        )
     if tells is not None:
         tells.set(failure.limit_kPa if failure else 0.0)
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:
         limit_kPa = failure.limit_kPa if failure else 0.0
         failure = Failure(case.schedule.pressures_kPa[len(steps)], intersection, 0, 0, limit_kPa)
+    if failure:
+        progress.stopped(case.name, case.schedule.pressures_kPa[len(steps) :], failure.first_clause)
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))
     pressures = case.schedule.pressures_kPa[: len(steps)]
     return Outcome(
@@ -117,6 +127,7 @@ class _PathListener:
     progress: Progress
     tells: KnownLimit | None = None  #: who is told the pressures that are reached
     reached: int = 0  #: pressures of the schedule that are reached
+    is_given_up: bool = False  #: whether the last pressure was given up because of the limit of another experiment
 
     @property
     def _pressure(self) -> float:
@@ -137,7 +148,13 @@ class _PathListener:
 
     def why_not(self, known: KnownLimit) -> Callable[[float], str]:
         """Why a load is not worth smaller increments, from what another experiment found."""
-        return lambda factor: known.why_not(self.case.schedule.pressure_at(factor))
+
+        def ask(factor: float) -> str:
+            reason = known.why_not(self.case.schedule.pressure_at(factor))
+            self.is_given_up = bool(reason)
+            return reason
+
+        return ask
 
     def iteration(self, factor: float, iteration: int, residual: float) -> None:
         self.progress.iteration(self.case.name, self._pressure, iteration, residual)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.errors import InputError, RunFailed
-from pipeline.progress import duration
+from pipeline.remaining_time import duration
 from pipeline.store.atomic_file import stale_parts
 from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance

@@ -1,0 +1,85 @@
+"""Sentences on the states that a run has reached."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import fem
+from fem.elements import ELEMENTS, Volumetric
+from pipeline.config.config import Config
+from pipeline.identification.parameters import Parameters
+from pipeline.simulation.outcome import Outcomes, StateSummary
+
+#: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
+NEARLY_INCOMPRESSIBLE, VOLUME_CHANGE = 0.49, 0.3
+#: largest stretch or its reciprocal up to which the law for small strains is not mentioned
+SMALL_STRAIN = 1.1
+#: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
+HARDLY_BENT = 0.05
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A run as far as its experiments and its identification went."""
+
+    config: Config
+    outcomes: Outcomes
+    parameters: tuple[Parameters, ...]
+
+
+def after_solving(solved: Solved) -> tuple[str, ...]:
+    """The sentences on the states that were reached."""
+    if not solved.outcomes.records:
+        return ()
+    return tuple(filter(None, (rule(solved) for rule in AFTER)))
+
+
+def _volume_change(solved: Solved) -> str:
+    """Elements with one point for the volumetric part change their volume where it should be kept."""
+    element, law = ELEMENTS[solved.config.mesh.formulation], solved.config.material.built()
+    worst = min((record.summary for record in solved.outcomes.records), key=lambda summary: summary.extremes.min_J)
+    lost = 1.0 - worst.extremes.min_J
+    if element.volumetric is Volumetric.PRESSURE or law.poisson_ratio < NEARLY_INCOMPRESSIBLE or lost < VOLUME_CHANGE:
+        return ""
+    return (
+        f"the material loses up to {100 * lost:.0f} % of its volume at {fem.position_text(worst.extremes.min_J_at)} "
+        f"({worst.experiment}, {worst.pressure_kPa:g} kPa), although a Poisson ratio of {law.poisson_ratio:.4g} keeps "
+        "it nearly; compare with mesh.formulation: mixed, or with a smaller mesh.size"
+    )
+
+
+def _large_strain(solved: Solved) -> str:
+    """St. Venant-Kirchhoff is a law for small strains."""
+    if solved.config.material.law != "svk":
+        return ""
+    states = [record.summary for record in solved.outcomes.records]
+    low, high = (choose(states, key=key) for choose, key in ((min, _smallest_stretch), (max, _largest_stretch)))
+    if max(high.extremes.max_stretch, 1.0 / low.extremes.min_stretch) <= SMALL_STRAIN:
+        return ""
+    return (
+        f"stretches in the walls go from {low.extremes.min_stretch:.2f} (compressed) to "
+        f"{high.extremes.max_stretch:.2f} (at {high.pressure_kPa:g} kPa), and St. Venant-Kirchhoff (svk) is a law for "
+        "small strains: for the silicone Elastosil M 4601 it holds up to a stretch of 1.08; fit another law to a "
+        "tensile test with pneurod material"
+    )
+
+
+def _hardly_bent(solved: Solved) -> str:
+    bent = [abs(p.kappa_0_middle) * p.kappa_0.length for p in solved.parameters]
+    if not bent or max(bent) >= HARDLY_BENT:
+        return ""
+    return (
+        f"the arm hardly bends: at {solved.parameters[-1].pressure_kPa:g} kPa its curvature adds up to {bent[-1]:.2g} "
+        "rad over the length, so that mesh and rounding matter more than usual; give higher pressures or thinner walls"
+    )
+
+
+def _smallest_stretch(summary: StateSummary) -> float:
+    return summary.extremes.min_stretch
+
+
+def _largest_stretch(summary: StateSummary) -> float:
+    return summary.extremes.max_stretch
+
+
+#: the rules
+AFTER: tuple[Callable[[Solved], str], ...] = (_volume_change, _large_strain, _hardly_bent)

@@ -1,0 +1,109 @@
+"""Sentences on a design, known from its configuration alone."""
+
+from collections.abc import Callable
+from math import inf
+
+from geometry import PneuNet
+from pipeline.config.config import Config, Material
+from rod import too_few_pitches
+
+#: p V_air / (E V_solid), about half the strain of a wall under the pressure p: the arms of the paper have 0.003 to
+#: 0.03, arms in the hard cases reach a limit between 0.02 and 0.06
+LARGEST_LOAD, SMALLEST_LOAD = 0.1, 3e-4
+#: the highest pressure that is suggested, over the one at which an experiment has ended: the others may end earlier
+#: (III of the coarse pneu-net at 0.69 times the limit of II), and are not followed far beyond it
+WELL_BELOW = 0.6
+
+
+def before_solving(config: Config, end_kPa: float = inf) -> tuple[str, ...]:
+    """The sentences on a design, known from its configuration.
+
+    end_kPa: after a run, the lowest pressure at which one of its experiments ended, kPa, infinite where none did; lower
+    ones are suggested.
+    """
+    of_pressures = (rule(config, end_kPa) for rule in ON_PRESSURES)
+    return tuple(filter(None, (*of_pressures, *(rule(config) for rule in ON_DESIGN))))
+
+
+def initial_modulus(material: Material) -> float:
+    """Young's modulus at small strain, MPa."""
+    law = material.built()
+    return 2.0 * law.shear_modulus * (1.0 + law.poisson_ratio)
+
+
+def _load(config: Config) -> tuple[float, str]:
+    """The largest pressure as p V_air / (E V_solid), and the beginning of a sentence about it."""
+    modulus, design, pressure = initial_modulus(config.material), config.design, config.pressures_kPa[-1]
+    air = design.cavity_volume / design.solid_volume
+    beginning = (
+        f"{pressure:g} kPa on walls with a Young's modulus of {modulus:.3g} MPa and {air:.2g} times as much air as "
+        "material"
+    )
+    return pressure / (1000.0 * modulus) * air, beginning
+
+
+def _strong_pressure(config: Config, end_kPa: float) -> str:
+    load, beginning = _load(config)
+    if config.effects.pressure.off or load <= LARGEST_LOAD:
+        return ""
+    pressure = config.pressures_kPa[-1]
+    return (
+        f"{beginning} are {load / LARGEST_LOAD:.2g} times what such an arm usually bears before its walls inflate like "
+        "balloons; check the units (kPa, MPa), or stay well below "
+        f"{_suggested(pressure * LARGEST_LOAD / load, end_kPa):g} kPa"
+    )
+
+
+def _weak_pressure(config: Config, end_kPa: float) -> str:
+    load, beginning = _load(config)
+    if config.effects.pressure.off or load >= SMALLEST_LOAD:
+        return ""
+    pressure = config.pressures_kPa[-1]
+    return (
+        f"{beginning} will hardly bend the arm; check the units (kPa, MPa, GPa), or give pressures up to "
+        f"{_suggested(30.0 * pressure * SMALLEST_LOAD / load, end_kPa):g} kPa"
+    )
+
+
+def _few_cells(config: Config) -> str:
+    if config.law == "cell" or not (sentence := too_few_pitches(config.design.length, config.design.pitch)):
+        return ""
+    remedies = {"chambers": "more geometry.chambers", "cell": "a smaller geometry.cell"}
+    remedy = next((text for key, text in remedies.items() if hasattr(config.design, key)), "a larger geometry.length")
+    return f"{sentence.removesuffix('.')}; give {remedy}, or law: cell for the arm's own law alone"
+
+
+def _unequal_cells(config: Config) -> str:
+    design = config.design
+    if config.law == "cell" or not isinstance(design, PneuNet) or design.equal:
+        return ""
+    return (
+        f"the chambers or gaps are not equal: curvatures are means over the mean pitch of {design.pitch:.3g} mm, and "
+        "the five parameters, which describe an arm of equal cells, are a rough model; the report has their errors"
+    )
+
+
+def _few_pressures(config: Config, end_kPa: float) -> str:
+    count = len(config.pressures_kPa) + config.added_pressures
+    if count > 2 or config.law == "cell":
+        return ""
+    untested = "how the parameters change" if count == 1 else "whether the parameters are linear in the pressure"
+    load, _ = _load(config)
+    high = _suggested(config.pressures_kPa[-1] * min(1.0, LARGEST_LOAD / load), end_kPa)
+    suggested = ", ".join(f"{_two_digits(fraction * high):g} kPa" for fraction in (0.25, 0.5, 0.75, 1.0))
+    number = "one pressure" if count == 1 else "two pressures"
+    return f"{number} cannot tell {untested}; give three or more, for example pressures: [{suggested}]"
+
+
+def _suggested(pressure_kPa: float, end_kPa: float) -> float:
+    """A pressure to suggest, or a lower one where the arm ends before it, kPa."""
+    return _two_digits(min(pressure_kPa, WELL_BELOW * end_kPa))
+
+
+def _two_digits(value: float) -> float:
+    return float(f"{value:.2g}")
+
+
+#: the rules on the pressures, given where an experiment has ended, and those on the rest of the configuration
+ON_PRESSURES: tuple[Callable[[Config, float], str], ...] = (_strong_pressure, _weak_pressure, _few_pressures)
+ON_DESIGN: tuple[Callable[[Config], str], ...] = (_few_cells, _unequal_cells)

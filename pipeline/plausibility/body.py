@@ -1,0 +1,37 @@
+"""Sentences on the meshed body, known before anything is solved."""
+
+from geometry import Body, Mesh
+
+#: smallest radius ratio of an element that is not mentioned: meshes of the families have 0.1 to 0.3, and below this one
+#: a mesh of a CAD file is optimized once more
+FLAT_ELEMENT = 0.05
+#: distance of a cavity from the plane of symmetry, over the length of the arm, that is more than rounding
+APART = 1e-5
+
+
+def of_half(body: Body) -> str:
+    """The sentence on cavities that have a mirror image apart from themselves in a half that is meshed; else empty."""
+    if not body.half:
+        return ""
+    points, faces = body.mesh.points, body.mesh.faces
+    away = [name for name in body.cavities if points[faces[name], 2].min() > APART * body.length]
+    if not away:
+        return ""
+    names, verb, them = ", ".join(away), "does" if len(away) == 1 else "do", "it" if len(away) == 1 else "them"
+    return (
+        f"of the half z >= 0 of the body, {names} {verb} not reach the plane z = 0: the whole body has a mirror image "
+        f"of {them} at z < 0, with the same pressure; write geometry.symmetric: false if it has not"
+    )
+
+
+def of_mesh(mesh: Mesh) -> tuple[str, ...]:
+    """The sentences on a mesh, known before anything is solved."""
+    quality = mesh.quality
+    if quality.minimum >= FLAT_ELEMENT:
+        return ()
+    where = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
+    return (
+        f"the flattest of the {quality.count} elements has a radius ratio of {quality.minimum:.2g} (a regular one "
+        f"has 1), near ({where}) mm, where stresses may be inaccurate and large deformation may end early; look for a "
+        "small edge or a thin gap of the body there, or mesh it with another size",
+    )

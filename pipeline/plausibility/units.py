@@ -1,0 +1,119 @@
+"""Sentences on numbers of a configuration that no arm has, most likely because of their unit."""
+
+from collections.abc import Callable, Iterator
+from math import hypot, isfinite
+
+from pipeline.config.config import Config, Material
+from pipeline.plausibility.before import initial_modulus
+from pipeline.simulation.scene import Scene
+
+#: kg/m^3, from foams to rubbers with heavy fillers; a region with a material of its own may be of metal, up to copper
+LIGHTEST, HEAVIEST, HEAVIEST_REGION = 20.0, 3000.0, 9000.0
+#: largest displacement of the end across the arm, over its length: that of an arc is (1 - cos t) / t, t its angle,
+#: and that is 0.725 at most
+HIGHEST_END = 0.72
+#: smallest one that is not taken for zero
+LOWEST_END = 5e-4
+#: force on the end over E I / l^2, with I of the box around the section: 0.08 to 0.3 in the configurations of the
+#: paper's arms, whose walls have 0.03 to 0.06 of this rigidity
+LARGEST_FORCE, SMALLEST_FORCE = 3.0, 1e-4
+#: strain of the arm under a force that pulls along it
+LARGEST_PULL = 0.5
+#: activation distance of contact over the smallest gap: errors of kappa_0 are 1 % with 0.02, 4 % with 0.08
+#: (docs/accuracy.md), and 0.0025 is the smallest with which an arm was solved
+LARGEST_PART, SMALLEST_PART = 0.1, 1e-3
+#: activation distance of contact over the thinnest wall
+LARGEST_PART_OF_WALL = 0.25
+
+
+def of_units(config: Config) -> tuple[str, ...]:
+    """The sentences on densities, and on heights of the end and forces on it, known before the body is meshed."""
+    return tuple(sentence for rule in RULES for sentence in rule(config))
+
+
+def of_contact(scene: Scene) -> str:
+    """The sentence on the activation distance of contact, known from the meshed body; else empty."""
+    dhat = scene.config.effects.self_contact.dhat_mm
+    if dhat is None or not isfinite(gap := scene.smallest_gap):
+        return ""
+    wall = scene.config.design.thinnest_wall
+    largest = min(LARGEST_PART * gap, LARGEST_PART_OF_WALL * wall)
+    if SMALLEST_PART * gap <= dhat <= largest:
+        return ""
+    what = (
+        "keeps walls in contact so far apart that the results change by more than a few per cent"
+        if dhat > largest
+        else "is smaller than any with which an arm was solved, and may need very many iterations"
+    )
+    return (
+        f"effects.self_contact.dhat, {dhat:g} mm with a smallest gap of {gap:.3g} mm and a thinnest wall of "
+        f"{wall:.3g} mm, {what}; check its unit, leave it out, or give {0.005 * gap:.2g} to {largest:.2g} mm"
+    )
+
+
+def _densities(config: Config) -> Iterator[str]:
+    yield from _density("material", config.material, HEAVIEST, "rubbers and foams")
+    for region, material in config.materials.items():
+        yield from _density(f"materials.{region}", material, HEAVIEST_REGION, "foams, rubbers and metals")
+
+
+def _density(key: str, material: Material, heaviest: float, substances: str) -> Iterator[str]:
+    if material.density_tonne_mm3 is None:
+        return
+    density = 1e12 * material.density_tonne_mm3
+    if LIGHTEST <= density <= heaviest:
+        return
+    likely = {f"{density:g} g/cm^3": 1e3 * density, f"{1e-3 * density:g} kg/m^3": 1e-3 * density}
+    meant = [f"did you mean {text}?" for text, value in likely.items() if LIGHTEST <= value <= heaviest]
+    yield (
+        f"{key}.density is {density:.4g} kg/m^3, and {substances} have {LIGHTEST:g} to {heaviest:g} kg/m^3; "
+        f"{' '.join(meant) or 'check its unit (kg/m^3, g/cm^3)'}"
+    )
+
+
+def _heights(config: Config) -> Iterator[str]:
+    """Of the end in experiment III and in the loads that a user has given."""
+    given = {"end.y": [config.end.y_mm or 0.0]}
+    if config.validation.with_experiments:
+        given["validation.end_y"] = list(config.validation.end_y_mm)
+    length = config.design.length
+    for key, heights in given.items():
+        for height in heights:
+            part = abs(height) / length
+            if part > HIGHEST_END:
+                yield (
+                    f"{key} moves the end by {height:g} mm, {part:.2g} times the length of the arm, and an arm that is "
+                    f"bent to an arc moves it by {HIGHEST_END:g} times its length at most; check the unit (mm, cm, m), "
+                    f"or give less than {HIGHEST_END * length:.3g} mm"
+                )
+            elif 0.0 < part < LOWEST_END:
+                yield (
+                    f"{key} moves the end by {height:g} mm, {part:.2g} times the length of the arm, which is hardly "
+                    "different from 0 mm; check the unit (mm, cm, m)"
+                )
+
+
+def _forces(config: Config) -> Iterator[str]:
+    """On the end in experiment III and in the loads that a user has given."""
+    design = config.design
+    length, height, width = design.extent
+    modulus = max(initial_modulus(material) for material in (config.material, *config.materials.values()))
+    bends, pulls = modulus * width * height**3 / 12.0 / length**2, modulus * design.solid_volume / length
+    for key, forces in {"end": [config.end.force_N], "validation.forces": config.validation.forces_N}.items():
+        for along, across in forces:
+            largest = max(hypot(min(along, 0.0), across) / (LARGEST_FORCE * bends), along / (LARGEST_PULL * pulls))
+            size = hypot(along, across)
+            if largest > 1.0:
+                what = f"{largest:.2g} times what would fold or tear a bar of this material without cavities"
+            elif 0.0 < size < SMALLEST_FORCE * bends:
+                what = "too small to move the arm"
+            else:
+                continue
+            yield (
+                f"{key}: a force of {size:.3g} N on the end is {what}; check its unit (N, mN), or give "
+                f"{0.01 * bends:.2g} to {0.3 * bends:.2g} N"
+            )
+
+
+#: the rules on a configuration
+RULES: tuple[Callable[[Config], Iterator[str]], ...] = (_densities, _heights, _forces)
