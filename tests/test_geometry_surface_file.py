@@ -91,6 +91,46 @@ def test_stl_as_text(folder: Path) -> None:
     assert SurfaceFile(str(path), curve=1.5).solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
 
 
+def loose(path: Path, corners: np.ndarray, noise: float, digits: int = 9) -> Path:
+    """Write triangles with the corners (k, 3, 3) as text, each coordinate off by up to `noise` mm, as programs do that
+    compute the corners of each triangle for themselves."""
+    lines = ["solid loose"]
+    for triangle in corners + noise * np.random.default_rng(1).uniform(-1, 1, corners.shape):
+        vertices = ["vertex " + " ".join(f"{x:.{digits}g}" for x in corner) for corner in triangle]
+        lines += ["facet normal 0 0 0", "outer loop", *vertices, "endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid loose"]), encoding="ascii")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("noise", "digits", "shift"), [(5e-7, 9, 0.0), (5e-6, 9, 0.0), (2e-4, 9, 0.0), (5e-5, 6, 123.4)]
+)
+def test_corners_that_differ_by_rounding_are_one(
+    noise: float, digits: int, shift: float, stl: Path, tmp_path: Path
+) -> None:
+    points, triangles = triangles_of(stl)
+    surface = read_surface(loose(tmp_path / "loose.stl", points[triangles] + [shift, 0, 0], noise, digits))
+    assert surface.volume == pytest.approx(BAR_VOLUME, rel=1e-4)
+    assert len(surface.points) == len(np.unique(triangles))
+    assert len(surface.triangles) == len(triangles)
+
+
+def test_nothing_but_rounding_is_welded(stl: Path, tmp_path: Path) -> None:
+    """A slit that is wider than rounding stays a hole; so does one between triangles that are as small themselves."""
+    points, triangles = triangles_of(stl)
+    corners = points[triangles].copy()
+    right = corners.mean(axis=1)[:, 0] > 30
+    corners[right] += [0.005, 0, 0]
+    with pytest.raises(DesignError, match="has a hole"):
+        SurfaceFile(str(loose(tmp_path / "slit.stl", corners, 0.0)), curve=1.5)
+    chain = np.column_stack([np.arange(9) * 6e-4, np.zeros((9, 2))])  # near the end of a body of 60 mm
+    small = np.vstack([points, np.add(chain, [60, 12, 0]), [[60, 13, 0]]])
+    fan = [[len(points) + k, len(points) + k + 1, len(small) - 1] for k in range(8)]
+    path = written(tmp_path / "small.ply", small, np.vstack([triangles, fan]))
+    with pytest.raises(DesignError, match="has a hole: 10 edges"):
+        SurfaceFile(str(path), curve=1.5)
+
+
 def test_inches_and_z_up(stl: Path, folder: Path) -> None:
     points, triangles = triangles_of(stl)
     x, y, z = points.T / 25.4

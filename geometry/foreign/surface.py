@@ -7,13 +7,19 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.foreign.shells import outside_first, shells, windings
+from geometry.foreign.welded import welded
 from geometry.mesh import MeshError, read_content
-from geometry.topology import normals, row_keys, triangle_edges
+from geometry.topology import normals, open_edges, row_keys, triangle_edges
 
 #: what a file of a surface may end with
 SUFFIXES = (".stl", ".ply", ".obj", ".off")
 #: vertices nearer to each other than this, over the size of the body, are one
 SAME = 1e-6
+#: vertices of open edges nearer to each other than this, over the size of the body, are one: files have six digits, the
+#: last of which is 1e-5 of a length of 100 mm
+ROUNDED = 2e-5
+#: but never vertices farther apart than this part of the shortest side of the triangles at the open edges
+SHORTER = 1 / 3
 #: at most this many places are measured for the thickness of the walls
 PLACES = 300
 
@@ -67,12 +73,28 @@ def _merged(points: Array, triangles: Index) -> tuple[Array, Index]:
     if not size > 0:
         raise MeshError("all points of the surface are the same")
     _, first, same = np.unique(np.round(points / (SAME * size)), axis=0, return_index=True, return_inverse=True)
-    triangles = same.reshape(-1)[triangles]
+    points, triangles = _compact(points[first], same.reshape(-1)[triangles])
+    rim = np.unique(open_edges(triangles, len(points)))
+    if not len(rim):
+        return points, triangles
+    same = np.arange(len(points))
+    same[rim] = rim[welded(points[rim], min(ROUNDED * size, SHORTER * _shortest_side(points, triangles, rim)))]
+    return _compact(points, same[triangles])
+
+
+def _shortest_side(points: Array, triangles: Index, vertices: Index) -> float:
+    """Length of the shortest side of the triangles (k, 3) that have one of the vertices (v,)."""
+    ends = points[triangle_edges(triangles[np.isin(triangles, vertices).any(axis=1)])]
+    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).min())
+
+
+def _compact(points: Array, triangles: Index) -> tuple[Array, Index]:
+    """The triangles (k, 3) with three different vertices, each once, and the points that they use."""
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (a != c)]
-    _, kept = np.unique(row_keys(triangles, len(first)), return_index=True)
+    _, kept = np.unique(row_keys(triangles, len(points)), return_index=True)
     used, numbers = np.unique(triangles[np.sort(kept)], return_inverse=True)
-    return points[first][used], numbers.reshape(-1, 3).astype(np.int64)
+    return points[used], numbers.reshape(-1, 3).astype(np.int64)
 
 
 def _check_closed(points: Array, triangles: Index) -> None:
