@@ -1,5 +1,6 @@
 """Bodies from closed surfaces (STL): filled with elements, and refused with the position of what is wrong."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -221,13 +222,56 @@ def test_position_and_names_are_checked_before_filling(stl: Path, folder: Path) 
             SurfaceFile(str(stl), curve=1.5, air={name: (30, 5, 0)})
 
 
+#: how a corner of a face is written, from the number of its vertex
+CORNERS: dict[str, Callable[[int, int], str]] = {
+    "vertices": lambda vertex, count: f"{vertex + 1}",
+    "textures": lambda vertex, count: f"{vertex + 1}/1",
+    "normals": lambda vertex, count: f"{vertex + 1}//2",
+    "both": lambda vertex, count: f"{vertex + 1}/1/2",
+    "backwards": lambda vertex, count: f"{vertex - count}/-1/-1",
+}
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+def test_obj_files_as_other_programs_write_them(corner: str, folder: Path, tmp_path: Path) -> None:
+    """Two objects and a group with a colour at their vertices: the outside in two parts, and the walls of the air."""
+    points, triangles = triangles_of(write_surface(folder / "bar.stl", bar, 50))
+    write = CORNERS[corner]
+    lines = ["# a bar", "mtllib bar.mtl", "o outside", *(f"v {x} {y} {z} 0.5 0.5 1" for x, y, z in points)]
+    lines += ["vt 0 0", "vn 0 0 1", "vn 0 1 0", "s off"]
+    groups = ("usemtl rubber", "o upper half", "g walls of the air")
+    for group, part in zip(groups, np.array_split(triangles, 3), strict=True):
+        lines += [group, *("f " + " ".join(write(vertex, len(points)) for vertex in face) for face in part)]
+    path = tmp_path / "bar.OBJ"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    design = SurfaceFile(str(path), curve=1.5)
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
+    assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("v 0 0 0\nv 1 zero 0\n", "cannot be read: line 2 is 'v 1 zero 0'"),
+        ("v 0 0 0\nv 1 0\n", "cannot be read: line 2 is 'v 1 0'"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 4/1\n", "a face in the surface file .* uses a vertex that the file"),
+        ("v 0 0 0\nv 1 0 0\nf 1 2\n", "has faces with 2 corners; save it with triangles"),
+        ("solid bar\n", "has no triangles"),
+    ],
+)
+def test_obj_files_that_cannot_be_read(text: str, sentence: str, tmp_path: Path) -> None:
+    (tmp_path / "bar.obj").write_text(text, encoding="utf-8")
+    with pytest.raises(DesignError, match=f"file: .*{sentence}"):
+        SurfaceFile(str(tmp_path / "bar.obj"), curve=1.5)
+
+
 def test_faces_with_more_than_four_corners_are_named(tmp_path: Path) -> None:
     """A closed prism on a pentagon: its two ends have five corners."""
     corners = [(x, np.sin(angle), np.cos(angle)) for x in (0, 9) for angle in np.arange(5) * 2 * np.pi / 5]
     sides = [f"f {k + 1} {(k + 1) % 5 + 1} {(k + 1) % 5 + 6} {k + 6}" for k in range(5)]
     lines = [f"v {x} {y} {z}" for x, y, z in corners] + sides + ["f 5 4 3 2 1", "f 6 7 8 9 10"]
     (tmp_path / "prism.obj").write_text("\n".join(lines))
-    with pytest.raises(DesignError, match=r"file: .* has faces with more than four corners; save it with triangles"):
+    with pytest.raises(DesignError, match=r"file: .* has faces with 5 corners; save it with triangles"):
         SurfaceFile(str(tmp_path / "prism.obj"), curve=0)
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array, Index
+from geometry.foreign.obj import read_obj
 from geometry.foreign.shells import outside_first, shells, windings
 from geometry.foreign.welded import welded
 from geometry.mesh import MeshError, read_content
@@ -44,18 +45,25 @@ class Surface:
 
 def read_surface(path: Path) -> Surface:
     """Read a closed surface. Raises `MeshError` where it is missing, has a hole, or is not that of one body."""
-    content = read_content(path)
-    blocks = [np.asarray(block.data, dtype=np.int64) for block in content.cells if block.type == "triangle"]
-    for block in content.cells:
-        if block.type == "polygon":
-            raise MeshError(f"the surface file {path} has faces with more than four corners; save it with triangles")
-        if block.type == "quad":
-            blocks += [np.asarray(block.data, dtype=np.int64)[:, corners] for corners in ([0, 1, 2], [0, 2, 3])]
+    points, faces = read_obj(path) if path.suffix.lower() == ".obj" else _read_with_meshio(path)
+    blocks = []
+    for block in faces:
+        corners = block.shape[1]
+        if corners not in (3, 4):
+            raise MeshError(f"the surface file {path} has faces with {corners} corners; save it with triangles")
+        blocks += [block] if corners == 3 else [block[:, [0, 1, 2]], block[:, [0, 2, 3]]]
     if not sum(map(len, blocks)):
         raise MeshError(f"the surface file {path} has no triangles")
-    points, triangles = _merged(np.asarray(content.points, dtype=np.float64), np.vstack(blocks))
+    points, triangles = _merged(points, np.vstack(blocks))
     _check_closed(points, triangles)
     return _oriented(points, triangles)
+
+
+def _read_with_meshio(path: Path) -> tuple[Array, list[Index]]:
+    """Points (n, 3) and faces, those with equally many corners together, (k, corners). Raises `MeshError`."""
+    content = read_content(path)
+    blocks = [block.data for block in content.cells if block.type in ("triangle", "quad", "polygon")]
+    return np.asarray(content.points, dtype=np.float64), [np.asarray(block, dtype=np.int64) for block in blocks]
 
 
 def enclosed(points: Array, triangles: Index) -> float:
