@@ -19,8 +19,8 @@ from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
-from geometry.meshing.cad import LARGEST, SMALLEST
 from geometry.meshing.cad_import import Point
+from geometry.meshing.cad_position import LARGEST, SMALLEST
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
@@ -35,7 +35,7 @@ class Placing:
     clamp: float | None  #: x of the clamped end, mm; None for the end with the smallest x
     tip: float | None  #: x of the other end, mm; None for the end with the largest x
     air: Mapping[str, Point]  #: name of a cavity -> a point in it, mm; empty where there is one cavity alone
-    half: bool  #: the file holds the half z >= 0
+    half: bool  #: the file holds one half alone, z >= 0 or z <= 0
     unit: float  #: mm per unit of length of the file
     axes: Axes = SAME
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
@@ -51,12 +51,17 @@ class Placed:
 
 
 def turned(content: FileMesh, placing: Placing) -> FileMesh:
-    """The content of a file in mm and in the directions of the arm. Raises `DesignError`."""
+    """The content of a file in mm and in the directions of the arm; of a half z <= 0 its mirror image, the other half.
+
+    Raises `DesignError`.
+    """
     turn = placing.unit * rotation(placing.axes).T
-    curved = CurvedEdges(content.curved.ends, content.curved.middles @ turn)
     points = content.points @ turn
     check_dimensions(points, placing.unit)
-    return replace(content, points=points, curved=curved)
+    if (placing.half or "sym" in content.faces) and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
+        turn = turn @ np.diag([1.0, 1.0, -1.0])
+    curved = CurvedEdges(content.curved.ends, content.curved.middles @ turn)
+    return replace(content, points=content.points @ turn, curved=curved)
 
 
 def check_dimensions(points: Array, unit: float) -> None:
@@ -164,12 +169,14 @@ def _check_across(points: Array, placing: Placing) -> None:
     reach = f"the body reaches from z = {low:.4g} to {high:.4g} mm"
     if placing.half and abs(low) > tolerance:
         raise DesignError(
-            "symmetric", f"{reach}; true is for a file that holds the half z >= 0 alone: leave it out, or move the body"
+            "symmetric",
+            f"{reach}; true is for a file that holds one half alone, with z = 0 at its side: leave it out, or "
+            "move the body",
         )
     if not placing.half and not low < -tolerance < tolerance < high:
         raise DesignError(
             "symmetric",
-            f"{reach}, and the material curve runs at z = 0; write true if the file holds the half z >= 0 of an arm, "
+            f"{reach}, and the material curve runs at z = 0; write true if the file holds one half of an arm, "
             "else move the body so that its middle is at z = 0",
         )
 
