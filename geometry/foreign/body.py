@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Array, Index
+from geometry.arrays import Array, Index, Mask
 from geometry.curve_height import HEIGHTS, height_advice
 from geometry.curved import CurvedEdges
 from geometry.design import DesignError
@@ -89,7 +89,10 @@ def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
     move = Move(ends, placing.half)
     points, length = _in_planes(move.there(points), move.length, placing), move.length
     moved = CurvedEdges(curved.ends, move.there(curved.middles))
-    mesh = divided(Mesh(points, tets, {}, moved, content.regions), placing.curve, length)
+    mesh = Mesh(points, tets, {}, moved, content.regions)
+    for name, position in (("clamp", 0.0), ("tip", length)):
+        _flat(name, position, mesh.points, mesh.boundary, placing)
+    mesh = divided(mesh, placing.curve, length)
     cavities, named = _named(mesh, placing, move)
     return Placed(replace(mesh, faces=named), length, cavities)
 
@@ -200,32 +203,31 @@ def divided(mesh: Mesh, curve_y: float, length: float) -> Mesh:
     if curve_gap(mesh, curve_y, length) is None:
         return mesh
     result = with_curve(mesh, curve_y, length)
-    _check_curve(result, curve_y, length)
-    return result
-
-
-def _check_curve(mesh: Mesh, curve_y: float, length: float) -> None:
-    """Raise `DesignError` where the material curve leaves the material of a mesh that has been divided along it."""
-    gap = curve_gap(mesh, curve_y, length)
+    gap = curve_gap(result, curve_y, length)
     if gap is not None:
         raise DesignError(
             "curve",
             f"the line y = {curve_y:g} mm, z = 0 is outside the material from {gap[0]:.4g} to {gap[1]:.4g} mm behind "
             f"the clamp; {_heights(mesh, length)}",
         )
+    return result
 
 
 def _heights(mesh: Mesh, length: float) -> str:
-    """At which of some heights the material curve would lie in the material, the second half of a sentence."""
+    """At which of some heights the mesh could be divided along the material curve, the second half of a sentence."""
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     z = 1e-3 * float(high[2] - low[2]) if low[2] >= 0 else 0.0  # within a half body
-    along = np.linspace(0.0, length, 2 * HEIGHTS + 2)[1:-1]
+    along = np.linspace(0.0, length, 2 * HEIGHTS + 2)
+    along[[0, -1]] += [FLAT * length, -FLAT * length]
     corners = mesh.points[mesh.boundary]
 
     def fits(y: float) -> bool:
         return all(windings(np.array([x, y, z]), corners) > 0.5 for x in along)
 
-    return height_advice(float(low[1]), float(high[1]), fits)
+    def accepted(y: float) -> bool:
+        return curve_gap(with_curve(mesh, y, length, improved=False), y, length) is None
+
+    return height_advice(float(low[1]), float(high[1]), fits, accepted)
 
 
 def curve_gap(mesh: Mesh, curve_y: float, length: float) -> tuple[float, float] | None:
@@ -265,13 +267,7 @@ def _named(mesh: Mesh, placing: Placing, move: Move) -> tuple[tuple[str, ...], d
     walls = np.vstack(list(cavities.values()))
     outside = free[find_rows(free, walls, len(points)) < 0]
     for name, position in (("clamp", 0.0), ("tip", length)):
-        flat = lies_in(points, outside, (0, position), tolerance)
-        if not flat.any():
-            given = getattr(placing, name)
-            where = "at its end" if given is None else f"in the plane x = {given:g} mm"
-            raise DesignError(
-                name, f"the body has no flat face {where}; give the x of a plane in which its surface lies"
-            )
+        flat = _flat(name, position, points, outside, placing)
         named[name], outside = outside[flat], outside[~flat]
     for name, walls in cavities.items():
         if not Mesh(points, mesh.tets, {name: walls}).enclosed_volume(name) > 0:
@@ -279,3 +275,20 @@ def _named(mesh: Mesh, placing: Placing, move: Move) -> tuple[tuple[str, ...], d
     named |= cavities
     named["outer"] = outside
     return tuple(cavities), {name: triangles for name, triangles in named.items() if len(triangles)}
+
+
+def _flat(name: str, position: float, points: Array, triangles: Index, placing: Placing) -> Mask:
+    """True for the triangles (k, 3) in the plane x = position (mm) of the end `name`, (k,).
+
+    Raises `DesignError` where there is none.
+    """
+    flat = lies_in(points, triangles, (0, position), 1e-9 * float(np.ptp(points, axis=0).max()))
+    if not flat.any():
+        given = getattr(placing, name)
+        where = "at its end" if given is None else f"in the plane x = {given:g} mm"
+        raise DesignError(
+            name,
+            f"the body has no flat face {where}; cut a rounded end off, or give the x of a plane in which its surface "
+            "lies",
+        )
+    return flat

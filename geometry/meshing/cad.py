@@ -19,7 +19,7 @@ from geometry.mesh import Mesh
 from geometry.meshing.cad_curve import check_curve
 from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids
 from geometry.meshing.cad_parts import BODY, named_parts
-from geometry.meshing.cad_position import check_position, check_symmetric
+from geometry.meshing.cad_position import check_ends, check_position, check_symmetric, no_end_face
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.shapes import Volume
 from geometry.meshing.size_field import set_size_field, thinnest_wall
@@ -107,12 +107,7 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
     named = name_faces(points, tets, mesh.walls, planes, curved)
     for name in ("clamp", "tip"):
         if name not in named.faces:
-            position = getattr(body, name) * (-1 if body.turned else 1)
-            raise DesignError(
-                name,
-                f"the body has no face in the plane x = {position:g} mm; clamp and tip are flat faces across x: cut a "
-                "rounded end off in the CAD program, or turn the body with axes",
-            )
+            raise no_end_face(body, name)
     ends = np.cumsum([len(region) for region in mesh.regions.values()])
     numbers = np.split(np.arange(len(tets)), ends[:-1])
     regions = {name: of_name for name, of_name in zip(mesh.regions, numbers, strict=True) if name != BODY}
@@ -132,6 +127,7 @@ def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Vo
             gmsh.model.occ.synchronize()
             low, high = bounds(gmsh, solids)
         check_position(body, low, high)
+        check_ends(gmsh, body, solids)
         check_curve(gmsh, body, solids, low, high)
         parts = named_parts(gmsh, body, solids, low, high)
         if body.half and low[2] < -rounding:

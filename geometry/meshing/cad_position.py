@@ -51,6 +51,26 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
         )
 
 
+def check_ends(gmsh: Any, body: CadBody, solids: list[Volume]) -> None:
+    """Raise `DesignError` unless solids have a face in the plane of the clamp, and one in that of the tip."""
+    faces = gmsh.model.getBoundary(solids, combined=False, oriented=False)
+    reach = np.array([gmsh.model.getBoundingBox(*face) for face in faces])[:, [0, 3]]
+    for name in ("clamp", "tip"):
+        away = np.abs(reach - getattr(body, name)).max(axis=1)
+        if away.min() > 1e-6 * (body.tip - body.clamp):
+            raise no_end_face(body, name)
+
+
+def no_end_face(body: CadBody, name: str) -> DesignError:
+    """The refusal of a body without a face in the plane of the end `name`."""
+    position = getattr(body, name) * (-1 if body.turned else 1)
+    return DesignError(
+        name,
+        f"the body has no face in the plane x = {position:g} mm; clamp and tip are flat faces across x: cut a "
+        "rounded end off in the CAD program, or turn the body with axes",
+    )
+
+
 def check_symmetric(gmsh: Any, solids: list[Volume]) -> None:
     """Raise `DesignError` unless solids of one material and their mirror images at z = 0 fill the same space."""
     occ = gmsh.model.occ
