@@ -203,9 +203,24 @@ def test_mesh_writes_the_body_and_its_quality(coarse: str, tmp_path: Path) -> No
         assert text in result.stdout
 
 
-def test_mesh_does_not_replace_the_body_of_another_configuration(coarse: str, tmp_path: Path) -> None:
+def test_mesh_names_the_volume_of_every_cavity(configs: Path, tmp_path: Path) -> None:
+    config = str(configs / "bisected_circle_coarse.yaml")
+    result = call("mesh", config, "--out", str(tmp_path), "--set", "geometry.length=40 mm", "--set", "mesh.size=6 mm")
+    assert result.exit_code == 0, result.stderr
+    design = load_config(config, ["geometry.length=40 mm"]).design
+    assert len(design.cavities) == 2
+    for name, drawn in design.cavity_volumes.items():
+        (line,) = [line for line in result.stdout.splitlines() if line.startswith(f"{name} ")]
+        assert line.rstrip().endswith(f"mm3 in the full body; closed form {drawn:.7g}")
+
+
+def test_mesh_does_not_replace_the_body_of_another_configuration(
+    coarse: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is refused before meshing, which may take minutes."""
     with open_store(tmp_path, load_config(coarse)):
         pass
+    monkeypatch.setattr("pipeline.simulation.scene.Scene.meshed", lambda config: pytest.fail("it is meshed"))
     message = sentence(call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2"), 2)
     assert message.endswith("holds the results of another configuration; give another --out")
     assert not (tmp_path / "mesh.vtu").exists()

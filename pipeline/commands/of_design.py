@@ -82,9 +82,9 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         from pipeline.store.store import check_owner
         from pipeline.terminal import body_table
 
-        body, results = Scene.meshed(design).body, open_folder(folder)
+        results = open_folder(folder)
         check_owner(results.directory, design, "give another --out")
-        file = results.path("mesh.vtu")
+        body, file = Scene.meshed(design).body, results.path("mesh.vtu")
         with replacing(file) as part:
             body.mesh.write(part)
         print_lines(body_table(file, design.design, body))
