@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
-from geometry import Body, Mesh, PneuNet
-from pipeline.config.config import Config
+from geometry import Body, CadFile, Mesh, PneuNet
+from pipeline.config.config import AUTO, Config
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Outcomes, StateSummary
 from rod import too_few_pitches
@@ -27,6 +27,8 @@ HARDLY_BENT = 0.05
 #: smallest radius ratio of an element that is not mentioned: meshes of the families have 0.1 to 0.3, and below this one
 #: a mesh of a CAD file is optimized once more
 FLAT_ELEMENT = 0.05
+#: length of an edge of a CAD file, over the size of the elements, below which it is mentioned
+SMALL_EDGE = 1 / 3
 #: distance of a cavity from the plane of symmetry, over the length of the arm, that is more than rounding
 APART = 1e-5
 
@@ -57,6 +59,24 @@ def of_half(body: Body) -> str:
     return (
         f"of the half z >= 0 of the body, {names} {verb} not reach the plane z = 0: the whole body has a mirror image "
         f"of {them} at z < 0, with the same pressure; write geometry.symmetric: false if it has not"
+    )
+
+
+def of_edges(config: Config) -> str:
+    """The sentence on edges of a CAD file that are short for the size of the elements, known before meshing; else
+    empty."""
+    design = config.design
+    if not isinstance(design, CadFile) or config.mesh.size_mm is AUTO:
+        return ""
+    size = config.mesh.element_size_mm
+    small = [edge for edge in design.edges if edge[0] < SMALL_EDGE * size]
+    if not small:
+        return ""
+    length, where = small[0]
+    return (
+        f"{len(small)} of the {len(design.edges)} edges in the CAD file are shorter than a third of mesh.size, "
+        f"{size:g} mm, the shortest {length:.2g} mm near {where}: elements there are as small, and meshing may take "
+        "minutes; remove small fillets, steps and letters in the CAD program if they do not matter"
     )
 
 
@@ -199,6 +219,6 @@ def _two_digits(value: float) -> float:
 #: the rules on a configuration, and those on the states that were reached
 BEFORE: tuple[Callable[[Config], str], ...] = (
     *(_strong_pressure, _weak_pressure, _few_cells),
-    *(_unequal_cells, _few_pressures),
+    *(_unequal_cells, _few_pressures, of_edges),
 )
 AFTER: tuple[Callable[[Solved], str], ...] = (_volume_change, _large_strain, _hardly_bent)

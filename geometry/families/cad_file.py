@@ -16,7 +16,7 @@ from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
-from geometry.meshing.cad import CadMeasures, measure, measure_thinnest_wall, mesh_cad
+from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_thinnest_wall, mesh_cad
 from geometry.meshing.cad_import import SUFFIXES, CadBody, CadSource, Point, file_bounds
 from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
 from geometry.meshing.mirror import Repetition
@@ -95,6 +95,11 @@ class CadFile(FileDesign):
     def measures(self) -> CadMeasures:
         """Bounds (mm) and volumes (mm3) of the body (both halves)."""
         return measure(self._cad)
+
+    @cached_property
+    def edges(self) -> tuple[tuple[float, str], ...]:
+        """Length (mm) of each edge of the body in the file, and where its middle is, the shortest first."""
+        return edges_of(self._cad)
 
     @cached_property
     def cells(self) -> Cells | None:

@@ -29,6 +29,10 @@ from geometry.meshing.solid import SolidMesh, collect_mesh, generate, optimize, 
 FLAT = 0.05
 
 
+#: Length (mm) of an edge below which it is a point, such as the pole of a sphere.
+SHORTEST = 1e-6
+
+
 @dataclass(frozen=True)
 class CadMeasures:
     """Measures of the body, both halves even if only one is meshed."""
@@ -55,6 +59,17 @@ def measure(body: CadBody) -> CadMeasures:
         solid_volume = sum(parts.values())
         del parts[BODY]
         return CadMeasures(low, high, solid_volume, volumes, parts)
+
+
+def edges_of(body: CadBody) -> tuple[tuple[float, str], ...]:
+    """Length (mm) of each edge of the solids in the file, and where its middle is, the shortest first."""
+    with session() as gmsh:
+        import_solids(gmsh, body.source)
+        occ = gmsh.model.occ
+        found = [
+            (float(occ.getMass(1, tag)), body.words(occ.getCenterOfMass(1, tag), ".3")) for _, tag in occ.getEntities(1)
+        ]
+    return tuple(sorted(edge for edge in found if edge[0] > SHORTEST))
 
 
 def measure_thinnest_wall(body: CadBody) -> float:

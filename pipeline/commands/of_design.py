@@ -75,8 +75,9 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_mesh")
 
-        from pipeline.plausibility import of_half, of_mesh
-        from pipeline.simulation.scene import Scene
+        from pipeline.plausibility import of_edges, of_half, of_mesh
+        from pipeline.progress import progress_for
+        from pipeline.simulation.waiting import meshed_aloud
         from pipeline.store.atomic_file import replacing
         from pipeline.store.result_folder import open_folder
         from pipeline.store.store import check_owner
@@ -84,7 +85,14 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
 
         results = open_folder(folder)
         check_owner(results.directory, design, "give another --out")
-        body, file = Scene.meshed(design).body, results.path("mesh.vtu")
+        progress = progress_for(Console())
+        try:
+            progress.stage("mesh")
+            if edges := of_edges(design):
+                progress.remark(edges)
+            body, file = meshed_aloud(design, progress).body, results.path("mesh.vtu")
+        finally:
+            progress.done()
         with replacing(file) as part:
             body.mesh.write(part)
         print_lines(body_table(file, design.design, body))
