@@ -57,8 +57,8 @@ def check_half(mesh: Mesh) -> None:
     if mesh.points[:, 2].min() < -tolerance:
         where = _coordinates(mesh.points[int(np.argmin(mesh.points[:, 2]))])
         raise MeshError(
-            f"the body has a face sym, so that it must be the half z >= 0, but it reaches to {where} mm; leave sym out "
-            "of the mesh of a whole body, and mirror a half z <= 0"
+            f"the body has a face sym, so that it must be one half, but it reaches to {where} mm and to the other side "
+            "of z = 0; leave sym out of the mesh of a whole body"
         )
     in_plane = mesh.boundary[(np.abs(mesh.points[mesh.boundary, 2]) <= tolerance).all(axis=1)]
     count = len(mesh.points)

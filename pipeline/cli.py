@@ -4,7 +4,9 @@ The commands are in `pipeline/commands/`. They import everything heavy inside th
 answers at once.
 """
 
+import os
 import signal
+import sys
 
 import typer
 
@@ -31,4 +33,13 @@ def main() -> None:
     """The console script. A request to end, by a scheduler or a closed terminal, counts as Ctrl-C."""
     for request in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(request, signal.default_int_handler)
+    _keep_standard_output()
     app()
+
+
+def _keep_standard_output() -> None:
+    """Print through a copy of descriptor 1, which is silenced while Gmsh meshes: progress is shown meanwhile."""
+    if sys.stdout is None:  # it was closed before the start
+        return
+    sys.stdout.flush()
+    sys.stdout = os.fdopen(os.dup(1), "w", encoding=sys.stdout.encoding, errors=sys.stdout.errors)

@@ -25,9 +25,9 @@ from pipeline.simulation.below_limit import with_states_below_limit
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
-from pipeline.simulation.scene import Scene, material_of
+from pipeline.simulation.scene import material_of
 from pipeline.simulation.simulate import simulate
-from pipeline.simulation.waiting import told_while_waiting
+from pipeline.simulation.waiting import meshed_aloud
 from pipeline.store.store import open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.validation.rods import ArmRods
@@ -57,8 +57,8 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
     """The stages of the run. One waits for what it needs; tasks of later ones are done meanwhile."""
     store, progress, workers = context.store, context.progress, context.workers
     loading = loaded(context, config.mesh.formulation, material_of(config))
-    with stages.timed("mesh"), told_while_waiting(progress, "meshing the body"):
-        scene = Scene.meshed(config)
+    with stages.timed("mesh"):
+        scene = meshed_aloud(config, progress)
     unusual = tuple(filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body), of_contact(scene))))
     for sentence in unusual:
         progress.remark(sentence)

@@ -129,7 +129,7 @@ BAD_FILES: dict[str, tuple[Draw, str, str]] = {
     "aside": (
         lambda occ: occ.translate(finger(occ), 0, 0, 3),
         "symmetric",
-        "neither the half z >= 0 nor symmetric about z = 0; move it",
+        "neither one half, with z = 0 at its side, nor symmetric about z = 0; move it",
     ),
 }
 
@@ -169,9 +169,10 @@ def test_keys_that_cannot_be_used(changes: dict[str, Any], key: str, sentence: s
     assert caught.value.keys[0] == key
 
 
-def test_a_body_along_another_direction_is_refused_with_advice(folder: Path) -> None:
+@pytest.mark.parametrize("angle", [np.pi / 2, -np.pi / 2])
+def test_a_body_along_another_direction_is_refused_with_advice(angle: float, folder: Path) -> None:
     def along_z(occ: Any) -> None:
-        occ.rotate(finger(occ), 0, 0, 0, 0, 1, 0, np.pi / 2)
+        occ.rotate(finger(occ), 0, 0, 0, 0, 1, 0, angle)
 
     path = save(folder / "along_z.brep", along_z)
     with pytest.raises(DesignError, match=r"symmetric: .*longest along z: give axes if that is the arm's length"):

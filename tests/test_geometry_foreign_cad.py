@@ -110,6 +110,25 @@ def test_a_half_solid_may_be_clamped_at_the_other_end(folder: Path) -> None:
     assert 2 * mesh.enclosed_volume("cavity") == pytest.approx(BAR_AIR, rel=1e-6)
 
 
+def half_knobbed_below(occ: Any) -> Any:
+    """Its mirror image, the half z <= 0."""
+    solids = half_knobbed(occ)
+    occ.mirror(solids, 0, 0, 1, 0)
+    return solids
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_half_solid_below_is_the_same_arm(turned: bool, folder: Path) -> None:
+    path = save(folder / "below.step", half_knobbed_below)
+    clamp, tip = (60, 0) if turned else (0, 60)
+    design = CadFile(str(path), 1.5, clamp, tip, {"cavity": (50, 5, -1)})
+    assert design.solid_volume == pytest.approx(BAR_VOLUME + 2 * 4 * 2 * 6, rel=1e-6)
+    mesh = design.body(4.0).mesh
+    assert (mesh.points[:, 2].min(), mesh.points[:, 2].max()) == pytest.approx((0, 7.5))
+    top = mesh.points[mesh.points[:, 1] > 13]
+    assert (top[:, 0].min(), top[:, 0].max()) == pytest.approx((8, 12) if turned else (48, 52))
+
+
 def test_solids_that_touch_are_united(folder: Path) -> None:
     path = save(folder / "pair.step", two_solids)
     with pytest.raises(DesignError, match=r"holds 2 solids; unite them to one, write unite: true"):

@@ -104,8 +104,31 @@ def test_half_of_an_arm(folder: Path) -> None:
     assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-9)
     assert design.fixed_body.half
     assert design.extent == pytest.approx((60, 12, 15))
-    with pytest.raises(DesignError, match=r"symmetric: .* write true if the file holds the half"):
+    with pytest.raises(DesignError, match=r"symmetric: .* write true if the file holds one half"):
         MeshFile(str(path), curve=1.5)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_a_half_below_is_the_same_arm(order: int, folder: Path) -> None:
+    """Its file has z <= 0, and so have the points in its air that its user knows; another end may be clamped."""
+    points, tets = meshed(half_of_two, 4.0, order)
+    above = write_mesh(folder / "above.vtu", points, tets)
+    below = write_mesh(folder / "below.vtu", points * [1, 1, -1], tets)
+    for clamp, tip in ((0, 60), (60, 0)):
+        air = {"near": (20.0, 5.0, 1.0), "far": (44.0, 6.5, 2.5)}
+        expected = MeshFile(str(above), 1.5, clamp, tip, air, symmetric=True).fixed_body
+        air = {name: (x, y, -z) for name, (x, y, z) in air.items()}
+        found = MeshFile(str(below), 1.5, clamp, tip, air, symmetric=True).fixed_body
+        np.testing.assert_allclose(found.mesh.points, expected.mesh.points, atol=1e-12)
+        assert len(found.mesh.curved) == len(expected.mesh.curved)
+        assert {name: len(faces) for name, faces in found.mesh.faces.items()} == {
+            name: len(faces) for name, faces in expected.mesh.faces.items()
+        }
+    with pytest.raises(DesignError, match=r"symmetric: .* write true if the file holds one half of an arm"):
+        MeshFile(str(below), curve=1.5)
+    beside = write_mesh(folder / "beside.vtu", points * [1, 1, -1] - [0, 0, 2], tets)
+    with pytest.raises(DesignError, match=r"from z = -9.5 to -2 mm; true is for a file that holds one half alone"):
+        MeshFile(str(beside), curve=1.5, symmetric=True)
 
 
 def test_directions_units_and_the_other_end(folder: Path, plain: tuple[np.ndarray, np.ndarray]) -> None:
@@ -291,7 +314,7 @@ def test_files_that_cannot_be_used(case: str, tmp_path: Path, capfd: pytest.Capt
         ({"clamp": 60, "tip": 60}, "clamp", "both at x = 60 mm"),
         ({"curve": 20}, "curve", "y = 20 mm lies outside the body"),
         ({"curve": 6}, "curve", "outside the material from 3 to 57 mm behind the clamp; .* for example y = 0.46"),
-        ({"symmetric": True}, "symmetric", "true is for a file that holds the half"),
+        ({"symmetric": True}, "symmetric", "true is for a file that holds one half alone"),
         ({"unit": 1000}, "file", "is its file in another unit than 1000 mm"),
     ],
 )

@@ -85,8 +85,19 @@ def with_sym_elsewhere(mesh: Mesh) -> Mesh:
     return Mesh(np.add(mesh.points, [0, 0, 0.5]), mesh.tets, mesh.faces)
 
 
-def with_half_below(mesh: Mesh) -> Mesh:
+def half_below(mesh: Mesh) -> Mesh:
     return Mesh(np.multiply(mesh.points, [1, 1, -1]), mesh.tets, mesh.faces)
+
+
+def with_more_than_a_half(mesh: Mesh) -> Mesh:
+    """The face sym as it was, and a vertex of it pulled to z < 0 that no triangle of sym has any more."""
+    sym = np.unique(mesh.faces["sym"])
+    vertex = sym[int(np.argmax(mesh.points[sym, 1]))]
+    points = np.array(mesh.points)
+    points[vertex, 2] = -0.5
+    rest = mesh.faces["sym"][(mesh.faces["sym"] == vertex).any(axis=1)]
+    kept = mesh.faces["sym"][(mesh.faces["sym"] != vertex).all(axis=1)]
+    return Mesh(points, mesh.tets, dict(mesh.faces) | {"sym": kept, "rest": rest})
 
 
 BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
@@ -105,7 +116,7 @@ BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
         lambda mesh: renamed(mesh, sym="rest"),
         "cavity is open in the plane z = 0, and .* no face named sym",
     ),
-    "half below": (with_half_below, "must be the half z >= 0, but it reaches to"),
+    "more than a half": (with_more_than_a_half, "must be one half, but it reaches to .* other side of z = 0"),
 }
 
 
@@ -154,6 +165,13 @@ def test_a_whole_body_with_names_is_no_half(pneunet: Path, tmp_path: Path) -> No
     with pytest.raises(DesignError, match="symmetric, file: the mesh names its faces, and none of them is sym"):
         MeshFile(path, curve=1, symmetric=True)
     assert MeshFile(str(pneunet), curve=1, symmetric=True).fixed_body.half
+
+
+def test_a_named_half_below_is_mirrored(pneunet: Path, tmp_path: Path) -> None:
+    half_below(Mesh.read(pneunet)).write(tmp_path / "below.msh")
+    above, below = (MeshFile(str(path), curve=1).fixed_body for path in (pneunet, tmp_path / "below.msh"))
+    assert below.half
+    np.testing.assert_allclose(below.mesh.points, above.mesh.points, atol=1e-12)
 
 
 def test_a_named_mesh_is_divided_along_the_curve(pneunet: Path) -> None:

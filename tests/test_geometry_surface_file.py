@@ -1,5 +1,6 @@
 """Bodies from closed surfaces (STL): filled with elements, and refused with the position of what is wrong."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -89,6 +90,46 @@ def test_stl_as_text(folder: Path) -> None:
     path = write_surface(folder / "text.stl", bar, 50, binary=False)
     assert path.read_bytes()[:5] == b"solid"
     assert SurfaceFile(str(path), curve=1.5).solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
+
+
+def loose(path: Path, corners: np.ndarray, noise: float, digits: int = 9) -> Path:
+    """Write triangles with the corners (k, 3, 3) as text, each coordinate off by up to `noise` mm, as programs do that
+    compute the corners of each triangle for themselves."""
+    lines = ["solid loose"]
+    for triangle in corners + noise * np.random.default_rng(1).uniform(-1, 1, corners.shape):
+        vertices = ["vertex " + " ".join(f"{x:.{digits}g}" for x in corner) for corner in triangle]
+        lines += ["facet normal 0 0 0", "outer loop", *vertices, "endloop", "endfacet"]
+    path.write_text("\n".join([*lines, "endsolid loose"]), encoding="ascii")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("noise", "digits", "shift"), [(5e-7, 9, 0.0), (5e-6, 9, 0.0), (2e-4, 9, 0.0), (5e-5, 6, 123.4)]
+)
+def test_corners_that_differ_by_rounding_are_one(
+    noise: float, digits: int, shift: float, stl: Path, tmp_path: Path
+) -> None:
+    points, triangles = triangles_of(stl)
+    surface = read_surface(loose(tmp_path / "loose.stl", points[triangles] + [shift, 0, 0], noise, digits))
+    assert surface.volume == pytest.approx(BAR_VOLUME, rel=1e-4)
+    assert len(surface.points) == len(np.unique(triangles))
+    assert len(surface.triangles) == len(triangles)
+
+
+def test_nothing_but_rounding_is_welded(stl: Path, tmp_path: Path) -> None:
+    """A slit that is wider than rounding stays a hole; so does one between triangles that are as small themselves."""
+    points, triangles = triangles_of(stl)
+    corners = points[triangles].copy()
+    right = corners.mean(axis=1)[:, 0] > 30
+    corners[right] += [0.005, 0, 0]
+    with pytest.raises(DesignError, match="has a hole"):
+        SurfaceFile(str(loose(tmp_path / "slit.stl", corners, 0.0)), curve=1.5)
+    chain = np.column_stack([np.arange(9) * 6e-4, np.zeros((9, 2))])  # near the end of a body of 60 mm
+    small = np.vstack([points, np.add(chain, [60, 12, 0]), [[60, 13, 0]]])
+    fan = [[len(points) + k, len(points) + k + 1, len(small) - 1] for k in range(8)]
+    path = written(tmp_path / "small.ply", small, np.vstack([triangles, fan]))
+    with pytest.raises(DesignError, match="has a hole: 10 edges"):
+        SurfaceFile(str(path), curve=1.5)
 
 
 def test_inches_and_z_up(stl: Path, folder: Path) -> None:
@@ -181,13 +222,56 @@ def test_position_and_names_are_checked_before_filling(stl: Path, folder: Path) 
             SurfaceFile(str(stl), curve=1.5, air={name: (30, 5, 0)})
 
 
+#: how a corner of a face is written, from the number of its vertex
+CORNERS: dict[str, Callable[[int, int], str]] = {
+    "vertices": lambda vertex, count: f"{vertex + 1}",
+    "textures": lambda vertex, count: f"{vertex + 1}/1",
+    "normals": lambda vertex, count: f"{vertex + 1}//2",
+    "both": lambda vertex, count: f"{vertex + 1}/1/2",
+    "backwards": lambda vertex, count: f"{vertex - count}/-1/-1",
+}
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+def test_obj_files_as_other_programs_write_them(corner: str, folder: Path, tmp_path: Path) -> None:
+    """Two objects and a group with a colour at their vertices: the outside in two parts, and the walls of the air."""
+    points, triangles = triangles_of(write_surface(folder / "bar.stl", bar, 50))
+    write = CORNERS[corner]
+    lines = ["# a bar", "mtllib bar.mtl", "o outside", *(f"v {x} {y} {z} 0.5 0.5 1" for x, y, z in points)]
+    lines += ["vt 0 0", "vn 0 0 1", "vn 0 1 0", "s off"]
+    groups = ("usemtl rubber", "o upper half", "g walls of the air")
+    for group, part in zip(groups, np.array_split(triangles, 3), strict=True):
+        lines += [group, *("f " + " ".join(write(vertex, len(points)) for vertex in face) for face in part)]
+    path = tmp_path / "bar.OBJ"
+    path.write_text("\n".join(lines), encoding="utf-8")
+    design = SurfaceFile(str(path), curve=1.5)
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
+    assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("v 0 0 0\nv 1 zero 0\n", "cannot be read: line 2 is 'v 1 zero 0'"),
+        ("v 0 0 0\nv 1 0\n", "cannot be read: line 2 is 'v 1 0'"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 4/1\n", "a face in the surface file .* uses a vertex that the file"),
+        ("v 0 0 0\nv 1 0 0\nf 1 2\n", "has faces with 2 corners; save it with triangles"),
+        ("solid bar\n", "has no triangles"),
+    ],
+)
+def test_obj_files_that_cannot_be_read(text: str, sentence: str, tmp_path: Path) -> None:
+    (tmp_path / "bar.obj").write_text(text, encoding="utf-8")
+    with pytest.raises(DesignError, match=f"file: .*{sentence}"):
+        SurfaceFile(str(tmp_path / "bar.obj"), curve=1.5)
+
+
 def test_faces_with_more_than_four_corners_are_named(tmp_path: Path) -> None:
     """A closed prism on a pentagon: its two ends have five corners."""
     corners = [(x, np.sin(angle), np.cos(angle)) for x in (0, 9) for angle in np.arange(5) * 2 * np.pi / 5]
     sides = [f"f {k + 1} {(k + 1) % 5 + 1} {(k + 1) % 5 + 6} {k + 6}" for k in range(5)]
     lines = [f"v {x} {y} {z}" for x, y, z in corners] + sides + ["f 5 4 3 2 1", "f 6 7 8 9 10"]
     (tmp_path / "prism.obj").write_text("\n".join(lines))
-    with pytest.raises(DesignError, match=r"file: .* has faces with more than four corners; save it with triangles"):
+    with pytest.raises(DesignError, match=r"file: .* has faces with 5 corners; save it with triangles"):
         SurfaceFile(str(tmp_path / "prism.obj"), curve=0)
 
 

@@ -223,9 +223,24 @@ def test_mesh_writes_the_body_and_its_quality(coarse: str, tmp_path: Path) -> No
         assert text in result.stdout
 
 
-def test_mesh_does_not_replace_the_body_of_another_configuration(coarse: str, tmp_path: Path) -> None:
+def test_mesh_names_the_volume_of_every_cavity(configs: Path, tmp_path: Path) -> None:
+    config = str(configs / "bisected_circle_coarse.yaml")
+    result = call("mesh", config, "--out", str(tmp_path), "--set", "geometry.length=40 mm", "--set", "mesh.size=6 mm")
+    assert result.exit_code == 0, result.stderr
+    design = load_config(config, ["geometry.length=40 mm"]).design
+    assert len(design.cavities) == 2
+    for name, drawn in design.cavity_volumes.items():
+        (line,) = [line for line in result.stdout.splitlines() if line.startswith(f"{name} ")]
+        assert line.rstrip().endswith(f"mm3 in the full body; closed form {drawn:.7g}")
+
+
+def test_mesh_does_not_replace_the_body_of_another_configuration(
+    coarse: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is refused before meshing, which may take minutes."""
     with open_store(tmp_path, load_config(coarse)):
         pass
+    monkeypatch.setattr("pipeline.simulation.scene.Scene.meshed", lambda config: pytest.fail("it is meshed"))
     message = sentence(call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2"), 2)
     assert message.endswith("holds the results of another configuration; give another --out")
     assert not (tmp_path / "mesh.vtu").exists()
@@ -243,10 +258,43 @@ def test_no_number_of_a_table_is_cut_off(capsys: pytest.CaptureFixture[str], mon
     assert len(shown.splitlines()) == 2
 
 
-def test_mesh_into_a_folder_that_cannot_be_written(coarse: str, tmp_path: Path) -> None:
+#: the commands that write; CONFIG and RESULTS are replaced
+WRITING: dict[str, list[str]] = {
+    "init": ["init"],
+    **{name: [name, "CONFIG"] for name in ("run", "mesh", "effects", "accuracy", "cell")},
+    "sweep": ["sweep", "examples/sweep.yaml"],
+    "export": ["export", "RESULTS", "--to", "csv"],
+    "rod": ["rod", "RESULTS/parameters.json", "--pressure", "31 kPa"],
+    "material": ["material", "configs/elastosil_m4601_yeoh.csv"],
+}
+
+
+@pytest.mark.parametrize("command", WRITING)
+def test_a_place_that_cannot_be_written_is_named(
+    command: str, coarse: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A file is where a folder should be: root, too, cannot write there."""
+    monkeypatch.chdir(Path(coarse).parent.parent)
     (tmp_path / "file").write_text("")
-    message = sentence(call("mesh", coarse, "--out", str(tmp_path / "file" / "out")), 2)
-    assert "cannot be written" in message
+    given = {"CONFIG": coarse, "RESULTS": str(DATA), "RESULTS/parameters.json": str(DATA / "parameters.json")}
+    arguments = [given.get(argument, argument) for argument in WRITING[command]]
+    for out in (tmp_path / "file" / "out", tmp_path / "file" / "out" / "deeper"):
+        message = sentence(call(*arguments, "--out", str(out)), 2)
+        assert message.startswith(f"--out {tmp_path / 'file'}")
+        assert message.endswith(f"cannot be written ({tmp_path / 'file'} is a file); give a folder you may write to")
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_a_file_is_not_written_over_a_folder_and_its_folder_is_made(tmp_path: Path) -> None:
+    assert sentence(call("init", "--force", "--out", str(tmp_path)), 2) == f"--out {tmp_path}: is a folder; give a file"
+    assert call("init", "--out", str(tmp_path / "new" / "arm.yaml")).exit_code == 0
+    assert (tmp_path / "new" / "arm.yaml").is_file()
+
+
+def test_export_of_a_missing_folder_makes_none(tmp_path: Path) -> None:
+    message = sentence(call("export", str(tmp_path / "typo"), "--to", "csv"), 2)
+    assert message.startswith(f"{tmp_path / 'typo' / 'parameters.json'}: cannot be read (No such file")
+    assert not (tmp_path / "typo").exists()
 
 
 def test_doctor_on_this_machine() -> None:

@@ -16,7 +16,7 @@ from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
-from geometry.meshing.cad import CadMeasures, measure, measure_thinnest_wall, mesh_cad
+from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_thinnest_wall, mesh_cad
 from geometry.meshing.cad_import import SUFFIXES, CadBody, CadSource, Point, file_bounds
 from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
 from geometry.meshing.mirror import Repetition
@@ -28,10 +28,10 @@ class CadFile(FileDesign):
     """One solid from a STEP or BREP file, or several of which some are of another material; all lengths in mm.
 
     In the frame of the arm (`axes`) x is along the length, y up, z across, and the body is symmetric about z = 0 (or
-    the half z >= 0) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError` names the
-    config key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The cells are nominal: equal parts
-    of the length, about `cell` long, unless `cell` are two planes of mirror symmetry: then the body is meshed from
-    equal cells and its two ends.
+    one half of such a body) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError`
+    names the config key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The cells are nominal:
+    equal parts of the length, about `cell` long, unless `cell` are two planes of mirror symmetry: then the body is
+    meshed from equal cells and its two ends.
     """
 
     family: ClassVar[str] = "cad_file"
@@ -100,6 +100,11 @@ class CadFile(FileDesign):
         return measure(self._cad)
 
     @cached_property
+    def edges(self) -> tuple[tuple[float, str], ...]:
+        """Length (mm) of each edge of the body in the file, and where its middle is, the shortest first."""
+        return edges_of(self._cad)
+
+    @cached_property
     def cells(self) -> Cells | None:
         """Where the cells lie; None where it is not known."""
         return find_cells(self._cad, self.cell) if isinstance(self.cell, CellPlanes) else None
@@ -114,7 +119,7 @@ class CadFile(FileDesign):
         """The body with its clamp at the smaller x.
 
         An arm that is clamped at its larger x is turned about y by half a turn; a symmetric one has its halves
-        exchanged by that, so that z keeps its sign; where the file holds the half z >= 0 alone, it is mirrored back.
+        exchanged by that, so that z keeps its sign; a half z <= 0 is mirrored when it is read.
         """
         (clamp, tip), turn = self._ends, rotation(self.axes)
         air, parts, turned = dict(self.air), dict(self.parts), tip < clamp

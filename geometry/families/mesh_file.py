@@ -42,7 +42,7 @@ class MeshFile(FileDesign):
     clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
     tip: float | None = None  #: x of the other end face; without it the other end
     air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
-    symmetric: bool = False  #: whether the file holds the half z >= 0 alone
+    symmetric: bool = False  #: whether the file holds one half alone, z >= 0 or z <= 0
     cell: float | None = None  #: length over which curvature is averaged; a tenth of the length, at most 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
@@ -177,7 +177,7 @@ def _refuse_half(mesh: Mesh, name: str, clamp: float) -> None:
     if ((off[:, 2] <= tolerance) & (off[:, 0] > tolerance)).any():
         raise MeshError(
             f"the face {name} is open in the plane z = 0, and the mesh has no face named sym; it has "
-            f"{', '.join(mesh.faces)}: name all faces of the half z >= 0 in that plane sym, or close {name}"
+            f"{', '.join(mesh.faces)}: name all faces of the half in that plane sym, or close {name}"
         )
 
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from geometry.arrays import Array, Index
+from geometry.arrays import Array, Index, Mask
 from geometry.curve_height import HEIGHTS, height_advice
 from geometry.curved import CurvedEdges
 from geometry.design import DesignError
@@ -19,8 +19,8 @@ from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
-from geometry.meshing.cad import LARGEST, SMALLEST
 from geometry.meshing.cad_import import Point
+from geometry.meshing.cad_position import LARGEST, SMALLEST
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
@@ -35,7 +35,7 @@ class Placing:
     clamp: float | None  #: x of the clamped end, mm; None for the end with the smallest x
     tip: float | None  #: x of the other end, mm; None for the end with the largest x
     air: Mapping[str, Point]  #: name of a cavity -> a point in it, mm; empty where there is one cavity alone
-    half: bool  #: the file holds the half z >= 0
+    half: bool  #: the file holds one half alone, z >= 0 or z <= 0
     unit: float  #: mm per unit of length of the file
     axes: Axes = SAME
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
@@ -51,12 +51,17 @@ class Placed:
 
 
 def turned(content: FileMesh, placing: Placing) -> FileMesh:
-    """The content of a file in mm and in the directions of the arm. Raises `DesignError`."""
+    """The content of a file in mm and in the directions of the arm; of a half z <= 0 its mirror image, the other half.
+
+    Raises `DesignError`.
+    """
     turn = placing.unit * rotation(placing.axes).T
-    curved = CurvedEdges(content.curved.ends, content.curved.middles @ turn)
     points = content.points @ turn
     check_dimensions(points, placing.unit)
-    return replace(content, points=points, curved=curved)
+    if (placing.half or "sym" in content.faces) and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
+        turn = turn @ np.diag([1.0, 1.0, -1.0])
+    curved = CurvedEdges(content.curved.ends, content.curved.middles @ turn)
+    return replace(content, points=content.points @ turn, curved=curved)
 
 
 def check_dimensions(points: Array, unit: float) -> None:
@@ -84,7 +89,10 @@ def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
     move = Move(ends, placing.half)
     points, length = _in_planes(move.there(points), move.length, placing), move.length
     moved = CurvedEdges(curved.ends, move.there(curved.middles))
-    mesh = divided(Mesh(points, tets, {}, moved, content.regions), placing.curve, length)
+    mesh = Mesh(points, tets, {}, moved, content.regions)
+    for name, position in (("clamp", 0.0), ("tip", length)):
+        _flat(name, position, mesh.points, mesh.boundary, placing)
+    mesh = divided(mesh, placing.curve, length)
     cavities, named = _named(mesh, placing, move)
     return Placed(replace(mesh, faces=named), length, cavities)
 
@@ -164,12 +172,14 @@ def _check_across(points: Array, placing: Placing) -> None:
     reach = f"the body reaches from z = {low:.4g} to {high:.4g} mm"
     if placing.half and abs(low) > tolerance:
         raise DesignError(
-            "symmetric", f"{reach}; true is for a file that holds the half z >= 0 alone: leave it out, or move the body"
+            "symmetric",
+            f"{reach}; true is for a file that holds one half alone, with z = 0 at its side: leave it out, or "
+            "move the body",
         )
     if not placing.half and not low < -tolerance < tolerance < high:
         raise DesignError(
             "symmetric",
-            f"{reach}, and the material curve runs at z = 0; write true if the file holds the half z >= 0 of an arm, "
+            f"{reach}, and the material curve runs at z = 0; write true if the file holds one half of an arm, "
             "else move the body so that its middle is at z = 0",
         )
 
@@ -193,32 +203,31 @@ def divided(mesh: Mesh, curve_y: float, length: float) -> Mesh:
     if curve_gap(mesh, curve_y, length) is None:
         return mesh
     result = with_curve(mesh, curve_y, length)
-    _check_curve(result, curve_y, length)
-    return result
-
-
-def _check_curve(mesh: Mesh, curve_y: float, length: float) -> None:
-    """Raise `DesignError` where the material curve leaves the material of a mesh that has been divided along it."""
-    gap = curve_gap(mesh, curve_y, length)
+    gap = curve_gap(result, curve_y, length)
     if gap is not None:
         raise DesignError(
             "curve",
             f"the line y = {curve_y:g} mm, z = 0 is outside the material from {gap[0]:.4g} to {gap[1]:.4g} mm behind "
             f"the clamp; {_heights(mesh, length)}",
         )
+    return result
 
 
 def _heights(mesh: Mesh, length: float) -> str:
-    """At which of some heights the material curve would lie in the material, the second half of a sentence."""
+    """At which of some heights the mesh could be divided along the material curve, the second half of a sentence."""
     low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
     z = 1e-3 * float(high[2] - low[2]) if low[2] >= 0 else 0.0  # within a half body
-    along = np.linspace(0.0, length, 2 * HEIGHTS + 2)[1:-1]
+    along = np.linspace(0.0, length, 2 * HEIGHTS + 2)
+    along[[0, -1]] += [FLAT * length, -FLAT * length]
     corners = mesh.points[mesh.boundary]
 
     def fits(y: float) -> bool:
         return all(windings(np.array([x, y, z]), corners) > 0.5 for x in along)
 
-    return height_advice(float(low[1]), float(high[1]), fits)
+    def accepted(y: float) -> bool:
+        return curve_gap(with_curve(mesh, y, length, improved=False), y, length) is None
+
+    return height_advice(float(low[1]), float(high[1]), fits, accepted)
 
 
 def curve_gap(mesh: Mesh, curve_y: float, length: float) -> tuple[float, float] | None:
@@ -258,13 +267,7 @@ def _named(mesh: Mesh, placing: Placing, move: Move) -> tuple[tuple[str, ...], d
     walls = np.vstack(list(cavities.values()))
     outside = free[find_rows(free, walls, len(points)) < 0]
     for name, position in (("clamp", 0.0), ("tip", length)):
-        flat = lies_in(points, outside, (0, position), tolerance)
-        if not flat.any():
-            given = getattr(placing, name)
-            where = "at its end" if given is None else f"in the plane x = {given:g} mm"
-            raise DesignError(
-                name, f"the body has no flat face {where}; give the x of a plane in which its surface lies"
-            )
+        flat = _flat(name, position, points, outside, placing)
         named[name], outside = outside[flat], outside[~flat]
     for name, walls in cavities.items():
         if not Mesh(points, mesh.tets, {name: walls}).enclosed_volume(name) > 0:
@@ -272,3 +275,20 @@ def _named(mesh: Mesh, placing: Placing, move: Move) -> tuple[tuple[str, ...], d
     named |= cavities
     named["outer"] = outside
     return tuple(cavities), {name: triangles for name, triangles in named.items() if len(triangles)}
+
+
+def _flat(name: str, position: float, points: Array, triangles: Index, placing: Placing) -> Mask:
+    """True for the triangles (k, 3) in the plane x = position (mm) of the end `name`, (k,).
+
+    Raises `DesignError` where there is none.
+    """
+    flat = lies_in(points, triangles, (0, position), 1e-9 * float(np.ptp(points, axis=0).max()))
+    if not flat.any():
+        given = getattr(placing, name)
+        where = "at its end" if given is None else f"in the plane x = {given:g} mm"
+        raise DesignError(
+            name,
+            f"the body has no flat face {where}; cut a rounded end off, or give the x of a plane in which its surface "
+            "lies",
+        )
+    return flat

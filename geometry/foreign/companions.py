@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 #: suffixes of files that are read together, whichever of them is named (TetGen)
 PAIRS = {".node": ".ele", ".ele": ".node"}
 #: a line of an Abaqus file that reads another one
-_INCLUDE = re.compile(rb"^\*include\s*,[^\n]*=\s*([^\r\n]+?)\s*$", re.IGNORECASE | re.MULTILINE)
+_INCLUDE = re.compile(r"\*include\s*,[^=]*=\s*(.+?)\s*$", re.IGNORECASE)
 
 
 def companions(path: Path) -> tuple[Path, ...]:
@@ -46,9 +46,19 @@ def _of_xdmf(path: Path) -> Iterator[Path]:
 
 
 def _of_abaqus(path: Path) -> Iterator[Path]:
-    for match in _INCLUDE.finditer(path.read_bytes()):
-        other = Path(match.group(1).decode(errors="replace"))
-        yield other if other.exists() else path.parent / other
+    for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+        other = included(path, line)
+        if other is not None:
+            yield other
+
+
+def included(path: Path, line: str) -> Path | None:
+    """The file that a line of the Abaqus file `path` reads; None for any other line."""
+    match = _INCLUDE.match(line)
+    if match is None:
+        return None
+    other = Path(match.group(1))
+    return other if other.exists() else path.parent / other
 
 
 _REFERENCES: dict[str, Callable[[Path], Iterator[Path]]] = {".xdmf": _of_xdmf, ".xmf": _of_xdmf, ".inp": _of_abaqus}

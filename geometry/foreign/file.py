@@ -1,4 +1,5 @@
-"""The tetrahedra in a mesh file of any format that meshio reads, or Gmsh where meshio needs more than is installed."""
+"""The tetrahedra in a mesh file of any format that meshio reads, or Gmsh where meshio needs more than is installed;
+Abaqus files are read here."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,6 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, curved_edges
+from geometry.foreign.abaqus import read_abaqus
 from geometry.mesh import MeshError, named_rows, named_triangles, read_content
 from geometry.meshing.solid import session
 from geometry.topology import EDGES
@@ -17,7 +19,7 @@ from geometry.topology import EDGES
 OF_GMSH = (".med", ".unv")
 #: formats of which Gmsh reads files that meshio refuses, such as Nastran's without its BEGIN BULK, or its own where
 #: only some elements are in a group
-OF_BOTH = (".bdf", ".nas", ".inp", ".mesh", ".su2", ".msh")
+OF_BOTH = (".bdf", ".nas", ".mesh", ".su2", ".msh")
 #: what a mesh file may end with
 SUFFIXES = (
     *(".msh", ".vtk", ".vtu", ".inp", ".bdf", ".nas", ".fem", ".mesh", ".meshb", ".su2", ".avs", ".vol", ".ugrid"),
@@ -59,19 +61,22 @@ def read_mesh_file(path: Path) -> FileMesh:
         raise MeshError(f"the mesh file {path} does not exist")
     if path.suffix.lower() in OF_GMSH:
         return _read_with_gmsh(path)
+    if path.suffix.lower() == ".inp":
+        points, blocks, others = read_abaqus(path)
+        _refuse_other_volumes(path, others)
+        return _collected(path, points, blocks, {}, {})
     try:
         content = read_content(path)
     except MeshError as refused:
         return _read_otherwise(path, refused)
-    _refuse_other_volumes(path, content)
+    _refuse_other_volumes(path, _other_volumes(content))
     blocks = [block.data for block in content.cells if block.type in TETRAHEDRA]
     points = np.asarray(content.points, dtype=np.float64)
     return _collected(path, points, blocks, named_triangles(content), _named_rows(content))
 
 
 def _named_rows(content: Any) -> dict[str, Index]:
-    """Rows of the tetrahedra of each physical volume of Gmsh. Sets of other formats are left out: what meshio makes of
-    Abaqus' sets are not always the rows of their elements."""
+    """Rows of the tetrahedra of each physical volume of Gmsh; sets of other formats are left out."""
     if "gmsh:physical" not in content.cell_data:
         return {}
     sizes = [len(block.data) if block.type in TETRAHEDRA else 0 for block in content.cells]
@@ -90,13 +95,18 @@ def _read_otherwise(path: Path, refused: MeshError) -> FileMesh:
         raise refused from None
 
 
-def _refuse_other_volumes(path: Path, content: Any) -> None:
-    """Raise `MeshError` where the file has volume elements that are no tetrahedra with 4 or 10 nodes."""
+def _other_volumes(content: Any) -> dict[str, int]:
+    """How many volume elements that are no tetrahedra with 4 or 10 nodes meshio has read, by what a user calls them."""
     counts: dict[str, int] = {}
     for block in content.cells:
         name = next((name for key, name in _OTHER_VOLUMES.items() if block.type.startswith(key)), None)
         if name is not None and block.type not in TETRAHEDRA:
             counts[name] = counts.get(name, 0) + len(block.data)
+    return counts
+
+
+def _refuse_other_volumes(path: Path, counts: Mapping[str, int]) -> None:
+    """Raise `MeshError` where the file has such elements."""
     if counts:
         found = " and ".join(f"{count} {name}" for name, count in counts.items())
         raise MeshError(

@@ -6,14 +6,21 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array, Index
+from geometry.foreign.obj import read_obj
 from geometry.foreign.shells import outside_first, shells, windings
+from geometry.foreign.welded import welded
 from geometry.mesh import MeshError, read_content
-from geometry.topology import normals, row_keys, triangle_edges
+from geometry.topology import normals, open_edges, row_keys, triangle_edges
 
 #: what a file of a surface may end with
 SUFFIXES = (".stl", ".ply", ".obj", ".off")
 #: vertices nearer to each other than this, over the size of the body, are one
 SAME = 1e-6
+#: vertices of open edges nearer to each other than this, over the size of the body, are one: files have six digits, the
+#: last of which is 1e-5 of a length of 100 mm
+ROUNDED = 2e-5
+#: but never vertices farther apart than this part of the shortest side of the triangles at the open edges
+SHORTER = 1 / 3
 #: at most this many places are measured for the thickness of the walls
 PLACES = 300
 
@@ -38,18 +45,25 @@ class Surface:
 
 def read_surface(path: Path) -> Surface:
     """Read a closed surface. Raises `MeshError` where it is missing, has a hole, or is not that of one body."""
-    content = read_content(path)
-    blocks = [np.asarray(block.data, dtype=np.int64) for block in content.cells if block.type == "triangle"]
-    for block in content.cells:
-        if block.type == "polygon":
-            raise MeshError(f"the surface file {path} has faces with more than four corners; save it with triangles")
-        if block.type == "quad":
-            blocks += [np.asarray(block.data, dtype=np.int64)[:, corners] for corners in ([0, 1, 2], [0, 2, 3])]
+    points, faces = read_obj(path) if path.suffix.lower() == ".obj" else _read_with_meshio(path)
+    blocks = []
+    for block in faces:
+        corners = block.shape[1]
+        if corners not in (3, 4):
+            raise MeshError(f"the surface file {path} has faces with {corners} corners; save it with triangles")
+        blocks += [block] if corners == 3 else [block[:, [0, 1, 2]], block[:, [0, 2, 3]]]
     if not sum(map(len, blocks)):
         raise MeshError(f"the surface file {path} has no triangles")
-    points, triangles = _merged(np.asarray(content.points, dtype=np.float64), np.vstack(blocks))
+    points, triangles = _merged(points, np.vstack(blocks))
     _check_closed(points, triangles)
     return _oriented(points, triangles)
+
+
+def _read_with_meshio(path: Path) -> tuple[Array, list[Index]]:
+    """Points (n, 3) and faces, those with equally many corners together, (k, corners). Raises `MeshError`."""
+    content = read_content(path)
+    blocks = [block.data for block in content.cells if block.type in ("triangle", "quad", "polygon")]
+    return np.asarray(content.points, dtype=np.float64), [np.asarray(block, dtype=np.int64) for block in blocks]
 
 
 def enclosed(points: Array, triangles: Index) -> float:
@@ -67,12 +81,28 @@ def _merged(points: Array, triangles: Index) -> tuple[Array, Index]:
     if not size > 0:
         raise MeshError("all points of the surface are the same")
     _, first, same = np.unique(np.round(points / (SAME * size)), axis=0, return_index=True, return_inverse=True)
-    triangles = same.reshape(-1)[triangles]
+    points, triangles = _compact(points[first], same.reshape(-1)[triangles])
+    rim = np.unique(open_edges(triangles, len(points)))
+    if not len(rim):
+        return points, triangles
+    same = np.arange(len(points))
+    same[rim] = rim[welded(points[rim], min(ROUNDED * size, SHORTER * _shortest_side(points, triangles, rim)))]
+    return _compact(points, same[triangles])
+
+
+def _shortest_side(points: Array, triangles: Index, vertices: Index) -> float:
+    """Length of the shortest side of the triangles (k, 3) that have one of the vertices (v,)."""
+    ends = points[triangle_edges(triangles[np.isin(triangles, vertices).any(axis=1)])]
+    return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).min())
+
+
+def _compact(points: Array, triangles: Index) -> tuple[Array, Index]:
+    """The triangles (k, 3) with three different vertices, each once, and the points that they use."""
     a, b, c = triangles.T
     triangles = triangles[(a != b) & (b != c) & (a != c)]
-    _, kept = np.unique(row_keys(triangles, len(first)), return_index=True)
+    _, kept = np.unique(row_keys(triangles, len(points)), return_index=True)
     used, numbers = np.unique(triangles[np.sort(kept)], return_inverse=True)
-    return points[first][used], numbers.reshape(-1, 3).astype(np.int64)
+    return points[used], numbers.reshape(-1, 3).astype(np.int64)
 
 
 def _check_closed(points: Array, triangles: Index) -> None:

@@ -19,15 +19,18 @@ from geometry.mesh import Mesh
 from geometry.meshing.cad_curve import check_curve
 from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids
 from geometry.meshing.cad_parts import BODY, named_parts
+from geometry.meshing.cad_position import check_ends, check_position, check_symmetric, no_end_face
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.shapes import Volume
 from geometry.meshing.size_field import set_size_field, thinnest_wall
 from geometry.meshing.solid import SolidMesh, collect_mesh, generate, optimize, session, walls_between
 
-#: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
-SMALLEST, LARGEST = 1.0, 3000.0
 #: A mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 FLAT = 0.05
+
+
+#: Length (mm) of an edge below which it is a point, such as the pole of a sphere.
+SHORTEST = 1e-6
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,17 @@ def measure(body: CadBody) -> CadMeasures:
         solid_volume = sum(parts.values())
         del parts[BODY]
         return CadMeasures(low, high, solid_volume, volumes, parts)
+
+
+def edges_of(body: CadBody) -> tuple[tuple[float, str], ...]:
+    """Length (mm) of each edge of the solids in the file, and where its middle is, the shortest first."""
+    with session() as gmsh:
+        import_solids(gmsh, body.source)
+        occ = gmsh.model.occ
+        found = [
+            (float(occ.getMass(1, tag)), body.words(occ.getCenterOfMass(1, tag), ".3")) for _, tag in occ.getEntities(1)
+        ]
+    return tuple(sorted(edge for edge in found if edge[0] > SHORTEST))
 
 
 def measure_thinnest_wall(body: CadBody) -> float:
@@ -108,12 +122,7 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
     named = name_faces(points, tets, mesh.walls, planes, curved)
     for name in ("clamp", "tip"):
         if name not in named.faces:
-            position = getattr(body, name) * (-1 if body.turned else 1)
-            raise DesignError(
-                name,
-                f"the body has no face in the plane x = {position:g} mm; clamp and tip are flat faces across x: cut a "
-                "rounded end off in the CAD program, or turn the body with axes",
-            )
+            raise no_end_face(body, name)
     ends = np.cumsum([len(region) for region in mesh.regions.values()])
     numbers = np.split(np.arange(len(tets)), ends[:-1])
     regions = {name: of_name for name, of_name in zip(mesh.regions, numbers, strict=True) if name != BODY}
@@ -127,74 +136,21 @@ def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Vo
     with session() as gmsh:
         solids = import_solids(gmsh, body.source)
         low, high = bounds(gmsh, solids)
-        if body.half and body.turned and high[2] <= 1e-6 * (high[0] - low[0]):
-            gmsh.model.occ.mirror(solids, 0, 0, 1, 0)  # the half z >= 0 of the file has been turned to z <= 0
+        rounding = 1e-6 * (high[0] - low[0])
+        if body.half and high[2] <= rounding and (body.turned or high[2] >= -rounding):
+            gmsh.model.occ.mirror(solids, 0, 0, 1, 0)  # the half z <= 0, of the file or turned to there
             gmsh.model.occ.synchronize()
             low, high = bounds(gmsh, solids)
-        _check_position(body, low, high)
+        check_position(body, low, high)
+        check_ends(gmsh, body, solids)
         check_curve(gmsh, body, solids, low, high)
         parts = named_parts(gmsh, body, solids, low, high)
-        if body.half and low[2] < -1e-6 * (high[0] - low[0]):
+        if body.half and low[2] < -rounding:
             for name in dict.fromkeys(parts.values()):
-                _check_symmetric(gmsh, [solid for solid in solids if parts[solid] == name])
+                check_symmetric(gmsh, [solid for solid in solids if parts[solid] == name])
             low = (low[0], low[1], 0.0)
         blocks, air = _fragments(gmsh, body, parts, low, high)
         yield gmsh, blocks, _named_air(gmsh, body, blocks, air, low, high)
-
-
-def _check_position(body: CadBody, low: Point, high: Point) -> None:
-    """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm)."""
-    sides = np.subtract(high, low)
-    measures = " x ".join(f"{side:.4g}" for side in sides)
-    if not SMALLEST <= sides.max() <= LARGEST:
-        raise DesignError(
-            ("file", "unit"),
-            f"the body measures {measures} mm; is its file in another unit than {body.source.unit:g} mm?",
-        )
-    tolerance = 1e-6 * sides.max()
-    for key, axis in (("clamp", 0), ("tip", 0), ("curve", 1)):
-        position, ends = getattr(body, key), (low[axis], high[axis])
-        if not ends[0] - tolerance <= position <= ends[1] + tolerance:
-            if axis == 0 and body.turned:
-                position, ends = -position, (0.0 - ends[1], 0.0 - ends[0])
-            raise DesignError(
-                key,
-                f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
-                f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm",
-            )
-    longest = "xyz"[int(np.argmax(sides))]
-    turned = "" if longest == "x" else f"; the body is longest along {longest}: give axes if that is the arm's length"
-    if not body.half and not low[2] < -tolerance < tolerance < high[2]:
-        raise DesignError(
-            "symmetric",
-            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm, and the material curve runs at z = 0; write "
-            "true if the file holds the half z >= 0 of an arm, else move the body so that its middle is at "
-            f"z = 0{turned}",
-        )
-    if body.half and abs(low[2]) > tolerance and abs(low[2] + high[2]) > tolerance:
-        raise DesignError(
-            "symmetric",
-            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm: it is neither the half z >= 0 nor symmetric "
-            f"about z = 0; move it (mirror a half z <= 0), or write false for a whole body{turned}",
-        )
-
-
-def _check_symmetric(gmsh: Any, solids: list[Volume]) -> None:
-    """Raise `DesignError` unless solids of one material and their mirror images at z = 0 fill the same space."""
-    occ = gmsh.model.occ
-    image = occ.copy(solids)
-    occ.mirror(image, 0, 0, 1, 0)
-    whole = sum(float(occ.getMass(*solid)) for solid in solids)
-    rest, _ = occ.cut(solids, image, removeObject=False, removeTool=True)
-    fraction = sum(float(occ.getMass(*volume)) for volume in rest if volume[0] == 3) / whole
-    if rest:
-        occ.remove(rest, recursive=True)
-    occ.synchronize()
-    if fraction > 1e-6:
-        raise DesignError(
-            "symmetric",
-            f"the halves of the body about z = 0 differ ({100 * fraction:.2g} % of its volume); write false",
-        )
 
 
 def _fragments(

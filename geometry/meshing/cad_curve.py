@@ -14,11 +14,14 @@ from geometry.meshing.shapes import Volume
 SAMPLES = 100
 #: distance from the surface, over the height of the body, that is rounding
 ROUNDING = 1e-4
+#: distance of the first and last of these points from the ends, over the length
+JUST_WITHIN = 1e-5
 
 
 def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> None:
     """Raise `DesignError` where the curve leaves the material; low, high: bounds of the body, mm."""
-    along = np.linspace(body.clamp, body.tip, SAMPLES + 2)[1:-1]
+    along = np.linspace(body.clamp, body.tip, SAMPLES)
+    along[[0, -1]] += [JUST_WITHIN * (body.tip - body.clamp), JUST_WITHIN * (body.clamp - body.tip)]
     across = body.within_half((0.0, 0.0, 0.0), low, high)[2]
     rounding = ROUNDING * (high[1] - low[1])
 

@@ -75,18 +75,26 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_mesh")
 
-        from pipeline.plausibility.body import of_half, of_mesh
+        from pipeline.plausibility.body import of_edges, of_half, of_mesh
         from pipeline.plausibility.units import of_contact, of_units
-        from pipeline.simulation.scene import Scene
+        from pipeline.progress import progress_for
+        from pipeline.simulation.waiting import meshed_aloud
         from pipeline.store.atomic_file import replacing
         from pipeline.store.result_folder import open_folder
         from pipeline.store.store import check_owner
         from pipeline.terminal import body_table
 
-        scene, results = Scene.meshed(design), open_folder(folder)
-        body = scene.body
+        results = open_folder(folder)
         check_owner(results.directory, design, "give another --out")
-        file = results.path("mesh.vtu")
+        progress = progress_for(Console())
+        try:
+            progress.stage("mesh")
+            if edges := of_edges(design):
+                progress.remark(edges)
+            scene = meshed_aloud(design, progress)
+        finally:
+            progress.done()
+        body, file = scene.body, results.path("mesh.vtu")
         with replacing(file) as part:
             body.mesh.write(part)
         print_lines(body_table(file, design.design, body))

@@ -24,11 +24,12 @@ def init(
         from pipeline.config.complaints import not_known
         from pipeline.config.example import BODIES, example
         from pipeline.store.atomic_file import write_atomic
+        from pipeline.store.result_folder import open_file
 
         if family not in BODIES:
             raise InputError(f"FAMILY: {not_known(family, BODIES)}")
         file = out or Path(f"my_{family}.yaml")
         if file.exists() and not force:
             raise InputError(f"{file}: exists; give another --out, or --force to replace it")
-        write_atomic(file, example(family).encode())
+        write_atomic(open_file(file), example(family).encode())
         print_lines(f"written: {file}; change it and check the body with `pneurod mesh {file}`")

@@ -5,6 +5,7 @@ from math import inf
 
 from geometry import PneuNet
 from pipeline.config.config import Config, Material
+from pipeline.plausibility.body import of_edges
 from rod import too_few_pitches
 
 #: p V_air / (E V_solid), about half the strain of a wall under the pressure p: the arms of the paper have 0.003 to
@@ -106,4 +107,4 @@ def _two_digits(value: float) -> float:
 
 #: the rules on the pressures, given where an experiment has ended, and those on the rest of the configuration
 ON_PRESSURES: tuple[Callable[[Config, float], str], ...] = (_strong_pressure, _weak_pressure, _few_pressures)
-ON_DESIGN: tuple[Callable[[Config], str], ...] = (_few_cells, _unequal_cells)
+ON_DESIGN: tuple[Callable[[Config], str], ...] = (_few_cells, _unequal_cells, of_edges)

@@ -1,10 +1,13 @@
-"""Sentences on the meshed body, known before anything is solved."""
+"""Sentences on the body and its mesh, known before anything is solved."""
 
-from geometry import Body, Mesh
+from geometry import Body, CadFile, Mesh
+from pipeline.config.config import AUTO, Config
 
 #: smallest radius ratio of an element that is not mentioned: meshes of the families have 0.1 to 0.3, and below this one
 #: a mesh of a CAD file is optimized once more
 FLAT_ELEMENT = 0.05
+#: length of an edge of a CAD file, over the size of the elements, below which it is mentioned
+SMALL_EDGE = 1 / 3
 #: distance of a cavity from the plane of symmetry, over the length of the arm, that is more than rounding
 APART = 1e-5
 
@@ -21,6 +24,24 @@ def of_half(body: Body) -> str:
     return (
         f"of the half z >= 0 of the body, {names} {verb} not reach the plane z = 0: the whole body has a mirror image "
         f"of {them} at z < 0, with the same pressure; write geometry.symmetric: false if it has not"
+    )
+
+
+def of_edges(config: Config) -> str:
+    """The sentence on edges of a CAD file that are short for the size of the elements, known before meshing; else
+    empty."""
+    design = config.design
+    if not isinstance(design, CadFile) or config.mesh.size_mm is AUTO:
+        return ""
+    size = config.mesh.element_size_mm
+    small = [edge for edge in design.edges if edge[0] < SMALL_EDGE * size]
+    if not small:
+        return ""
+    length, where = small[0]
+    return (
+        f"{len(small)} of the {len(design.edges)} edges in the CAD file are shorter than a third of mesh.size, "
+        f"{size:g} mm, the shortest {length:.2g} mm near {where}: elements there are as small, and meshing may take "
+        "minutes; remove small fillets, steps and letters in the CAD program if they do not matter"
     )
 
 

@@ -9,6 +9,7 @@ from pipeline.cell.saved import SavedLaw
 from pipeline.config.units import PRESSURE
 from pipeline.errors import InputError, RunFailed
 from pipeline.rods.saved import SavedRod, option_value
+from pipeline.store.result_folder import open_folder
 from rod import EXPORTS, Arm, RodError, export_arm
 from rod.export.formats import export_files
 
@@ -32,14 +33,13 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> list[P
     """Write the rod of a result folder for another code and return the files.
 
     Raises InputError for an unknown target, which it answers with the known ones, for other options that do not fit and
-    for files that exist, and RunFailed where the target cannot take the rod.
+    for files that exist or a folder that cannot be written, and RunFailed where the target cannot take the rod.
     """
     if target not in EXPORTS:
         raise InputError(f"--to{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}")
     if options.law not in (None, *LAWS):
         raise InputError(f"--law {options.law}: allowed are {', '.join(LAWS)}")
     into = options.out or folder
-    into.mkdir(parents=True, exist_ok=True)
     only_law = not (folder / "parameters.json").is_file() and (folder / "law.json").is_file()
     if options.law == "cell" or (options.law is None and only_law):
         return [_law_table(folder / "law.json", target, into, options)]
@@ -48,7 +48,7 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> list[P
         arm = arm.smoothed() if options.smooth else arm
         for path in export_files(arm, target, into):
             _refuse_existing(path, options)
-        return export_arm(arm, target, into)
+        return export_arm(arm, target, open_folder(into).directory)
     except RodError as failure:
         raise RunFailed(str(failure)) from None
 
@@ -77,6 +77,7 @@ def _law_table(path: Path, target: str, into: Path, options: ExportOptions) -> P
     try:
         file = into / saved.file_name(target, value)
         _refuse_existing(file, options)
+        open_folder(into)
         saved.export(target, file, value)
     except RodError as failure:
         raise InputError(f"--pressure {options.pressure}: {failure}") from None

@@ -14,6 +14,7 @@ from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, co
 from pipeline.errors import InputError, RunFailed
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import with_present_keys
+from pipeline.store.result_folder import open_file
 from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
@@ -200,10 +201,15 @@ def end_lines(shape: RodSolution) -> list[str]:
 
 
 def write_shape(shape: RodSolution, file: Path) -> None:
-    """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm."""
+    """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm.
+
+    Raises InputError when the file cannot be written.
+    """
     columns = (shape.s, *_material_curve(shape), shape.theta, shape.kappa, shape.moment)
     rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
-    write_atomic(file, ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode())
+    write_atomic(
+        open_file(file), ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode()
+    )
 
 
 def _material_curve(shape: RodSolution) -> tuple[Array, Array]:

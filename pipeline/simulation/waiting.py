@@ -5,7 +5,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
+from geometry.meshing.telling import heard_by
+from pipeline.config.config import Config
 from pipeline.progress import Progress
+from pipeline.simulation.scene import Scene
 
 #: seconds between two sentences
 EVERY = 20.0
@@ -27,3 +30,9 @@ def told_while_waiting(progress: Progress, what: str, every: float = EVERY) -> I
     finally:
         ended.set()
         teller.join()
+
+
+def meshed_aloud(config: Config, progress: Progress) -> Scene:
+    """The scene of a configuration, with remarks on how far meshing is. Raises InputError as `Scene.meshed`."""
+    with told_while_waiting(progress, "meshing the body"), heard_by(progress.remark):
+        return Scene.meshed(config)

@@ -62,9 +62,21 @@ def open_folder(directory: Path | str) -> ResultFolder:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as failure:
-        reason = failure.strerror or str(failure)
+        in_the_way = next((part for part in (folder, *folder.parents) if part.is_file()), None)
+        reason = f"{in_the_way} is a file" if in_the_way else failure.strerror or str(failure)
         raise InputError(f"--out {folder}: cannot be written ({reason}); give a folder you may write to") from None
     return ResultFolder(folder)
+
+
+def open_file(file: Path) -> Path:
+    """The file that `--out` names, ready to be written; its folder is made if it is missing.
+
+    Raises InputError when it cannot be written.
+    """
+    if file.is_dir():
+        raise InputError(f"--out {file}: is a folder; give a file")
+    open_folder(file.parent)
+    return file
 
 
 def json_text(value: Json) -> str:

@@ -1,0 +1,89 @@
+"""Whether the solids of a CAD file lie where an arm has to lie: unit, clamp, tip, curve, and symmetry about z = 0."""
+
+from typing import Any
+
+import numpy as np
+
+from geometry.design import DesignError
+from geometry.meshing.cad_import import CadBody, Point
+from geometry.meshing.shapes import Volume
+
+#: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
+SMALLEST, LARGEST = 1.0, 3000.0
+
+
+def check_position(body: CadBody, low: Point, high: Point) -> None:
+    """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm)."""
+    sides = np.subtract(high, low)
+    measures = " x ".join(f"{side:.4g}" for side in sides)
+    if not SMALLEST <= sides.max() <= LARGEST:
+        raise DesignError(
+            ("file", "unit"),
+            f"the body measures {measures} mm; is its file in another unit than {body.source.unit:g} mm?",
+        )
+    tolerance = 1e-6 * sides.max()
+    for key, axis in (("clamp", 0), ("tip", 0), ("curve", 1)):
+        position, ends = getattr(body, key), (low[axis], high[axis])
+        if not ends[0] - tolerance <= position <= ends[1] + tolerance:
+            if axis == 0 and body.turned:
+                position, ends = -position, (0.0 - ends[1], 0.0 - ends[0])
+            raise DesignError(
+                key,
+                f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
+                f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm",
+            )
+    longest = "xyz"[int(np.argmax(sides))]
+    turned = "" if longest == "x" else f"; the body is longest along {longest}: give axes if that is the arm's length"
+    if body.half and longest == "z" and abs(low[2]) <= tolerance:
+        raise DesignError("symmetric", f"the body would be one half of an arm that is wider than it is long{turned}")
+    if not body.half and not low[2] < -tolerance < tolerance < high[2]:
+        raise DesignError(
+            "symmetric",
+            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm, and the material curve runs at z = 0; write "
+            "true if the file holds one half of an arm, else move the body so that its middle is at "
+            f"z = 0{turned}",
+        )
+    if body.half and abs(low[2]) > tolerance and abs(low[2] + high[2]) > tolerance:
+        raise DesignError(
+            "symmetric",
+            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm: it is neither one half, with z = 0 at its "
+            f"side, nor symmetric about z = 0; move it, or write false for a whole body{turned}",
+        )
+
+
+def check_ends(gmsh: Any, body: CadBody, solids: list[Volume]) -> None:
+    """Raise `DesignError` unless solids have a face in the plane of the clamp, and one in that of the tip."""
+    faces = gmsh.model.getBoundary(solids, combined=False, oriented=False)
+    reach = np.array([gmsh.model.getBoundingBox(*face) for face in faces])[:, [0, 3]]
+    for name in ("clamp", "tip"):
+        away = np.abs(reach - getattr(body, name)).max(axis=1)
+        if away.min() > 1e-6 * (body.tip - body.clamp):
+            raise no_end_face(body, name)
+
+
+def no_end_face(body: CadBody, name: str) -> DesignError:
+    """The refusal of a body without a face in the plane of the end `name`."""
+    position = getattr(body, name) * (-1 if body.turned else 1)
+    return DesignError(
+        name,
+        f"the body has no face in the plane x = {position:g} mm; clamp and tip are flat faces across x: cut a "
+        "rounded end off in the CAD program, or turn the body with axes",
+    )
+
+
+def check_symmetric(gmsh: Any, solids: list[Volume]) -> None:
+    """Raise `DesignError` unless solids of one material and their mirror images at z = 0 fill the same space."""
+    occ = gmsh.model.occ
+    image = occ.copy(solids)
+    occ.mirror(image, 0, 0, 1, 0)
+    whole = sum(float(occ.getMass(*solid)) for solid in solids)
+    rest, _ = occ.cut(solids, image, removeObject=False, removeTool=True)
+    fraction = sum(float(occ.getMass(*volume)) for volume in rest if volume[0] == 3) / whole
+    if rest:
+        occ.remove(rest, recursive=True)
+    occ.synchronize()
+    if fraction > 1e-6:
+        raise DesignError(
+            "symmetric",
+            f"the halves of the body about z = 0 differ ({100 * fraction:.2g} % of its volume); write false",
+        )
