@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -88,7 +89,7 @@ def test_finished_points_are_not_solved_again(sweep: Sweep, results: Path, monke
     before, said = table(results), []
     monkeypatch.setattr(study, "connected", none_needed)
     report = solved(sweep, results, LocalWorkers(2, 1), said)
-    assert said == ["3 points, 3 of them kept from earlier"]
+    assert said == ["4 points: 1 refused, 3 kept from earlier, 0 to be solved"]
     assert table(results) == before
     with pytest.raises(Exception, match="1 of 4 points did not finish"):
         report.raise_if_failed()
@@ -111,10 +112,19 @@ def test_several_sweeps_share_the_workers_and_each_has_its_table(
     rows = (tmp_path / "second" / "sweep.csv").read_text().splitlines()
     first = (tmp_path / "first" / "sweep.csv").read_text().splitlines()
     assert rows == first[:5]
-    assert said[0] == "5 points, 0 of them kept from earlier"
+    assert said[0] == "6 points: 1 refused, 0 kept from earlier, 5 to be solved"
     assert len([line for line in said if "finished after" in line]) == 5
     with pytest.raises(InputError, match="two sweeps would write into this folder"):
         run_sweeps([requests[0], requests[0]], Course(LocalWorkers.of(2, "4 GB"), False, False, said.append))
+
+
+def test_the_folder_of_another_sweep_is_not_written_into(file: Path, results: Path) -> None:
+    other = file.with_name("another.yaml")
+    other.write_text(SWEEP.replace("tiny_walls", "another"), encoding="utf-8")
+    before = table(results)
+    with pytest.raises(InputError, match=r"holds the results of the sweep 'tiny_walls', not of 'another'; .*--fresh"):
+        solved(read_sweep(other), results, LocalWorkers(2, 1))
+    assert table(results) == before
 
 
 def test_a_killed_sweep_continues_without_its_finished_points(file: Path, results: Path, tmp_path: Path) -> None:
@@ -134,7 +144,7 @@ def test_a_killed_sweep_continues_without_its_finished_points(file: Path, result
     order = [next(name for name in names if name in line) for line in finished]
     assert order == [name for name in names if name in order]  # that of the file
     first, *_ = ended.stdout.splitlines()
-    assert first in ("3 points, 1 of them kept from earlier", "3 points, 2 of them kept from earlier")
+    assert re.fullmatch("4 points: 1 refused, [12] kept from earlier, [12] to be solved", first)
     assert ended.returncode == 1
     assert "1 of 4 points did not finish" in ended.stderr
     assert "Traceback" not in ended.stderr
@@ -205,5 +215,7 @@ def test_too_little_memory_is_refused(memory: str) -> None:
 
 
 def test_a_wrong_amount_of_memory_is_refused() -> None:
+    with pytest.raises(InputError, match=r"--memory 900 TB: is more than this machine has, \d+"):
+        LocalWorkers.of(2, "900 TB")
     with pytest.raises(InputError, match="--memory much: is no amount of memory"):
         LocalWorkers.of(2, "much")

@@ -3,7 +3,8 @@
 import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
-from typing import Any
+from types import NoneType, UnionType
+from typing import Any, get_args, get_origin
 
 from pipeline.errors import quoted
 
@@ -88,8 +89,15 @@ def keys_below(model: Any, key: Key) -> Mapping[str, Any]:
     """The fields allowed below `key`."""
     keys: Mapping[str, Any] = model.model_fields
     for name in key:
-        keys = getattr(keys[str(name)].annotation, "model_fields", {})
+        keys = getattr(_section(keys[str(name)].annotation), "model_fields", {})
     return keys
+
+
+def _section(annotation: Any) -> Any:
+    """The type of a field, without the None of a section that may be left out."""
+    if get_origin(annotation) is not UnionType:
+        return annotation
+    return next(part for part in get_args(annotation) if part is not NoneType)
 
 
 def _list_example(model: Any, key: Key) -> str:

@@ -95,7 +95,7 @@ def _values(entry: Value) -> list[Value]:
         )
     number = entry["number"]
     if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= MOST_POINTS:
-        raise ValueError(f"number: {quoted(number)} is not allowed; allowed: a whole number from 1 on")
+        raise ValueError(f"number: {quoted(number)} is not allowed; allowed: a whole number from 1 to {MOST_POINTS}")
     return _Ends.of(entry).values(np.linspace(0.0, 1.0, number))
 
 

@@ -32,8 +32,8 @@ class _Section(pydantic.BaseModel):
 
 
 class _Hypercube(_Section):
-    points: Count
-    seed: CountFromZero
+    points: Annotated[Count, Field(examples=["60"])]
+    seed: Annotated[CountFromZero, Field(examples=["1"])]
     axes: Annotated[dict[str, Any], Field(examples=["{geometry.wall: {from: 0.8 mm, to: 1.6 mm}}"])]
 
 
@@ -42,7 +42,7 @@ class _File(_Section):
     base: Annotated[Text, Field(examples=["pneunet_coarse.yaml"])]
     run: Annotated[Run, BeforeValidator(_run)] = (WHOLE,)
     set: dict[str, Any] = {}
-    axes: Annotated[tuple[dict[str, Any], ...], Field(strict=False)] = ()
+    axes: Annotated[tuple[dict[str, Any], ...], Field(strict=False, examples=["[geometry.wall: [1 mm, 1.5 mm]]"])] = ()
     latin_hypercube: _Hypercube | None = None
 
 

@@ -59,7 +59,7 @@ class SweepReport:
             first = others[0]
             raise RunFailed(
                 f"{len(others)} of {len(self.points)} points did not finish, as {self.directory / 'sweep.csv'} says; "
-                f"point {first.number}: {first.record.reason}",
+                f"the first of them is point {first.number}: {first.record.reason}",
                 directory=self.directory,
             )
 
@@ -135,6 +135,7 @@ class _SweepInProgress:
             part.unlink(missing_ok=True)
         if course.fresh:
             _clear(self.folder)
+        self._refuse_other()
         self.folder.save_json(RECORD, {"name": self.sweep.name})
         for name, task in self.tasks.items():
             kept = kept_record(ResultFolder(task.folder), task.key)
@@ -142,6 +143,25 @@ class _SweepInProgress:
                 self.records[name] = kept
             elif course.retry:
                 (task.folder / "sweep_point.json").unlink(missing_ok=True)
+
+    def _refuse_other(self) -> None:
+        """Raise InputError where the folder holds a sweep of another name."""
+        try:
+            record = self.folder.read_json(RECORD)
+        except ValueError:  # it was not written to its end
+            return
+        name = record.get("name") if isinstance(record, Mapping) else None
+        if name not in (None, self.sweep.name):
+            raise InputError(
+                f"--out {self.folder.directory}: holds the results of the sweep '{name}', not of '{self.sweep.name}'; "
+                "give another --out, or --fresh to replace them"
+            )
+
+    def count(self) -> tuple[int, int, int]:
+        """How many points are refused, kept from earlier, and still to be solved."""
+        names = [point.name for point in self.points if isinstance(point, Point)]
+        kept = sum(name in self.records for name in names)
+        return len(self.points) - len(names), kept, len(names) - kept
 
     @property
     def missing(self) -> list[PointTask]:
@@ -181,8 +201,8 @@ def _tasks(sweep: Sweep, points: Sequence[Point | RefusedPoint], folder: ResultF
 def _solve(sweeps: Sequence[_SweepInProgress], course: Course) -> None:
     """Complete the records of all sweeps, and write what belongs to a sweep as soon as its records are complete."""
     owners = {task.folder: own for own in sweeps for task in own.missing}
-    number = sum(len(own.tasks) for own in sweeps)
-    course.say(f"{number} points, {number - len(owners)} of them kept from earlier")
+    counts = tuple(map(sum, zip(*(own.count() for own in sweeps), strict=True)))
+    course.say("{} points: {} refused, {} kept from earlier, {} to be solved".format(sum(counts), *counts))
     for own in sweeps:
         if not own.missing:
             own.save()

@@ -50,6 +50,8 @@ class LocalWorkers:
             raise InputError(
                 f"--memory {memory}: is too little for a worker; give it with its unit, for example '4 GB'"
             )
+        if each > MEMORY_LIMIT:
+            raise InputError(f"--memory {memory}: is more than this machine has, {MEMORY_LIMIT / 1e9:.3g} GB")
         return LocalWorkers(jobs, each)
 
 
