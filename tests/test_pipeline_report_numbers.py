@@ -5,7 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.report.numbers import Cell, eccentricity, estimators, linear_range, observations
+from pipeline.report.numbers import (
+    Cell,
+    eccentricity,
+    estimators,
+    five_parameters,
+    linear_range,
+    mesh_besides,
+    observations,
+)
 from pipeline.report.page import render_report
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import third_experiment
@@ -47,6 +55,34 @@ def test_estimators_stand_side_by_side(tmp_path: Path) -> None:
     assert rows[0][2][4] == Cell("at most 5.6", "6.6 with 95 %")
     assert rows[1][2][4] == Cell("5.6 ± 0.5", "4.6 … 6.6")
     assert rows[2][2][0] == Cell("-", "")
+
+
+def test_a_single_line_has_no_break(tmp_path: Path) -> None:
+    parameters = {"pressures_kPa": [17.0], **columns(True), "single_line_suffices": [True]}
+    ((_, cells),) = five_parameters(results(tmp_path, parameters=parameters))
+    assert cells[-1] == Cell("-", "single line")
+
+
+@pytest.mark.parametrize(
+    ("error", "law", "said"),
+    [
+        (
+            {"alpha2_relative": [0.01, 0.035], "kappa_0_relative": [0.044, None]},
+            {},
+            "4.4 % in κ₀(l/2) and 3.5 % in α₂.",
+        ),
+        (None, {"kappa_0_per_mm": [-0.01, -0.02], "kappa_0_per_mm_std": [0.0005, 0.0004]}, "at most 5 % of κ₀."),
+        (None, {}, "it was not estimated."),
+    ],
+    ids=["of the five parameters", "of the arm's own law alone", "of none"],
+)
+def test_the_error_of_the_mesh_is_named_beside_that_of_the_rods(
+    error: object, law: object, said: str, tmp_path: Path
+) -> None:
+    parameters = {"pressures_kPa": [17.0], **columns(False), "mesh_error": error}
+    sentence = mesh_besides(results(tmp_path, parameters=parameters, law={"mesh_error": law}))
+    assert sentence.startswith("The error of the mesh comes on top of that")
+    assert sentence.endswith(said)
 
 
 def test_a_break_at_the_upper_end_of_its_range_is_marked(tmp_path: Path) -> None:

@@ -46,6 +46,7 @@ def test_it_is_the_same_in_python(folder: Path) -> None:
     assert verdict.five[0].cells[1].interval == "286.4 … 288.2"
     assert verdict.rod == "five_extensible" == verdict.errors[0].rod
     assert verdict.on("rod")[0].startswith("Take the rod with five parameters that stretches")
+    assert verdict.on("rod")[1].startswith("The error of the mesh comes on top of that")
     assert len(verdict.on("errors")) == 2
     assert "symmetry (body, pressure and loads are mirror images" in verdict.on("simulated")[0]
     assert verdict.on("weather") == ()

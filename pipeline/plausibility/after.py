@@ -55,11 +55,15 @@ def _large_strain(solved: Solved) -> str:
     low, high = (choose(states, key=key) for choose, key in ((min, _smallest_stretch), (max, _largest_stretch)))
     if max(high.extremes.max_stretch, 1.0 / low.extremes.min_stretch) <= SMALL_STRAIN:
         return ""
+    stable = solved.config.material.built().stretch_limits[0]
+    unstable = (
+        f", and where compressed below {stable:.2f} it is not stable" if low.extremes.min_stretch < stable else ""
+    )
     return (
         f"stretches in the walls go from {low.extremes.min_stretch:.2f} (compressed) to "
         f"{high.extremes.max_stretch:.2f} (at {high.pressure_kPa:g} kPa), and St. Venant-Kirchhoff (svk) is a law for "
-        "small strains: for the silicone Elastosil M 4601 it holds up to a stretch of 1.08; fit another law to a "
-        "tensile test with pneurod material"
+        f"small strains: for the silicone Elastosil M 4601 it holds up to a stretch of 1.08{unstable}; fit another law "
+        "to a tensile test with pneurod material"
     )
 
 

@@ -42,6 +42,10 @@ class Cell:
     interval: str  #: the 95 % interval; empty where there is none
 
 
+#: d of a single line
+NO_BREAK = Cell("-", "single line")
+
+
 def decimals(results: Results) -> dict[str, int]:
     """The decimals of each of the five parameters: the same at every pressure, by every estimator, everywhere."""
     columns = results.parameters
@@ -51,8 +55,15 @@ def decimals(results: Results) -> dict[str, int]:
 def five_parameters(results: Results) -> list[tuple[str, list[Cell]]]:
     """Rows by pressure: p, the five parameters of the rod with their intervals."""
     places = decimals(results)
+    single = results.parameters.get("single_line_suffices") or [False] * len(results.identified_pressures)
     return [
-        (f"{pressure:g}", [_cell(results.parameters, key, index, places[key]) for key, _, _ in NUMBERS])
+        (
+            f"{pressure:g}",
+            [
+                NO_BREAK if key == "d_mm" and single[index] else _cell(results.parameters, key, index, places[key])
+                for key, _, _ in NUMBERS
+            ],
+        )
         for index, pressure in enumerate(results.identified_pressures)
     ]
 
@@ -101,24 +112,35 @@ def mesh_error(results: Results) -> str:
         stds = [std for std in error[f"{key}_std"] if std]
         if stds:
             parts.append(f"{fixed(max(stds), decimals_of([], [max(stds)]))} {unit} of {symbol}")
+    relative = f"{_relative(error)}, " if _relative(error) else ""
     return (
-        f"Mesh error: {_relative(error)}estimated from mesh sizes of {sizes} mm and contained in the standard "
+        f"Mesh error: {relative}estimated from mesh sizes of {sizes} mm and contained in the standard "
         f"deviations: at most {', '.join(parts)}."
     )
 
 
 def _relative(error: Mapping[str, Any]) -> str:
-    """The largest relative errors over the pressures, as the beginning of a sentence; empty in older files."""
+    """The largest relative errors over the pressures; empty where they are not known."""
     symbols = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
     largest = {name: [e for e in error.get(f"{name}_relative") or () if e is not None] for name in symbols}
     parts = [f"{100 * max(errors):.1f} % in {symbols[name]}" for name, errors in largest.items() if errors]
-    return f"at most {listed(parts)}, " if parts else ""
+    return f"at most {listed(parts)}" if parts else ""
 
 
 def law_mesh_error(results: Results) -> str:
     """The error of the mesh in the arm's own law; empty where there is no law, a sentence where it is not known."""
     if not results.arm_law:
         return ""
+    largest = _relative_of_law(results)
+    if not largest:
+        return "Mesh error of the arm's own law: not estimated."
+    reason = (results.arm_law.get("mesh_error") or {}).get("reason")
+    why = f"; {reason}" if reason else ""
+    return f"Mesh error of the arm's own law: {largest}, one standard deviation{why}."
+
+
+def _relative_of_law(results: Results) -> str:
+    """The largest relative errors of the law due to its mesh; empty where they are not known."""
     error = results.arm_law.get("mesh_error") or {}
     parts = []
     for key, symbol in _LAW_QUANTITIES.items():
@@ -126,10 +148,16 @@ def law_mesh_error(results: Results) -> str:
         errors = [abs(std / value) for value, std in pairs if value and std is not None]
         if errors:
             parts.append(f"{percent(max(errors))} of {symbol}")
-    if not parts:
-        return "Mesh error of the arm's own law: not estimated."
-    why = f"; {error['reason']}" if error.get("reason") else ""
-    return f"Mesh error of the arm's own law: at most {listed(parts)}, one standard deviation{why}."
+    return f"at most {listed(parts)}" if parts else ""
+
+
+def mesh_besides(results: Results) -> str:
+    """The sentence on the error of the mesh beside that of the rods, which are compared on the same mesh."""
+    of_five = _relative(results.parameters.get("mesh_error") or {}) if results.parameters else ""
+    largest = of_five or _relative_of_law(results)
+    if not largest:
+        return "The error of the mesh comes on top of that; it was not estimated."
+    return f"The error of the mesh comes on top of that: {largest}."
 
 
 def eccentricity(results: Results) -> list[tuple[str, list[str]]]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pipeline.report.formatting import number
 from pipeline.report.mesh import mesh_sentences
 from pipeline.report.next_steps import next_steps
-from pipeline.report.numbers import NUMBERS, Cell, five_parameters, law_mesh_error, mesh_error
+from pipeline.report.numbers import NUMBERS, Cell, five_parameters, law_mesh_error, mesh_besides, mesh_error
 from pipeline.report.results import EffectRow, Results
 from pipeline.report.sentences import in_short, lines_needed
 from pipeline.report.untested import untested
@@ -84,7 +84,7 @@ def verdict_of(results: Results) -> Verdict:
     errors = rod_errors(results)
     topics = {
         FAILURE: _failure(results),
-        "rod": rod_to_take(results)[:1] or ["No rod was compared with the finite elements."],
+        "rod": _rod(results),
         "errors": rod_to_take(results)[1:],
         "single line": _single_line(results),
         "unusual": [f"Note: {sentence}." for sentence in results.run.get("remarks") or ()],
@@ -126,6 +126,12 @@ def _failure_in_short(results: Results) -> list[str]:
 def _lost(results: Results) -> list[str]:
     """The pressures that were not reached."""
     return [f"{row.experiment} at {number(row.pressure_kPa)} kPa: {row.reason}" for row in results.failures]
+
+
+def _rod(results: Results) -> list[str]:
+    """Which rod to take, and the error of the mesh beside its own."""
+    to_take = rod_to_take(results)[:1]
+    return [*to_take, mesh_besides(results)] if to_take else ["No rod was compared with the finite elements."]
 
 
 def _single_line(results: Results) -> list[str]:
