@@ -10,6 +10,9 @@ from geometry.meshing.shapes import Volume
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
+#: A face all of which is nearer to the plane of an end than this, over the length, may lie in it: the CAD kernel draws
+#: boxes wider than faces, by more in files in metres.
+NEAR_END = 1e-3
 
 
 def check_position(body: CadBody, low: Point, high: Point) -> None:
@@ -52,12 +55,15 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
 
 
 def check_ends(gmsh: Any, body: CadBody, solids: list[Volume]) -> None:
-    """Raise `DesignError` unless solids have a face in the plane of the clamp, and one in that of the tip."""
+    """Raise `DesignError` unless solids have a face near the plane of the clamp, and one near that of the tip.
+
+    Whether it lies in the plane shows once it is meshed.
+    """
     faces = gmsh.model.getBoundary(solids, combined=False, oriented=False)
     reach = np.array([gmsh.model.getBoundingBox(*face) for face in faces])[:, [0, 3]]
     for name in ("clamp", "tip"):
         away = np.abs(reach - getattr(body, name)).max(axis=1)
-        if away.min() > 1e-6 * (body.tip - body.clamp):
+        if away.min() > NEAR_END * (body.tip - body.clamp):
             raise no_end_face(body, name)
 
 
