@@ -94,6 +94,11 @@ class Design(ABC):
         """Thickness of the thinnest wall of the body, mm."""
 
     @property
+    def is_open_at_clamp(self) -> bool:
+        """Whether a cavity is open in the plane of the clamp, which then carries the pressure on the opening."""
+        return False
+
+    @property
     def base_top(self) -> float | None:
         """Height of the base plate, mm, which is the region `base` (0 <= y <= base_top); None for a body without."""
         return None

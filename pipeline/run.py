@@ -27,7 +27,7 @@ from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.scene import material_of
 from pipeline.simulation.simulate import simulate
-from pipeline.simulation.waiting import meshed_aloud
+from pipeline.simulation.waiting import meshed_with_progress
 from pipeline.store.store import open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.validation.rods import ArmRods
@@ -58,7 +58,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
     store, progress, workers = context.store, context.progress, context.workers
     loading = loaded(context, config.mesh.formulation, material_of(config))
     with stages.timed("mesh"):
-        scene = meshed_aloud(config, progress)
+        scene = meshed_with_progress(config, progress)
     unusual = tuple(filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body), of_contact(scene))))
     for sentence in unusual:
         progress.remark(sentence)

@@ -26,9 +26,10 @@ from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.loadcase import identification_case
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulation.simulate import experiments_of, simulate
 from pipeline.store.store import open_store
-from tests.foreign_bodies import bar, write_surface
+from tests.foreign_bodies import bar, bar_with_inlet, write_surface
+from tests.step_bodies import save
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 
@@ -215,6 +216,28 @@ def test_a_mesh_whose_boundary_passes_through_itself_is_refused(ready: Path, tmp
     config = load_config(ready, [f"geometry.file={tmp_path / 'crossed.msh'}"])
     with pytest.raises(InputError, match=r"geometry.file: the boundary .* passes through itself near \("):
         Scene.meshed(config)
+
+
+def test_the_clamp_carries_the_pressure_on_an_inlet(tmp_path: Path) -> None:
+    """Nothing would carry it in experiment I, whose three constraints are for a body in balance."""
+    save(tmp_path / "inlet.step", bar_with_inlet)
+    path = tmp_path / "inlet.yaml"
+    path.write_text(
+        "name: inlet\ngeometry: {family: own, file: inlet.step, curve: 1.5 mm, plug: true}\n"
+        "material: {law: neo_hooke, mu: 0.4 MPa, nu: 0.45}\npressures: [4 kPa]\n"
+        "mesh: {size: 6 mm, formulation: p2, grading: off}\n",
+        encoding="utf-8",
+    )
+    config = load_config(path)
+    assert experiments_of(config) == ("II", "III")
+    assert experiments_of(load_config(CONFIGS / "finger.yaml")) == ("II", "III", "I")
+    scene = Scene.meshed(config)
+    with open_store(tmp_path / "out", config) as store:
+        outcomes = simulate(scene, RunContext.alone(store, Silent()), ("II",))
+    summary = outcomes["II"].records[0].summary
+    assert summary.clamp_reaction_N[0] == pytest.approx(-4e-3 * np.pi * 1.5**2, rel=0.03)
+    reason = next(state.reason for state in effect_states(scene, outcomes) if state.effect == "pressure")
+    assert "experiment I, without a clamp, is not simulated" in reason
 
 
 def test_a_surface_is_filled_and_recorded(tmp_path: Path) -> None:

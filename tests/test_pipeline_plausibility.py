@@ -24,7 +24,7 @@ from pipeline.progress import Silent
 from pipeline.report.page import render_report
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.waiting import told_while_waiting
+from pipeline.simulation.waiting import remarks_while_waiting
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 PRESSURES = "pressures=[10 kPa, 20 kPa, 30 kPa]"
@@ -256,13 +256,13 @@ def test_long_calls_are_told_of() -> None:
 
     quick: list[str] = []
     slow: list[str] = []
-    with told_while_waiting(listener(quick), "meshing the body", every=10.0):
+    with remarks_while_waiting(listener(quick), "meshing the body", every=10.0):
         pass
-    with told_while_waiting(listener(slow), "meshing the body", every=0.02):
+    with remarks_while_waiting(listener(slow), "meshing the body", every=0.02):
         sleep(0.3)
     assert quick == []
     assert len(slow) > 1
-    assert slow[0].startswith("meshing the body for 0.0")
+    assert slow[0].startswith("meshing the body for 0.")
     count = len(slow)
     sleep(0.1)
     assert len(slow) == count, "nothing is told after the end"

@@ -23,6 +23,7 @@ class FileDesign(Design):
     cell: float | CellPlanes | None
     unit: float
     axes: Axes
+    plug: bool
 
     def _wrong_lengths(self) -> Iterator[DesignError]:
         """A `DesignError` for each length that the file does not tell and that is not positive."""
@@ -49,6 +50,10 @@ class FileDesign(Design):
     @property
     def curve_y(self) -> float:
         return self.curve
+
+    @property
+    def is_open_at_clamp(self) -> bool:
+        return self.plug
 
     @property
     def pitch(self) -> float:

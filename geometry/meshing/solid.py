@@ -15,10 +15,10 @@ from geometry.arrays import Array, Index
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, curved_edges
 from geometry.grading import OFF, Grading
 from geometry.mesh import MeshError
+from geometry.meshing.progress import report
 from geometry.meshing.round_walls import divide_round_walls
 from geometry.meshing.shapes import Shape, Volume, drawn
 from geometry.meshing.size_field import set_size_field
-from geometry.meshing.telling import tell
 
 #: A graded mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 POOR = 0.1
@@ -147,8 +147,8 @@ def generate(gmsh: Any) -> None:
     """
     mesh = gmsh.model.mesh
     mesh.generate(2)
-    tell(f"the surface is meshed: {len(mesh.getElementsByType(2)[0])} triangles")
-    tell("the volume is being filled with tetrahedra")
+    report(f"the surface is meshed: {len(mesh.getElementsByType(2)[0])} triangles")
+    report("the volume is being filled with tetrahedra")
     count = len(mesh.getNodes()[0])
     gmsh.option.setNumber("Mesh.Algorithm3D", _INITIAL)
     mesh.generate(3)

@@ -78,7 +78,7 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         from pipeline.plausibility.body import of_edges, of_half, of_mesh
         from pipeline.plausibility.units import of_contact, of_units
         from pipeline.progress import progress_for
-        from pipeline.simulation.waiting import meshed_aloud
+        from pipeline.simulation.waiting import meshed_with_progress
         from pipeline.store.atomic_file import replacing
         from pipeline.store.result_folder import open_folder
         from pipeline.store.store import check_owner
@@ -91,7 +91,7 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
             progress.stage("mesh")
             if edges := of_edges(design):
                 progress.remark(edges)
-            scene = meshed_aloud(design, progress)
+            scene = meshed_with_progress(design, progress)
         finally:
             progress.done()
         body, file = scene.body, results.path("mesh.vtu")

@@ -55,7 +55,12 @@ def _pressure(config: Config) -> tuple[str, str]:
     if config.effects.pressure.off:
         return "off", "switched off in the config"
     parts = [f"{name} {_inside(pressure)}" for name, pressure in config.effects.pressure.cavities.items()]
-    return "on", f"the pressure follows the walls; {', '.join(parts)}"
+    reason = f"the pressure follows the walls; {', '.join(parts)}"
+    if config.design.is_open_at_clamp:
+        reason += (
+            "; the clamp carries the pressure on the inlet (plug), and experiment I, without a clamp, is not simulated"
+        )
+    return "on", reason
 
 
 def _inside(pressure: CavityPressure) -> str:

@@ -24,8 +24,9 @@ _groups = itertools.count()  # of load cases, numbered by the main process
 
 
 def experiments_of(config: Config) -> tuple[str, ...]:
-    """The experiments of a run; without I where gravity acts, because nothing holds the weight of a free body."""
-    without = {"I"} if config.effects.gravity.on else set()
+    """The experiments of a run; without I where forces on a free body are not in balance: where gravity acts, and where
+    the clamp carries the pressure on an opening."""
+    without = {"I"} if config.effects.gravity.on or config.design.is_open_at_clamp else set()
     return tuple(name for name in EXPERIMENTS if name in config.experiments and name not in without)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from time import perf_counter
 
-from geometry.meshing.telling import heard_by
+from geometry.meshing.progress import progress_to
 from pipeline.config.config import Config
 from pipeline.progress import Progress
 from pipeline.simulation.scene import Scene
@@ -15,7 +15,7 @@ EVERY = 20.0
 
 
 @contextmanager
-def told_while_waiting(progress: Progress, what: str, every: float = EVERY) -> Iterator[None]:
+def remarks_while_waiting(progress: Progress, what: str, every: float = EVERY) -> Iterator[None]:
     """Remark every `every` seconds for how long `what` has lasted, until the block ends."""
     ended, start = threading.Event(), perf_counter()
 
@@ -32,7 +32,7 @@ def told_while_waiting(progress: Progress, what: str, every: float = EVERY) -> I
         teller.join()
 
 
-def meshed_aloud(config: Config, progress: Progress) -> Scene:
+def meshed_with_progress(config: Config, progress: Progress) -> Scene:
     """The scene of a configuration, with remarks on how far meshing is. Raises InputError as `Scene.meshed`."""
-    with told_while_waiting(progress, "meshing the body"), heard_by(progress.remark):
+    with remarks_while_waiting(progress, "meshing the body"), progress_to(progress.remark):
         return Scene.meshed(config)
