@@ -14,7 +14,7 @@ SEED := 7
 N := 40
 LAW := both
 
-all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy scaling
+all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy foreign scaling
 .PHONY: help setup $(all_targets) test slow hard fuzz kills unseen wheel examples lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
@@ -71,6 +71,9 @@ accuracy: $(READY)  ## convergence studies of the four coarse arms, and the tabl
 
 requested-accuracy: $(READY)  ## requested accuracy of nine other arms: estimated and true errors, the table of docs/accuracy.md (an hour)
 	@$(BIN)/python benchmarks/requested_accuracy.py results/requested_accuracy
+
+foreign: $(READY)  ## bodies from files of other programs, run from file to report: the table of docs/how_to/own_bodies_tried.md
+	@$(BIN)/python benchmarks/foreign.py results/foreign
 
 scaling: $(READY)  ## arms of 7, 11 and 20 cells from one parameterization, against their own finite elements
 	@$(BIN)/python benchmarks/scaling.py

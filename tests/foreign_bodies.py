@@ -1,6 +1,7 @@
 """Bodies as other programs write them: meshes without names or a material curve, surfaces, solids in other frames."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -153,8 +154,17 @@ def finger_from_the_right(occ: Any) -> Any:
     return solids
 
 
-def write_tried(folder: Path) -> dict[str, str]:
-    """Write the files of docs/how_to/own_bodies_tried.md; the keys of their geometry by file."""
+@dataclass(frozen=True)
+class Tried:
+    """A file as another program writes it."""
+
+    file: str
+    words: str
+    keys: str  #: of its geometry in YAML, besides `family` and `file`
+
+
+def write_tried(folder: Path) -> list[Tried]:
+    """Write the files of docs/how_to/own_bodies_tried.md; all but the last are the finger."""
     points, tets = meshed(finger, 4.0)
     write_mesh(folder / "finger.vtk", points, tets)
     write_mesh(folder / "finger10.msh", *meshed(finger, 4.0, order=2), file_format="gmsh22")
@@ -163,21 +173,33 @@ def write_tried(folder: Path) -> dict[str, str]:
     save(folder / "finger.step", finger)
     save(folder / "finger_in_two.step", finger_in_two)
     save(folder / "finger_inlet.step", finger_with_inlet)
+    save(folder / "half.brep", half_finger)
     write_surface(folder / "finger.stl", finger, 50)
     content = meshio.read(folder / "finger.stl")
+    meshio.Mesh(content.points, content.cells).write(folder / "finger.obj")
     x, y, z = content.points.astype(float).T
     content.points = np.column_stack([x, -z, y]) / 25.4
     content.write(folder / "finger_inch.stl", binary=True)
     write_surface(folder / "chambers.stl", two_chambers, 50)
-    return {
-        "finger.step": "curve: 2 mm",
-        "finger_in_two.step": "curve: 2 mm, unite: true",
-        "finger_inlet.step": "curve: 2 mm, axes: [x, z, -y], plug: true",
-        "finger.stl": "curve: 2 mm",
-        "finger_inch.stl": "curve: 2 mm, unit: inch, axes: [x, z, -y]",
-        "finger.vtk": "curve: 2 mm",
-        "finger10.msh": "curve: 2 mm",
-        "finger_half.inp": "curve: 2 mm, symmetric: true",
-        "finger_right.mesh": "curve: 2 mm, clamp: 70 mm, tip: 0 mm",
-        "chambers.stl": "curve: 1.5 mm, air: {near: [20 mm, 5 mm, 0 mm], far: [40 mm, 5 mm, 0 mm]}",
-    }
+    return [
+        Tried("finger.step", "STEP, y up", "curve: 2 mm"),
+        Tried("finger_in_two.step", "STEP of two solids that touch", "curve: 2 mm, unite: true"),
+        Tried(
+            "finger_inlet.step",
+            "STEP, z up, open inlet at the clamp (no experiment I)",
+            "curve: 2 mm, axes: [x, z, -y], plug: true",
+        ),
+        Tried("half.brep", "BREP, half z ≥ 0", "curve: 2 mm"),
+        Tried("finger.stl", "STL", "curve: 2 mm"),
+        Tried("finger_inch.stl", "STL in inches, z up", "curve: 2 mm, unit: inch, axes: [x, z, -y]"),
+        Tried("finger.obj", "OBJ", "curve: 2 mm"),
+        Tried("finger.vtk", "VTK, 4 nodes", "curve: 2 mm"),
+        Tried("finger10.msh", "Gmsh without names, 10 nodes", "curve: 2 mm"),
+        Tried("finger_half.inp", "Abaqus, half z ≥ 0", "curve: 2 mm, symmetric: true"),
+        Tried("finger_right.mesh", "Medit, clamped at the larger x", "curve: 2 mm, clamp: 70 mm, tip: 0 mm"),
+        Tried(
+            "chambers.stl",
+            "STL, two cavities",
+            "curve: 1.5 mm, air: {near: [20 mm, 5 mm, 0 mm], far: [40 mm, 5 mm, 0 mm]}",
+        ),
+    ]
