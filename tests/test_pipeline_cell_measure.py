@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +11,13 @@ import fem
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import inflated
 from geometry import GRADINGS, PneuNet
-from pipeline.cell.measure import TOLERANCE, sweep_cell
+from pipeline.cell.measure import TOLERANCE, cell_without_moment, sweep_cell
 from pipeline.cell.measure_ends import NEAREST, STEPS, clamp_curve, clamp_without_moment, tip_curve
 from pipeline.cell.measure_ends import TOLERANCE as CLAMP_TOLERANCE
+from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.reach import Reach
+from pipeline.config.load import load_config
+from pipeline.simulation.scene import Scene
 from rod.arm_law.curves import CellCurve, ClampCurve
 from rod.arm_law.law import ArmLaw
 
@@ -164,3 +168,14 @@ def test_a_pressure_that_the_cell_does_not_bear_is_named() -> None:
     piece = BendingPiece(DESIGN.half_cell(SIZE), RUBBER, "mirror", dhat=DHAT)
     with pytest.raises(PieceFailed, match=r"half cell at .* kPa"):
         sweep_cell(piece, 2000.0, Reach(DESIGN.length, 0.1, 0.0, BEND))
+
+
+def test_an_unstable_equilibrium_of_a_cell_is_no_state_of_the_law() -> None:
+    """Newton's method finds equilibria of the cell at 65 and 66 kPa; the whole arm has its limit at 64.77 kPa."""
+    config = load_config(Path(__file__).resolve().parent.parent / "configs" / "pneunet_coarse.yaml")
+    cell = ArmPieces.of(Scene.meshed(config)).cell
+    below = cell_without_moment(cell, 0.064)
+    assert below.state.negative_pivots == 0
+    for pressure in (0.065, 0.066):
+        with pytest.raises(PieceFailed, match=r"is not stable at 6[56] kPa .*\(1 negative pivots\)"):
+            cell_without_moment(cell, pressure)

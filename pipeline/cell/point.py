@@ -66,8 +66,10 @@ def without_moment(
 
 @contextmanager
 def stable(piece: BendingPiece, state: PieceState) -> Iterator[None]:
-    """A singular tangent of a state becomes a `PieceFailed` that names it."""
+    """An unstable state, or one with a singular tangent, becomes a `PieceFailed` that names it."""
     try:
+        if state.negative_pivots:
+            raise SingularMatrix(f"its tangent is indefinite ({state.negative_pivots} negative pivots)")
         yield
     except SingularMatrix as failure:
         curvature = 1000.0 * state.angle / piece.body.length
