@@ -1,5 +1,6 @@
 """What a run leaves, as frozen values: pandas frames whose columns carry units, and the record of the run."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -111,6 +112,17 @@ class Results:
         """The page with everything in words, pictures and plots; it exists once the run has `finished`."""
         return self.directory / "report.html"
 
+    @property
+    def curve_start_mm(self) -> tuple[float, float]:
+        """x and y of the clamped end of the material curve in `curves` and `experiments`, mm; NaN without any.
+
+        Rods begin at (0, 0): `shape.curve + results.curve_start_mm` lies on the curves of the finite elements.
+        """
+        clamped = self.curves[(self.curves["experiment"] == "II") & (self.curves["s_mm"] == 0.0)]
+        if clamped.empty:
+            return math.nan, math.nan
+        return float(clamped["x_mm"].iloc[0]), float(clamped["y_mm"].iloc[0])
+
     def law(self, pressure_kPa: float) -> FiveParameters:
         """The five parameters at an identified pressure. Raises InputError for another one."""
         row = self._row(pressure_kPa)
@@ -127,7 +139,10 @@ class Results:
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
     def rod(self, pressure_kPa: float, *, extensible: bool | None = None, extrapolate: bool = False) -> Rod:
-        """The rod at a pressure, clamped as the material curve begins; between identified ones by cubics.
+        """The rod at a pressure; between identified ones by cubics.
+
+        Its origin is the clamped end of the material curve, which is at `curve_start_mm` in `curves`; end_y = 0 is the
+        height of experiment III with `end: {y: 0 mm}`.
 
         extensible: the rod whose curve stretches; None for the one that stretches where the free curve of the arm is
         longer by more than 0.5 %. Raises InputError where nothing was identified, and outside the identified pressures

@@ -210,3 +210,12 @@ def test_without_a_mass_there_are_tables_and_no_dynamics(results: Path, tmp_path
         status, _, sentence = call(*command, target)
         assert (status, "needs the mass of the arm" in sentence) == (1, True)
     assert call("rod", str(file), "--pressure", "17 kPa")[0] == 0
+
+
+def test_the_end_angle_printed_is_that_of_the_material_curve(results: Path) -> None:
+    file = results / "parameters.json"
+    shape = SavedRod.read(file).at("37 kPa").rod.solve(force=(0.0, 0.02))
+    code, out, _ = call("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
+    assert code == 0
+    assert f"{shape.end_angle:.4f} rad" in out
+    assert f"{shape.end[1]:.3f} mm from the clamped end of the curve" in out

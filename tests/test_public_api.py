@@ -145,6 +145,13 @@ def test_experiments_and_curves_are_complete(results: pneurod.Results) -> None:
     assert "simplest" in results.laws.columns
 
 
+def test_rods_moved_to_the_start_of_the_curve_lie_on_the_curves(results: pneurod.Results) -> None:
+    free = results.curves.query("experiment == 'II' and pressure_kPa == 16.0")
+    assert results.curve_start_mm == (0.0, 1.0)  # the material curve of this arm is 1 mm above its lower face
+    curve = results.rod(16.0, extensible=False).solve().positions(free["s_mm"].to_numpy()) + results.curve_start_mm
+    np.testing.assert_allclose(curve, free[["rod_x_mm", "rod_y_mm"]], atol=1e-6)
+
+
 def test_the_record_of_the_run_is_typed(results: pneurod.Results) -> None:
     record = results.run
     assert record.finished

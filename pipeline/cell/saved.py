@@ -48,7 +48,7 @@ class SavedLaw:
         return SavedLaw.of(path, content)
 
     def rod(self, pressure_kPa: float) -> Rod:
-        """The rod at a pressure, clamped as the material curve begins. Raises `RodError` outside the law."""
+        """The rod at a pressure; its origin is the clamped end of the material curve. Raises `RodError` outside."""
         return Rod(self.law.length, law=self.law.at(pressure_kPa))
 
     def file_name(self, target: str, pressure_kPa: float | None = None) -> str:

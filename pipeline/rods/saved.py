@@ -62,7 +62,10 @@ class SavedRod:
             raise InputError(f"{path}: is not the parameters.json of a finished run: {problem}") from None
 
     def at(self, pressure: str, extrapolate: bool = False) -> "RodAtPressure":
-        """The rod at a pressure written with its unit, clamped as the material curve begins. Raises InputError."""
+        """The rod at a pressure written with its unit; its origin is the clamped end of the material curve.
+
+        Raises InputError.
+        """
         value = option_value("--pressure", pressure, PRESSURE)
         try:
             rod = self.rods.at(value, extrapolate=extrapolate)
@@ -133,7 +136,10 @@ def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool |
 
 @dataclass(frozen=True)
 class EndLoads:
-    """Loads on the end of a rod, positions relative to the clamp; None for what is not prescribed."""
+    """Loads on the end of a rod; None for what is not prescribed.
+
+    Positions are relative to the clamped end of the material curve.
+    """
 
     force: tuple[float, float] | None  #: N
     moment: float  #: N mm
@@ -189,10 +195,10 @@ def default_rod(content: Mapping[str, Any]) -> PressurisedRod:
 
 def end_lines(shape: RodSolution) -> list[str]:
     """Position, angle and force of the end, and the moment at the clamp, one line each."""
-    x, y = _material_curve(shape)
+    x, y = shape.end
     lines = {
-        "end": f"x = {x[-1]:.3f} mm, y = {y[-1]:.3f} mm from the clamp",
-        "end angle": f"{shape.theta[-1]:.4f} rad",
+        "end": f"x = {x:.3f} mm, y = {y:.3f} mm from the clamped end of the curve",
+        "end angle": f"{shape.end_angle:.4f} rad",
         "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
         "moment at the clamp": f"{shape.moment[0]:.5g} N mm",
     }
@@ -203,21 +209,14 @@ def end_lines(shape: RodSolution) -> list[str]:
 def write_shape(shape: RodSolution, file: Path) -> None:
     """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm.
 
-    Raises InputError when the file cannot be written.
+    x and y are those of the material curve, theta and kappa those of the axis. Raises InputError when the file
+    cannot be written.
     """
-    columns = (shape.s, *_material_curve(shape), shape.theta, shape.kappa, shape.moment)
+    columns = (shape.s, *shape.curve.T, shape.theta, shape.kappa, shape.moment)
     rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
     write_atomic(
         open_file(file), ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode()
     )
-
-
-def _material_curve(shape: RodSolution) -> tuple[Array, Array]:
-    """x (n,) and y (n,) of the material curve at the positions of a shape, mm."""
-    if shape.beside is None:
-        return shape.x, shape.y
-    x, y = shape.positions(shape.s).T
-    return x, y
 
 
 def option_value(option: str, text: str, dimension: Dimension) -> float:
