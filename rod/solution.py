@@ -65,9 +65,14 @@ class RodSolution:
         """(m, 2) mm: x and y of the material curve at the rest arc lengths s (m,).
 
         The axis is joined by cubic Hermite interpolation with its exact derivatives. Raises `RodError` for an s off
-        the rod.
+        the rod, or that is no array (m,) of numbers.
         """
-        s = np.asarray(s, float)
+        try:
+            s = np.asarray(s, float)
+        except (TypeError, ValueError):
+            s = np.full(1, np.nan)
+        if s.ndim != 1 or np.isnan(s).any():
+            raise RodError("s is an array (m,) of rest arc lengths in mm, such as [10.0, 20.0].")
         if s.size and (s.min() < -1e-9 * self.s[-1] or s.max() > (1 + 1e-9) * self.s[-1]):
             raise RodError(
                 f"The rod goes from s = 0 to {self.s[-1]:g} mm; it has no point at s = {s.min():g} ... {s.max():g}."
