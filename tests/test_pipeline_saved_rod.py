@@ -111,7 +111,9 @@ def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "sentence"),
     [
-        (("--pressure", "91 kPa"), 2, "outside the identified range of 17 to 37 kPa"),
+        (("--pressure", "91 kPa"), 2, "outside the identified range of 17 to 37 kPa by more than half of it"),
+        (("--pressure", "40 kPa"), 2, "of 17 to 37 kPa. Give --extrapolate to go beyond it."),
+        (("--pressure", "-1 kPa", "--extrapolate"), 2, "not extrapolated below 0 kPa"),
         (("--pressure", "27"), 2, "has no unit"),
         (("--pressure", "27 kPa", "--force", "[0, 1]"), 2, "has no unit"),
         (("--pressure", "27 kPa", "--force", "0.1 N"), 2, "is not a pair"),
@@ -154,10 +156,12 @@ def test_an_export_at_one_pressure_has_it_in_its_name(results: Path, tmp_path: P
     command = ("export", str(results), "--to", "json", "--out", str(tmp_path))
     assert call(*command, "--pressure", "27 kPa")[0] == 0
     assert json.loads((tmp_path / "rod_27kPa.json").read_text())["pressures_kPa"] == [27.0]
-    status, _, sentence = call(*command, "--pressure", "50 kPa")
+    status, _, sentence = call(*command, "--pressure", "45 kPa")
     assert (status, "--extrapolate" in sentence) == (2, True)
-    assert call(*command, "--pressure", "50 kPa", "--extrapolate")[0] == 0
-    assert (tmp_path / "rod_50kPa.json").is_file()
+    assert call(*command, "--pressure", "45 kPa", "--extrapolate")[0] == 0
+    assert (tmp_path / "rod_45kPa.json").is_file()
+    status, _, sentence = call(*command, "--pressure", "50 kPa", "--extrapolate")
+    assert (status, "by more than half of it" in sentence) == (2, True)
     status, _, sentence = call(*command, "--smooth")
     assert (status, "no rest curvature averaged" in sentence) == (1, True)
 

@@ -19,7 +19,7 @@ from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
-from rod.pressurised_rod import PressurisedRod
+from rod.pressurised_rod import OutsidePressures, PressurisedRod
 from rod.solution import RodSolution
 
 _LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
@@ -69,8 +69,10 @@ class SavedRod:
         value = option_value("--pressure", pressure, PRESSURE)
         try:
             rod = self.rods.at(value, extrapolate=extrapolate)
-        except RodError as failure:
+        except OutsidePressures as failure:
             raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
+        except RodError as failure:
+            raise InputError(f"--pressure {pressure}: {failure}") from None
         return RodAtPressure(rod, self.rods.moment_range_at(value, extrapolate=extrapolate))
 
     def smooth(self, pressures: Sequence[float]) -> tuple[Array, ...]:
