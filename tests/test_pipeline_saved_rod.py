@@ -5,11 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_rod_arm_law import law_of, straight_law
 from typer.testing import CliRunner
 
 from pipeline.cli import app
 from pipeline.rods.saved import SavedRod
-from rod import FiveParameters, Rod
+from rod import FiveParameters, Rod, law_record
 
 LENGTH = 112.0
 
@@ -84,9 +85,17 @@ def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
         code, out, _ = call("rod", str(file), "--pressure", "27 kPa", *choice)
         assert code == 0
         assert f"x = {shape.x[-1]:.3f} mm" in out
+        assert "five_extensible: five parameters of the key eccentricity" in out
     code, out, _ = call("rod", str(file), "--pressure", "27 kPa", "--no-stretch")
     assert code == 0
     assert f"x = {shape.x[-1]:.3f} mm" not in out
+    assert "five: five parameters, inextensible" in out
+    inextensible = SavedRod.read(file, extensible=False).at("27 kPa").rod.solve()
+    apart = np.hypot(shape.x[-1] - inextensible.x[-1], shape.y[-1] - inextensible.y[-1])
+    code, out, _ = call("export", str(results), "--to", "csv", "--pressure", "27 kPa")
+    assert code == 0
+    assert f"is inextensible (five). Without load its end is {apart:.3g} mm from" in out
+    assert "at 27 kPa." in out
 
 
 def test_an_arm_that_hardly_stretches_has_the_inextensible_rod(results: Path) -> None:
@@ -223,3 +232,28 @@ def test_the_end_angle_printed_is_that_of_the_material_curve(results: Path) -> N
     assert code == 0
     assert f"{shape.end_angle:.4f} rad" in out
     assert f"{shape.end[1]:.3f} mm from the clamped end of the curve" in out
+
+
+def test_a_folder_and_a_file_in_the_wrong_place_are_named(results: Path) -> None:
+    status, _, sentence = call("rod", str(results), "--pressure", "17 kPa")
+    assert status == 2
+    assert "is a folder; give its law.json (the arm's own law) or parameters.json" in sentence
+    status, _, sentence = call("export", str(results / "parameters.json"), "--to", "csv")
+    assert status == 2
+    assert f"is a file; give the folder of the run, {results}" in sentence
+
+
+def test_options_of_the_five_parameters_and_missing_parts_are_named_for_a_law(results: Path) -> None:
+    file = results / "law.json"
+    file.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(20.0, -0.01)))))
+    command = ("rod", str(file), "--pressure", "10 kPa")
+    code, out, _ = call(*command, "--moment", "1.5 Nmm")
+    assert code == 0
+    assert "arm_law: the arm's own law" in out
+    for option in ("--stretch", "--no-stretch"):
+        status, _, sentence = call(*command, option)
+        assert (status, "--stretch, --no-stretch: are for the five parameters" in sentence) == (2, True)
+    record = json.loads(file.read_text())
+    file.write_text(json.dumps({key: value for key, value in record.items() if key != "curves"}))
+    status, _, sentence = call(*command)
+    assert (status, "The law of an arm lacks the key 'curves'" in sentence) == (2, True)

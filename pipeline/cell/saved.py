@@ -18,6 +18,8 @@ from rod.mechanics.equilibrium import Rod
 
 #: formats that take the law itself; others take a straight line between moment and curvature
 TARGETS = ("csv", "json")
+#: keys of a law.json, by any of which it is known
+_PARTS = ("curves", "clamp", "tip")
 
 
 @dataclass(frozen=True)
@@ -96,4 +98,4 @@ class SavedLaw:
 
 def is_law(content: Any) -> bool:
     """Whether the content of a file is the law of an arm rather than the parameters of a rod."""
-    return isinstance(content, Mapping) and "curves" in content and "clamp" in content
+    return isinstance(content, Mapping) and "kappa_0" not in content and not content.keys().isdisjoint(_PARTS)

@@ -35,7 +35,7 @@ def rod(
 
         selected = rod_of_file(parameters, pressure, extrapolate, extensible)
         shape = EndLoads.read(force, moment, end_y, end).shape(selected.rod)
-        print_lines(*end_lines(shape), *filter(None, [selected.warning(shape)]))
+        print_lines(*end_lines(selected, shape), *filter(None, [selected.warning(shape)]))
         if out is not None:
             write_shape(shape, out)
 
@@ -60,7 +60,7 @@ def export(
 ) -> None:
     """The identified rod as a file for another rod code, with the pressure as its input."""
     with errors_as_sentences():
-        from pipeline.rods.export import ExportOptions, exported
+        from pipeline.rods.export import ExportOptions, exported, stretch_left_out
 
         options = ExportOptions(pressure, law, out, smooth, extrapolate, force)
-        print_lines(*(f"written: {file}" for file in exported(folder, to, options)))
+        print_lines(*(f"written: {file}" for file in exported(folder, to, options)), *stretch_left_out(folder, options))

@@ -13,8 +13,9 @@ from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
 from pipeline.store.atomic_file import write_atomic
-from pipeline.store.formats import with_present_keys
+from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE, with_present_keys
 from pipeline.store.result_folder import open_file
+from rod.arm_law.law import LawRod
 from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
@@ -60,6 +61,11 @@ class SavedRod:
         except (AttributeError, KeyError, TypeError, ValueError) as failure:
             problem = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
             raise InputError(f"{path}: is not the parameters.json of a finished run: {problem}") from None
+
+    @staticmethod
+    def has_extensible(path: Path) -> bool:
+        """Whether a readable file has the numbers of a rod that stretches."""
+        return bool(with_present_keys(json.loads(path.read_text(encoding="utf-8"))).get("eccentricity"))
 
     def at(self, pressure: str, extrapolate: bool = False) -> "RodAtPressure":
         """The rod at a pressure written with its unit; its origin is the clamped end of the material curve.
@@ -115,6 +121,15 @@ class RodAtPressure:
     rod: Rod
     moment_range: MomentRange | None  #: of the identification, None where the file has none
 
+    @property
+    def description(self) -> str:
+        """Which rod it is: its name in validation.json, and where its numbers come from."""
+        if isinstance(self.rod.law, LawRod):
+            return f"{ARM_LAW}: the arm's own law"
+        if self.rod.extension is None:
+            return f"{FIVE}: five parameters, inextensible"
+        return f"{EXTENSIBLE}: five parameters of the key eccentricity, with the stretch of the curve"
+
     def warning(self, shape: RodSolution) -> str:
         """A sentence where the moments of a shape leave the range of the identification; empty elsewhere."""
         return self.moment_range.warning(shape) if self.moment_range is not None else ""
@@ -122,6 +137,10 @@ class RodAtPressure:
 
 def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool | None) -> RodAtPressure:
     """The rod of a parameters.json or of a law.json at a pressure written with its unit. Raises InputError."""
+    if path.is_dir():
+        raise InputError(
+            f"{path}: is a folder; give its law.json (the arm's own law) or parameters.json (five parameters)"
+        )
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -130,6 +149,8 @@ def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool |
         return SavedRod.read(path, extensible).at(pressure, extrapolate)
     if extrapolate:
         raise InputError("--extrapolate: the arm's own law is not extrapolated; measure it at more pressures")
+    if extensible is not None:
+        raise InputError("--stretch, --no-stretch: are for the five parameters; the arm's own law has its own stretch")
     try:
         return RodAtPressure(SavedLaw.of(path, content).rod(option_value("--pressure", pressure, PRESSURE)), None)
     except RodError as failure:
@@ -195,10 +216,11 @@ def default_rod(content: Mapping[str, Any]) -> PressurisedRod:
     return pressurised_rod(content)
 
 
-def end_lines(shape: RodSolution) -> list[str]:
-    """Position, angle and force of the end, and the moment at the clamp, one line each."""
+def end_lines(selected: RodAtPressure, shape: RodSolution) -> list[str]:
+    """Which rod it is, position, angle and force of its end, and the moment at the clamp, one line each."""
     x, y = shape.end
     lines = {
+        "rod": selected.description,
         "end": f"x = {x:.3f} mm, y = {y:.3f} mm from the clamped end of the curve",
         "end angle": f"{shape.end_angle:.4f} rad",
         "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
