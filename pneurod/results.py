@@ -13,7 +13,7 @@ import pandas as pd
 from pipeline.errors import InputError
 from pipeline.report.verdict import Verdict
 from rod import ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
-from rod.load import finite
+from rod.checked import finite
 
 
 def _read_only(content: dict[str, object]) -> MappingProxyType[str, object]:

@@ -8,8 +8,8 @@ import math
 import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
+from rod.checked import finite
 from rod.law import RodError
 
 
@@ -45,14 +45,3 @@ def held_at(x: float | None, y: float | None) -> tuple[float | None, float | Non
     """Where an end is held, mm, None along an axis on which it is free. Raises `RodError` for what is no number."""
     end_x, end_y = (None if v is None else finite(v, name) for v, name in ((x, "end_x"), (y, "end_y")))
     return end_x, end_y
-
-
-def finite(value: Any, name: str) -> float:
-    """A number as a finite float. Raises `RodError`, naming what it is, for anything else, texts too."""
-    try:
-        number = math.nan if isinstance(value, str | bytes | bool) else float(value)
-    except (TypeError, ValueError):
-        number = math.nan
-    if not math.isfinite(number):
-        raise RodError(f"{name} must be a finite number, not {reprlib.repr(value)}.")
-    return number

@@ -19,11 +19,11 @@ from typing import Any, final
 import numpy as np
 
 from geometry.arrays import Array
+from rod.checked import finite
 from rod.cubics import cubic, monotone_slopes
 from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
-from rod.load import finite
 from rod.mechanics.equilibrium import Rod
 
 #: an arm whose curve is longer than at rest by more than this part, inflated without load, needs a rod that stretches

@@ -12,6 +12,7 @@ from geometry.arrays import Array
 from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
+from pipeline.rods.checks import LAW_KEYS, check_parameters
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE, with_present_keys
 from pipeline.store.result_folder import open_file
@@ -22,8 +23,6 @@ from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import OutsidePressures, PressurisedRod
 from rod.solution import RodSolution
-
-_LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
 
 
 @dataclass(frozen=True)
@@ -58,6 +57,8 @@ class SavedRod:
         except OSError as failure:
             reason = f"cannot be read ({failure.strerror}); give the parameters.json of a run"
             raise InputError(f"{path}: {reason}") from None
+        except RodError as failure:
+            raise InputError(f"{path}: {failure}") from None
         except (AttributeError, KeyError, TypeError, ValueError) as failure:
             problem = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
             raise InputError(f"{path}: is not the parameters.json of a finished run: {problem}") from None
@@ -102,7 +103,7 @@ def _area(content: Mapping[str, Any], mass: float | None) -> float | None:
 
 def _deviations(content: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:
     """The standard deviations of a parameters.json by PARAMETER_NAMES; empty where one is not there."""
-    columns = {name: content.get(f"{column}_std", []) for name, column in zip(PARAMETER_NAMES, _LAW, strict=True)}
+    columns = {name: content.get(f"{column}_std", []) for name, column in zip(PARAMETER_NAMES, LAW_KEYS, strict=True)}
     if any(not column or None in column for column in columns.values()):
         return {}
     return {name: tuple(float(value) for value in column) for name, column in columns.items()}
@@ -189,13 +190,14 @@ class EndLoads:
 
 def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> PressurisedRod:
     """The rod of the content of a parameters.json. Raises KeyError, TypeError or ValueError for one that has none."""
+    check_parameters(content)
     profile = content["kappa_0"]
     of_rod = content["eccentricity"] if extensible else content
     stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
     return PressurisedRod(
         length=float(content["length_mm"]),
         pressures=np.array(content["pressures_kPa"], dtype=float),
-        laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in _LAW), strict=True)),
+        laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in LAW_KEYS), strict=True)),
         s=np.array(profile["s_mm"], dtype=float),
         kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
         theta0=np.array(profile["theta0_rad"], dtype=float),
