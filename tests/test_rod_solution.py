@@ -94,5 +94,8 @@ def test_a_law_over_all_pressures_is_refused_as_the_law_of_a_rod() -> None:
     law: Any = law_of(straight_law(0.0))
     with pytest.raises(RodError, match=r"law = arm_law\.at\(pressure in kPa\)"):
         Rod(LENGTH, law=law)
+    five: Any = "five"
+    with pytest.raises(RodError, match="The law of a rod is five parameters, two slopes, or"):
+        Rod(LENGTH, -0.01, five)
     with pytest.raises(RodError, match="The pressure in kPa must be a finite number, not '0 kPa'"):
         law.at("0 kPa")

@@ -20,6 +20,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.law import ArmLaw, LawRod
+from rod.checked import positive
 from rod.curves.extension import Extension
 from rod.law import FiveParameters, RodError, TwoSlopes
 from rod.load import Load, held_at, pair
@@ -55,14 +56,16 @@ class Rod:
     extension: Extension | None = None  #: stretch of the curve; None: inextensible, or as the arm's own law says
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.length) and self.length > 0.0):
-            raise RodError(f"The length of a rod must be positive, not {self.length} mm.")
+        positive(self.length, "The length of a rod")
+        pair(self.start, "start")
         if isinstance(self.law, ArmLaw):
             raise RodError("A rod has the law of an arm at one pressure: law = arm_law.at(pressure in kPa).")
         if isinstance(self.law, LawRod):
             self._check_nothing_twice()
             object.__setattr__(self, "law", replace(self.law, length=float(self.length)))
             return
+        if not isinstance(self.law, FiveParameters | TwoSlopes):
+            raise RodError("The law of a rod is five parameters, two slopes, or the arm's own law at a pressure.")
         if not 0.0 < self.law.d < self.length:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
         if not (math.isfinite(self.fade) and self.fade >= 0.0):
