@@ -67,12 +67,13 @@ for pressure, distance in distances.items():
 # %%
 rod = results.rod(pressure_kPa=15.0)
 free, loaded = rod.solve(), rod.solve(force=(0.0, -0.005 * 9.81))
-print(f"5 g at the tip move it by {loaded.y[-1] - free.y[-1]:.1f} mm")
+print(f"5 g at the tip move it by {loaded.end[1] - free.end[1]:.1f} mm")
 
 # %% [markdown]
 # ## 6. A picture
 #
-# Finite elements and rod at the pressures of the run, and the two shapes of the rod between them.
+# Finite elements and rod at the pressures of the run, and the two shapes of the rod between them. A rod begins at
+# (0, 0); in the drawing, and so in the curves of the finite elements, the clamped end of the material curve is higher.
 
 # %%
 figure, axes = plt.subplots()
@@ -80,8 +81,8 @@ for (experiment, pressure), curve in results.curves.groupby(["experiment", "pres
     if experiment == "II":
         axes.plot(curve["x_mm"], curve["y_mm"], ".", label=f"finite elements, {pressure:g} kPa")
         axes.plot(curve["rod_x_mm"], curve["rod_y_mm"], "-", color="black")
-axes.plot(free.x, free.y, label="rod, 15 kPa")
-axes.plot(loaded.x, loaded.y, label="rod, 15 kPa and 5 g")
+axes.plot(*(free.curve + results.curve_start_mm).T, label="rod, 15 kPa")
+axes.plot(*(loaded.curve + results.curve_start_mm).T, label="rod, 15 kPa and 5 g")
 axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
 axes.legend()
 figure.savefig(folder / "own_arm.png")

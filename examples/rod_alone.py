@@ -35,7 +35,8 @@ rod = pneurod.Rod(length=112.0, kappa_0=-0.012, law=law)  # kappa_0 in 1/mm; a f
 print("F_y (N)   tip x (mm)   tip y (mm)   tip angle (rad)   moment at the clamp (N mm)")
 for force in np.linspace(0.0, 0.1, 6):
     shape = rod.solve(force=(0.0, force))
-    print(f"{force:7.3f} {shape.x[-1]:12.2f} {shape.y[-1]:12.2f} {shape.theta[-1]:17.4f} {shape.moment[0]:28.3f}")
+    x, y = shape.end
+    print(f"{force:7.3f} {x:12.2f} {y:12.2f} {shape.end_angle:17.4f} {shape.moment[0]:28.3f}")
 
 # %% [markdown]
 # ## 3. The other way round
@@ -63,5 +64,5 @@ print(f"{1000 * (time.perf_counter() - start) / count:.2f} ms per shape")
 if len(sys.argv) == 2:
     results = pneurod.read_results(sys.argv[1])
     pressure = sum(results.pressures_kPa) / len(results.pressures_kPa)
-    shape = results.rod(pressure).solve(force=(0.0, 0.05))
-    print(f"{results.run.name} at {pressure:g} kPa under 0.05 N: tip at ({shape.x[-1]:.2f}, {shape.y[-1]:.2f}) mm")
+    x, y = results.rod(pressure).solve(force=(0.0, 0.05)).end
+    print(f"{results.run.name} at {pressure:g} kPa under 0.05 N: tip at ({x:.2f}, {y:.2f}) mm")

@@ -73,7 +73,7 @@ static = results.rod(pressure_kPa=15.0).solve(force=force)
 
 # %%
 nodes = np.linspace(0.0, static.s[-1], dynamic.shape[1])
-same = np.array([np.interp(nodes, static.s, static.x), np.interp(nodes, static.s, static.y)])
+same = static.positions(nodes).T
 distance = np.linalg.norm(dynamic - same, axis=0).max()
 print(f"end in PyElastica at ({dynamic[0, -1]:.2f}, {dynamic[1, -1]:.2f}) mm")
 print(f"end in pneurod at ({same[0, -1]:.2f}, {same[1, -1]:.2f}) mm")
@@ -81,7 +81,7 @@ print(f"largest distance {distance:.3f} mm, {100 * distance / static.s[-1]:.3f} 
 
 figure, axes = plt.subplots()
 axes.plot(*dynamic, ".", label="PyElastica")
-axes.plot(static.x, static.y, label="pneurod")
+axes.plot(*static.curve.T, label="pneurod")
 axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
 axes.legend()
 figure.savefig(folder / "rod_in_pyelastica.png")

@@ -1,11 +1,15 @@
 """The material curve of a body, as both the finite elements and the rod speak of it."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from geometry.arrays import Array
+
+#: the angle of the end of a material curve is that of its chord over this last part of its rest length
+END_PART = 0.02
 
 
 @dataclass(frozen=True)
@@ -56,3 +60,20 @@ class Centreline:
         angle = np.unwrap(np.arctan2(np.diff(self.y), np.diff(self.x)))
         angle.setflags(write=False)
         return angle
+
+    @property
+    def end_angle(self) -> float:
+        """Angle of the end from the x axis, rad: that of the chord over the last `END_PART` of the rest length.
+
+        Nodes are joined by straight lines. Of the angles that differ by full turns it is the one nearest to the last
+        of `angle`.
+        """
+        begin = float(self.s[-1]) - END_PART * self.length
+        x, y = (float(values[-1] - np.interp(begin, self.s, values)) for values in (self.x, self.y))
+        return chord_angle(x, y, float(self.angle[-1]))
+
+
+def chord_angle(x: float, y: float, near: float) -> float:
+    """Angle of a chord (x, y) from the x axis, rad; of those that differ by full turns the one nearest to near."""
+    angle = math.atan2(y, x)
+    return angle + 2.0 * math.pi * round((near - angle) / (2.0 * math.pi))

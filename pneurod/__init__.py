@@ -7,6 +7,7 @@
     results.parameters                                  # a pandas frame, units in the column names
     rod = results.rod(pressure_kPa=31.0)                # a pneurod.Rod
     shape = rod.solve(force=(0.0, 0.05))                # equilibrium under an end force in N, in milliseconds
+    shape.end, shape.curve                              # of the material curve, mm, from its clamped end
 
 Units everywhere: mm, N, MPa, tonne/mm3, rad; pressures of a run in kPa. The four rooms are here under their own names,
 `pneurod.geometry`, `pneurod.fem`, `pneurod.rod` and `pneurod.pipeline`; they are the modules `geometry`, `fem`, `rod`

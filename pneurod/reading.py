@@ -13,6 +13,7 @@ from pipeline.cell.saved import SavedLaw
 from pipeline.errors import InputError
 from pipeline.report.results import read_results as read_report_results
 from pipeline.report.verdict import Verdict, verdict_of
+from pipeline.rods.checks import check_parameters
 from pipeline.rods.saved import pressurised_rod
 from pipeline.store.formats import validation_rows, with_present_keys
 from pneurod.results import PressureSlopes, Results, RunRecord
@@ -35,6 +36,8 @@ def read_results(directory: Path | str) -> Results:
     _check_there(folder, contents)
     parameters = _mapping(folder, "parameters", contents)
     try:
+        if parameters.get("pressures_kPa"):
+            check_parameters(parameters)
         frames = parameter_frames(parameters)
         slopes = _slopes(parameters)
     except (KeyError, TypeError, ValueError, AttributeError) as failure:

@@ -1,15 +1,27 @@
 """What a run leaves, as frozen values: pandas frames whose columns carry units, and the record of the run."""
 
+import copyreg
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
 
 from pipeline.errors import InputError
 from pipeline.report.verdict import Verdict
-from rod import ArmLaw, FiveParameters, Interval, PressurisedRod, Rod, RodError
+from rod import ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
+from rod.checked import finite
+
+
+def _read_only(content: dict[str, object]) -> MappingProxyType[str, object]:
+    return MappingProxyType(content)
+
+
+# Python has no way of its own to pickle or copy a read-only mapping; with this one results go to other processes.
+copyreg.pickle(MappingProxyType, lambda mapping: (_read_only, (dict(mapping),)))
 
 
 @dataclass(frozen=True)
@@ -111,6 +123,17 @@ class Results:
         """The page with everything in words, pictures and plots; it exists once the run has `finished`."""
         return self.directory / "report.html"
 
+    @property
+    def curve_start_mm(self) -> tuple[float, float]:
+        """x and y of the clamped end of the material curve in `curves` and `experiments`, mm; NaN without any.
+
+        Rods begin at (0, 0): `shape.curve + results.curve_start_mm` lies on the curves of the finite elements.
+        """
+        clamped = self.curves[(self.curves["experiment"] == "II") & (self.curves["s_mm"] == 0.0)]
+        if clamped.empty:
+            return math.nan, math.nan
+        return float(clamped["x_mm"].iloc[0]), float(clamped["y_mm"].iloc[0])
+
     def law(self, pressure_kPa: float) -> FiveParameters:
         """The five parameters at an identified pressure. Raises InputError for another one."""
         row = self._row(pressure_kPa)
@@ -127,11 +150,15 @@ class Results:
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
     def rod(self, pressure_kPa: float, *, extensible: bool | None = None, extrapolate: bool = False) -> Rod:
-        """The rod at a pressure, clamped as the material curve begins; between identified ones by cubics.
+        """The rod at a pressure; between identified ones by cubics.
+
+        Its origin is the clamped end of the material curve, which is at `curve_start_mm` in `curves`; end_y = 0 is the
+        height of experiment III with `end: {y: 0 mm}`.
 
         extensible: the rod whose curve stretches; None for the one that stretches where the free curve of the arm is
-        longer by more than 0.5 %. Raises InputError where nothing was identified, and outside the identified pressures
-        unless `extrapolate` is given. A rod with the arm's own law is `Rod(length, law=results.arm_law.at(pressure))`.
+        longer by more than 0.5 %. extrapolate: also outside the identified pressures, down to 0 kPa and up by half of
+        their range, see `rod.PressurisedRod.at`. Raises InputError where nothing was identified, and outside these
+        pressures. A rod with the arm's own law is `Rod(length, law=results.arm_law.at(pressure))`.
         """
         if not self.rods:
             raise self._nothing_identified()
@@ -139,16 +166,22 @@ class Results:
             extensible = self.rods[1].stretches
         try:
             return self.rods[1 if extensible else 0].at(pressure_kPa, extrapolate=extrapolate)
-        except RodError as failure:
+        except OutsidePressures as failure:
             raise InputError(f"{failure} Give extrapolate=True to go beyond it.") from None
+        except RodError as failure:
+            raise InputError(str(failure)) from None
 
     def _row(self, pressure_kPa: float) -> "pd.Series":
         if not len(self.parameters):
             raise self._nothing_identified()
-        same = np.isclose(self.parameters["pressure_kPa"], pressure_kPa, rtol=1e-9, atol=0.0)
+        try:
+            pressure = finite(pressure_kPa, "The pressure in kPa")
+        except RodError as failure:
+            raise InputError(str(failure)) from None
+        same = np.isclose(self.parameters["pressure_kPa"], pressure, rtol=1e-9, atol=0.0)
         if not same.any():
-            pressures = ", ".join(f"{pressure:g}" for pressure in self.pressures_kPa)
-            raise InputError(f"there are no parameters at {pressure_kPa:g} kPa; identified are {pressures} kPa")
+            identified = ", ".join(f"{known:g}" for known in self.pressures_kPa)
+            raise InputError(f"there are no parameters at {pressure:g} kPa; identified are {identified} kPa")
         return self.parameters[same].iloc[0]
 
     def _nothing_identified(self) -> InputError:

@@ -5,9 +5,11 @@ experiment II is free of load: with a weight its curve would not be the intrinsi
 """
 
 import math
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from rod.checked import finite
 from rod.law import RodError
 
 
@@ -22,9 +24,7 @@ class Load:
     def __post_init__(self) -> None:
         for name in ("force", "weight"):
             object.__setattr__(self, name, pair(getattr(self, name), name))
-        if not math.isfinite(self.couple):
-            raise RodError("The end moment must be a finite number.")
-        object.__setattr__(self, "couple", float(self.couple))
+        object.__setattr__(self, "couple", finite(self.couple, "The end moment"))
 
     @property
     def force_size(self) -> float:
@@ -34,7 +34,14 @@ class Load:
 
 def pair(values: Sequence[float], name: str) -> tuple[float, float]:
     """(x, y) as finite floats. Raises `RodError`, naming what they are, for anything else."""
-    numbers = tuple(float(v) for v in values)
-    if len(numbers) != 2 or not all(math.isfinite(v) for v in numbers):
-        raise RodError(f"{name} is a pair of finite numbers, x and y; {values!r} is not.")
-    return numbers
+    try:
+        x, y = (finite(value, name) for value in values)
+    except (TypeError, ValueError):  # a RodError is a ValueError
+        raise RodError(f"{name} is a pair of finite numbers, x and y; {reprlib.repr(values)} is not.") from None
+    return x, y
+
+
+def held_at(x: float | None, y: float | None) -> tuple[float | None, float | None]:
+    """Where an end is held, mm, None along an axis on which it is free. Raises `RodError` for what is no number."""
+    end_x, end_y = (None if v is None else finite(v, name) for v, name in ((x, "end_x"), (y, "end_y")))
+    return end_x, end_y

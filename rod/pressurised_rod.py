@@ -4,6 +4,9 @@ Numbers and kappa_0(s) curve over the pressure, because walls meet and materials
 pressures miss that. The five parameters and the eccentricity follow monotone cubics (PCHIP), which never go beyond two
 neighbours, so that a rigidity stays positive. F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980).
 
+Outside the identified pressures, on request alone, the parameters follow the lines through the two outermost values; so
+do kappa_0 and the rest stretch above, while below they go to the arm without pressure, which is straight.
+
 kappa_0(s) and the rest stretch ripple along the arm by more than their mean, so that their interpolation must be linear
 in the values: only then is the mean of the interpolated profile the interpolated mean. They and theta0 follow cubics
 whose slopes are those of parabolas through three neighbours, and have one more value, that of the drawing without
@@ -11,11 +14,12 @@ pressure. With two values a cubic is a straight line.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, final
 
 import numpy as np
 
 from geometry.arrays import Array
+from rod.checked import finite
 from rod.cubics import cubic, monotone_slopes
 from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
@@ -24,6 +28,13 @@ from rod.mechanics.equilibrium import Rod
 
 #: an arm whose curve is longer than at rest by more than this part, inflated without load, needs a rod that stretches
 STRETCHES = 0.005
+#: how far beyond the highest identified pressure a rod is extrapolated, over the range of identified pressures
+FARTHEST = 0.5
+
+
+@final
+class OutsidePressures(RodError):
+    """A pressure outside the identified range, which the rod can be extrapolated to."""
 
 
 @dataclass(frozen=True)
@@ -54,23 +65,27 @@ class PressurisedRod:
             raise RodError("Where extensions or ranges of moments are given, every pressure needs its own.")
 
     def at(self, pressure: float, *, extrapolate: bool = False) -> Rod:
-        """The rod at a pressure (kPa) in the identified range; outside it only on request, along the lines through the
-        two outermost values.
+        """The rod at a pressure (kPa) in the identified range; outside it only on request.
 
-        theta0 keeps its last value there.
+        Below the range the rest shape goes to the straight arm without pressure. Above it kappa_0 and the rest stretch
+        follow the lines through the two outermost values, and theta0 keeps its last value. The parameters follow such
+        lines below and above.
 
-        Raises `RodError` outside the range unless asked, and where the extrapolated parameters are no law.
+        Raises `OutsidePressures`, a `RodError`, outside the range unless asked; `RodError` below 0 kPa, above the range
+        by more than `FARTHEST` of it, and where the extrapolated parameters are no law.
         """
         self._interval(pressure, extrapolate)  # refuses what is outside
-        law = FiveParameters(*(self._at([getattr(law, n) for law in self.laws], pressure) for n in PARAMETER_NAMES))
+        try:
+            law = FiveParameters(*(self._at([getattr(law, n) for law in self.laws], pressure) for n in PARAMETER_NAMES))
+        except RodError as failure:
+            raise RodError(f"No rod can be extrapolated to {pressure:g} kPa: {failure}") from None
         extension = None
         if self.extensions:
             rest = self._at([e.rest_stretch for e in self.extensions], pressure, 1.0)
             eccentricity = self._at([e.eccentricity for e in self.extensions], pressure)
             extension = Extension(self.extensions[0].s, rest, float(eccentricity))
         kappa_0 = self._at(self.kappa_0, pressure, 0.0)
-        nearest = float(np.clip(pressure, self.pressures[0], self.pressures[-1]))
-        theta0 = float(self._at(self.theta0, nearest, 0.0))
+        theta0 = float(self._at(self.theta0, min(float(pressure), float(self.pressures[-1])), 0.0))
         return Rod(self.length, np.column_stack([self.s, kappa_0]), law, theta0, self.start, extension=extension)
 
     @property
@@ -83,7 +98,7 @@ class PressurisedRod:
         return bool(max(np.abs(rest), default=0.0) > STRETCHES)
 
     def _at(self, values: Any, pressure: float, without_pressure: float | None = None) -> Any:
-        """Values (n, ...) over the pressures at one of them, at one between, or beyond on the outermost line.
+        """Values (n, ...) over the pressures at one of them, at one between, or beyond.
 
         without_pressure: the value at 0 kPa of a quantity that is to be interpolated linearly in its values; None for a
         monotone interpolation.
@@ -92,7 +107,7 @@ class PressurisedRod:
         if (exact := np.flatnonzero(p == pressure)).size:
             return v[exact[0]]
         i, j, t = self._interval(pressure, extrapolate=True)
-        if not p[0] < pressure < p[-1]:
+        if pressure > p[-1] or (pressure < p[0] and without_pressure is None):
             return (1.0 - t) * v[i] + t * v[j]
         if without_pressure is None:
             return cubic(p, v, monotone_slopes(p, v), pressure)
@@ -102,18 +117,25 @@ class PressurisedRod:
         return cubic(p, v, slopes, pressure)
 
     def moment_range_at(self, pressure: float, *, extrapolate: bool = False) -> MomentRange | None:
-        """The range of moments behind the rod at a pressure (kPa), None where it is not given. Raises as `at`."""
+        """The range of moments behind the rod at a pressure (kPa), None where it is not given; outside the identified
+        pressures that of the nearest one. Raises as `at`."""
         i, j, t = self._interval(pressure, extrapolate)
+        t = min(max(t, 0.0), 1.0)
         return self.moment_ranges[i].between(self.moment_ranges[j], t) if self.moment_ranges else None
 
     def _interval(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
         """Indices of the two pressures between which to interpolate, and the fraction of the interval between them."""
-        p = self.pressures
-        if not (p[0] <= pressure <= p[-1]) and not extrapolate:
-            raise RodError(f"{pressure:g} kPa lies outside the identified range of {p[0]:g} to {p[-1]:g} kPa.")
+        p, pressure = self.pressures, finite(pressure, "The pressure in kPa")
         if len(p) == 1:
             if pressure != p[0]:
-                raise RodError(f"From one pressure, {p[0]:g} kPa, there is no line to extrapolate.")
+                raise RodError(f"From one pressure, {p[0]:g} kPa, there is no line to extrapolate to {pressure:g} kPa.")
             return 0, 0, 0.0
+        outside = f"{pressure:g} kPa lies outside the identified range of {p[0]:g} to {p[-1]:g} kPa"
+        if pressure < 0.0:
+            raise RodError(f"{outside}, and rods are not extrapolated below 0 kPa.")
+        if pressure > p[-1] + FARTHEST * (p[-1] - p[0]):
+            raise RodError(f"{outside} by more than half of it, and is not extrapolated so far.")
+        if not (p[0] <= pressure <= p[-1]) and not extrapolate:
+            raise OutsidePressures(f"{outside}.")
         i = int(np.clip(np.searchsorted(p, pressure) - 1, 0, len(p) - 2))
         return i, i + 1, float((pressure - p[i]) / (p[i + 1] - p[i]))

@@ -22,7 +22,7 @@ from rod.law import PARAMETER_NAMES, FiveParameters, RodError, TwoSlopes
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness
-from rod.pressurised_rod import PressurisedRod
+from rod.pressurised_rod import OutsidePressures, PressurisedRod
 from rod.scaling import ReferenceArm, ScaledArm, scaled_arm
 from rod.solution import RodSolution
 
@@ -48,6 +48,7 @@ __all__ = [
     "Moment",
     "MomentRange",
     "Observation",
+    "OutsidePressures",
     "ParameterEstimate",
     "PressurisedRod",
     "Quantity",

@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from geometry.arrays import Array
+from geometry.centreline import END_PART, chord_angle
 from rod.law import RodError
 
 
@@ -13,13 +15,17 @@ from rod.law import RodError
 class RodSolution:
     """A rod in equilibrium. All arrays are read-only; kappa at the s = d of five parameters is that beyond d.
 
-    The axis follows r' = stretch t + shear n with t = (cos theta, sin theta), n = (-sin theta, cos theta). Where the
-    rod follows the arm's own law, the material curve lies beside the axis, and `positions` gives the material curve.
+    `curve`, `end`, `end_angle` and `positions` are those of the material curve, which finite elements have as well. x,
+    y and theta are those of the axis, which follows r' = stretch t + shear n with t = (cos theta, sin theta) and
+    n = (-sin theta, cos theta). With five parameters the axis is the material curve; where the rod follows the arm's
+    own law, the material curve lies beside the axis.
+
+    The origin is that of the rod's `start`: with the usual start = (0, 0) it is where the material curve is clamped.
     """
 
     s: Array  #: (n,) mm, rest arc length
-    x: Array  #: (n,) mm, of the axis
-    y: Array  #: (n,) mm
+    x: Array  #: (n,) mm, of the axis; that of the material curve is curve[:, 0]
+    y: Array  #: (n,) mm, of the axis; that of the material curve is curve[:, 1]
     theta: Array  #: (n,) rad, angle of the cross sections' normals; the tangent angle where the rod does not shear
     kappa: Array  #: (n,) 1/mm, rotation per rest length
     moment: Array  #: (n,) N mm
@@ -30,13 +36,43 @@ class RodSolution:
     #: (m, 2) mm at s (m,): the material curve beside the axis, along and normal to it; None: it is the axis
     beside: Callable[[Array], Array] | None = field(default=None, repr=False)
 
+    @cached_property
+    def curve(self) -> Array:
+        """(n, 2) mm: x and y of the material curve at `s`, read-only."""
+        curve = np.column_stack([self.x, self.y]) if self.beside is None else self.positions(self.s)
+        curve.setflags(write=False)
+        return curve
+
+    @property
+    def end(self) -> tuple[float, float]:
+        """x and y of the end of the material curve, mm."""
+        x, y = self.curve[-1]
+        return float(x), float(y)
+
+    @property
+    def end_angle(self) -> float:
+        """Angle of the end of the material curve from the x axis, rad: that of its chord over the last 2 % of its rest
+        length.
+
+        The same chord of the finite elements is `geometry.Centreline.end_angle`. The angle of the end of the axis is
+        theta[-1]; it differs where the material curve ripples beside the axis.
+        """
+        length = self.s[-1]
+        x, y = np.diff(self.positions(np.array([(1.0 - END_PART) * length, length])), axis=0)[0]
+        return chord_angle(float(x), float(y), float(self.theta[-1]))
+
     def positions(self, s: Array) -> Array:
         """(m, 2) mm: x and y of the material curve at the rest arc lengths s (m,).
 
         The axis is joined by cubic Hermite interpolation with its exact derivatives. Raises `RodError` for an s off
-        the rod.
+        the rod, or that is no array (m,) of numbers.
         """
-        s = np.asarray(s, float)
+        try:
+            s = np.asarray(s, float)
+        except (TypeError, ValueError):
+            s = np.full(1, np.nan)
+        if s.ndim != 1 or np.isnan(s).any():
+            raise RodError("s is an array (m,) of rest arc lengths in mm, such as [10.0, 20.0].")
         if s.size and (s.min() < -1e-9 * self.s[-1] or s.max() > (1 + 1e-9) * self.s[-1]):
             raise RodError(
                 f"The rod goes from s = 0 to {self.s[-1]:g} mm; it has no point at s = {s.min():g} ... {s.max():g}."

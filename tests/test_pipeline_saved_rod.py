@@ -5,11 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_rod_arm_law import law_of, straight_law
 from typer.testing import CliRunner
 
 from pipeline.cli import app
 from pipeline.rods.saved import SavedRod
-from rod import FiveParameters, Rod
+from rod import FiveParameters, Rod, law_record
 
 LENGTH = 112.0
 
@@ -84,9 +85,17 @@ def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
         code, out, _ = call("rod", str(file), "--pressure", "27 kPa", *choice)
         assert code == 0
         assert f"x = {shape.x[-1]:.3f} mm" in out
+        assert "five_extensible: five parameters of the key eccentricity" in out
     code, out, _ = call("rod", str(file), "--pressure", "27 kPa", "--no-stretch")
     assert code == 0
     assert f"x = {shape.x[-1]:.3f} mm" not in out
+    assert "five: five parameters, inextensible" in out
+    inextensible = SavedRod.read(file, extensible=False).at("27 kPa").rod.solve()
+    apart = np.hypot(shape.x[-1] - inextensible.x[-1], shape.y[-1] - inextensible.y[-1])
+    code, out, _ = call("export", str(results), "--to", "csv", "--pressure", "27 kPa")
+    assert code == 0
+    assert f"is inextensible (five). Without load its end is {apart:.3g} mm from" in out
+    assert "at 27 kPa." in out
 
 
 def test_an_arm_that_hardly_stretches_has_the_inextensible_rod(results: Path) -> None:
@@ -111,7 +120,9 @@ def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "sentence"),
     [
-        (("--pressure", "91 kPa"), 2, "outside the identified range of 17 to 37 kPa"),
+        (("--pressure", "91 kPa"), 2, "outside the identified range of 17 to 37 kPa by more than half of it"),
+        (("--pressure", "40 kPa"), 2, "of 17 to 37 kPa. Give --extrapolate to go beyond it."),
+        (("--pressure", "-1 kPa", "--extrapolate"), 2, "not extrapolated below 0 kPa"),
         (("--pressure", "27"), 2, "has no unit"),
         (("--pressure", "27 kPa", "--force", "[0, 1]"), 2, "has no unit"),
         (("--pressure", "27 kPa", "--force", "0.1 N"), 2, "is not a pair"),
@@ -154,10 +165,12 @@ def test_an_export_at_one_pressure_has_it_in_its_name(results: Path, tmp_path: P
     command = ("export", str(results), "--to", "json", "--out", str(tmp_path))
     assert call(*command, "--pressure", "27 kPa")[0] == 0
     assert json.loads((tmp_path / "rod_27kPa.json").read_text())["pressures_kPa"] == [27.0]
-    status, _, sentence = call(*command, "--pressure", "50 kPa")
+    status, _, sentence = call(*command, "--pressure", "45 kPa")
     assert (status, "--extrapolate" in sentence) == (2, True)
-    assert call(*command, "--pressure", "50 kPa", "--extrapolate")[0] == 0
-    assert (tmp_path / "rod_50kPa.json").is_file()
+    assert call(*command, "--pressure", "45 kPa", "--extrapolate")[0] == 0
+    assert (tmp_path / "rod_45kPa.json").is_file()
+    status, _, sentence = call(*command, "--pressure", "50 kPa", "--extrapolate")
+    assert (status, "by more than half of it" in sentence) == (2, True)
     status, _, sentence = call(*command, "--smooth")
     assert (status, "no rest curvature averaged" in sentence) == (1, True)
 
@@ -210,3 +223,37 @@ def test_without_a_mass_there_are_tables_and_no_dynamics(results: Path, tmp_path
         status, _, sentence = call(*command, target)
         assert (status, "needs the mass of the arm" in sentence) == (1, True)
     assert call("rod", str(file), "--pressure", "17 kPa")[0] == 0
+
+
+def test_the_end_angle_printed_is_that_of_the_material_curve(results: Path) -> None:
+    file = results / "parameters.json"
+    shape = SavedRod.read(file).at("37 kPa").rod.solve(force=(0.0, 0.02))
+    code, out, _ = call("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
+    assert code == 0
+    assert f"{shape.end_angle:.4f} rad" in out
+    assert f"{shape.end[1]:.3f} mm from the clamped end of the curve" in out
+
+
+def test_a_folder_and_a_file_in_the_wrong_place_are_named(results: Path) -> None:
+    status, _, sentence = call("rod", str(results), "--pressure", "17 kPa")
+    assert status == 2
+    assert "is a folder; give its law.json (the arm's own law) or parameters.json" in sentence
+    status, _, sentence = call("export", str(results / "parameters.json"), "--to", "csv")
+    assert status == 2
+    assert f"is a file; give the folder of the run, {results}" in sentence
+
+
+def test_options_of_the_five_parameters_and_missing_parts_are_named_for_a_law(results: Path) -> None:
+    file = results / "law.json"
+    file.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(20.0, -0.01)))))
+    command = ("rod", str(file), "--pressure", "10 kPa")
+    code, out, _ = call(*command, "--moment", "1.5 Nmm")
+    assert code == 0
+    assert "arm_law: the arm's own law" in out
+    for option in ("--stretch", "--no-stretch"):
+        status, _, sentence = call(*command, option)
+        assert (status, "--stretch, --no-stretch: are for the five parameters" in sentence) == (2, True)
+    record = json.loads(file.read_text())
+    file.write_text(json.dumps({key: value for key, value in record.items() if key != "curves"}))
+    status, _, sentence = call(*command)
+    assert (status, "The law of an arm lacks the key 'curves'" in sentence) == (2, True)

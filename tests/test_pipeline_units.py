@@ -3,7 +3,7 @@
 import pint
 import pytest
 
-from pipeline.config.units import _USUAL, PRESSURE, convert
+from pipeline.config.units import _USUAL, LENGTH, MOMENT, PRESSURE, convert
 
 
 def test_usual_units_have_the_factors_of_pint() -> None:
@@ -14,6 +14,16 @@ def test_usual_units_have_the_factors_of_pint() -> None:
             assert registry.Quantity(1.0, unit).to(internal).magnitude == pytest.approx(factor, rel=1e-12), unit
             checked += 1
     assert checked > 15
+
+
+@pytest.mark.parametrize("text", ["1500 N*mm", "1500 N mm", "1500 Nmm", "1.5 N*m", "1.5 N m", "1.5 Nm", "1.5e6 mN*mm"])
+def test_equal_moments_are_equal_numbers(text: str) -> None:
+    assert convert(text, MOMENT) == 1500.0
+
+
+def test_newton_metres_are_no_length() -> None:
+    with pytest.raises(ValueError, match="is not a known unit"):
+        convert("1 Nmm", LENGTH)
 
 
 @pytest.mark.parametrize("text", ["17 kPa", "0.017 MPa", "17000 Pa", "0.17 bar", "17 kilopascal", "17 kN/m^2"])

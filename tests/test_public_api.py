@@ -1,12 +1,15 @@
 """The package `pneurod`: its names, how quickly it is imported, runs from Python, and results read from folders."""
 
+import copy
 import json
+import pickle
 import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import FrozenInstanceError, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -143,6 +146,30 @@ def test_experiments_and_curves_are_complete(results: pneurod.Results) -> None:
     assert set(results.effects["state"]) == {"on", "off"}
     assert results.laws.empty
     assert "simplest" in results.laws.columns
+
+
+def test_rods_moved_to_the_start_of_the_curve_lie_on_the_curves(results: pneurod.Results) -> None:
+    free = results.curves.query("experiment == 'II' and pressure_kPa == 16.0")
+    assert results.curve_start_mm == (0.0, 1.0)  # the material curve of this arm is 1 mm above its lower face
+    curve = results.rod(16.0, extensible=False).solve().positions(free["s_mm"].to_numpy()) + results.curve_start_mm
+    np.testing.assert_allclose(curve, free[["rod_x_mm", "rod_y_mm"]], atol=1e-6)
+
+
+def test_results_can_be_pickled_and_copied(results: pneurod.Results) -> None:
+    for again in (pickle.loads(pickle.dumps(results)), copy.deepcopy(results)):
+        assert again.run == results.run
+        assert again.pictures == results.pictures
+        pd.testing.assert_frame_equal(again.curves, results.curves)
+        assert again.rod(12.0).solve().end == results.rod(12.0).solve().end
+        with pytest.raises(TypeError, match="does not support item assignment"):
+            again.run.config["name"] = "other"
+
+
+def test_a_pressure_that_is_no_number_is_refused(results: pneurod.Results) -> None:
+    text: Any = "12 kPa"
+    for asked in (results.rod, results.law, lambda p: results.interval("d", p)):
+        with pytest.raises(pneurod.InputError, match="The pressure in kPa must be a finite number, not '12 kPa'"):
+            asked(text)
 
 
 def test_the_record_of_the_run_is_typed(results: pneurod.Results) -> None:

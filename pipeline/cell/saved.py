@@ -18,6 +18,8 @@ from rod.mechanics.equilibrium import Rod
 
 #: formats that take the law itself; others take a straight line between moment and curvature
 TARGETS = ("csv", "json")
+#: keys of a law.json, by any of which it is known
+_PARTS = ("curves", "clamp", "tip")
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class SavedLaw:
         return SavedLaw.of(path, content)
 
     def rod(self, pressure_kPa: float) -> Rod:
-        """The rod at a pressure, clamped as the material curve begins. Raises `RodError` outside the law."""
+        """The rod at a pressure; its origin is the clamped end of the material curve. Raises `RodError` outside."""
         return Rod(self.law.length, law=self.law.at(pressure_kPa))
 
     def file_name(self, target: str, pressure_kPa: float | None = None) -> str:
@@ -96,4 +98,4 @@ class SavedLaw:
 
 def is_law(content: Any) -> bool:
     """Whether the content of a file is the law of an arm rather than the parameters of a rod."""
-    return isinstance(content, Mapping) and "curves" in content and "clamp" in content
+    return isinstance(content, Mapping) and "kappa_0" not in content and not content.keys().isdisjoint(_PARTS)

@@ -15,8 +15,10 @@ def rod(
         str | None, typer.Option(metavar="[FX, FY]", help="Dead force on the end: '[0 N, 0.05 N]'.")
     ] = None,
     moment: Annotated[str, typer.Option(metavar="M", help="Moment on the end: '1 N*mm'.")] = "0 N*mm",
-    end_y: Annotated[str | None, typer.Option(metavar="Y", help="Height of the end over the clamp: '0 mm'.")] = None,
-    end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamp.")] = None,
+    end_y: Annotated[
+        str | None, typer.Option(metavar="Y", help="Height of the end over the clamped end: '0 mm'.")
+    ] = None,
+    end: Annotated[str | None, typer.Option(metavar="[X, Y]", help="Position of the end from the clamped end.")] = None,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,
     extensible: Annotated[
         bool | None,
@@ -35,7 +37,7 @@ def rod(
 
         selected = rod_of_file(parameters, pressure, extrapolate, extensible)
         shape = EndLoads.read(force, moment, end_y, end).shape(selected.rod)
-        print_lines(*end_lines(shape), *filter(None, [selected.warning(shape)]))
+        print_lines(*end_lines(selected, shape), *filter(None, [selected.warning(shape)]))
         if out is not None:
             write_shape(shape, out)
 
@@ -60,7 +62,7 @@ def export(
 ) -> None:
     """The identified rod as a file for another rod code, with the pressure as its input."""
     with errors_as_sentences():
-        from pipeline.rods.export import ExportOptions, exported
+        from pipeline.rods.export import ExportOptions, exported, stretch_left_out
 
         options = ExportOptions(pressure, law, out, smooth, extrapolate, force)
-        print_lines(*(f"written: {file}" for file in exported(folder, to, options)))
+        print_lines(*(f"written: {file}" for file in exported(folder, to, options)), *stretch_left_out(folder, options))

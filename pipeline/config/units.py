@@ -38,11 +38,14 @@ _USUAL: dict[str, dict[str, float]] = {
     "MPa": {"MPa": 1.0, "kPa": 1e-3, "GPa": 1e3},
     "kPa": {"kPa": 1.0, "MPa": 1e3, "Pa": 1e-3, "bar": 100.0, "mbar": 0.1},
     "N": {"N": 1.0, "mN": 1e-3},
-    "N*mm": {"N*mm": 1.0, "N*m": 1e3},
+    "N*mm": {"N*mm": 1.0, "N*m": 1e3, "N mm": 1.0, "N m": 1e3},
     "mm/s**2": {"m/s^2": 1e3, "mm/s^2": 1.0},
     "dimensionless": {"%": 0.01},
     "tonne/mm**3": {"kg/m^3": 1e-12, "g/cm^3": 1e-9},
 }
+
+#: moments as engineers write them; pint takes Nm for nanometres and does not know the other
+_TORQUE = {"Nm": 1e3, "Nmm": 1.0}
 
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*")
 #: the digits around a decimal comma at the beginning of a value
@@ -99,7 +102,8 @@ def with_point(text: str) -> str:
 
 
 def _in_unit(number: float, unit: str, value: str, dimension: Dimension, example: str) -> float:
-    factor = _USUAL.get(dimension.unit, {}).get(unit)
+    torque = _TORQUE if dimension is MOMENT else {}
+    factor = torque.get(unit, _USUAL.get(dimension.unit, {}).get(unit))
     if factor is None:
         factor = _factor_of_pint(unit, value, dimension, example)
     result = float(f"{number * factor:.12g}")

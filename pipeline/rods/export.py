@@ -39,9 +39,10 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> list[P
         raise InputError(f"--to{'' if target is None else f' {target}'}: allowed are {', '.join(EXPORTS)}")
     if options.law not in (None, *LAWS):
         raise InputError(f"--law {options.law}: allowed are {', '.join(LAWS)}")
+    if folder.is_file():
+        raise InputError(f"{folder}: is a file; give the folder of the run, {folder.parent}")
     into = options.out or folder
-    only_law = not (folder / "parameters.json").is_file() and (folder / "law.json").is_file()
-    if options.law == "cell" or (options.law is None and only_law):
+    if _takes_law(folder, options):
         return [_law_table(folder / "law.json", target, into, options)]
     try:
         arm = _arm(folder / "parameters.json", options)
@@ -51,6 +52,28 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> list[P
         return export_arm(arm, target, open_folder(into).directory)
     except RodError as failure:
         raise RunFailed(str(failure)) from None
+
+
+def stretch_left_out(folder: Path, options: ExportOptions) -> list[str]:
+    """A sentence on what the exported inextensible rod leaves out; none for a law or without an extensible rod.
+
+    Raises as `exported`.
+    """
+    path = folder / "parameters.json"
+    if _takes_law(folder, options) or not SavedRod.has_extensible(path):
+        return []
+    pair = [SavedRod.read(path, extensible=extensible) for extensible in (False, True)]
+    pressure = options.pressure or f"{pair[0].rods.pressures[-1]:.12g} kPa"
+    ends = [saved.at(pressure, options.extrapolate).rod.solve().end for saved in pair]
+    return [
+        "The exported rod is inextensible (five). Without load its end is "
+        f"{math.dist(*ends):.3g} mm from that of the rod that stretches (five_extensible) at {pressure}."
+    ]
+
+
+def _takes_law(folder: Path, options: ExportOptions) -> bool:
+    only_law = not (folder / "parameters.json").is_file() and (folder / "law.json").is_file()
+    return options.law == "cell" or (options.law is None and only_law)
 
 
 def _arm(path: Path, options: ExportOptions) -> Arm:

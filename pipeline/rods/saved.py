@@ -12,17 +12,17 @@ from geometry.arrays import Array
 from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
+from pipeline.rods.checks import LAW_KEYS, check_parameters
 from pipeline.store.atomic_file import write_atomic
-from pipeline.store.formats import with_present_keys
+from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE, with_present_keys
 from pipeline.store.result_folder import open_file
+from rod.arm_law.law import LawRod
 from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
-from rod.pressurised_rod import PressurisedRod
+from rod.pressurised_rod import OutsidePressures, PressurisedRod
 from rod.solution import RodSolution
-
-_LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
 
 
 @dataclass(frozen=True)
@@ -57,17 +57,29 @@ class SavedRod:
         except OSError as failure:
             reason = f"cannot be read ({failure.strerror}); give the parameters.json of a run"
             raise InputError(f"{path}: {reason}") from None
+        except RodError as failure:
+            raise InputError(f"{path}: {failure}") from None
         except (AttributeError, KeyError, TypeError, ValueError) as failure:
             problem = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
             raise InputError(f"{path}: is not the parameters.json of a finished run: {problem}") from None
 
+    @staticmethod
+    def has_extensible(path: Path) -> bool:
+        """Whether a readable file has the numbers of a rod that stretches."""
+        return bool(with_present_keys(json.loads(path.read_text(encoding="utf-8"))).get("eccentricity"))
+
     def at(self, pressure: str, extrapolate: bool = False) -> "RodAtPressure":
-        """The rod at a pressure written with its unit, clamped as the material curve begins. Raises InputError."""
+        """The rod at a pressure written with its unit; its origin is the clamped end of the material curve.
+
+        Raises InputError.
+        """
         value = option_value("--pressure", pressure, PRESSURE)
         try:
             rod = self.rods.at(value, extrapolate=extrapolate)
-        except RodError as failure:
+        except OutsidePressures as failure:
             raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
+        except RodError as failure:
+            raise InputError(f"--pressure {pressure}: {failure}") from None
         return RodAtPressure(rod, self.rods.moment_range_at(value, extrapolate=extrapolate))
 
     def smooth(self, pressures: Sequence[float]) -> tuple[Array, ...]:
@@ -91,7 +103,7 @@ def _area(content: Mapping[str, Any], mass: float | None) -> float | None:
 
 def _deviations(content: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:
     """The standard deviations of a parameters.json by PARAMETER_NAMES; empty where one is not there."""
-    columns = {name: content.get(f"{column}_std", []) for name, column in zip(PARAMETER_NAMES, _LAW, strict=True)}
+    columns = {name: content.get(f"{column}_std", []) for name, column in zip(PARAMETER_NAMES, LAW_KEYS, strict=True)}
     if any(not column or None in column for column in columns.values()):
         return {}
     return {name: tuple(float(value) for value in column) for name, column in columns.items()}
@@ -110,6 +122,15 @@ class RodAtPressure:
     rod: Rod
     moment_range: MomentRange | None  #: of the identification, None where the file has none
 
+    @property
+    def description(self) -> str:
+        """Which rod it is: its name in validation.json, and where its numbers come from."""
+        if isinstance(self.rod.law, LawRod):
+            return f"{ARM_LAW}: the arm's own law"
+        if self.rod.extension is None:
+            return f"{FIVE}: five parameters, inextensible"
+        return f"{EXTENSIBLE}: five parameters of the key eccentricity, with the stretch of the curve"
+
     def warning(self, shape: RodSolution) -> str:
         """A sentence where the moments of a shape leave the range of the identification; empty elsewhere."""
         return self.moment_range.warning(shape) if self.moment_range is not None else ""
@@ -117,6 +138,10 @@ class RodAtPressure:
 
 def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool | None) -> RodAtPressure:
     """The rod of a parameters.json or of a law.json at a pressure written with its unit. Raises InputError."""
+    if path.is_dir():
+        raise InputError(
+            f"{path}: is a folder; give its law.json (the arm's own law) or parameters.json (five parameters)"
+        )
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -125,6 +150,8 @@ def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool |
         return SavedRod.read(path, extensible).at(pressure, extrapolate)
     if extrapolate:
         raise InputError("--extrapolate: the arm's own law is not extrapolated; measure it at more pressures")
+    if extensible is not None:
+        raise InputError("--stretch, --no-stretch: are for the five parameters; the arm's own law has its own stretch")
     try:
         return RodAtPressure(SavedLaw.of(path, content).rod(option_value("--pressure", pressure, PRESSURE)), None)
     except RodError as failure:
@@ -133,7 +160,10 @@ def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool |
 
 @dataclass(frozen=True)
 class EndLoads:
-    """Loads on the end of a rod, positions relative to the clamp; None for what is not prescribed."""
+    """Loads on the end of a rod; None for what is not prescribed.
+
+    Positions are relative to the clamped end of the material curve.
+    """
 
     force: tuple[float, float] | None  #: N
     moment: float  #: N mm
@@ -160,13 +190,14 @@ class EndLoads:
 
 def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> PressurisedRod:
     """The rod of the content of a parameters.json. Raises KeyError, TypeError or ValueError for one that has none."""
+    check_parameters(content)
     profile = content["kappa_0"]
     of_rod = content["eccentricity"] if extensible else content
     stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
     return PressurisedRod(
         length=float(content["length_mm"]),
         pressures=np.array(content["pressures_kPa"], dtype=float),
-        laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in _LAW), strict=True)),
+        laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in LAW_KEYS), strict=True)),
         s=np.array(profile["s_mm"], dtype=float),
         kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
         theta0=np.array(profile["theta0_rad"], dtype=float),
@@ -187,12 +218,13 @@ def default_rod(content: Mapping[str, Any]) -> PressurisedRod:
     return pressurised_rod(content)
 
 
-def end_lines(shape: RodSolution) -> list[str]:
-    """Position, angle and force of the end, and the moment at the clamp, one line each."""
-    x, y = _material_curve(shape)
+def end_lines(selected: RodAtPressure, shape: RodSolution) -> list[str]:
+    """Which rod it is, position, angle and force of its end, and the moment at the clamp, one line each."""
+    x, y = shape.end
     lines = {
-        "end": f"x = {x[-1]:.3f} mm, y = {y[-1]:.3f} mm from the clamp",
-        "end angle": f"{shape.theta[-1]:.4f} rad",
+        "rod": selected.description,
+        "end": f"x = {x:.3f} mm, y = {y:.3f} mm from the clamped end of the curve",
+        "end angle": f"{shape.end_angle:.4f} rad",
         "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
         "moment at the clamp": f"{shape.moment[0]:.5g} N mm",
     }
@@ -203,21 +235,14 @@ def end_lines(shape: RodSolution) -> list[str]:
 def write_shape(shape: RodSolution, file: Path) -> None:
     """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm.
 
-    Raises InputError when the file cannot be written.
+    x and y are those of the material curve, theta and kappa those of the axis. Raises InputError when the file
+    cannot be written.
     """
-    columns = (shape.s, *_material_curve(shape), shape.theta, shape.kappa, shape.moment)
+    columns = (shape.s, *shape.curve.T, shape.theta, shape.kappa, shape.moment)
     rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
     write_atomic(
         open_file(file), ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode()
     )
-
-
-def _material_curve(shape: RodSolution) -> tuple[Array, Array]:
-    """x (n,) and y (n,) of the material curve at the positions of a shape, mm."""
-    if shape.beside is None:
-        return shape.x, shape.y
-    x, y = shape.positions(shape.s).T
-    return x, y
 
 
 def option_value(option: str, text: str, dimension: Dimension) -> float:

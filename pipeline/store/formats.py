@@ -5,6 +5,8 @@ from typing import Any
 
 #: the `status` of a row of experiments.json: the pressure was reached, or it was not
 CONVERGED, NOT_CONVERGED = "converged", "not converged"
+#: the rods in rows of validation.json: five parameters, five parameters with an eccentricity, the law from one cell
+FIVE, EXTENSIBLE, ARM_LAW = "five", "five_extensible", "arm_law"
 #: the file with the surface of the body in every state
 SURFACES = "pictures/surfaces.npz"
 #: number of the present set of keys, written as `format` to the files; files without it are of format 1

@@ -77,7 +77,7 @@ def _state(record: Record, pitch: float) -> Row:
     return {
         "end_x_mm": summary.end_mm[0],
         "end_y_mm": summary.end_mm[1],
-        "end_angle_rad": float(np.unwrap(record.centreline.angle)[-1]),
+        "end_angle_rad": record.centreline.end_angle,
         "kappa_middle_per_mm": _middle(record, pitch),
         **(force if record.experiment == "III" else {}),
         "cavity_volume_mm3": summary.cavity_volume_mm3,

@@ -95,7 +95,7 @@ class Comparison:
 
 def _shape_errors(curve: Centreline, shape: RodSolution) -> dict[str, float]:
     distances = _distances(shape, curve)
-    ends = np.unwrap([float(curve.angle[-1]), _end_angle(shape, curve)])
+    ends = np.unwrap([curve.end_angle, _on_nodes(shape, curve).end_angle])
     return {
         "distance_over_length": float(distances.max()) / curve.length,
         "distance_at_s_mm": float(curve.s[distances.argmax()] - curve.s[0]),
@@ -104,19 +104,15 @@ def _shape_errors(curve: Centreline, shape: RodSolution) -> dict[str, float]:
     }
 
 
-def _end_angle(shape: RodSolution, curve: Centreline) -> float:
-    """rad: the tangent angle of the rod at its end; of a material curve beside the axis that of the last chord."""
-    if shape.beside is None:
-        return float(shape.theta[-1])
-    x, y = np.diff(shape.positions(curve.s[-2:] - curve.s[0]), axis=0)[0]
-    return float(np.arctan2(y, x))
+def _on_nodes(shape: RodSolution, curve: Centreline) -> Centreline:
+    """The material curve of the rod at the nodes of that of the finite elements."""
+    return Centreline(curve.s, *shape.positions(curve.s - curve.s[0]).T)
 
 
 def _curvature_errors(curve: Centreline, shape: RodSolution, pitch: float) -> dict[str, float]:
     """Largest difference of the cell-averaged curvatures over the largest of them, and where (mm)."""
-    x, y = shape.positions(curve.s - curve.s[0]).T
     try:
-        solid, rod = (cell_averaged(shown, pitch) for shown in (curve, Centreline(curve.s, x, y)))
+        solid, rod = (cell_averaged(shown, pitch) for shown in (curve, _on_nodes(shape, curve)))
     except RodError:  # an arm of one or two cells has no cell averages to compare
         return {}
     differences = np.abs(rod.kappa - solid.kappa)

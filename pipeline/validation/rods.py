@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pipeline.identification.parameters import Parameters
+from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE
 from rod import ArmLaw, MomentRange, PressurisedRod, Rod, RodError
-
-#: the rods in rows of validation.json: five parameters, five parameters with an eccentricity, the law from one cell
-FIVE, EXTENSIBLE, ARM_LAW = "five", "five_extensible", "arm_law"
 
 
 @dataclass(frozen=True)

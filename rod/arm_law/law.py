@@ -12,8 +12,9 @@ from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.material_curve import ripple, row_at
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
+from rod.checked import finite
 from rod.law import RodError
-from rod.load import Load, pair
+from rod.load import Load, held_at, pair
 from rod.solution import RodSolution
 
 
@@ -46,13 +47,14 @@ class ArmLaw:
 
         Raises `RodError` for a pressure outside those of the law and a length without room for both ends.
         """
+        pressure = finite(pressure, "The pressure in kPa")
         return LawRod(
             section_at(self.cells, pressure),
             clamp_at(self.clamps, self.cells, pressure),
             tip_at(self.tips, pressure),
             self.pitch,
             self.first_middle,
-            self.length if length is None else length,
+            self.length if length is None else finite(length, "The length in mm"),
         )
 
 
@@ -98,7 +100,7 @@ class LawRod:
         if end is not None and end_y is not None:
             raise RodError("Give either end = (x, y) or end_y, not both.")
         load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment)
-        return self._equilibrium(EndConditions(load, (None, end_y) if end is None else pair(end, "end")))
+        return self._equilibrium(EndConditions(load, held_at(None, end_y) if end is None else pair(end, "end")))
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load; with a prescribed position of the end (mm) that component of the force follows.
@@ -107,30 +109,33 @@ class LawRod:
         """
         if any(load.weight):
             raise RodError("A rod with the arm's own law carries no weight.")
-        return self._equilibrium(EndConditions(load, (end_x, end_y)))
+        return self._equilibrium(EndConditions(load, held_at(end_x, end_y)))
 
     def _equilibrium(self, conditions: EndConditions) -> RodSolution:
         solution = equilibrium(self._pieces, conditions)
-        at_clamp = float(np.interp(self.clamp.position, solution.s, solution.moment))
-        tip = conditions.tip_state(self.tip)
+        at_tip = conditions.tip_state(self.tip).beside_at(float(solution.theta[-1]))
+        return replace(solution, beside=_Beside(self, solution.s, solution.moment, at_tip))
 
-        def beside(s: Array) -> Array:
-            at_tip = tip.beside_at(float(solution.theta[-1]))
-            return self._beside(s, np.interp(s, solution.s, solution.moment), at_clamp, at_tip)
 
-        return replace(solution, beside=beside)
+@dataclass(frozen=True, eq=False)  # arrays inside
+class _Beside:
+    """The material curve beside the axis of a solution; a value, so that solutions can be pickled."""
 
-    def _beside(self, s: Array, moment: Array, at_clamp: float, at_tip: Array) -> Array:
-        """(m, 2) mm: the material curve beside the axis at s (m,) mm, along and normal to it.
+    rod: LawRod
+    s: Array  #: (n,) mm, of the solution
+    moment: Array  #: (n,) N mm
+    at_tip: Array  #: (k, 2) mm, the nodes of the tip beside the axis, along and normal to it
 
-        moment: (m,) N mm there; at_clamp: N mm, the moment that decides on the clamped end; at_tip: (k, 2) mm, the
-        nodes of the tip beside the axis.
-        """
-        cycle = (s - self.first_middle) / self.pitch
-        result = ripple(self.section, (cycle - np.round(cycle)) * self.pitch, moment)
-        clamped, last = s <= self.clamp.s[-1], s - self.length >= self.tip.s[0]
-        rows = row_at(self.clamp.moment, self.clamp.beside, at_clamp)
+    def __call__(self, s: Array) -> Array:
+        """(m, 2) mm: the material curve beside the axis at s (m,) mm, along and normal to it."""
+        rod = self.rod
+        cycle = (s - rod.first_middle) / rod.pitch
+        moment = np.interp(s, self.s, self.moment)
+        result = ripple(rod.section, (cycle - np.round(cycle)) * rod.pitch, moment)
+        clamped, last = s <= rod.clamp.s[-1], s - rod.length >= rod.tip.s[0]
+        at_clamp = float(np.interp(rod.clamp.position, self.s, self.moment))
+        rows = row_at(rod.clamp.moment, rod.clamp.beside, at_clamp)
         for k in range(2):
-            result[clamped, k] = np.interp(s[clamped], self.clamp.s, rows[:, k])
-            result[last, k] = np.interp(s[last] - self.length, self.tip.s, at_tip[:, k])
+            result[clamped, k] = np.interp(s[clamped], rod.clamp.s, rows[:, k])
+            result[last, k] = np.interp(s[last] - rod.length, rod.tip.s, self.at_tip[:, k])
         return result

@@ -7,6 +7,7 @@ import numpy as np
 
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
+from rod.checked import Shape, check_positive, check_table, positive
 from rod.law import RodError
 
 #: of the file; raised when a key changes its meaning
@@ -51,6 +52,23 @@ TIP_KEYS = {
     "beside_pinned_mm": "beside_pinned",
 }
 
+#: shapes of what the keys hold: k moments, m positions, n turns
+_CELL_SHAPES: dict[str, Shape] = dict.fromkeys(CELL_KEYS, ("k",))
+_CELL_SHAPES |= {"pressure_kPa": (), "s_mm": ("m",), "ripple_mm": ("k", "m", 2)}
+_CLAMP_SHAPES: dict[str, Shape] = dict.fromkeys(CLAMP_KEYS, ("k",))
+_CLAMP_SHAPES |= {"pressure_kPa": (), "offset_mm": ("k", 2), "offset_by_moment_per_N": ("k", 2)}
+_CLAMP_SHAPES |= {"s_mm": ("m",), "beside_mm": ("k", "m", 2)}
+_TIP_SHAPES: dict[str, Shape] = {
+    "pressure_kPa": (),
+    "s_mm": ("m",),
+    "beside_mm": ("m", 2),
+    "edge_mm": (2,),
+    "couple_by_turn_N_mm": ("n",),
+    "acts_at_by_turn_mm": ("n", 2),
+    "beside_by_turn_mm": ("n", "m", 2),
+    "beside_pinned_mm": ("m", 2),
+}
+
 
 def law_record(law: ArmLaw) -> dict[str, Any]:
     """The contents of law.json but for the error of the mesh."""
@@ -72,15 +90,41 @@ def law_from_record(record: Mapping[str, Any]) -> ArmLaw:
         raise RodError(f"This is no law of an arm in format {FORMAT}; write it anew with `pneurod cell`.")
     try:
         return ArmLaw(
-            pitch=float(record["pitch_mm"]),
-            first_middle=float(record["first_middle_mm"]),
-            length=float(record["length_mm"]),
-            cells=tuple(CellCurve(**curve_values(row, CELL_KEYS)) for row in record["curves"]),
-            clamps=tuple(ClampCurve(**curve_values(row, CLAMP_KEYS)) for row in record["clamp"]["curves"]),
-            tips=tuple(TipCurve(**curve_values(row, TIP_KEYS)) for row in record["tip"]["curves"]),
+            pitch=positive(record["pitch_mm"], "pitch_mm"),
+            first_middle=positive(record["first_middle_mm"], "first_middle_mm"),
+            length=positive(record["length_mm"], "length_mm"),
+            cells=tuple(CellCurve(**curve_values(row, CELL_KEYS)) for row in _cell_rows(record["curves"])),
+            clamps=tuple(
+                ClampCurve(**curve_values(row, CLAMP_KEYS)) for row in _end_rows(record, "clamp", _CLAMP_SHAPES)
+            ),
+            tips=tuple(TipCurve(**curve_values(row, TIP_KEYS)) for row in _end_rows(record, "tip", _TIP_SHAPES)),
         )
     except KeyError as missing:
         raise RodError(f"The law of an arm lacks the key {missing}; write it anew with `pneurod cell`.") from None
+
+
+def _cell_rows(rows: Any) -> list[Mapping[str, Any]]:
+    checked = _rows(rows, _CELL_SHAPES, "curves")
+    for k, row in enumerate(checked):
+        check_positive(row, ("axial_rigidity_N", "shear_rigidity_N"), f"curves[{k}]")
+        # a cell whose walls buckle has a negative rigidity beyond, but not near the state without moment
+        at_rest = row["rigidity_N_mm2"][int(np.argmin(np.abs(row["moment_N_mm"])))]
+        positive(at_rest, f"rigidity_N_mm2 of curves[{k}] at the smallest moment")
+    return checked
+
+
+def _end_rows(record: Mapping[str, Any], part: str, shapes: Mapping[str, Shape]) -> list[Mapping[str, Any]]:
+    check_table(record[part], {}, part)
+    return _rows(record[part]["curves"], shapes, f"{part}.curves")
+
+
+def _rows(rows: Any, shapes: Mapping[str, Shape], name: str) -> list[Mapping[str, Any]]:
+    """The rows of a part of the file. Raises `RodError` with the part and the key of what is wrong."""
+    if not isinstance(rows, list):
+        raise RodError(f"{name} must be a list of curves.")
+    for k, row in enumerate(rows):
+        check_table(row, shapes, f"{name}[{k}]")
+    return rows
 
 
 def curve_row(curve: object, keys: Mapping[str, str]) -> dict[str, Any]:

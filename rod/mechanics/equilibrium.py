@@ -19,10 +19,11 @@ from typing import Literal, get_args
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.law import LawRod
+from rod.arm_law.law import ArmLaw, LawRod
+from rod.checked import positive
 from rod.curves.extension import Extension
 from rod.law import FiveParameters, RodError, TwoSlopes
-from rod.load import Load, pair
+from rod.load import Load, held_at, pair
 from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.mechanics.shooting import ABSCISSAE
@@ -55,12 +56,16 @@ class Rod:
     extension: Extension | None = None  #: stretch of the curve; None: inextensible, or as the arm's own law says
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.length) and self.length > 0.0):
-            raise RodError(f"The length of a rod must be positive, not {self.length} mm.")
+        positive(self.length, "The length of a rod")
+        pair(self.start, "start")
+        if isinstance(self.law, ArmLaw):
+            raise RodError("A rod has the law of an arm at one pressure: law = arm_law.at(pressure in kPa).")
         if isinstance(self.law, LawRod):
             self._check_nothing_twice()
             object.__setattr__(self, "law", replace(self.law, length=float(self.length)))
             return
+        if not isinstance(self.law, FiveParameters | TwoSlopes):
+            raise RodError("The law of a rod is five parameters, two slopes, or the arm's own law at a pressure.")
         if not 0.0 < self.law.d < self.length:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
         if not (math.isfinite(self.fade) and self.fade >= 0.0):
@@ -127,6 +132,7 @@ class Rod:
             raise RodError("Give either the force on the end or its position, not both: one follows from the other.")
         load = Load((0.0, 0.0) if force is None else pair(force, "force"), moment)
         loaded = force is not None or load.couple != 0.0
+        end_x, end_y = held_at(end_x, end_y)
         if isinstance(self.law, LawRod):
             return _by_arm_law(self.law, self.start, load, (end_x, end_y), order)
         together = _grow_together(order, end_x, end_y, loaded=loaded)
@@ -139,7 +145,7 @@ class Rod:
         force the components along the other axes; those along an axis on which the end is held follow. Raises
         `RodError` as `solve` does.
         """
-        end = (end_x, end_y)
+        end = held_at(end_x, end_y)
         fx, fy = (0.0 if held is not None else force for force, held in zip(load.force, end, strict=True))
         load = replace(load, force=(fx, fy))
         if isinstance(self.law, LawRod):

@@ -1,0 +1,46 @@
+"""Whether the content of a parameters.json, which may have been edited by hand, is that of a rod."""
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+from pipeline.errors import quoted
+from pipeline.store.formats import FORMAT
+from rod.checked import Shape, check_positive, check_table, positive
+from rod.law import RodError
+
+#: the five parameters in the order of `rod.law.PARAMETER_NAMES`
+LAW_KEYS = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+_LAW: dict[str, Shape] = dict.fromkeys(LAW_KEYS, ("n",))
+_PROFILE: dict[str, Shape] = {"s_mm": ("m",), "theta0_rad": ("n",), "kappa_0_per_mm": ("n", "m")}
+_STRETCH: dict[str, Shape] = {**_LAW, "eccentricity_mm": ("n",), "rest_stretch": ("n", "m")}
+_POSITIVE = ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm")
+
+
+def check_format(content: Mapping[str, Any]) -> None:
+    """Raise `RodError` for a format of the keys that this version does not know."""
+    known = content.get("format", 1)
+    if known not in range(1, FORMAT + 1):
+        raise RodError(f"format {quoted(known)} is not known; this version of pneurod reads 1 to {FORMAT}.")
+
+
+def check_parameters(content: Mapping[str, Any]) -> None:
+    """Check what a rod is made of. Raises `RodError`, with the key, for numbers that cannot be those of a rod, and
+    KeyError or TypeError for keys that are missing."""
+    check_format(content)
+    length, pressures = positive(content["length_mm"], "length_mm"), content["pressures_kPa"]
+    check_table({"pressures_kPa": pressures}, {"pressures_kPa": ("n",)})
+    if any(second <= first for first, second in pairwise(pressures)):
+        raise RodError("pressures_kPa must rise.")
+    sizes = {"n": len(pressures), "m": len(content["kappa_0"]["s_mm"])}
+    check_table(content, _LAW, sizes=sizes)
+    check_positive(content, _POSITIVE)
+    check_table(content["kappa_0"], _PROFILE, "kappa_0", sizes)
+    reach = float(content["kappa_0"]["s_mm"][-1])
+    if abs(reach - length) > 1e-6 * length:
+        raise RodError(f"s_mm of kappa_0 goes to {reach:g} mm, and length_mm is {length:g} mm.")
+    if content.get("moment_range_N_mm"):
+        check_table(content, {"moment_range_N_mm": ("n", 2)}, sizes=sizes)
+    if content.get("eccentricity"):
+        check_table(content["eccentricity"], _STRETCH, "eccentricity", sizes)
+        check_positive(content["eccentricity"], (*_POSITIVE, "rest_stretch"), "eccentricity")
