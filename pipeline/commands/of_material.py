@@ -20,7 +20,7 @@ def material(
     """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
     with errors_as_sentences():
         from pipeline.material.fits import ALL, WIDEST, FitOptions
-        from pipeline.material.sentences import caveats, moduli_sentences, yaml_block
+        from pipeline.material.sentences import caveats, configuration_line, moduli_sentences
         from pipeline.material.study import fit_material
         from pipeline.terminal import law_table
 
@@ -29,5 +29,5 @@ def material(
         for name in (ALL, WIDEST):
             print_lines("", law_table(fits, name))
         print_lines(f"\nfor a configuration, fitted to {WIDEST}:")
-        print_lines(*(yaml_block(fit, density) for fit in fits.usable.values()), "", *caveats(fits))
+        print_lines(*(configuration_line(fit, density) for fit in fits.usable.values()), "", *caveats(fits))
         print_lines(f"written: {out / 'material.html'}, material.json, material_curves.csv")

@@ -28,6 +28,12 @@ def yaml_block(fit: LawFit, density: str) -> str:
     return f"material: {{law: {fit.law}, {', '.join(constants)}, density: {density}}}"
 
 
+def configuration_line(fit: LawFit, density: str) -> str:
+    """The section `material` of a configuration, and as a comment of it what it was fitted to."""
+    low, high = fit.fitted_range
+    return f"{yaml_block(fit, density)}  # from {fit.points} points, stretches {low:.3g} to {high:.3g}"
+
+
 def _value(fit: LawFit, name: str, kind: Constant) -> str:
     """A constant as a configuration takes it."""
     value = getattr(fit.solved, name)
