@@ -173,6 +173,8 @@ def test_a_law_needs_more_points_than_it_has_constants() -> None:
         refused = fitted("mooney_rivlin", twice, 0.495, TOLERANCE)
         reason_of_two = "cannot be fitted: 2 constants need 3 different strains beyond rest, and there are 2"
         assert refused == Refused("mooney_rivlin", reason_of_two)
+    with pytest.raises(InputError, match="the tests have one strain beside rest; stress must be given over strain"):
+        fit_laws([made_of(law, np.array([1.0, 1.0, 1.5, 1.5, 1.5, 1.5]))], options())
 
 
 def test_the_standard_errors_of_what_is_determined_are_half_of_it_at_most() -> None:
@@ -400,6 +402,53 @@ def test_caveats_about_scatter_and_missing_compression(shipped: Fits) -> None:
     assert "in tension only" not in " ".join(caveats(both))
     with pytest.raises(InputError, match="the tests reach strains of 1 % only; 2 % or more are needed"):
         fit_laws([made_of(fem.NeoHooke(0.4, 40.0), np.linspace(1.0, 1.01, 9))], options())
+
+
+def neo_hookean(mu: float, *, offset: float = 0.0, percent: float = 1.0) -> TensileTest:
+    stretch = np.linspace(1.0, 2.5, 61)
+    return TensileTest("pull", 1 + percent * (stretch - 1), mu * (stretch - stretch**-2) + offset)
+
+
+@pytest.mark.parametrize(
+    ("test", "said"),
+    [
+        (neo_hookean(0.3), ""),
+        (
+            neo_hookean(300.0),
+            "Young's modulus is 514 MPa, and .* is the stress in kPa, not MPa, which would make it 0.514",
+        ),
+        (neo_hookean(0.0003), "0.000514 MPa, and .* is the stress in MPa, not kPa, which would make it 0.514 MPa"),
+        (neo_hookean(3e6), "Young's modulus is .* MPa: check the units of stress and strain"),
+        (neo_hookean(0.3, percent=100.0), r"strains reach 1.5e\+04 %, .* is the strain in % where the header says 1"),
+        (neo_hookean(0.3, offset=0.05), "the stress at rest, .*, is 0.05 MPa instead of zero: subtract the offset"),
+        (neo_hookean(0.3, offset=-0.05), "is -0.05 MPa instead of zero: count strains .* slack .* or subtract the"),
+    ],
+    ids=["usual", "kPa as MPa", "MPa as kPa", "other", "percent as 1", "offset", "negative offset"],
+)
+@pytest.mark.filterwarnings("error")
+def test_notes_on_units_and_offsets(test: TensileTest, said: str) -> None:
+    notes = fit_laws([test], options()).notes
+    assert len(notes) == bool(said)
+    assert not said or re.search(said, notes[0])
+
+
+def test_data_of_rubber_need_no_note(shipped: Fits) -> None:
+    assert shipped.notes == ()
+    noisy = fit_laws(drawn(np.random.default_rng(8), top=1.0, count=1, noise=0.02), options())
+    assert noisy.notes == ()
+
+
+def test_no_law_for_a_configuration_ends_with_1(tmp_path: Path) -> None:
+    test = neo_hookean(0.3, offset=0.05)
+    rows = "\n".join(f"{e},{s}" for e, s in zip(test.strain, test.stress, strict=True))
+    (tmp_path / "pull.csv").write_text(f"strain (1),stress (MPa)\n{rows}\n")
+    result = call(str(tmp_path / "pull.csv"), "--out", str(tmp_path / "out"))
+    assert result.exit_code == 1, result.output
+    assert "for a configuration" not in result.stdout
+    record = json.loads((tmp_path / "out" / "material.json").read_text(encoding="utf-8"))
+    [note] = record["notes"]
+    assert f"Note: {note}" in result.stdout
+    assert result.stderr == f"pneurod: no law describes these data from rest on within 10 %: {note}\n"
 
 
 def test_yaml_blocks_are_read_back_as_a_material(shipped: Fits, configs: Path, tmp_path: Path) -> None:

@@ -57,6 +57,12 @@ def moduli_sentences(fits: Fits) -> list[str]:
     ]
 
 
+def none_usable(fits: Fits) -> str:
+    """Why there is no law for a configuration."""
+    likely = "; ".join(fits.notes) or "look at the points in material.html for scatter, offsets and mistakes in units"
+    return f"no law describes these data from rest on within {100 * fits.options.within:g} %: {likely}"
+
+
 def caveats(fits: Fits) -> list[str]:
     """What to know before choosing a law."""
     return [*_high_modulus(fits), *_kappa(fits), *_stability(fits), *_scatter(fits), *_compression(fits)]
