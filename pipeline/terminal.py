@@ -112,7 +112,8 @@ def law_table(fits: Fits, name: str) -> Table:
         if isinstance(fit, LawFit):
             holds = "nowhere" if fit.valid_range is None else _stretches(*fit.valid_range)
             stable = _stretches(*fit.solved.stretch_limits)
-            table.add_row(fit.name, _constants(fit), f"{fit.rms:.2g}", holds, fit.limited_by, stable)
+            name_and_points = f"{fit.name}\n{fit.points} points"
+            table.add_row(name_and_points, _constants(fit), f"{fit.rms:.2g}", holds, fit.limited_by, stable)
     return table
 
 

@@ -7,11 +7,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geometry.arrays import Array
 from pipeline.errors import InputError
+from pipeline.material.doubts import goes_back
 from pipeline.material.tensile import read_tensile, up_to
 
 STRAINS = [0.0, 0.1, 0.2, 0.3, 0.4]
 STRESSES = [0.0, 0.06, 0.11, 0.15, 0.19]
+GOOD = [f"{100 * e:g},{s:g}" for e, s in zip(STRAINS, STRESSES, strict=True)]
+HEADER = "strain (%),stress (MPa)"
 
 
 def written(folder: Path, text: str, name: str = "pull.csv") -> Path:
@@ -51,6 +55,98 @@ def test_decimal_commas(tmp_path: Path) -> None:
     np.testing.assert_allclose(test.stress, STRESSES)
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "latin-1", "cp1252", "utf-8-sig"])
+def test_encodings_of_spreadsheets(encoding: str, tmp_path: Path) -> None:
+    rows = [f"{100 * e:g};{s:g};80".replace(".", ",") for e, s in zip(STRAINS, STRESSES, strict=True)]
+    text = table("strain (%);stress (MPa);Härte", rows)
+    mark = "\ufeff" if encoding == "utf-16-le" else ""
+    (tmp_path / "pull.csv").write_bytes((mark + text).encode(encoding))
+    [test] = read_tensile([tmp_path / "pull.csv"])
+    np.testing.assert_allclose(test.stress, STRESSES)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "time (s),Tensile strain (%),Tensile stress (MPa)",
+        "time,strain,stress\n(s),(%),(MPa)",
+        "Time,Tensile strain (Extension),Tensile stress\n(s),(%),(MPa)",
+        "time,strain,nominal stress\ns,%,MPa",
+        'Specimen 1\nDate,2024-01-01\n\n"Time","Tensile strain","Tensile stress"\n"(s)","(%)","(MPa)"',
+    ],
+)
+def test_titles_of_testing_machines(header: str, tmp_path: Path) -> None:
+    [test] = read_tensile([written(tmp_path, table(header, [f"1,{row}" for row in GOOD]))])
+    np.testing.assert_allclose(test.strain, STRAINS, atol=1e-14)
+    np.testing.assert_allclose(test.stress, STRESSES)
+
+
+def notes(folder: Path, strain: Array, stress: Array, header: str = "strain (1),stress (MPa)") -> tuple[str, ...]:
+    """What is said about a file with these points."""
+    rows = [f"{e},{s}" for e, s in zip(strain.tolist(), stress.tolist(), strict=True)]
+    [test] = read_tensile([written(folder, table(header, rows))])
+    return test.notes
+
+
+UP = np.linspace(0.0, 1.5, 61)
+
+
+@pytest.mark.parametrize(
+    ("strain", "line"),
+    [
+        (np.concatenate([UP, UP[::-1]]), 62),  # unloading
+        (np.concatenate([UP, UP]), 62),  # two specimens below each other
+        (np.concatenate([part for top in (0.5, 1.0, 1.5) for part in (top * UP / 1.5, top * UP[::-1] / 1.5)]), 62),
+        (UP[::-1], None),
+        (np.concatenate([UP, -UP[1:20] / 3]), None),  # tension, then compression
+        (np.concatenate([UP[30:], UP[:30]]), None),  # in parts
+        (UP + 0.01 * np.sin(40 * UP), None),  # scatter of the extensometer
+    ],
+    ids=["unloading", "twice", "cycles", "falling", "compression", "parts", "scatter"],
+)
+def test_strains_that_go_back_are_named(strain: Array, line: int | None, tmp_path: Path) -> None:
+    said = notes(tmp_path, strain, 0.3 * ((1 + strain) - (1 + strain) ** -2))
+    if line is None:
+        assert said == ()
+    else:
+        [note] = said
+        assert note.startswith(
+            f"{tmp_path / 'pull.csv'}: test 'pull': the strain goes back after line {line}: unloading"
+        )
+
+
+def test_rows_in_any_order_are_no_cycles() -> None:
+    random = np.random.default_rng(0)
+    for count in (5, 6, 8, 12, 61):
+        assert [goes_back(random.permutation(np.linspace(0.0, 1.5, count))) for _ in range(50)] == [None] * 50
+
+
+def test_points_after_a_break_are_left_out(tmp_path: Path) -> None:
+    stress = 0.3 * ((1 + UP) - (1 + UP) ** -2)
+    for after in ([0.01, 0.0, 0.0], [0.5, 0.1, 0.0], [0.0]):
+        broken = np.concatenate([UP, 1.5 + 0.02 * np.arange(1, len(after) + 1)])
+        rows = [f"{e},{s}" for e, s in zip(broken, [*stress, *after], strict=True)]
+        [test] = read_tensile([written(tmp_path, table("strain (1),stress (MPa)", rows))])
+        np.testing.assert_allclose(test.strain, UP, atol=1e-12)
+        [note] = test.notes
+        assert note.endswith(
+            "drops after a strain of 150 %, where the specimen has broken: the points from 152 % on are left out"
+        )
+    softer = np.sin(2 * UP)  # falls slowly beyond its largest value
+    assert notes(tmp_path, UP, softer) == ()
+    noisy = stress + 0.3 * np.random.default_rng(1).standard_normal(61)
+    assert notes(tmp_path, UP, noisy) == ()
+
+
+def test_exchanged_columns_are_named(tmp_path: Path) -> None:
+    stress = 0.3 * ((1 + UP) - (1 + UP) ** -2)
+    [note] = notes(tmp_path, stress, 100 * UP, "strain (%),stress (MPa)")
+    assert note.endswith(
+        "strains reach 0.702 % and stresses 150 MPa: are the columns 'strain (%)' and 'stress (MPa)' swapped?"
+    )
+    assert notes(tmp_path, UP, stress, "strain (%),stress (MPa)") == ()  # another mistake
+
+
 def test_several_tests_in_one_file_and_in_several(tmp_path: Path) -> None:
     rows = [
         f"{name},{e},{share * s}"
@@ -68,10 +164,6 @@ def test_several_tests_in_one_file_and_in_several(tmp_path: Path) -> None:
         read_tensile([both, both])
 
 
-GOOD = [f"{100 * e:g},{s:g}" for e, s in zip(STRAINS, STRESSES, strict=True)]
-HEADER = "strain (%),stress (MPa)"
-
-
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
@@ -85,6 +177,9 @@ HEADER = "strain (%),stress (MPa)"
         (table("strain (mm),stress (MPa)", GOOD), r"line 1: column 'strain \(mm\)': 'mm' is not the unit of a strain"),
         (table("strain (%),stress (N)", GOOD), r"line 1: column 'stress \(N\)': 'N' is not the unit of a stress"),
         (table("strain (%),stress (furlong)", GOOD), "'furlong' is not the unit of a stress"),
+        (table("strain,stress\n(%),(N)", GOOD), "column 'strain' has no unit"),
+        (table("0,1\n" + HEADER, GOOD), "line 1: holds numbers above the titles of line 2; the first line names"),
+        (table("axial strain (%),stress (MPa)", GOOD), r"'axial strain \(%\)' is not known to be nominal; give"),
         (table("true strain (%),stress (MPa)", GOOD), r"line 1: column 'true strain \(%\)' is not nominal; give"),
         (table("strain (%),cauchy stress (MPa)", GOOD), "'cauchy stress .MPa.' is not nominal"),
         (table("strain (%),stretch (1),stress (MPa)", GOOD), "'strain .%.' and 'stretch .1.' mean the same"),
@@ -100,6 +195,14 @@ HEADER = "strain (%),stress (MPa)"
         (table("test," + HEADER, [f"A,{row}" for row in GOOD] + [",50,0.2"]), "line 7, column 'test': is empty; name"),
         (table(HEADER, GOOD[:4]), "test 'pull': has 4 points; 5 are needed"),
         (table(HEADER, [f"10,{k}" for k in range(5)]), "test 'pull': has one strain only"),
+        (
+            table(HEADER, [f"{10 * k},0" for k in range(5)]),
+            "test 'pull': every stress is zero; give the measured force",
+        ),
+        (
+            table(HEADER, [*GOOD[:4], "31,0", "32,0", "33,0"]),
+            "test 'pull': before its break at 30 %: has 4 points; 5 are needed",
+        ),
         (table(HEADER, [f"{10 * k},{-k}" for k in range(5)]), "test 'pull': stress falls as the strain grows"),
     ],
 )
@@ -115,7 +218,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"none.csv: no such file; give a CSV file of tensile tests"):
         read_tensile([tmp_path / "none.csv"])
     (tmp_path / "sheet.csv").write_bytes(b"PK\x03\x04\xff\xfe")
-    with pytest.raises(InputError, match=r"sheet.csv: is not a text in UTF-8"):
+    with pytest.raises(InputError, match=r"sheet.csv: is not a text; give a CSV file in UTF-8, in UTF-16"):
         read_tensile([tmp_path / "sheet.csv"])
     with pytest.raises(InputError, match=r"cannot be read: Is a directory"):
         read_tensile([tmp_path])

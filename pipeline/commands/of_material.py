@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from pipeline.commands.ending import errors_as_sentences, print_lines
+from pipeline.commands.ending import errors_as_sentences, print_lines, print_sentences
+from pipeline.errors import RunFailed
 
 
 def material(
@@ -20,14 +21,19 @@ def material(
     """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
     with errors_as_sentences():
         from pipeline.material.fits import ALL, WIDEST, FitOptions
-        from pipeline.material.sentences import caveats, moduli_sentences, yaml_block
+        from pipeline.material.sentences import caveats, configuration_line, moduli_sentences, none_usable
         from pipeline.material.study import fit_material
         from pipeline.terminal import law_table
 
         fits = fit_material(tests, FitOptions.read(nu, density, break_strain, up_to, within), out)
+        print_sentences(*(f"Note: {note}" for note in fits.notes))
         print_lines(*moduli_sentences(fits))
         for name in (ALL, WIDEST):
             print_lines("", law_table(fits, name))
-        print_lines(f"\nfor a configuration, fitted to {WIDEST}:")
-        print_lines(*(yaml_block(fit, density) for fit in fits.usable.values()), "", *caveats(fits))
+        if fits.usable:
+            print_lines(f"\nfor a configuration, fitted to {WIDEST}:")
+            print_lines(*(configuration_line(fit, density) for fit in fits.usable.values()))
+        print_lines("", *caveats(fits))
         print_lines(f"written: {out / 'material.html'}, material.json, material_curves.csv")
+        if not fits.usable:
+            raise RunFailed(none_usable(fits))

@@ -8,6 +8,7 @@ import numpy as np
 from fem.materials import MaterialError, StVenantKirchhoff
 from pipeline.config.units import DENSITY, STRAIN, Dimension, convert
 from pipeline.errors import InputError
+from pipeline.material.doubts import of_modulus, of_rest, of_strain
 from pipeline.material.forms import FORMS
 from pipeline.material.law_fit import LawFit, Refused, fit_all, fit_widest
 from pipeline.material.mean_curve import MeanCurve
@@ -54,6 +55,7 @@ class Fits:
     curve: MeanCurve
     moduli: Moduli
     laws: Mapping[str, Mapping[str, LawFit | Refused]]  #: name -> fitted to `ALL` and to `WIDEST`
+    notes: tuple[str, ...]  #: sentences on what is most likely wrong with the data, or was left out
 
     @property
     def usable(self) -> dict[str, LawFit]:
@@ -65,9 +67,14 @@ class Fits:
 def fit_laws(tests: Sequence[TensileTest], options: FitOptions) -> Fits:
     """Fit both moduli and every law to the tests. Raises InputError where too few points are left."""
     kept = tuple(tests) if np.isinf(options.up_to) else up_to(tests, options.up_to)
+    strains = np.round(np.concatenate([test.strain for test in kept]), 9)
+    if len(np.unique(strains[strains != 0])) < 2:
+        raise InputError("the tests have one strain beside rest; stress must be given over strain")
     curve = MeanCurve.of(kept)
+    read = [note for test in kept for note in test.notes]
     if not len(curve.nodes):
-        raise InputError(f"the tests reach strains of {100 * np.ptp(curve.stretch):.2g} % only; 2 % or more are needed")
+        short = f"the tests reach strains of {100 * np.ptp(curve.stretch):.2g} % only; 2 % or more are needed"
+        raise InputError(*read, f"{short}: check the unit of the strain, % or 1")
     laws = {
         law: {
             ALL: fit_all(law, curve, options.nu, options.within),
@@ -75,7 +82,13 @@ def fit_laws(tests: Sequence[TensileTest], options: FitOptions) -> Fits:
         }
         for law in FORMS
     }
-    return Fits(options, kept, curve, moduli(kept, options.break_strain), laws)
+    lines = moduli(kept, options.break_strain)
+    doubts = (
+        of_strain(float(np.abs(curve.stretch - 1).max())),
+        of_modulus(lines.low),
+        of_rest(curve.stretch, curve.stress, options.within),
+    )
+    return Fits(options, kept, curve, lines, laws, (*read, *filter(None, doubts)))
 
 
 def _positive(option: str, text: str, dimension: Dimension) -> float:

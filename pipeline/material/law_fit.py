@@ -1,6 +1,6 @@
 """Every law fitted to tensile tests: its constants, their errors, and the range of stretch over which it is valid.
 
-The laws of rubber are fitted as incompressible (`pipeline.material.forms`), which rubber nearly is; kappa then follows
+The laws of rubber are fitted as incompressible (`pipeline.material.form`), which rubber nearly is; kappa then follows
 from the given Poisson ratio. Validity is judged for the law as the solver has it, with
 that kappa: at every stretch of the range the law is stable, and its nominal stress is within a relative tolerance of
 the mean measured curve (plus the uncertainty of that curve).
@@ -13,7 +13,8 @@ import numpy as np
 
 from fem.materials import Material, MaterialError
 from geometry.arrays import Array, Mask
-from pipeline.material.forms import FORMS, Form
+from pipeline.material.form import Form
+from pipeline.material.forms import FORMS
 from pipeline.material.mean_curve import MeanCurve
 from pipeline.material.regression import TooFewPoints, regress
 
@@ -52,27 +53,38 @@ def fit_all(name: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFit 
 
 
 def fit_widest(name: str, curve: MeanCurve, nu: float, tolerance: float) -> LawFit | Refused:
-    """The law fitted to the widest range of points around rest over all of which it is valid."""
+    """The law fitted to the widest range of points around rest over all of which it is valid.
+
+    The range is shortened where the law does not describe large strains. A law that the data do not determine is
+    refused, whatever the range.
+    """
     form = FORMS[name]
     reach, points = np.abs(np.log(curve.nodes)), np.abs(np.log(curve.stretch))
     resolved = reach[curve.resolves(tolerance)]
     if not len(resolved):
         return Refused(name, f"cannot be judged: the scatter of the points exceeds {100 * tolerance:g} % of the stress")
-    failures, ends = [], np.unique(reach[reach >= resolved.min()])[::-1]
+    refusals: list[MaterialError] = []
+    too_few = ""
+    ends = np.unique(reach[reach >= resolved.min()])[::-1]
     ends = ends[:: -(-len(ends) // form.ranges)]
-    for largest in ends:
+    for number, largest in enumerate(ends):
         selected = points <= largest * (1 + 1e-9)
         try:
             constants = form.fitted(curve.stretch[selected], curve.stress[selected])
             valid = _valid(form.solved(constants, nu), curve, tolerance)
-        except (TooFewPoints, MaterialError) as failure:
-            failures.append(failure)
+        except TooFewPoints as failure:  # and fewer points determine less
+            if not number:
+                return Refused(name, f"cannot be fitted: {failure}")
+            too_few = f"over a range that determines it: {failure}"
+            break
+        except MaterialError as failure:
+            refusals.append(failure)
             continue
         if valid[reach <= largest].all():
             return _fit(form, curve, selected, nu, tolerance)
-    if len(failures) == len(ends):
-        return Refused(name, f"cannot be fitted: {failures[0]}")
-    return Refused(name, f"is nowhere within {100 * tolerance:g} % of the data")
+    if len(refusals) == len(ends):
+        return Refused(name, f"cannot be fitted: {refusals[0]}")
+    return Refused(name, f"is not within {100 * tolerance:g} % of the data {too_few or 'anywhere'}")
 
 
 def _fit(form: Form, curve: MeanCurve, selected: Mask, nu: float, tolerance: float) -> LawFit | Refused:
@@ -84,6 +96,8 @@ def _fit(form: Form, curve: MeanCurve, selected: Mask, nu: float, tolerance: flo
         linearised = stress - form.nominal(constants, stretch) + slopes @ constants
         regression = regress(slopes, linearised, curve.tests[selected])
         solved = form.solved(constants, nu)
+        if undetermined := form.undetermined(constants, regression.covariance, stretch, stress):
+            raise TooFewPoints(undetermined)
     except TooFewPoints as failure:
         return Refused(form.name, f"cannot be fitted: {failure}")
     except MaterialError as failure:

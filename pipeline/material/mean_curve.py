@@ -45,7 +45,7 @@ class MeanCurve:
 
     @staticmethod
     def of(tests: Sequence[TensileTest]) -> "MeanCurve":
-        """The curve through at least one test."""
+        """The curve through at least one test; all tests together need two strains beside rest."""
         stretch = np.concatenate([test.stretch for test in tests])
         stress = np.concatenate([test.stress for test in tests])
         group = np.concatenate([np.full(len(test.stretch), k) for k, test in enumerate(tests)])
@@ -93,16 +93,12 @@ def _smooth(stretch: Array, stress: Array, scatter: float, nodes: Array) -> tupl
     second_differences = np.diff(np.eye(len(knots)), 2, axis=0)
     size, weight = np.ones(len(knots)), np.full_like(stress, 1 / scatter)
     for _ in range(ITERATIONS):
-        rows = at_points * weight[:, None]
-        normal, penalty_root = rows.T @ rows, second_differences / size[1:-1, None]
-        projected = rows.T @ (weight * stress)
+        basis, triangle = np.linalg.qr(at_points * weight[:, None])
+        projected, penalty_root = basis.T @ (weight * stress), second_differences / size[1:-1, None]
         values, covariance = max(
             (
                 _posterior(
-                    normal,
-                    projected,
-                    stiffness * penalty_root.T @ penalty_root,
-                    len(penalty_root) * np.log(stiffness),
+                    triangle, projected, np.sqrt(stiffness) * penalty_root, len(penalty_root) * np.log(stiffness)
                 )
                 for stiffness in STIFFNESSES
             ),
@@ -113,17 +109,21 @@ def _smooth(stretch: Array, stress: Array, scatter: float, nodes: Array) -> tupl
     return at_nodes @ values, np.sqrt(np.einsum("ik,kl,il->i", at_nodes, covariance, at_nodes))
 
 
-def _posterior(normal: Array, projected: Array, penalty: Array, log_determinant: float) -> tuple[float, Array, Array]:
+def _posterior(
+    triangle: Array, projected: Array, penalty_root: Array, log_determinant: float
+) -> tuple[float, Array, Array]:
     """Log evidence up to a constant, values at the knots (k,) and their covariance (k, k).
 
-    normal (k, k), projected (k,): matrix and right-hand side of the normal equations of the data.
-    penalty (k, k): inverse covariance of the prior; log_determinant: logarithm of its pseudo-determinant.
+    triangle (j, k), projected (j,): matrix and right-hand side of the least-squares problem of the data, by its QR
+    decomposition: normal equations would lose the values at knots far from all data.
+    penalty_root (p, k): root of the inverse covariance of the prior; log_determinant: logarithm of the
+    pseudo-determinant of that.
     """
-    precision = normal + penalty
-    covariance = np.asarray(np.linalg.inv(precision), dtype=float)
-    values = covariance @ projected
-    evidence = 0.5 * (float(projected @ values) + log_determinant - float(np.linalg.slogdet(precision)[1]))
-    return evidence, values, covariance
+    basis, root = np.linalg.qr(np.vstack([triangle, penalty_root]))
+    inverse = np.linalg.inv(root)
+    explained = basis[: len(triangle)].T @ projected
+    evidence = 0.5 * (float(explained @ explained) + log_determinant) - float(np.sum(np.log(np.abs(np.diag(root)))))
+    return evidence, inverse @ explained, inverse @ inverse.T
 
 
 def _neo_hookean(stretch: Array) -> Array:

@@ -104,5 +104,5 @@ def _line(columns: Sequence[Array], stress: Array, groups: Index, selected: Mask
     try:
         return regress(matrix, stress[selected], groups[selected])
     except TooFewPoints:
-        nothing = np.full(len(columns), np.nan)
-        return Regression(nothing, nothing, False, np.nan)
+        size = len(columns)
+        return Regression(np.full(size, np.nan), np.full((size, size), np.nan), False, np.nan)

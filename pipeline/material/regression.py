@@ -24,9 +24,14 @@ class Regression:
     """values = matrix @ coefficients + error."""
 
     coefficients: Array  #: (k,)
-    errors: Array  #: (k,) standard errors
+    covariance: Array  #: (k, k) of the coefficients
     by_tests: bool  #: the errors come from the differences between tests, not from the scatter of points
     rms: float  #: root mean square of the residuals
+
+    @property
+    def errors(self) -> Array:
+        """(k,) standard errors of the coefficients."""
+        return np.sqrt(np.diag(self.covariance))
 
 
 def regress(matrix: Array, values: Array, groups: Index) -> Regression:
@@ -40,11 +45,11 @@ def regress(matrix: Array, values: Array, groups: Index) -> Regression:
     tests = np.unique(groups)
     if len(tests) >= JACKKNIFE_TESTS:
         without = np.array([least_squares(matrix[groups != test], values[groups != test]) for test in tests])
-        spread = np.sum((without - without.mean(axis=0)) ** 2, axis=0)
-        return Regression(coefficients, np.sqrt((len(tests) - 1) / len(tests) * spread), True, rms)
+        apart = without - without.mean(axis=0)
+        return Regression(coefficients, (len(tests) - 1) / len(tests) * apart.T @ apart, True, rms)
     variance = np.sum(residuals**2) / (len(values) - len(coefficients))
-    triangle = np.linalg.qr(matrix, mode="r")
-    return Regression(coefficients, np.sqrt(variance * np.sum(np.linalg.inv(triangle) ** 2, axis=1)), False, rms)
+    inverse = np.linalg.inv(np.linalg.qr(matrix, mode="r"))
+    return Regression(coefficients, variance * inverse @ inverse.T, False, rms)
 
 
 def least_squares(matrix: Array, values: Array) -> Array:

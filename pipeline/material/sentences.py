@@ -28,6 +28,12 @@ def yaml_block(fit: LawFit, density: str) -> str:
     return f"material: {{law: {fit.law}, {', '.join(constants)}, density: {density}}}"
 
 
+def configuration_line(fit: LawFit, density: str) -> str:
+    """The section `material` of a configuration, and as a comment of it what it was fitted to."""
+    low, high = fit.fitted_range
+    return f"{yaml_block(fit, density)}  # from {fit.points} points, stretches {low:.3g} to {high:.3g}"
+
+
 def _value(fit: LawFit, name: str, kind: Constant) -> str:
     """A constant as a configuration takes it."""
     value = getattr(fit.solved, name)
@@ -49,6 +55,12 @@ def moduli_sentences(fits: Fits) -> list[str]:
         f"E_H = {with_error(moduli.high, moduli.high_error)} MPa: slope of the best line, strains beyond {at}",
         f"(joined to the end of the first line {moduli.high_joined:.4g}, through rest {moduli.high_from_rest:.4g} MPa)",
     ]
+
+
+def none_usable(fits: Fits) -> str:
+    """Why there is no law for a configuration."""
+    likely = "; ".join(fits.notes) or "look at the points in material.html for scatter, offsets and mistakes in units"
+    return f"no law describes these data from rest on within {100 * fits.options.within:g} %: {likely}"
 
 
 def caveats(fits: Fits) -> list[str]:

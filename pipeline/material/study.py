@@ -51,6 +51,7 @@ def _record(paths: Sequence[Path], fits: Fits) -> JsonObject:
             for law, both in fits.laws.items()
             for name, fit in both.items()
         ],
+        "notes": list(fits.notes),
         "sentences": [*moduli_sentences(fits), *caveats(fits)],
         **provenance(),
     }
