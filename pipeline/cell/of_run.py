@@ -41,8 +41,8 @@ class LawOfRun:
         if self.law is None or ended is None or self.law.pressures[-1] <= ended[1]:
             return ()
         return (
-            f"the arm's own law goes up to {self.law.pressures[-1]:.4g} kPa, but {_ends(*ended)}, and its cells know "
-            "nothing of that; use the law below that pressure",
+            f"the arm's own law goes up to {self.law.pressures[-1]:.4g} kPa, but {_ends(*ended)}, a limit that one "
+            "cell does not show; use the law below that pressure",
         )
 
     @property
