@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from geometry import BisectedCircle, DesignError, PneuNet, Semicircular, SemicircularSingle
+from geometry import GRADINGS, BisectedCircle, DesignError, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.design import SymmetricDesign
 
 DESIGNS = (PneuNet(), Semicircular(), SemicircularSingle(), BisectedCircle(), PneuNet(chambers=4, fillet=0.5))
@@ -43,3 +43,14 @@ def test_a_body_without_an_inner_cell_has_no_half_cell() -> None:
         PneuNet(chambers=1).half_cell(4.0)
     with pytest.raises(ValueError, match="the body has 2"):
         PneuNet(chambers=2).end_piece(3, 4.0)
+
+
+def test_a_flat_element_of_gmsh_does_not_end_the_process() -> None:
+    """HXT leaves an element with its corners in one plane in this cell, at which Netgen's optimization crashes."""
+    design = Rectangular(8, 14.2, 12.9, 5.71, 2.2, 2.3, 1.89, 1.9, 1.69, 1.19)
+    cell = design.half_cell(1.95, GRADINGS["walls"])
+    assert cell.mesh.quality.minimum > 0.1
+    body = design.body(4.0)
+    ends = 2 * design.end_piece(0, 4.0).mesh.volume
+    half_cells = round((body.length - 2 * design.end_piece(0, 4.0).length) / cell.length)
+    assert cell.mesh.volume == pytest.approx((body.mesh.volume - ends) / half_cells, rel=1e-12)

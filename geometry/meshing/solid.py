@@ -22,6 +22,8 @@ from geometry.meshing.size_field import set_size_field
 
 #: A graded mesh with a tetrahedron of a smaller radius ratio than this is optimized once more.
 POOR = 0.1
+#: A tetrahedron of a smaller radius ratio than this has no volume.
+DEGENERATE = 1e-9
 
 _ONE_SESSION = threading.Lock()  # Gmsh has one global state per process
 
@@ -134,8 +136,7 @@ def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
         rounded = divide_round_walls(gmsh, size, grading)
         set_size_field(gmsh, size, grading, finer=rounded)
         gmsh.model.mesh.generate(3)
-        if grading != OFF:
-            optimize(gmsh, POOR)
+        optimize(gmsh, 0.0 if grading == OFF else POOR)
         return collect_mesh(gmsh, material, walls, list(solid.material), list(solid.air))
 
 
@@ -161,11 +162,25 @@ def generate(gmsh: Any) -> None:
 def optimize(gmsh: Any, minimum: float) -> None:
     """Optimize the mesh of the session with Netgen if a tetrahedron has a radius ratio below `minimum`.
 
-    HXT sometimes leaves such tetrahedra in thin walls.
+    HXT sometimes leaves such tetrahedra in thin walls, and now and then one without volume, its corners in one plane.
+    At such an element Netgen ends the process, and the volumes are meshed by Delaunay's algorithm instead. Raises
+    `MeshError` if that leaves one, too.
     """
+    mesh = gmsh.model.mesh
+    if _smallest_ratio(gmsh) < DEGENERATE:
+        gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY)
+        mesh.clear(gmsh.model.getEntities(3))
+        mesh.generate(3)
+        if _smallest_ratio(gmsh) < DEGENERATE:
+            raise MeshError("Gmsh leaves an element without volume; mesh the body with another size")
+    if _smallest_ratio(gmsh) < minimum:
+        mesh.optimize("Netgen")
+
+
+def _smallest_ratio(gmsh: Any) -> float:
+    """The smallest radius ratio of a tetrahedron of the session."""
     tags, _ = gmsh.model.mesh.getElementsByType(4)
-    if min(gmsh.model.mesh.getElementQualities(tags, "gamma")) < minimum:
-        gmsh.model.mesh.optimize("Netgen")
+    return float(min(gmsh.model.mesh.getElementQualities(tags, "gamma")))
 
 
 def _block(occ: Any, shapes: Sequence[Shape]) -> list[Volume]:
