@@ -167,13 +167,15 @@ def optimize(gmsh: Any, minimum: float) -> None:
     `MeshError` if that leaves one, too.
     """
     mesh = gmsh.model.mesh
-    if _smallest_ratio(gmsh) < DEGENERATE:
+    smallest = _smallest_ratio(gmsh)
+    if smallest < DEGENERATE:
         gmsh.option.setNumber("Mesh.Algorithm3D", _DELAUNAY)
         mesh.clear(gmsh.model.getEntities(3))
         mesh.generate(3)
-        if _smallest_ratio(gmsh) < DEGENERATE:
+        smallest = _smallest_ratio(gmsh)
+        if smallest < DEGENERATE:
             raise MeshError("Gmsh leaves an element without volume; mesh the body with another size")
-    if _smallest_ratio(gmsh) < minimum:
+    if smallest < minimum:
         mesh.optimize("Netgen")
 
 
