@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.design import Body, DesignError, check_size, raise_together
 from geometry.families.from_file import FileDesign
-from geometry.foreign.body import FLAT, Placed, Placing, check_dimensions, ends_of, placed_by_planes
+from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
 from geometry.foreign.fill import fill
 from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.shells import named_cavities, parts_of, refuse_open
@@ -18,6 +18,7 @@ from geometry.foreign.surface import Surface, enclosed, read_surface, scaled, th
 from geometry.grading import OFF, Grading
 from geometry.mesh import MeshError
 from geometry.meshing.cad_import import Point
+from geometry.meshing.cad_position import check_dimensions
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
 LARGEST_ERROR = 0.01
@@ -62,7 +63,7 @@ class SurfaceFile(FileDesign):
         except MeshError as error:
             raise DesignError("file", str(error)) from error
         surface = scaled(read, self.unit * rotation(self.axes).T)
-        check_dimensions(surface.points, self.unit)
+        check_dimensions(np.ptp(surface.points, axis=0), self.unit)
         return surface
 
     def _check_middle(self) -> None:

@@ -20,7 +20,7 @@ from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_op
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
 from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_position import LARGEST, SMALLEST
+from geometry.meshing.cad_position import check_dimensions
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
@@ -57,21 +57,11 @@ def turned(content: FileMesh, placing: Placing) -> FileMesh:
     """
     turn = placing.unit * rotation(placing.axes).T
     points = content.points @ turn
-    check_dimensions(points, placing.unit)
+    check_dimensions(np.ptp(points, axis=0), placing.unit)
     if (placing.half or "sym" in content.faces) and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
         turn = turn @ np.diag([1.0, 1.0, -1.0])
     curved = CurvedEdges(content.curved.ends, content.curved.middles @ turn)
     return replace(content, points=content.points @ turn, curved=curved)
-
-
-def check_dimensions(points: Array, unit: float) -> None:
-    """Raise `DesignError` unless points (n, 3), mm, have the size of an arm; unit: mm per unit of the file."""
-    sides = np.ptp(points, axis=0)
-    if not SMALLEST <= sides.max() <= LARGEST:
-        measures = " x ".join(f"{side:.4g}" for side in sides)
-        raise DesignError(
-            ("file", "unit"), f"the body measures {measures} mm; is its file in another unit than {unit:g} mm?"
-        )
 
 
 def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from geometry.design import DesignError
 from geometry.meshing.cad_import import CadBody, Point
 from geometry.meshing.shapes import Volume
@@ -15,15 +16,19 @@ SMALLEST, LARGEST = 1.0, 3000.0
 NEAR_END = 1e-3
 
 
+def check_dimensions(sides: Array, unit: float) -> None:
+    """Raise `DesignError` unless the sides (3,) of a body, mm, are those of an arm; unit: mm per unit of its file."""
+    if not SMALLEST <= sides.max() <= LARGEST:
+        measures = " x ".join(f"{side:.4g}" for side in sides)
+        raise DesignError(
+            ("file", "unit"), f"the body measures {measures} mm; is its file in another unit than {unit:g} mm?"
+        )
+
+
 def check_position(body: CadBody, low: Point, high: Point) -> None:
     """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm)."""
     sides = np.subtract(high, low)
-    measures = " x ".join(f"{side:.4g}" for side in sides)
-    if not SMALLEST <= sides.max() <= LARGEST:
-        raise DesignError(
-            ("file", "unit"),
-            f"the body measures {measures} mm; is its file in another unit than {body.source.unit:g} mm?",
-        )
+    check_dimensions(sides, body.source.unit)
     tolerance = 1e-6 * sides.max()
     for key, axis in (("clamp", 0), ("tip", 0), ("curve", 1)):
         position, ends = getattr(body, key), (low[axis], high[axis])
