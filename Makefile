@@ -50,7 +50,7 @@ cell: $(READY)  ## the arm's own law of the four coarse arms: table and pictures
 sweep: $(READY)  ## nine designs of the coarse arm, the arm's own law of each: table and picture in results/walls_and_heights
 	@$(BIN)/pneurod sweep examples/sweep.yaml
 
-paper-coarse: $(READY)  ## figures and claims of the paper again on coarse meshes, in results/paper_coarse
+paper-coarse: $(READY)  ## figures and claims of the paper reproduced on coarse meshes, in results/paper_coarse
 	@$(BIN)/pneurod sweep $(paper_sweeps:%=configs/paper/coarse/%.yaml) --out results/paper_coarse || [ $$? -eq 1 ]
 	$(BIN)/python -m benchmarks.paper results/paper_coarse
 

@@ -39,6 +39,10 @@ class DesignError(ValueError):
         self.others = tuple(others)
         super().__init__("; ".join([f"{', '.join(self.keys)}: {sentence}", *map(str, self.others)]))
 
+    def __reduce__(self) -> tuple[type["DesignError"], tuple[object, ...]]:
+        """For other processes."""
+        return type(self), (self.keys, self.sentence, self.others)
+
 
 def raise_together(found: Iterable[DesignError]) -> None:
     """Raise one `DesignError` that holds all those found, if there are any."""
@@ -273,8 +277,8 @@ def check_size(size: float, extent: Sequence[float], volume: float) -> None:
     if least > MOST_TETS:
         raise DesignError(
             "mesh.size",
-            f"a body of {measures} mm has about {least:.0e} elements even where they are as large as it is thick, and "
-            f"at most {MOST_TETS:.0e} fit into memory; choose a shorter body",
+            f"a body of {measures} mm has about {least:.0e} elements even if their edges are as long as the body is "
+            f"thick, and at most {MOST_TETS:.0e} fit into memory; choose a shorter body",
         )
     if count > MOST_TETS:
         filled, walled = volume / (REGULAR_TET * MOST_TETS), TETS_PER_SQUARE * _half_surface(extent) / MOST_TETS

@@ -18,7 +18,7 @@ from pipeline.commands.of_rod import export, rod
 from pipeline.commands.of_sweep import sweep
 
 app = typer.Typer(
-    help="From the drawing of a pneumatic soft actuator to a rod model that can be trusted.",
+    help="From the drawing of a pneumatic soft actuator to a rod model with quantified errors.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -32,7 +32,8 @@ for command in (init, run, mesh, effects, accuracy, cell, sweep, rod, material, 
 def main() -> None:
     """The console script. A request to end, by a scheduler or a closed terminal, counts as Ctrl-C."""
     for request in (signal.SIGTERM, signal.SIGHUP):
-        signal.signal(request, signal.default_int_handler)
+        if signal.getsignal(request) is not signal.SIG_IGN:  # as under nohup
+            signal.signal(request, signal.default_int_handler)
     _keep_standard_output()
     app()
 

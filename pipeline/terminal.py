@@ -22,20 +22,20 @@ from pipeline.report.verdict import Verdict
 
 
 def body_table(file: Path, design: Design, body: Body) -> Table:
-    """The meshed body: volumes beside those of the closed form, and the quality of the elements."""
+    """The meshed body: volumes beside those of the drawing, and the quality of the elements."""
     quality, halves = body.mesh.quality, 2 if body.half else 1
     table = Table.grid(padding=(0, 2))
     table.add_row("mesh", f"{file}, {'the half z >= 0' if body.half else 'the full body'}")
     table.add_row("length", f"{body.length:g} mm")
     table.add_row(
-        "solid", f"{halves * body.mesh.volume:.7g} mm3 in the full body; closed form {design.solid_volume:.7g}"
+        "solid", f"{halves * body.mesh.volume:.7g} mm3 in the full body; from the drawing {design.solid_volume:.7g}"
     )
     for name, tets in body.mesh.regions.items():
         found, drawn = halves * float(body.mesh.volumes[tets].sum()), design.region_volumes[name]
-        table.add_row(f"of it {name}", f"{found:.7g} mm3; closed form {drawn:.7g}")
+        table.add_row(f"of it {name}", f"{found:.7g} mm3; from the drawing {drawn:.7g}")
     for name, drawn in design.cavity_volumes.items():
         air = halves * body.mesh.enclosed_volume(name)
-        table.add_row(name, f"{air:.7g} mm3 in the full body; closed form {drawn:.7g}")
+        table.add_row(name, f"{air:.7g} mm3 in the full body; from the drawing {drawn:.7g}")
     table.add_row("tetrahedra", str(quality.count))
     at = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
     table.add_row("radius ratio", f"smallest {quality.minimum:.3f} at ({at}) mm, mean {quality.mean:.3f}")

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pipeline.errors import InputError
 from pipeline.report.verdict import Verdict
-from rod import ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
+from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
 from rod.checked import finite
 
 
@@ -144,9 +144,9 @@ class Results:
 
         Raises InputError for a pressure that was not identified or a name that is none of these.
         """
-        if name not in PARAMETERS:
-            raise InputError(f"{name!r} is no parameter of the rod; allowed: {', '.join(PARAMETERS)}")
-        row, column = self._row(pressure_kPa), PARAMETERS[name]
+        if name not in PARAMETER_COLUMNS:
+            raise InputError(f"{name!r} is no parameter of the rod; allowed: {', '.join(PARAMETER_COLUMNS)}")
+        row, column = self._row(pressure_kPa), PARAMETER_COLUMNS[name]
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
     def rod(self, pressure_kPa: float, *, extensible: bool | None = None, extrapolate: bool = False) -> Rod:
@@ -190,5 +190,4 @@ class Results:
 
 
 #: the five parameters -> their columns
-PARAMETERS = {"alpha1": "alpha1_N_mm2", "alpha2": "alpha2_N_mm2", "m01": "m01_N_mm", "m02": "m02_N_mm", "d": "d_mm"}
-COLUMNS = tuple(PARAMETERS.values())
+COLUMNS = tuple(PARAMETER_COLUMNS.values())

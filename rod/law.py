@@ -32,6 +32,10 @@ class RodError(ValueError):
 
 #: in the order of the fields of `FiveParameters`
 PARAMETER_NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
+#: their names with the unit, as in tables and in parameters.json
+PARAMETER_COLUMNS = dict(
+    zip(PARAMETER_NAMES, ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm"), strict=True)
+)
 
 
 @dataclass(frozen=True)

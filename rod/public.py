@@ -18,7 +18,7 @@ from rod.identification.paper import FreeLines, TestedCurves, paper_cells, paper
 from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, rest_curvature
 from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, longest_break, shortest_break
-from rod.law import PARAMETER_NAMES, FiveParameters, RodError, TwoSlopes
+from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, RodError, TwoSlopes
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness
@@ -28,6 +28,7 @@ from rod.solution import RodSolution
 
 __all__ = [
     "EXPORTS",
+    "PARAMETER_COLUMNS",
     "PARAMETER_NAMES",
     "Arm",
     "ArmLaw",

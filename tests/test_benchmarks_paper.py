@@ -11,7 +11,7 @@ from benchmarks.paper.claims import claims
 from benchmarks.paper.data import Data
 from benchmarks.paper.measures import aligned_distance, line, sign_change
 from benchmarks.paper.page import number, page
-from benchmarks.paper.reading import CONTRADICTED, MISSING, SHOWN, UNDECIDED, Claim, Reading, claim_from_record
+from benchmarks.paper.reading import CONTRADICTED, MISSING, REPRODUCED, UNDECIDED, Claim, Reading, claim_from_record
 from geometry import Centreline
 from pipeline.sweep.points import Point, points_of
 from pipeline.sweep.spec import read_sweep
@@ -38,10 +38,10 @@ def test_a_reading_holds_with_its_whole_interval() -> None:
 
 
 def test_the_verdict_follows_from_the_readings_that_count() -> None:
-    assert verdict(reading(YES), reading(YES)) == SHOWN
+    assert verdict(reading(YES), reading(YES)) == REPRODUCED
     assert verdict(reading(NO), Reading("beside", *YES)) == CONTRADICTED
-    assert verdict(reading(YES), reading(OPEN)) == f"{SHOWN} in part"
-    assert verdict(reading(YES), reading((math.nan,) * 3)) == SHOWN
+    assert verdict(reading(YES), reading(OPEN)) == f"{REPRODUCED} in part"
+    assert verdict(reading(YES), reading((math.nan,) * 3)) == REPRODUCED
     assert verdict(reading(OPEN)) == UNDECIDED
     assert verdict() == verdict(Reading("beside", *YES)) == MISSING
 

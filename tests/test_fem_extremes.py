@@ -22,14 +22,16 @@ def test_no_clause_for_stretches_within_the_stable_range() -> None:
 
 def test_the_clause_for_compression_beyond_the_limit_point_of_the_law() -> None:
     assert outside_stable_range(replace(MILD, min_stretch=0.5), LAW) == (
-        "a stretch of 0.5 at (7.0, 8.0, 9.0) mm is below 0.577, where StVenantKirchhoff in compression is no longer "
-        "stable; the smallest J is 0.95 at (1.0, 2.0, 3.0) mm"
+        "a stretch of 0.5 at (7.0, 8.0, 9.0) mm is below 0.577, where the law svk in compression is no longer "
+        "stable; the smallest volume ratio J is 0.95 at (1.0, 2.0, 3.0) mm"
     )
 
 
 def test_the_clause_for_tension_beyond_zero_volume() -> None:
     clause = outside_stable_range(replace(MILD, max_stretch=1.8), LAW)
-    assert clause.startswith("a stretch of 1.8 at (4.0, 5.0, 6.0) mm is above 1.74, the largest that StVenantKirchhoff")
+    assert clause.startswith(
+        "a stretch of 1.8 at (4.0, 5.0, 6.0) mm is above 1.74, the largest at which the law svk is"
+    )
 
 
 @pytest.mark.parametrize("size", [0.0, 1e-9, 0.02, 0.3])

@@ -120,7 +120,7 @@ def test_a_pressure_that_no_body_can_bear_ends_with_a_reason(short: Body) -> Non
     assert str(caught.value) == reason
     assert reason.startswith("no equilibrium found beyond load factor 0.0")
     assert "on the way to 1: " in reason
-    assert "is below 0.577, where StVenantKirchhoff in compression is no longer stable" in reason
+    assert "is below 0.577, where the law svk in compression is no longer stable" in reason
     assert [step.factor for step in partial.steps] == [0.017]
     assert partial.steps == tuple(kept)
     assert partial.factorizations < 300

@@ -55,8 +55,8 @@ def test_a_singular_tangent_is_a_limit_point_unless_the_body_is_at_rest(column: 
     assert "a part of the body is not held" in near_limit_point(column.system, rest)
     clause = near_limit_point(column.system, column.points[-1])
     assert clause == (
-        "; the tangent at the last equilibrium is singular: a limit point, beyond which only a prescribed volume or "
-        "displacement leads"
+        "; the tangent at the last equilibrium is singular: a limit point, beyond which only a prescribed volume (in "
+        "Python, fem.follow_volume) or displacement leads"
     )
     assert list(EARLY_LIMITS) == ["p2p0"]
     monkeypatch.setitem(EARLY_LIMITS, column.system.space.element.name, " (early)")

@@ -111,7 +111,10 @@ def test_several_parts_or_instances_are_refused(plain: tuple[np.ndarray, np.ndar
     ("lines", "sentence"),
     [
         (["*Node", "1, 0., zero, 0."], "cannot be read: '1, 0., zero, 0.' is no node"),
-        (["*Node", "one, 0., 0., 0."], "cannot be read: invalid literal"),
+        (["*Node", "one, 0., 0., 0."], "cannot be read: 'one, 0., 0., 0.' is no node"),
+        (["*Node", ", 1., 0., 0."], "cannot be read: ', 1., 0., 0.' is no node"),
+        (["*Node, system=C", "1, 0., 0., 0."], r"has nodes in a coordinate system of their own \(\*NODE\)"),
+        (["*System", "0., 0., 0., 0., 1., 0."], r"has nodes in a coordinate system of their own \(\*SYSTEM\)"),
         (["*Node", "1, 0., 0., 0.", "*Element, type=C3D4", "1, 1, 2, 3, 4"], "has the node 2, which is not defined"),
         (["*Node", "1, 0., 0., 0.", "*Element, type=C3D4", "1, 1, 1, 1"], "type C3D4 without all of its nodes"),
         (["*Element, type=C3D8R", "1, 1, 2, 3, 4, 5, 6, 7, 8"], "has 1 hexahedra; allowed are tetrahedra"),

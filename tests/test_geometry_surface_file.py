@@ -256,6 +256,9 @@ def test_obj_files_as_other_programs_write_them(corner: str, folder: Path, tmp_p
         ("v 0 0 0\nv 1 0\n", "cannot be read: line 2 is 'v 1 0'"),
         ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1 2/1 4/1\n", "a face in the surface file .* uses a vertex that the file"),
         ("v 0 0 0\nv 1 0 0\nf 1 2\n", "has faces with 2 corners; save it with triangles"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", "cannot be read: line 4 is 'f 0 1 2'"),
+        (f"v 0 0 0\nf 1 1 {10**30}\n", "cannot be read: line 2 is"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 2\n", "has no triangle with three different corners"),
         ("solid bar\n", "has no triangles"),
     ],
 )

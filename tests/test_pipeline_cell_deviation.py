@@ -1,6 +1,6 @@
 """The check of the law between two pressures: in which order the cell is bent, and what it finds."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -73,3 +73,14 @@ def test_the_rigidity_for_the_error_of_the_mesh_is_taken_within_the_curve() -> N
     for length, change in ((500.0, 0.002), (10.0, 0.02)):
         assert mesh_error.change_of(curve(0.01), length) == pytest.approx(change)
         assert mesh_error._numbers(curve(0.01), change)[1] == pytest.approx(EI)
+
+
+def test_a_curve_that_ends_without_moment_has_its_rigidity_on_the_other_side() -> None:
+    whole = curve(0.01)
+    at = int(np.argmin(np.abs(whole.moment)))
+    ended = {f.name: getattr(whole, f.name) for f in fields(whole)}
+    per_moment = {name: value[: at + 1] for name, value in ended.items() if np.shape(value)[:1] == whole.moment.shape}
+    low = replace(whole, **per_moment)
+    change = mesh_error.change_of(low, 10.0)
+    assert change == pytest.approx(low.kappa[0] - low.kappa[-1])
+    assert mesh_error._numbers(low, change)[1] == pytest.approx(EI)

@@ -3,6 +3,7 @@
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import types
@@ -14,7 +15,7 @@ import pytest
 from rich.table import Table
 from typer.testing import CliRunner, Result
 
-from pipeline import doctor
+from pipeline import cli, doctor
 from pipeline.cli import app
 from pipeline.commands.ending import print_lines
 from pipeline.config.load import load_config
@@ -219,7 +220,7 @@ def test_mesh_writes_the_body_and_its_quality(coarse: str, tmp_path: Path) -> No
     result = call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2", "--set", "mesh.size=5 mm")
     assert result.exit_code == 0, result.stderr
     assert (tmp_path / "mesh.vtu").stat().st_size > 1000
-    for text in ("22 mm", "closed form", "radius ratio", "tetrahedra"):
+    for text in ("22 mm", "from the drawing", "radius ratio", "tetrahedra"):
         assert text in result.stdout
 
 
@@ -231,7 +232,7 @@ def test_mesh_names_the_volume_of_every_cavity(configs: Path, tmp_path: Path) ->
     assert len(design.cavities) == 2
     for name, drawn in design.cavity_volumes.items():
         (line,) = [line for line in result.stdout.splitlines() if line.startswith(f"{name} ")]
-        assert line.rstrip().endswith(f"mm3 in the full body; closed form {drawn:.7g}")
+        assert line.rstrip().endswith(f"mm3 in the full body; from the drawing {drawn:.7g}")
 
 
 def test_mesh_does_not_replace_the_body_of_another_configuration(
@@ -333,3 +334,13 @@ def test_doctor_tells_a_missing_system_library_from_a_missing_package(monkeypatc
 def test_effects_checks_its_input_as_run_does(coarse: str, tmp_path: Path) -> None:
     message = sentence(call("effects", coarse, "--out", str(tmp_path), "--set", "effects.gravity=down"), 2)
     assert message == "--set effects.gravity: 'down' is not allowed; allowed: auto, on or off"
+
+
+def test_a_closed_terminal_does_not_end_what_was_started_with_nohup(monkeypatch: pytest.MonkeyPatch) -> None:
+    handlers = {signal.SIGTERM: signal.SIG_DFL, signal.SIGHUP: signal.SIG_IGN}
+    monkeypatch.setattr(signal, "getsignal", handlers.__getitem__)
+    monkeypatch.setattr(signal, "signal", handlers.__setitem__)
+    monkeypatch.setattr(cli, "_keep_standard_output", lambda: None)
+    monkeypatch.setattr(cli, "app", lambda: None)
+    cli.main()
+    assert handlers == {signal.SIGTERM: signal.default_int_handler, signal.SIGHUP: signal.SIG_IGN}

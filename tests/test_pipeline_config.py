@@ -87,7 +87,9 @@ def test_a_mesh_size_to_be_planned_is_no_number(configs: Path) -> None:
     assert config.record()["mesh"] == {"size_mm": "auto", "formulation": "p2p0", "coarser": None, "grading": "off"}
     with pytest.raises(ValueError, match="still to be planned"):
         _ = config.mesh.element_size_mm
-    with pytest.raises(InputError, match=r"mesh\.size: auto is only for `pneurod run`"):
+    with pytest.raises(
+        InputError, match="only `pneurod run` and `pneurod cell` choose a mesh for a requested accuracy"
+    ):
         Scene.meshed(config)
     assert config.with_mesh_size(3.0).mesh.element_size_mm == 3.0
 

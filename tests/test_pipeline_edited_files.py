@@ -33,11 +33,14 @@ def parameters() -> dict[str, Any]:
         "material": {"E": 1.2, "density_tonne_mm3": 1.13e-9},
         "pressures_kPa": [17.0, 37.0],
         **law,
+        "alpha1_N_mm2_std": [2.0, None],
         "moment_range_N_mm": [[0.1, 3.0], [0.2, 4.0]],
         "eccentricity": {**law, "eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.02] * 12, [1.04] * 12]},
         "kappa_0": {
             "s_mm": np.linspace(0.0, LENGTH, 12).tolist(),
             "theta0_rad": [0.0, 0.02],
+            "cell_s_mm": [0.0, 40.0, 80.0, LENGTH],
+            "cell_averaged_per_mm": [[-0.012] * 4, [-0.023] * 4],
             "kappa_0_per_mm": [[-0.012] * 12, [-0.023] * 12],
         },
     }
@@ -91,6 +94,11 @@ def test_the_files_themselves_are_read(tmp_path: Path) -> None:
         (("kappa_0", "kappa_0_per_mm", 1), lambda row: row[1:], "kappa_0_per_mm of kappa_0 must be 2 × 12 finite"),
         (("kappa_0", "s_mm"), lambda s: s[::-1], "s_mm of kappa_0 goes to 0 mm"),
         (("moment_range_N_mm",), [[0.1, 3.0]], "moment_range_N_mm must be 2 × 2 finite numbers, and has 1 × 2."),
+        (("alpha1_N_mm2_std",), [1.0], "alpha1_N_mm2_std must be 2 finite numbers, and has 1."),
+        (("alpha1_N_mm2_std",), [None], "alpha1_N_mm2_std must be 2 numbers, and has 1."),
+        (("solid_volume_mm3",), -1.0, "solid_volume_mm3 must be positive, not -1."),
+        (("kappa_0", "cell_averaged_per_mm"), [[0.0] * 4], "cell_averaged_per_mm of kappa_0 must be 2 × 4 finite"),
+        (("kappa_0", "s_mm"), [], "s_mm of kappa_0 must be two numbers at least."),
         (("eccentricity", "rest_stretch", 0, 3), None, "rest_stretch of eccentricity must be 2 × 12 finite numbers"),
         (("eccentricity", "alpha1_N_mm2"), [60.0], "alpha1_N_mm2 of eccentricity must be 2 finite numbers, and has 1."),
     ],
@@ -119,12 +127,15 @@ def test_parameters(tmp_path: Path, path: tuple[str | int, ...], value: Any, sen
             -1.0,
             "rigidity_N_mm2 of curves[0] at the smallest moment must be positive",
         ),
+        (("curves", 0, "rigidity_N_mm2", 0), 0.0, "rigidity_N_mm2 of curves[0] must not be zero."),
+        (("curves", 0, "s_mm"), lambda s: s[::-1], "s_mm of curves[0] must rise."),
+        (("clamp", "curves", 0, "moment_N_mm"), lambda m: m[::-1], "moment_N_mm of clamp.curves[0] must rise."),
         (("curves", 1, "axial_rigidity_N", 2), 0.0, "axial_rigidity_N of curves[1] must be positive, and has 0."),
         (("curves", 1, "shear_rigidity_N", 2), -3.0, "shear_rigidity_N of curves[1] must be positive, and has -3."),
         (("curves", 0), 3.0, "curves[0] must have keys, and is 3.0."),
         (("curves",), 3.0, "curves must be a list of curves."),
         (("clamp", "curves", 0, "rotation_rad"), [0.0], "rotation_rad of clamp.curves[0] must be 9 finite numbers, an"),
-        (("clamp", "curves"), [], "has a cell, a clamped end and a tip at each of its pressures"),
+        (("clamp", "curves"), [], "must have a cell, a clamped end and a tip at each pressure"),
         (("clamp",), None, "clamp must have keys"),
         (("tip", "curves", 0, "edge_mm"), [0.0], "edge_mm of tip.curves[0] must be 2 finite numbers, and has 1."),
         (("tip", "curves", 0, "beside_mm"), "none", "beside_mm of tip.curves[0] must be 2 × 2 finite numbers, witho"),
@@ -140,6 +151,12 @@ def test_a_law_may_soften_to_a_negative_rigidity_at_its_end(tmp_path: Path) -> N
     file = tmp_path / "law.json"
     file.write_text(json.dumps(changed(law(), ("curves", 0, "rigidity_N_mm2", 8), -20.0)))
     assert CliRunner().invoke(app, ["rod", str(file), "--pressure", "17 kPa"]).exit_code == 0
+
+
+def test_an_old_file_without_a_density_is_refused_where_it_is_needed(tmp_path: Path) -> None:
+    content = changed(parameters(), ("material", "density_tonne_mm3"), 0.0)
+    del content["solid_volume_mm3"]
+    assert "density_tonne_mm3 of material must be positive, not 0." in refusal(tmp_path / "parameters.json", content)
 
 
 def test_a_key_of_a_curve_that_is_missing_is_named(tmp_path: Path) -> None:

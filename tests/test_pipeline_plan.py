@@ -99,6 +99,8 @@ def test_a_given_mesh_size_is_kept_and_its_error_estimated(configs: Path, tmp_pa
     assert applied.mesh.size_mm == 4.0
     assert plan.contact_dhat_mm is None
     assert "mesh.size was given and is kept" in plan.sentence(None)
+    assert plan.replaced == ("mesh.formulation: p2p0", "mesh.grading: off")
+    assert "(instead of mesh.formulation: p2p0 and mesh.grading: off: the estimates" in plan.sentence(None)
     assert "the requested accuracy is not reached" in plan.sentence(None)
     fine = 0.27 * 9.5
     at_pilot = ERROR * (fine / 4.0) ** ORDER

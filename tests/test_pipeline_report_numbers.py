@@ -158,8 +158,9 @@ def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path:
     law = [{**r, "force_error": None if r["force_error"] is None else 0.004} for r in law]
     found = results(tmp_path, validation=[*five, *law])
     assert rod_to_take(found) == [
-        "Take the rod with the arm's own law (arm_law): of 2 rods its largest error against finite elements "
-        "on the same mesh is the smallest, 0.4 % (of the length in the shape, of the force at the end).",
+        "Take the rod with the arm's own law (arm_law): its largest error against finite elements on the same mesh, "
+        "0.4 %, is the smallest of 2 rods (distance over the length, or error of the force at the end over that "
+        "force).",
         "The rod with the arm's own law: out of sample (loads that nothing was fitted to) the shape is wrong by at "
         "most 0.2 % of l, the force by at most 0.4 %.",
         "The rod with five parameters: in sample the shape is wrong by at most 2 % of l, the force by at most 2 %; "
@@ -218,7 +219,7 @@ def test_the_simplest_law_is_named(tmp_path: Path) -> None:
     given = results(tmp_path, laws=rows)
     assert law_rows(given)[0] == ["17", "one line", "2", "10 %", "10 %"]
     assert simplest_laws(given) == [
-        "At 17 kPa the simplest law that predicts the other loads as well as any is “one line” with 2 numbers."
+        "At 17 kPa the simplest law that predicts the other loads as well as any is “one line” with 2 parameters."
     ]
 
 

@@ -137,6 +137,10 @@ def test_a_lost_worker_ends_all_tasks_and_chains(tmp_path: Path) -> None:
         for lost in (*pending, waiting):
             with pytest.raises(WorkerLost, match="was ended from outside"):
                 lost.result()
+        later = [working.submit(0, asleep, flag) for _ in range(4)]  # more than there were workers
+        for lost in later:
+            with pytest.raises(WorkerLost, match="was ended from outside"):
+                lost.result()
 
 
 def test_an_error_of_the_run_ends_workers_and_chains_at_once(tmp_path: Path) -> None:

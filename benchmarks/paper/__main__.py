@@ -1,4 +1,4 @@
-"""The figures and the claims of the paper again, from sweeps of finite elements.
+"""The figures and the claims of the paper, reproduced from sweeps of finite elements.
 
     make paper-coarse        # runs the sweeps of configs/paper/coarse, and then the next line
     python -m benchmarks.paper results/paper_coarse

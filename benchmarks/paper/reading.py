@@ -21,7 +21,7 @@ FACTORS = {
     "pressure": "the pressure",
     "part": "the part of the claim",
 }
-SHOWN, CONTRADICTED, UNDECIDED, MISSING = "shown again", "contradicted", "cannot be told", "not yet measured"
+REPRODUCED, CONTRADICTED, UNDECIDED, MISSING = "reproduced", "contradicted", "cannot be told", "not yet measured"
 #: behind a verdict where the interval of some reading leaves it open
 IN_PART = " in part"
 
@@ -79,7 +79,7 @@ class Claim:
             return UNDECIDED
         if len(statuses) == 1:
             part = IN_PART if any(r.status == OPEN and not math.isnan(r.value) for r in counting) else ""
-            return (SHOWN if statuses == {HOLDS} else CONTRADICTED) + part
+            return (REPRODUCED if statuses == {HOLDS} else CONTRADICTED) + part
         return f"depends on {dependence(decided)}"
 
     def record(self) -> dict[str, Any]:

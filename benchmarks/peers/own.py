@@ -3,7 +3,7 @@
     python -m benchmarks.peers.own coarse out.json       # experiments I, II and III of configs/pneunet_coarse.yaml
     python -m benchmarks.peers.own 1.2 out.json          # one increment to 5 kPa on a mesh of 1.2 mm
 
-A mesh of 0.56 mm has a million degrees of freedom and needs 8 GB and about 5 minutes.
+A mesh of 0.56 mm has a million degrees of freedom and needs 9 GB and four to five minutes.
 """
 
 import argparse

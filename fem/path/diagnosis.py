@@ -13,7 +13,7 @@ from fem.post.extremes import position_text, unstable_stretch
 #: point; 0.2 % before the largest pressure of an arm of rubber it is 0.14
 NEARLY_UNSTABLE = 0.2
 
-PASSABLE = "a limit point, beyond which only a prescribed volume or displacement leads"
+PASSABLE = "a limit point, beyond which only a prescribed volume (in Python, fem.follow_volume) or displacement leads"
 #: where the law was driven out of its limits: beyond such limits of half discs and bars of St. Venant-Kirchhoff a
 #: prescribed volume did not lead, and neo-Hooke's law led 1.1 to 1.4 times as far, on three designs drawn at random
 OF_LAW = "a limit point; the law is beyond its limits there, and another law may lead further"

@@ -4,6 +4,7 @@ import numpy as np
 
 from fem.discretisation import Discretisation
 from fem.kernels.element import VOIGT, green_lagrange
+from fem.materials import LAWS
 from fem.materials.material import Material
 from fem.materials.regions import ByRegion, Laws, Solid
 from fem.solution import Extremes
@@ -82,19 +83,19 @@ def unstable_stretch(space: Discretisation, displacement: Array, solid: Solid) -
 def outside_stable_range(extremes: Extremes, material: Material) -> str:
     """A clause that names a stretch outside the stable range of the law; empty where all are inside."""
     lowest, highest = material.stretch_limits
-    law = type(material).__name__
-    volume = f"the smallest J is {extremes.min_J:.3g} at {position_text(extremes.min_J_at)}"
+    law = next((name for name, known in LAWS.items() if known is type(material)), type(material).__name__)
+    volume = f"the smallest volume ratio J is {extremes.min_J:.3g} at {position_text(extremes.min_J_at)}"
     if extremes.min_stretch < lowest:
         position = position_text(extremes.min_stretch_at)
         return (
             f"a stretch of {extremes.min_stretch:.3g} at {position} is below {lowest:.3g}, "
-            f"where {law} in compression is no longer stable; {volume}"
+            f"where the law {law} in compression is no longer stable; {volume}"
         )
     if extremes.max_stretch > highest:
         position = position_text(extremes.max_stretch_at)
         return (
             f"a stretch of {extremes.max_stretch:.3g} at {position} is above {highest:.3g}, "
-            f"the largest that {law} can be trusted at; {volume}"
+            f"the largest at which the law {law} is stable; {volume}"
         )
     return ""
 

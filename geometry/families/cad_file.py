@@ -67,7 +67,8 @@ class CadFile(FileDesign):
             raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
         if isinstance(self.cell, CellPlanes) and tip < clamp:
             raise DesignError(
-                "cell", "is a length where the arm is clamped at its larger x; turn the body with axes to give planes"
+                "cell",
+                "must be a length where the arm is clamped at its larger x; turn the body with axes to give planes",
             )
         _ = self.measures, self.cells
 
@@ -81,7 +82,7 @@ class CadFile(FileDesign):
             )
         if self.parts and isinstance(self.cell, CellPlanes):
             yield DesignError(
-                "cell", "is a length where the body has parts: an arm of several solids has no law of its own"
+                "cell", "must be a length where the body has parts: an arm of several solids has no law of its own"
             )
 
     @cached_property

@@ -91,6 +91,11 @@ def _scopes(path: Path) -> list[_Scope]:
             scopes.append(scope)
         elif keyword in ("END PART", "END INSTANCE"):
             scope = scopes[0]
+        elif keyword == "SYSTEM" or (keyword == "NODE" and options.get("SYSTEM", "R").upper() != "R"):
+            raise MeshError(
+                f"the mesh file {path} has nodes in a coordinate system of their own (*{keyword}); save it with "
+                "Cartesian coordinates"
+            )
         elif keyword == "NODE":
             _add_nodes(path, scope, data)
         elif keyword == "ELEMENT" and (volume := _VOLUME.match(options.get("TYPE", "").upper())):
@@ -102,8 +107,8 @@ def _scopes(path: Path) -> list[_Scope]:
 def _add_nodes(path: Path, scope: _Scope, data: list[str]) -> None:
     for line in data:
         number, *coordinates = line.split(",")
-        (node,) = _numbers(path, [number])
         try:
+            node = int(number)
             x, y, z = map(float, coordinates[:3])
         except ValueError:
             raise MeshError(f"the mesh file {path} cannot be read: '{line.strip()}' is no node") from None

@@ -11,6 +11,9 @@ import numpy as np
 from geometry.arrays import Array, Index
 from geometry.mesh import MeshError
 
+#: largest number of a vertex, which fits into an array of numbers
+MOST_VERTICES = 2**62
+
 
 def read_obj(path: Path) -> tuple[Array, list[Index]]:
     """Vertices (n, 3) and faces, those with equally many corners together, (k, corners). Raises `MeshError`."""
@@ -27,6 +30,8 @@ def read_obj(path: Path) -> tuple[Array, list[Index]]:
                 vertices.append([x, y, z])
             elif key == "f":
                 corners = [int(item.partition("/")[0]) for item in items]
+                if 0 in corners or max(map(abs, corners), default=0) > MOST_VERTICES:
+                    raise ValueError
                 # vertices count from 1, or from the latest one back: -1
                 faces.setdefault(len(corners), []).append([c - 1 if c > 0 else len(vertices) + c for c in corners])
         except ValueError as error:

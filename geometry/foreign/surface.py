@@ -55,6 +55,8 @@ def read_surface(path: Path) -> Surface:
     if not sum(map(len, blocks)):
         raise MeshError(f"the surface file {path} has no triangles")
     points, triangles = _merged(points, np.vstack(blocks))
+    if not len(triangles):
+        raise MeshError(f"the surface file {path} has no triangle with three different corners")
     _check_closed(points, triangles)
     return _oriented(points, triangles)
 
@@ -82,6 +84,8 @@ def _merged(points: Array, triangles: Index) -> tuple[Array, Index]:
         raise MeshError("all points of the surface are the same")
     _, first, same = np.unique(np.round(points / (SAME * size)), axis=0, return_index=True, return_inverse=True)
     points, triangles = _compact(points[first], same.reshape(-1)[triangles])
+    if not len(triangles):
+        return points, triangles
     rim = np.unique(open_edges(triangles, len(points)))
     if not len(rim):
         return points, triangles

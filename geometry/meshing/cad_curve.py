@@ -26,8 +26,7 @@ def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
     rounding = ROUNDING * (high[1] - low[1])
 
     def inside(y: float) -> bool:
-        points = np.column_stack([along, np.full(SAMPLES, y), np.full(SAMPLES, across)])
-        return sum(gmsh.model.isInside(3, solid[1], points.ravel()) for solid in solids) >= SAMPLES
+        return all(_in_material(gmsh, solids, np.array([x, y, across])) for x in along)
 
     if any(inside(body.curve + side * rounding) for side in (1.0, -1.0)):
         return

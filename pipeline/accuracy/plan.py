@@ -19,7 +19,7 @@ from pipeline.accuracy.ladder import Rung, mesh_series
 from pipeline.accuracy.measure import measure, numbers_of
 from pipeline.accuracy.reference import NUMBERS
 from pipeline.accuracy.result import HEADLINE, Headline
-from pipeline.config.config import AUTO, Config, Newton
+from pipeline.config.config import AUTO, Config, MeshSettings, Newton
 from pipeline.errors import RunFailed
 from pipeline.identification.parameters import Parameters
 from pipeline.progress import Progress
@@ -78,6 +78,7 @@ class Plan:
     requested: float
     size_mm: float
     size_was_given: bool
+    replaced: tuple[str, ...]  #: what the configuration gives for elements and grading and is not used
     formulation: str
     grading: str
     newton_tolerance: float
@@ -100,7 +101,7 @@ class Plan:
 
     def applied(self, config: Config) -> Config:
         """The configuration with this discretisation."""
-        mesh = replace(config.mesh, size_mm=self.size_mm, formulation=self.formulation, grading=self.grading)
+        mesh = MeshSettings(self.size_mm, self.formulation, config.mesh.coarser, self.grading)
         config = replace(config, mesh=mesh, newton=Newton(self.newton_tolerance))
         return config.with_contact_distance(self.contact_dhat_mm)
 
@@ -129,7 +130,7 @@ class Plan:
             )
             for pilot in inputs["pilots"]
         )
-        return Plan(**{**inputs, "pilots": (coarse, fine)})
+        return Plan(**{**inputs, "replaced": tuple(inputs["replaced"]), "pilots": (coarse, fine)})
 
     def record(self, review: Review | None) -> JsonObject:
         """The part of run.json about it."""
@@ -147,6 +148,8 @@ class Plan:
     def sentence(self, review: Review | None) -> str:
         """Requested accuracy, discretisation and estimated errors, for the terminal and the report."""
         given = " (mesh.size was given and is kept)" if self.size_was_given else ""
+        if self.replaced:
+            given += f" (instead of {' and '.join(self.replaced)}: the estimates hold for these elements alone)"
         sentences = [
             f"requested accuracy {100 * self.requested:g} %: element {self.formulation}, graded to {self.grading}, "
             f"mesh size {self.size_mm:.3g} mm{given}",
@@ -211,6 +214,7 @@ def review(
 
 
 def _plan(config: Config, requested: float) -> Plan:
+    replaced = config.mesh.given_unlike(formulation=FORMULATION, grading=GRADING)
     elements = replace(config.mesh, formulation=FORMULATION, grading=GRADING)
     config = replace(config, mesh=elements, pressures_kPa=config.pressures_kPa[:1])
     smallest_side = min(config.design.extent)
@@ -225,6 +229,7 @@ def _plan(config: Config, requested: float) -> Plan:
         requested=requested,
         size_mm=size if given is AUTO else config.mesh.element_size_mm,
         size_was_given=given is not AUTO,
+        replaced=replaced,
         formulation=FORMULATION,
         grading=GRADING,
         newton_tolerance=min(1e-4, NEWTON_FRACTION * requested),

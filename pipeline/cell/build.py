@@ -140,7 +140,7 @@ class _Builder:
             self._count("cell", measured)
             bends[pressure] = measured.curve
         if not bends:
-            raise RunFailed(f"the cell of the arm bears none of the pressures: {self.failures[0]}")
+            raise RunFailed(f"the cell of the arm has no equilibrium at any of the pressures: {self.failures[0]}")
         return bends
 
     def _largest_bend(self, pressure: float) -> Bend:

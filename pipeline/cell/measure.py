@@ -15,6 +15,7 @@ from geometry.arrays import Array
 from pipeline.cell.point import PiecePoint, stable, without_moment
 from pipeline.cell.reach import Range, Reach
 from rod.arm_law.curves import CellCurve
+from rod.cubics import cubic, cubic_slope
 
 #: intervals of the first sweep to either side, and how often one is divided where its cubic is not good enough
 INTERVALS, DIVISIONS = 3, 6
@@ -270,10 +271,8 @@ def _cubic_error(first: CellPoint, second: CellPoint, middle: CellPoint) -> floa
 
     Its slope counts as well, times an eighth of the interval: a kink beside the third point shows in the slope alone.
     """
+    rows = [(p.moment, p.state.angle, 1.0 / p.slopes.moment_by_angle) for p in (first, second)]
+    moments, angles, slopes_there = np.array(rows).T
+    value, slope = (float(f(moments, angles, slopes_there, middle.moment)) for f in (cubic, cubic_slope))
     step = second.moment - first.moment
-    t = (middle.moment - first.moment) / step
-    a, b = first.state.angle, second.state.angle
-    da, db = step / first.slopes.moment_by_angle, step / second.slopes.moment_by_angle
-    value = (1 + 2 * t) * (1 - t) ** 2 * a + t * (1 - t) ** 2 * da + t * t * (3 - 2 * t) * b + t * t * (t - 1) * db
-    slope = 6 * t * (1 - t) * (b - a) + (3 * t * t - 4 * t + 1) * da + (3 * t * t - 2 * t) * db
-    return max(abs(value - middle.state.angle), abs(slope - step / middle.slopes.moment_by_angle) / 8.0)
+    return max(abs(value - middle.state.angle), abs(step * (slope - 1.0 / middle.slopes.moment_by_angle)) / 8.0)

@@ -131,8 +131,10 @@ def deviation(factor: float, value: float, second: float) -> float:
 
 
 def change_of(cell: CellCurve, length: float) -> float:
-    """The change of the curvature for the rigidity, 1/mm: not beyond the end of the curve."""
-    return min(1.0 / length, float(cell.kappa[-1]) - cell.at(0.0)[0])
+    """The change of the curvature for the rigidity, 1/mm: not beyond the farther end of the curve."""
+    kappa_0 = cell.at(0.0)[0]
+    upward, downward = (min(1.0 / length, side) for side in (cell.kappa[-1] - kappa_0, kappa_0 - cell.kappa[0]))
+    return float(upward if upward >= downward else -downward)
 
 
 def _numbers(cell: CellCurve, change: float) -> tuple[float, ...]:

@@ -96,7 +96,14 @@ class ArmPieces:
         return self._pieces[key]
 
     def _body(self, half_cells: int, start: Boundary) -> Body:
+        """The meshed piece. Raises `NoArmLaw` and InputError."""
         _ = self.repetition  # refuses arms without cells
+        try:
+            return self._meshed(half_cells, start)
+        except (DesignError, MeshError) as failure:
+            raise InputError(f"{self.config.source}: {failure}") from None
+
+    def _meshed(self, half_cells: int, start: Boundary) -> Body:
         size, grading = self.config.mesh.element_size_mm, GRADINGS[self.config.mesh.grading]
         if start == "mirror":
             return self.design.half_cell(size, grading)

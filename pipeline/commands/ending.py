@@ -60,7 +60,7 @@ def errors_as_sentences() -> Iterator[None]:
         _end("the output was closed; finished results are kept, and the same command continues from there", 1)
     except OSError as failure:
         if failure.errno is None:  # a library that could not be loaded
-            _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
+            _end(f"{failure}; `pneurod doctor` names the command that repairs the installation", 1)
         file = f"{failure.filename}: " if failure.filename else ""
         _end(f"{file}{failure.strerror}; {_remedy(failure)}; finished results are kept", 1)
     except RuntimeError as failure:
@@ -68,7 +68,7 @@ def errors_as_sentences() -> Iterator[None]:
             raise
         _end("no folder for compiled kernels can be written; name one that can: NUMBA_CACHE_DIR=FOLDER", 1)
     except ImportError as failure:
-        _end(f"{failure}; `pneurod doctor` names the command that mends it", 1)
+        _end(f"{failure}; `pneurod doctor` names the command that repairs the installation", 1)
 
 
 def _remedy(failure: OSError) -> str:

@@ -25,7 +25,7 @@ def show_version(
 
 
 def doctor() -> None:
-    """What is installed, what is missing, and the one command that mends it. Nothing is installed or changed.
+    """What is installed, what is missing, and the one command that installs it. Nothing is installed or changed.
 
     It compares the version of every package with the one that is required, meshes one chamber, draws a picture, solves
     two equations, starts the threads and writes a file that it removes again.

@@ -133,6 +133,11 @@ class MeshSettings:
             raise ValueError("the mesh size is still to be planned")
         return self.size_mm
 
+    def given_unlike(self, **others: str) -> tuple[str, ...]:
+        """What the configuration gives and `others` have otherwise, as it is written there."""
+        given = {key: getattr(self, key) for key in others if key not in self.chosen}
+        return tuple(f"mesh.{key}: {value}" for key, value in given.items() if value != others[key])
+
 
 @dataclass(frozen=True)
 class Newton:

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import isfinite
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field
@@ -161,7 +162,7 @@ def _effect(value: Any) -> Any:
 
 def _fraction_or_pressure(value: Any) -> CavityPressure:
     """A plain number is a fraction of the pressure of the run, one with a unit is a constant pressure."""
-    if isinstance(value, int | float) and not isinstance(value, bool):
+    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
         return CavityPressure(float(value), 0.0)
     try:
         return CavityPressure(0.0, convert(value, PRESSURE))

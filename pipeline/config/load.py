@@ -175,11 +175,13 @@ def _default_validation(content: Any, length: float) -> Validation:
 def _validation(document: Document, content: Any, length: float) -> Validation:
     """The loads not used for the fit; where there are some and no pressures, all pressures of the run.
 
-    Where none are given and the validation is not switched off, the default one; length: of the arm, mm.
+    None where the validation is switched off; where none are given the default one. length: of the arm, mm.
     """
     loads, of_run = content.validation, content.pressures
+    if loads.state == "off":
+        return Validation((), (), ())
     if not (loads.pressures or loads.end_y or loads.forces):
-        return Validation((), (), ()) if loads.state == "off" else _default_validation(content, length)
+        return _default_validation(content, length)
     end = _end(content.end)
     if end == End(y_mm=end.y_mm) and end.y_mm in loads.end_y:
         raise document.wrong(
@@ -252,5 +254,5 @@ def _mesh(document: Document, content: Any, design: Design, materials: Mapping[s
         formulation=chosen.formulation,
         coarser=usual if isinstance(coarser, str) else coarser,
         grading=chosen.grading,
-        chosen={} if planned else chosen.reasons,
+        chosen={key: why for key, why in chosen.reasons.items() if key != "size" or not planned},
     )

@@ -99,7 +99,7 @@ class _End(_Section):
 
 class _Identification(_Section):
     d: PositiveLength | None = None  #: break of the two lines, [given](identification.md#a-given-d) instead of sought
-    weight: PositiveForce | None = None  #: weight of the arm for the [dimensionless](results.md) M/(m g l); its own
+    weight: PositiveForce | None = None  #: weight of the arm for M/(m g l) in [results](results.md); default: its own
     weight_of: Text | None = None  #: name of the arm with this weight
 
 
@@ -114,8 +114,8 @@ class _Validation(_Switch):
 
 
 class _SelfContact(_Switch):
-    dhat: ActivationDistance | None = None  #: activation distance; a fiftieth of the smallest gap
-    faces: FaceNames | None = None  #: faces that can meet; those named `gap`
+    dhat: ActivationDistance | None = None  #: activation distance; default: 1/50 of the smallest gap at rest
+    faces: FaceNames | None = None  #: faces that can meet; default: faces named `gap`
 
 
 class _Gravity(_Switch):
@@ -154,7 +154,7 @@ class _Document(_Section):
     experiments: Experiments = ("I", "II", "III")  #: II and III give the parameters; I, the free body, may be left out
     end: _End = _End()
     identification: _Identification = _Identification()
-    added_pressures: CountFromZero = 0  #: how many may be [added](identification.md#linearity-in-the-pressure)
+    added_pressures: CountFromZero = 0  #: most pressures [added](identification.md#linearity-in-the-pressure) between
     validation: Annotated[_Validation, FROM_STATE] = _Validation()
     law: LawChoice = "both"  #: law of the rod: five parameters, the [arm's own law](cell.md), or both
     newton: _Newton = _Newton()

@@ -51,9 +51,7 @@ def parameters_record(
         "moment_range_N_mm": [[p.moment_range.low, p.moment_range.high] for p in parameters],
         "eccentricity": _eccentricity(parameters),
         "estimators": {name: _estimator(name, parameters) for name in ESTIMATORS},
-        **(
-            {} if law is None else {"predicted_by_arm_law": _identified(predicted_numbers(parameters, law), parameters)}
-        ),
+        **_predicted(parameters, law),
         "kappa_0": _profiles(parameters),
         "dimensionless": _dimensionless(config, parameters),
         "dimensionless_numbers": _dimensionless_numbers(config, parameters),

@@ -136,6 +136,7 @@ class _Processes:
         self._waiting: list[_Waiting] = []
         self._numbers = itertools.count()
         self._lock = threading.Lock()
+        self._failure: Exception | None = None  #: why no more tasks are done: a worker was lost, or the run ends
 
     def submit(
         self, urgency: int, task: Callable[Concatenate[TaskContext, P], Value], *args: P.args, **kwargs: P.kwargs
@@ -154,6 +155,8 @@ class _Processes:
 
     def _begin(self) -> None:
         """Give tasks to workers that are free."""
+        if self._failure:
+            self._give_up(self._failure)
         while True:
             with self._lock:
                 if not (self._free and self._waiting):
@@ -163,14 +166,16 @@ class _Processes:
             try:
                 running = self._pool.submit(in_worker, task, arguments)
             except (RuntimeError, OSError) as ended:  # a worker was lost, the run ends, or there is no other process
-                promised.set_exception(ended if isinstance(ended, OSError) else CancelledError())
+                failure = ended if isinstance(ended, OSError) else CancelledError()
+                promised.set_exception(failure)
+                self._give_up(failure)
             else:
                 running.add_done_callback(partial(self._ended, promised))
 
     def _ended(self, promised: "Future[Any]", running: "Future[Any]") -> None:
         failure = CancelledError() if running.cancelled() else running.exception()
         if isinstance(failure, BrokenProcessPool | CancelledError):
-            self._give_up()  # and leave the pool alone, which calls this while it closes
+            self._give_up(CancelledError())  # and leave the pool alone, which calls this while it closes
         else:
             with self._lock:
                 self._free += 1
@@ -180,12 +185,13 @@ class _Processes:
         else:
             promised.set_exception(failure)
 
-    def _give_up(self) -> None:
-        """No task that waits will be done."""
+    def _give_up(self, failure: Exception) -> None:
+        """No task that waits will be done, nor one that is submitted later."""
+        self._failure = failure
         with self._lock:
             waiting, self._waiting = self._waiting, []
         for _, _, promised, _, _ in waiting:
-            promised.set_exception(CancelledError())
+            promised.set_exception(failure)
 
 
 @contextmanager

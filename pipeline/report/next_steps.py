@@ -48,8 +48,8 @@ def _loads(results: Results) -> list[str]:
 
 def _use(results: Results, rod: str) -> list[str]:
     highest = max(results.reached_pressures, default=inf)
-    of_law = tuple(p for p in results.arm_law.get("pressures_kPa", ()) if p <= highest)
-    pressures = of_law if rod == ARM_LAW else results.identified_pressures
+    of_law = results.arm_law.get("pressures_kPa", ())  # between them it is interpolated
+    pressures = [min(highest, of_law[-1])] if rod == ARM_LAW and of_law else results.identified_pressures
     if not rod or not pressures:
         return []
     file = results.directory / ("law.json" if rod == ARM_LAW else "parameters.json")

@@ -98,8 +98,8 @@ def rod_to_take(results: Results) -> list[str]:
         first += f": the others have no solution for more of the loads; its largest error is {percent(best.largest)}"
     elif len(ordered) > 1:
         first += (
-            f": of {len(ordered)} rods its largest error against finite elements on the same mesh is the smallest, "
-            f"{percent(best.largest)} (of the length in the shape, of the force at the end)"
+            f": its largest error against finite elements on the same mesh, {percent(best.largest)}, is the smallest "
+            f"of {len(ordered)} rods (distance over the length, or error of the force at the end over that force)"
         )
     return [f"{first}.", *(errors.sentence() for errors in ordered)]
 
@@ -194,7 +194,7 @@ def simplest_laws(results: Results) -> list[str]:
     """The simplest sufficient law, one sentence per pressure."""
     return [
         f"At {row.pressure_kPa:g} kPa the simplest law that predicts the other loads as well as any is "
-        f"“{row.law}” with {row.numbers} numbers."
+        f"“{row.law}” with {row.numbers} parameters."
         for row in results.laws
         if row.simplest
     ]

@@ -7,13 +7,12 @@ from typing import Any
 from pipeline.errors import quoted
 from pipeline.store.formats import FORMAT
 from rod.checked import Shape, check_positive, check_table, positive
-from rod.law import RodError
+from rod.law import PARAMETER_COLUMNS, RodError
 
-#: the five parameters in the order of `rod.law.PARAMETER_NAMES`
-LAW_KEYS = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
-_LAW: dict[str, Shape] = dict.fromkeys(LAW_KEYS, ("n",))
+_LAW: dict[str, Shape] = dict.fromkeys(PARAMETER_COLUMNS.values(), ("n",))
 _PROFILE: dict[str, Shape] = {"s_mm": ("m",), "theta0_rad": ("n",), "kappa_0_per_mm": ("n", "m")}
 _STRETCH: dict[str, Shape] = {**_LAW, "eccentricity_mm": ("n",), "rest_stretch": ("n", "m")}
+_AVERAGED: dict[str, Shape] = {"cell_s_mm": ("c",), "cell_averaged_per_mm": ("n", "c")}
 _POSITIVE = ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm")
 
 
@@ -33,9 +32,16 @@ def check_parameters(content: Mapping[str, Any]) -> None:
     if any(second <= first for first, second in pairwise(pressures)):
         raise RodError("pressures_kPa must rise.")
     sizes = {"n": len(pressures), "m": len(content["kappa_0"]["s_mm"])}
+    if sizes["m"] < 2:
+        raise RodError("s_mm of kappa_0 must be two numbers at least.")
     check_table(content, _LAW, sizes=sizes)
     check_positive(content, _POSITIVE)
+    _check_deviations(content, sizes)
+    if "solid_volume_mm3" in content:
+        positive(content["solid_volume_mm3"], "solid_volume_mm3")
     check_table(content["kappa_0"], _PROFILE, "kappa_0", sizes)
+    if "cell_averaged_per_mm" in content["kappa_0"]:
+        check_table(content["kappa_0"], _AVERAGED, "kappa_0", {"n": sizes["n"]})
     reach = float(content["kappa_0"]["s_mm"][-1])
     if abs(reach - length) > 1e-6 * length:
         raise RodError(f"s_mm of kappa_0 goes to {reach:g} mm, and length_mm is {length:g} mm.")
@@ -44,3 +50,12 @@ def check_parameters(content: Mapping[str, Any]) -> None:
     if content.get("eccentricity"):
         check_table(content["eccentricity"], _STRETCH, "eccentricity", sizes)
         check_positive(content["eccentricity"], (*_POSITIVE, "rest_stretch"), "eccentricity")
+
+
+def _check_deviations(content: Mapping[str, Any], sizes: Mapping[str, int]) -> None:
+    """Standard deviations may be null, or not be there."""
+    for key in (f"{column}_std" for column in PARAMETER_COLUMNS.values()):
+        if None not in content.get(key, [None]):
+            check_table(content, {key: ("n",)}, sizes=sizes)
+        elif key in content and len(content[key]) != sizes["n"]:
+            raise RodError(f"{key} must be {sizes['n']} numbers, and has {len(content[key])}.")

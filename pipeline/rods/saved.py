@@ -12,14 +12,15 @@ from geometry.arrays import Array
 from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
-from pipeline.rods.checks import LAW_KEYS, check_parameters
+from pipeline.rods.checks import check_parameters
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE, with_present_keys
 from pipeline.store.result_folder import open_file
 from rod.arm_law.law import LawRod
+from rod.checked import positive
 from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
-from rod.law import PARAMETER_NAMES, FiveParameters, RodError
+from rod.law import PARAMETER_COLUMNS, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import OutsidePressures, PressurisedRod
 from rod.solution import RodSolution
@@ -97,13 +98,15 @@ def _area(content: Mapping[str, Any], mass: float | None) -> float | None:
     """Area of the solid averaged along the arm, mm2; in earlier files it follows from the mass (g)."""
     if "solid_volume_mm3" in content:
         return float(content["solid_volume_mm3"]) / float(content["length_mm"])
-    density = content["material"]["density_tonne_mm3"]
-    return None if mass is None else mass / (1e6 * float(density) * float(content["length_mm"]))
+    if mass is None:
+        return None
+    density = positive(content["material"]["density_tonne_mm3"], "density_tonne_mm3 of material")
+    return mass / (1e6 * density * float(content["length_mm"]))
 
 
 def _deviations(content: Mapping[str, Any]) -> dict[str, tuple[float, ...]]:
     """The standard deviations of a parameters.json by PARAMETER_NAMES; empty where one is not there."""
-    columns = {name: content.get(f"{column}_std", []) for name, column in zip(PARAMETER_NAMES, LAW_KEYS, strict=True)}
+    columns = {name: content.get(f"{column}_std", []) for name, column in PARAMETER_COLUMNS.items()}
     if any(not column or None in column for column in columns.values()):
         return {}
     return {name: tuple(float(value) for value in column) for name, column in columns.items()}
@@ -197,7 +200,7 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
     return PressurisedRod(
         length=float(content["length_mm"]),
         pressures=np.array(content["pressures_kPa"], dtype=float),
-        laws=tuple(FiveParameters(*row) for row in zip(*(of_rod[key] for key in LAW_KEYS), strict=True)),
+        laws=tuple(FiveParameters(*row) for row in zip(*map(of_rod.get, PARAMETER_COLUMNS.values()), strict=True)),
         s=np.array(profile["s_mm"], dtype=float),
         kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
         theta0=np.array(profile["theta0_rad"], dtype=float),

@@ -30,7 +30,8 @@ class Scene:
         material_of(config)
         if config.mesh.size_mm is AUTO:
             raise InputError(
-                f"{config.source}: mesh.size: auto is only for `pneurod run`, which plans it; give a size such as 4 mm"
+                f"{config.source}: accuracy: only `pneurod run` and `pneurod cell` choose a mesh for a requested "
+                "accuracy; leave accuracy out, or give mesh.size, for example 4 mm"
             )
         try:
             body = config.design.body(config.mesh.element_size_mm, GRADINGS[config.mesh.grading])

@@ -100,8 +100,8 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
         tells.set(failure.limit_kPa if failure else 0.0)
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:
-        limit_kPa = failure.limit_kPa if failure else 0.0
-        failure = Failure(case.schedule.pressures_kPa[len(steps)], intersection, 0, 0, limit_kPa)
+        reached_kPa = case.schedule.pressures_kPa[len(steps) - 1] if steps else 0.0
+        failure = Failure(case.schedule.pressures_kPa[len(steps)], intersection, 0, 0, 0.0, reached_kPa)
     if failure:
         progress.stopped(case.name, case.schedule.pressures_kPa[len(steps) :], failure.first_clause)
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))

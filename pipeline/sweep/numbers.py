@@ -11,13 +11,12 @@ from pipeline.run_report import RunReport
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.store.json_values import Json
 from pipeline.validation.compare import Comparison
-from rod import RodError, RodSolution, cell_averaged
+from rod import PARAMETER_COLUMNS, RodError, RodSolution, cell_averaged
 from rod.arm_law.curves import CellCurve
 
 #: the numbers of a point at one pressure by column
 Row = dict[str, Json]
 #: columns of the five parameters
-FIVE = {"alpha1": "alpha1_N_mm2", "alpha2": "alpha2_N_mm2", "m01": "m01_N_mm", "m02": "m02_N_mm", "d": "d_mm"}
 
 
 def rows_of_run(report: RunReport) -> list[Row]:
@@ -100,7 +99,7 @@ def _middle(record: Record, pitch: float) -> float | None:
 
 def _five(parameters: Parameters) -> Row:
     row: Row = {"kappa_0_middle_per_mm": parameters.kappa_0_middle}
-    for name, column in FIVE.items():
+    for name, column in PARAMETER_COLUMNS.items():
         number = parameters.numbers[name]
         row |= {column: number.value, f"{column}_std": number.std}
     return {**row, "two_lines": bool(parameters.by_cells.two_lines)}

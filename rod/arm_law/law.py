@@ -35,7 +35,7 @@ class ArmLaw:
     def __post_init__(self) -> None:
         parts = [[curve.pressure for curve in curves] for curves in (self.cells, self.clamps, self.tips)]
         if not parts[0] or any(part != parts[0] for part in parts) or np.any(np.diff(parts[0]) <= 0.0):
-            raise RodError("A law has a cell, a clamped end and a tip at each of its pressures, which rise.")
+            raise RodError("A law must have a cell, a clamped end and a tip at each pressure, in ascending order.")
 
     @property
     def pressures(self) -> tuple[float, ...]:

@@ -69,6 +69,9 @@ _TIP_SHAPES: dict[str, Shape] = {
     "beside_pinned_mm": ("m", 2),
 }
 
+#: what is interpolated over; curvatures and moments of a cell are compared by `CellCurve`
+_RISING = frozenset({"s_mm", "moment_N_mm"})
+
 
 def law_record(law: ArmLaw) -> dict[str, Any]:
     """The contents of law.json but for the error of the mesh."""
@@ -110,6 +113,8 @@ def _cell_rows(rows: Any) -> list[Mapping[str, Any]]:
         # a cell whose walls buckle has a negative rigidity beyond, but not near the state without moment
         at_rest = row["rigidity_N_mm2"][int(np.argmin(np.abs(row["moment_N_mm"])))]
         positive(at_rest, f"rigidity_N_mm2 of curves[{k}] at the smallest moment")
+        if not np.all(row["rigidity_N_mm2"]):
+            raise RodError(f"rigidity_N_mm2 of curves[{k}] must not be zero.")
     return checked
 
 
@@ -124,6 +129,9 @@ def _rows(rows: Any, shapes: Mapping[str, Shape], name: str) -> list[Mapping[str
         raise RodError(f"{name} must be a list of curves.")
     for k, row in enumerate(rows):
         check_table(row, shapes, f"{name}[{k}]")
+        for key in _RISING.intersection(row):
+            if np.any(np.diff(row[key]) <= 0.0):
+                raise RodError(f"{key} of {name}[{k}] must rise.")
     return rows
 
 

@@ -40,7 +40,7 @@ class Arm:
             raise RodError(f"A chain of {self.elements} elements is too coarse; take at least 4.")
         rise = np.diff([0.0, *self.pressures])
         if not self.pressures or len(self.rods) != len(self.pressures) or np.any(rise <= 0.0):
-            raise RodError("The pressures of an arm rise from above 0, and each has its rod.")
+            raise RodError("The pressures of an arm must be above 0 and in ascending order, with one rod for each.")
 
     @property
     def length(self) -> float:

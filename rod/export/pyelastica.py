@@ -8,7 +8,7 @@ import numpy as np
 
 from rod.export.arm import Arm
 from rod.export.lumped import joints
-from rod.export.tables import COLUMNS
+from rod.law import PARAMETER_COLUMNS
 
 
 def write_pyelastica(arm: Arm, path: Path) -> None:
@@ -31,7 +31,7 @@ def write_pyelastica(arm: Arm, path: Path) -> None:
         "bending_stiffness": [(1e-6 * h / cut.compliance).tolist() for cut in cuts],
         "rest_curvature": [(1e3 * cut.rest_rotation / h).tolist() for cut in cuts],
     }
-    for name, column in COLUMNS.items():
+    for name, column in PARAMETER_COLUMNS.items():
         content[column] = [getattr(rod.five, name) for rod in arm.rods]
         if arm.deviations:
             content[f"{column}_std"] = list(arm.deviations[name])

@@ -8,11 +8,8 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.export.arm import Arm
-from rod.law import PARAMETER_NAMES
+from rod.law import PARAMETER_COLUMNS
 from rod.mechanics.equilibrium import Rod
-
-#: with the unit, as in parameters.json
-COLUMNS = dict(zip(PARAMETER_NAMES, ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm"), strict=True))
 
 
 def table(rod: Rod, points: int = 225) -> dict[str, Array]:
@@ -61,7 +58,7 @@ def write_json(arm: Arm, path: Path) -> None:
         "pressures_kPa": list(arm.pressures),
         "theta0_rad": [rod.theta0 for rod in arm.rods],
     }
-    for name, column in COLUMNS.items():
+    for name, column in PARAMETER_COLUMNS.items():
         content[column] = [getattr(rod.five, name) for rod in arm.rods]
         if arm.deviations:
             content[f"{column}_std"] = list(arm.deviations[name])
@@ -97,6 +94,6 @@ def write_sorosim(arm: Arm, path: Path) -> None:
         "X": tables[0]["s_mm"] / arm.length,
         "xi_star": xi,
         "EI": 1e-6 * np.column_stack([columns["alpha_N_mm2"] for columns in tables]),
-        **{f"{COLUMNS[name]}_std": np.array(values) for name, values in arm.deviations.items()},
+        **{f"{PARAMETER_COLUMNS[name]}_std": np.array(values) for name, values in arm.deviations.items()},
     }
     savemat(path, {"rod": content}, oned_as="row")
