@@ -28,10 +28,10 @@ from fem.solution import End, Seconds, Solution, Step
 #: near a limit that the path announces
 RETRY_ITERATIONS, ITERATIONS_NEAR_LIMIT = 12, 8
 #: largest number of iterations with an indefinite tangent from a stable equilibrium to the next; those that led
-#: anywhere on the hard cases had at most 5. Where a smaller increment follows one that failed, none without contact
+#: anywhere on the hard cases had at most 5
 MAX_UNSTABLE = 7
-#: the same near a limit that the path announces, with walls in contact, and in an increment longer than the last one:
-#: 121 stable equilibria of benchmarks/limits.py took at most 2, before all iterations with a definite tangent
+#: the same with walls in contact near a limit that the path announces, and where a smaller increment follows one that
+#: failed: 121 stable equilibria of benchmarks/limits.py took at most 2, before all iterations with a definite tangent
 MAX_UNSTABLE_RETRY = 2
 #: length of an increment over the last one from which on a smaller one costs less than other starts
 FAR = 1.2
@@ -176,15 +176,14 @@ class PathFollower:
         announced limit, and in large increments after one that failed. Contact makes the tangent indefinite on the way
         to stable equilibria as well.
         """
-        touching = self.points[-1].touching
+        most = MAX_UNSTABLE_RETRY if self.points[-1].touching else 0
         if increments.passes_limit or (increments.cutbacks and increments.nears_limit):
-            most = MAX_UNSTABLE_RETRY if touching else 0
             return Effort(ITERATIONS_NEAR_LIMIT, most if self.is_stable else None, self.is_stable, True)
         iterations = RETRY_ITERATIONS if increments.cutbacks else None
         if not (self._follows_load and self.is_stable):
             return Effort(iterations)
         if increments.cutbacks and not increments.is_small:
-            return Effort(iterations, MAX_UNSTABLE if touching else 0, True)
+            return Effort(iterations, most, True)
         if len(self.points) > 1 and self._is_far(control):
             return Effort(iterations, MAX_UNSTABLE_RETRY, True)
         return Effort(iterations, MAX_UNSTABLE)
