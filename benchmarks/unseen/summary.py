@@ -75,8 +75,8 @@ def certainty(records: Sequence[Record]) -> str:
     bad = sum(outcome(record) in (WRONG, TRACEBACK, TOO_SLOW) for record in records)
     share = percent(largest_share(bad, len(records)))
     return (
-        f"{bad} of {len(records)} designs say that at most {share} of all designs that can be drawn end wrong, with an "
-        "error of the program, or not in time (95 % confidence)."
+        f"{bad} of {len(records)} designs ended wrong, with an error of the program, or not in time: of all designs "
+        f"that can be drawn at most {share} do so (upper limit with 95 % confidence)."
     )
 
 
