@@ -48,7 +48,7 @@ class PneuNet(SymmetricDesign):
     chambers: int = 11  #: number of chambers
     width: float = 15.0  #: of the arm across z, w
     chamber_length: float = 8.0  #: outer length of a chamber along x, t2
-    gap: float = 2.0  #: between chambers, and thickness of the solid at each end, t1
+    gap: float = 2.0  #: between chambers, and length of the strip without a chamber at each end, t1
     chamber_height: float = 12.0  #: outer height of a chamber above the strip, H
     strip: float = 3.0  #: thickness of the strip, t
     base: float = 2.0  #: thickness of the base plate under it, b; the material curve runs at half of it
@@ -59,7 +59,7 @@ class PneuNet(SymmetricDesign):
     fillet: float = 0.0  #: radius of rounded edges below the chamber walls; 0 (sharp edges) or at least 0.1 mm
     chamber_lengths: tuple[float, ...] = ()  #: of each chamber from the clamp on, instead of `chamber_length`
     chamber_heights: tuple[float, ...] = ()  #: of each chamber from the clamp on, instead of `chamber_height`
-    gaps: tuple[float, ...] = ()  #: instead of `gap`: the solid at the clamp, between chambers, and at the tip
+    gaps: tuple[float, ...] = ()  #: instead of `gap`: at the clamp, between chambers, and at the tip
 
     def __post_init__(self) -> None:
         check_design(self, self._impossible, counts=["chambers"], or_zero=["fillet"])
