@@ -88,6 +88,11 @@ class Design(ABC):
         """Exact volume of the material of the body (both halves), mm3."""
 
     @property
+    def meshed_volume(self) -> float:
+        """Of the solid that is meshed: here the half z >= 0 alone, mm3."""
+        return self.solid_volume / 2
+
+    @property
     @abstractmethod
     def cavity_volumes(self) -> Mapping[str, float]:
         """Exact volume of the air (both halves) by the name of the face around it, mm3; the first is pressurised."""
@@ -199,7 +204,7 @@ class Design(ABC):
         return repetition
 
     def _checked_repetition(self, size: float, grading: Grading) -> Repetition:
-        check_size(size, self.extent, self.solid_volume / 2)
+        check_size(size, self.extent, self.meshed_volume)
         return self.repetition(size, grading)
 
     def _body(self, mesh: Mesh, length: float, half: bool) -> Body:

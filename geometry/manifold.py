@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from geometry.arrays import Array, Index
-from geometry.mesh import Mesh, MeshError
+from geometry.arrays import Index
+from geometry.mesh import Mesh, MeshError, coordinates_text
 from geometry.topology import OUTWARD, normals, row_keys, triangle_edges
 
 
@@ -55,7 +55,7 @@ def check_half(mesh: Mesh) -> None:
         where = _position(mesh, mesh.faces["sym"][int(np.argmax(off))])
         raise MeshError(f"the face sym must lie in the plane z = 0; a triangle of it is near {where} mm")
     if mesh.points[:, 2].min() < -tolerance:
-        where = _coordinates(mesh.points[int(np.argmin(mesh.points[:, 2]))])
+        where = coordinates_text(mesh.points[int(np.argmin(mesh.points[:, 2]))])
         raise MeshError(
             f"the body has a face sym, so that it must be one half, but it reaches to {where} mm and to the other side "
             "of z = 0; leave sym out of the mesh of a whole body"
@@ -86,8 +86,4 @@ def count_components(mesh: Mesh) -> int:
 
 
 def _position(mesh: Mesh, triangle: Index) -> str:
-    return _coordinates(mesh.points[triangle].mean(axis=0))
-
-
-def _coordinates(point: Array) -> str:
-    return "(" + ", ".join(f"{x:.3g}" for x in point) + ")"
+    return coordinates_text(mesh.points[triangle].mean(axis=0))

@@ -90,6 +90,10 @@ def test_the_clamp_at_the_other_end(folder: Path) -> None:
         CadFile(str(path), 1.5, clamp=70, tip=0, symmetric=False)
     with pytest.raises(DesignError, match=r"air\.cavity: the point \(50, 1, 1\) mm lies in the material"):
         CadFile(str(path), 1.5, clamp=60, tip=0, symmetric=False, air={"cavity": (50, 1, 1)})
+    assert (design.meshed_volume, half.meshed_volume) == (design.solid_volume, half.solid_volume / 2)
+    one_half = save(folder / "one_half.step", half_bar)
+    with pytest.raises(DesignError, match=r"symmetric: the body reaches from z = 0 to 7.5 mm, and the material curve"):
+        CadFile(str(one_half), 1.5, clamp=60, tip=0, symmetric=False)
 
 
 def half_knobbed(occ: Any) -> Any:

@@ -171,8 +171,12 @@ class CadFile(FileDesign):
         """Repetitions by size and grading, because a CAD file takes long to read and cut."""
         return {}
 
+    @property
+    def meshed_volume(self) -> float:
+        return self.solid_volume / (2 if self.symmetric else 1)
+
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        check_size(size, self.extent, self.solid_volume / (2 if self.symmetric else 1))
+        check_size(size, self.extent, self.meshed_volume)
         mesh = self.repetition(size, grading).mesh() if self.repeats else mesh_cad(self._cad, size, grading)
         mesh = replace(mesh, regions={name: mesh.regions[name] for name in self.regions})
         check_manifold(mesh)

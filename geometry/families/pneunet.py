@@ -187,7 +187,7 @@ class PneuNet(SymmetricDesign):
     def body(self, size: float, grading: Grading = OFF) -> Body:
         if self.equal:
             return super().body(size, grading)
-        check_size(size, self.extent, self.solid_volume / 2)
+        check_size(size, self.extent, self.meshed_volume)
         solid = mesh_solid(self._whole(), size, grading)
         planes = {"clamp": (0, 0.0), "tip": (0, self.length), "sym": (2, 0.0)}
         return self._body(

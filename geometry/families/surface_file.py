@@ -94,6 +94,10 @@ class SurfaceFile(FileDesign):
     def solid_volume(self) -> float:
         return self.surface.volume
 
+    @property
+    def meshed_volume(self) -> float:
+        return self.solid_volume
+
     @cached_property
     def cavity_volumes(self) -> Mapping[str, float]:
         points, triangles = self.surface.points, self.surface.triangles
@@ -115,7 +119,7 @@ class SurfaceFile(FileDesign):
 
         Where elements of `size` do not follow round walls (`LARGEST_ERROR`), smaller ones are taken, down to 0.4 of it.
         """
-        check_size(size, self.extent, self.solid_volume)
+        check_size(size, self.extent, self.meshed_volume)
         placed, off = self._placed(size)
         for part in FINER:
             if off <= LARGEST_ERROR:

@@ -40,6 +40,8 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
                 f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
                 f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm",
             )
+    across = (0.0 - high[2], 0.0 - low[2]) if body.turned else (low[2], high[2])  # as in the file
+    reach = f"the body reaches from z = {across[0]:.4g} to {across[1]:.4g} mm"
     longest = "xyz"[int(np.argmax(sides))]
     turned = "" if longest == "x" else f"; the body is longest along {longest}: give axes if that is the arm's length"
     if body.half and longest == "z" and abs(low[2]) <= tolerance:
@@ -47,15 +49,14 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
     if not body.half and not low[2] < -tolerance < tolerance < high[2]:
         raise DesignError(
             "symmetric",
-            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm, and the material curve runs at z = 0; write "
-            "true if the file holds one half of an arm, else move the body so that its middle is at "
-            f"z = 0{turned}",
+            f"{reach}, and the material curve runs at z = 0; write true if the file holds one half of an arm, else "
+            f"move the body so that its middle is at z = 0{turned}",
         )
     if body.half and abs(low[2]) > tolerance and abs(low[2] + high[2]) > tolerance:
         raise DesignError(
             "symmetric",
-            f"the body reaches from z = {low[2]:.4g} to {high[2]:.4g} mm: it is neither one half, with z = 0 at its "
-            f"side, nor symmetric about z = 0; move it, or write false for a whole body{turned}",
+            f"{reach}: it is neither one half, with z = 0 at its side, nor symmetric about z = 0; move it, or write "
+            f"false for a whole body{turned}",
         )
 
 

@@ -85,7 +85,7 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     size = min(factor * sqrt(wall * side / 2), COARSEST * side)
     why = f"walls of {wall:.3g} mm in a body {side:.3g} mm across"
     suits = size
-    while expected_tets(size, design.extent, design.solid_volume / 2) > MOST_CHOSEN_TETS:
+    while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
         size *= 1.05
     if size > suits:
         why += f" need {suits:.2g} mm, but the body would then have more than {MOST_CHOSEN_TETS} elements"

@@ -244,7 +244,7 @@ def _mesh(document: Document, content: Any, design: Design, materials: Mapping[s
         planned = accuracy and given.size_mm is None
         size = COARSEST * min(design.extent) if planned else chosen.size_mm
         if not isinstance(design, MeshFile):
-            check_size(size, design.extent, design.solid_volume / 2)
+            check_size(size, design.extent, design.meshed_volume)
     except DesignError as refused:
         raise _refused(document, refused) from None
     by_program = "size" in chosen.reasons and not accuracy

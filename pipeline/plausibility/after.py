@@ -10,7 +10,7 @@ from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Outcomes, StateSummary
 
 #: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
-NEARLY_INCOMPRESSIBLE, VOLUME_CHANGE = 0.49, 0.3
+KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
 #: largest stretch or its reciprocal up to which the law for small strains is not mentioned
 SMALL_STRAIN = 1.1
 #: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
@@ -38,7 +38,7 @@ def _volume_change(solved: Solved) -> str:
     element, law = ELEMENTS[solved.config.mesh.formulation], solved.config.material.built()
     worst = min((record.summary for record in solved.outcomes.records), key=lambda summary: summary.extremes.min_J)
     lost = 1.0 - worst.extremes.min_J
-    if element.volumetric is Volumetric.PRESSURE or law.poisson_ratio < NEARLY_INCOMPRESSIBLE or lost < VOLUME_CHANGE:
+    if element.volumetric is Volumetric.PRESSURE or law.poisson_ratio < KEEPS_ITS_VOLUME or lost < VOLUME_CHANGE:
         return ""
     return (
         f"the material loses up to {100 * lost:.0f} % of its volume at {fem.position_text(worst.extremes.min_J_at)} "

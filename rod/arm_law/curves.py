@@ -4,7 +4,6 @@ Moments and forces are those of the whole body; curvature is the rotation per re
 """
 
 from dataclasses import dataclass, fields
-from typing import Any
 
 import numpy as np
 
@@ -13,10 +12,13 @@ from rod.cubics import cubic, periodic_slopes
 from rod.law import RodError
 
 
-def _frozen(value: Any) -> Array:
-    array = np.array(value)
-    array.setflags(write=False)
-    return array
+def _freeze(curve: "CellCurve | ClampCurve | TipCurve") -> None:
+    """Everything but the pressure as an array that cannot be changed."""
+    for field in fields(curve):
+        if field.name != "pressure":
+            array = np.array(getattr(curve, field.name))
+            array.setflags(write=False)
+            object.__setattr__(curve, field.name, array)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -42,9 +44,7 @@ class CellCurve:
     ripple: Array  #: (k, m, 2) of the material curve beside the axis there, along and normal to it, mm
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            if field.name != "pressure":
-                object.__setattr__(self, field.name, _frozen(getattr(self, field.name)))
+        _freeze(self)
         if len(self.moment) < 2:
             raise RodError(f"The law of a cell needs two curvatures at least; at {self.pressure:g} kPa it has one.")
         for name, unit in (("moment", "N mm"), ("kappa", "1/mm")):
@@ -93,9 +93,7 @@ class ClampCurve:
     beside: Array  #: (k, m, 2) of the nodes beside the axis of that rod, along and normal to it, mm
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            if field.name != "pressure":
-                object.__setattr__(self, field.name, _frozen(getattr(self, field.name)))
+        _freeze(self)
 
     @property
     def position(self) -> float:
@@ -137,9 +135,7 @@ class TipCurve:
     beside_pinned: Array  #: (m, 2) of the nodes where the edge is held in one point, mm
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            if field.name != "pressure":
-                object.__setattr__(self, field.name, _frozen(getattr(self, field.name)))
+        _freeze(self)
 
     @property
     def free(self) -> "TipState":
