@@ -17,6 +17,7 @@ from fem import (
     Fixed,
     Model,
     NewtonOptions,
+    NotConverged,
     PathObserver,
     PathOptions,
     Prescribed,
@@ -32,7 +33,10 @@ from fem.effects.contact import STIFFNESS, BarrierTerm
 from fem.effects.effect import Term, UnilateralTerm
 from fem.materials.material import Material
 from fem.path.active_set import ActiveSet
-from fem.path.newton import NEAR
+from fem.path.control import LoadControl
+from fem.path.follower import PathEnded, PathFollower
+from fem.path.newton import NEAR, Converged, Start, Unstable
+from fem.path.solver import Increment, IncrementSolver
 from geometry import Body
 from geometry.arrays import Array
 
@@ -276,6 +280,44 @@ def test_contact_that_is_foreseen_and_does_not_come_is_left_out(monkeypatch, sho
     assert not steps[1].active[-1]
     assert steps[1].effects == ("pressure",)
     assert distance(steps[1], alone[1]) < 1e-7
+
+
+def test_contact_of_an_increment_that_fails_is_as_it_was_before(monkeypatch, short: Body) -> None:
+    """A smaller increment may not need what a larger one has activated or made stiffer."""
+    contact = SelfContact("gap", starts_inactive=True)
+    model = Experiment.of("II", short, 0.0).model(LAW, [Pressure("cavity", 0.037), contact], "p2p0")
+    system = model.system()
+    follower = PathFollower(LoadControl.of(system), PathOptions(min_increment=1.0), PathObserver())
+    tried: list[bool] = []
+
+    def failing(solver: IncrementSolver, increment: Increment) -> Converged:
+        x = system.space.points
+        solver.active_set = replace(solver.active_set, is_active=(True, True)).tightened(x)
+        tried.append(solver.active_set.is_tightened)
+        raise Unstable("the tangent is indefinite")
+
+    monkeypatch.setattr(FacingTerm, "violation", lambda self, x: "two walls pass through each other")
+    monkeypatch.setattr(FacingTerm, "gap", lambda self, x: -1.0)
+    monkeypatch.setattr(IncrementSolver, "_from_predictor", failing)
+    with pytest.raises(PathEnded):
+        follower.advance(1.0)
+    assert tried == [True]
+    assert follower.solver.active_set.is_active == (True, False)
+    assert not follower.solver.active_set.is_tightened
+
+
+def test_what_overlaps_is_named_where_stiffer_contact_fails(monkeypatch, short: Body) -> None:
+    solved = IncrementSolver._solve
+
+    def failing(solver: IncrementSolver, start: Start, increment: Increment) -> Converged:
+        if solver.active_set.is_tightened:
+            raise Unstable("the tangent is indefinite")
+        return solved(solver, start, increment)
+
+    monkeypatch.setattr(IncrementSolver, "_solve", failing)
+    monkeypatch.setattr("fem.effects.contact.STIFFNESS", 0.04 * STIFFNESS)
+    with pytest.raises(NotConverged, match=r"two walls pass through each other at \(.*\) mm, and with stiffer contact"):
+        bend(short, [SelfContact("gap", starts_inactive=True)], [37.0])
 
 
 def test_contact_of_one_pair_of_walls_activates_that_of_the_next() -> None:

@@ -59,10 +59,25 @@ class IncrementSolver:
         return self.system.space.points + converged.state.displacement
 
     def solve(self, increment: Increment) -> Converged:
-        """An admissible equilibrium at the end of the increment; raises `StepFailed`."""
+        """An admissible equilibrium at the end of the increment; raises `StepFailed`.
+
+        Contact that is foreseen and does not come is not active afterwards, and whatever contact an increment that
+        fails has activated or made stiffer is as before.
+        """
         self.iterations = 0
-        last, known = increment.points[-1].state, self.active_set
-        foreseen = self._approach(increment)
+        known, foreseen = self.active_set, self._approach(increment)
+        try:
+            converged = self._admissible(increment)
+        except StepFailed:
+            self.active_set = known
+            raise
+        if foreseen and not self.active_set.touching(self.positions(converged)):
+            self.active_set = known
+        return converged
+
+    def _admissible(self, increment: Increment) -> Converged:
+        """An equilibrium without overlap and without an element that is turned inside out; raises `StepFailed`."""
+        last = increment.points[-1].state
         if self.active_set.is_tightened:
             converged = self._solve(Start(last, self.active_set.active), increment)
         else:
@@ -74,9 +89,10 @@ class IncrementSolver:
                 raise NotAdmissible(violations[0])
             self.active_set = tightened
             start = Start(last if tightened.needs_admissible_start else converged.state, tightened.active)
-            converged = self._activate(self._solve(start, increment), increment)
-        if foreseen and not self.active_set.touching(self.positions(converged)):
-            self.active_set = known  # the contact did not come, and does nothing where the gaps are open
+            try:
+                converged = self._activate(self._solve(start, increment), increment)
+            except StepFailed as failure:
+                raise type(failure)(f"{violations[0]}, and with stiffer contact {failure}") from None
         if converged.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
             raise Inverted(

@@ -272,7 +272,7 @@ def _cubic_error(first: CellPoint, second: CellPoint, middle: CellPoint) -> floa
     Its slope counts as well, times an eighth of the interval: a kink beside the third point shows in the slope alone.
     """
     rows = [(p.moment, p.state.angle, 1.0 / p.slopes.moment_by_angle) for p in (first, second)]
-    moments, angles, slopes_there = np.array(rows).T
-    value, slope = (float(f(moments, angles, slopes_there, middle.moment)) for f in (cubic, cubic_slope))
+    moments, angles, by_moment = np.array(rows).T
+    value, slope = (float(f(moments, angles, by_moment, middle.moment)) for f in (cubic, cubic_slope))
     step = second.moment - first.moment
     return max(abs(value - middle.state.angle), abs(step * (slope - 1.0 / middle.slopes.moment_by_angle)) / 8.0)

@@ -196,11 +196,12 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
     check_parameters(content)
     profile = content["kappa_0"]
     of_rod = content["eccentricity"] if extensible else content
+    columns = [of_rod[key] for key in PARAMETER_COLUMNS.values()]
     stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
     return PressurisedRod(
         length=float(content["length_mm"]),
         pressures=np.array(content["pressures_kPa"], dtype=float),
-        laws=tuple(FiveParameters(*row) for row in zip(*map(of_rod.get, PARAMETER_COLUMNS.values()), strict=True)),
+        laws=tuple(FiveParameters(*row) for row in zip(*columns, strict=True)),
         s=np.array(profile["s_mm"], dtype=float),
         kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
         theta0=np.array(profile["theta0_rad"], dtype=float),
