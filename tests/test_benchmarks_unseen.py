@@ -295,8 +295,18 @@ def test_campaigns_are_joined_on_one_page() -> None:
         assert f"\n| {name} | an arm |" in found["unseen_designs.md"]
     with pytest.raises(ValueError, match="the same law of the rod"):
         joined([first, campaign(Namespace(seed=9, count=1, limit=400.0, law="five"), [record()])])
-    with pytest.raises(ValueError, match="different seeds"):
+    with pytest.raises(ValueError, match="the same design"):
         joined([first, first])
+
+
+def test_parts_of_a_campaign_are_joined_in_the_order_of_their_designs() -> None:
+    settings = Namespace(seed=9, count=40, limit=400.0, law="both")
+    parts = [campaign(settings, [record(number=n) for n in numbers]) for numbers in ((2,), (0, 1))]
+    whole = joined(parts)
+    assert [r["number"] for r in whole["records"]] == [0, 1, 2]
+    assert len(whole["campaigns"]) == 1
+    with pytest.raises(ValueError, match="parts of seed 9 must have the same number of designs"):
+        joined([parts[0], campaign(Namespace(seed=9, count=41, limit=400.0, law="both"), [])])
 
 
 def test_few_designs_say_little() -> None:

@@ -8,8 +8,9 @@ Each design has a folder below results/unseen with its configuration, its result
 finished is kept, so that the same command continues an interrupted campaign. A stage of a design that needs more CPU
 seconds than the limit is recorded as too slow. After each design the pages are written into the folder of the campaign,
 and at the end into that of --page with their histogram; --stored writes them from what is there, and --with adds the
-designs of other campaigns, given by their folders, in front. Seeds 1 to 3, 23, 31, 37 and 47 are for finding and
-mending defects, so they are not reported: --page is not for them.
+designs of other campaigns, given by their folders, in front, or those of this one that were run elsewhere, which are
+not run again. Seeds 1 to 3, 23, 31, 37 and 47 are for finding and mending defects, so they are not reported: --page is
+not for them.
 """
 
 import argparse
@@ -78,8 +79,11 @@ def main() -> int:
         given.page = None
     folder = given.results / f"{given.seed}_of_{given.count}_{given.law}"
     finer = sample(given.first or given.count, given.finer)
+    elsewhere = {record["number"] for other in others for record in other["records"] if record["seed"] == given.seed}
     records: list[dict[str, Any]] = []
     for design in with_law(drawn(given.seed, given.count)[: given.first], given.law):
+        if design.number in elsewhere:
+            continue
         place = folder / design.name
         record = kept(place) if given.stored else outcome_of(design, place, given.limit, design.number in finer)
         if record is None or not record["finished"]:
@@ -89,7 +93,7 @@ def main() -> int:
         sys.stdout.write(f"{design.number:3d} {outcome(record)}, {spent:.0f} s: {design.words} {record['reason']}\n")
         sys.stdout.flush()
         _write(folder, campaign(given, records))
-    if given.page and records:
+    if given.page and (records or elsewhere):
         _write(given.page, joined([*others, campaign(given, records)]))
     results = {outcome(record) for record in records}
     return int(bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records))

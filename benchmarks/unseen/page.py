@@ -13,14 +13,27 @@ from benchmarks.unseen.wording import WIDTH, Record, item
 
 
 def joined(contents: Sequence[Record]) -> dict[str, Any]:
-    """Several campaigns as one; raises ValueError where their designs were run with different laws of the rod, or two
-    have the same seed."""
-    campaigns = [campaign for content in contents for campaign in content["campaigns"]]
-    if len({campaign["law"] for campaign in campaigns}) != 1:
-        raise ValueError("campaigns on one page have the same law of the rod")
-    if len({campaign["seed"] for campaign in campaigns}) != len(campaigns):
-        raise ValueError("campaigns on one page have different seeds")
-    return {"campaigns": campaigns, "records": [record for content in contents for record in content["records"]]}
+    """Several campaigns, or parts of them with different designs, as one.
+
+    Raises ValueError where their designs were run with different laws of the rod, parts of one seed drew different
+    designs or had different limits, or two hold the same design.
+    """
+    campaigns: list[Record] = []
+    for campaign in (campaign for content in contents for campaign in content["campaigns"]):
+        if any(campaign["law"] != known["law"] for known in campaigns):
+            raise ValueError("campaigns on one page must have the same law of the rod")
+        if any(campaign["seed"] == known["seed"] and campaign != known for known in campaigns):
+            raise ValueError(
+                f"parts of seed {campaign['seed']} must have the same number of designs and the same limit"
+            )
+        campaigns += [] if campaign in campaigns else [campaign]
+    order = [campaign["seed"] for campaign in campaigns]
+    records = [record for content in contents for record in content["records"]]
+    names = [(order.index(record["seed"]), record["number"]) for record in records]
+    if len(set(names)) != len(names):
+        raise ValueError("two folders hold the same design")
+    by_name = dict(zip(names, records, strict=True))
+    return {"campaigns": campaigns, "records": [by_name[name] for name in sorted(names)]}
 
 
 def write_pages(folder: Path, content: Record) -> None:
