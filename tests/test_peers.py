@@ -44,10 +44,11 @@ def run(
     note: str = "",
     number: int = 1,
     date: str = "2026-11-21",
+    machine: str = "AMD EPYC, 2 cores, Python 3.11.7",
 ) -> Run:
     answers = {"5": (-0.33955159, -11.09217995, 3705.51217)}
     outcome = Outcome(f"{peer} 1.0", "LU", answers, 4, 1, factorizations, 0.5, solve, solve, 1, note)
-    return Run(peer, path, outcome, solve + 0.5, solve + 0.6, 100.0, date, number, 0.02)
+    return Run(peer, path, outcome, solve + 0.5, solve + 0.6, 100.0, date, number, 0.02, machine)
 
 
 def test_middles_of_edges_lie_between_their_ends(body: Body) -> None:
@@ -226,19 +227,19 @@ def test_a_round_on_a_busy_machine_is_refused() -> None:
 
 def test_a_peer_that_fails_says_so() -> None:
     with pytest.raises(RunFailed, match=r"x, four: exit status 1: .*by_nobody"):
-        measured(Peer("x", "by_nobody"), "four", sys.executable, Round("2026-11-21", 1, None))
+        measured(Peer("x", "by_nobody"), "four", sys.executable, Round("2026-11-21", 1, None, "a machine"))
 
 
 def test_the_table_of_costs_names_ratios_and_what_is_missing() -> None:
     peers = [Peer("pneurod", "by_a"), Peer("slow", "by_b"), Peer("stuck", "by_c"), Peer("absent", "by_d")]
     runs = [run("pneurod", solve=2.0), run("slow", solve=30.0), run("stuck", note="no equilibrium")]
     runs += [run("pneurod", solve=4.0, number=2), run("slow", solve=40.0, number=2)]
-    session = Session("a machine", runs, {"absent": "not installed: `apt-get install it`"})
+    session = Session(runs, {"absent": "not installed: `apt-get install it`"})
     lines = page.costs(peers, "four", session).splitlines()
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
     assert {len(row) for row in cells} == {10}
     assert cells[3][:5] == ["slow", "4 (1)", "10", "35.5 (30.5 to 40.5)", "10.6 (9.0 to 12.2)"]
-    assert cells[3][5:] == ["35.0 (30.0 to 40.0)", "12.5 (10.0 to 15.0)", "100", "2", "2026-11-21"]
+    assert cells[3][5:] == ["35.0 (30.0 to 40.0)", "12.5 (10.0 to 15.0)", "100", "2", "2026-11-21, AMD EPYC"]
     assert cells[4][1].startswith("stopped above 5 kPa after 10 factorizations")
     assert cells[5][:2] == ["absent", "not installed: `apt-get install it`"]
 
@@ -248,27 +249,47 @@ def test_only_the_last_session_of_a_peer_counts_with_its_own_rounds() -> None:
     old = {"date": "2026-11-20"}
     runs = [run("pneurod", solve=4.0, **old), run("slow", solve=400.0, **old), run("quick", solve=8.0, **old)]
     runs += [run("pneurod", solve=2.0), run("quick", solve=6.0)]
-    session = Session("a machine", runs, {})
+    session = Session(runs, {})
     lines = page.costs([Peer(name, "by") for name in ("pneurod", "quick", "slow")], "four", session).splitlines()
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
     assert [(row[0], row[6], row[9]) for row in cells] == [
-        ("pneurod", "1.0", "2026-11-21"),
-        ("quick", "3.0", "2026-11-21"),
-        ("slow", "100.0", "2026-11-20"),
+        ("pneurod", "1.0", "2026-11-21, AMD EPYC"),
+        ("quick", "3.0", "2026-11-21, AMD EPYC"),
+        ("slow", "100.0", "2026-11-20, AMD EPYC"),
     ]
-    session.forget({"pneurod", "quick"}, "2026-11-21")
+    session.forget({"pneurod", "quick"}, "2026-11-21", runs[0].machine)
     assert [(kept.peer, kept.date) for kept in session.runs] == [("pneurod", "2026-11-20"), ("slow", "2026-11-20")]
 
 
 def test_the_page_says_how_busy_the_machine_was() -> None:
     runs = [run("a"), replace(run("a", number=2), busy=0.11), replace(run("b", date="2026-11-20"), busy=None)]
     first, second = page.loads(runs).splitlines()
-    assert first.startswith("- 2026-11-21: before its rounds other programs used 0.02, 0.11 cores; wall seconds")
-    assert second.startswith("- 2026-11-20: without a check of the load")
+    machine = "AMD EPYC, 2 cores, Python 3.11.7"
+    assert first.startswith(f"- 2026-11-21, {machine}: before its rounds other programs used 0.02, 0.11 cores; wall")
+    assert second.startswith(f"- 2026-11-20, {machine}: without a check of the load")
+
+
+def test_ratios_of_each_machine_stand_side_by_side() -> None:
+    """On the same day too; a peer is compared with pneurod on its own machine, and a new run replaces one there."""
+    other = {"machine": "Intel(R) Xeon(R) Processor, 4 cores, Python 3.11.7"}
+    runs = [
+        run(peer, path, solve) for peer, solve in (("pneurod", 1.0), ("NGSolve", 9.0)) for path in ("four", "straight")
+    ]
+    runs += [run("pneurod", solve=2.0, **other), run("NGSolve", solve=30.0, **other)]
+    session = Session(runs, {})
+    lines = page.readme([Peer("pneurod", "by"), Peer("NGSolve", "by")], session).splitlines()[2:]
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    assert [(row[0], row[1], row[4], row[7]) for row in cells] == [
+        ("pneurod", "", "1", "1"),
+        ("NGSolve", "Intel Xeon", "15.0", ""),
+        ("NGSolve", "AMD EPYC", "9.0", "9.0"),
+    ]
+    session.forget({"pneurod", "NGSolve"}, "2026-11-22", other["machine"])
+    assert session.runs == runs[:4]
 
 
 def test_a_session_is_kept_whole(tmp_path: Path) -> None:
-    session = Session("a machine", [run("a"), run("a", path="straight")], {"b": "not installed"})
+    session = Session([run("a"), run("a", path="straight")], {"b": "not installed"})
     session.add(Case("a mesh", 200, 5, 3.0, 0.4, 1.5, "2026-11-20"))
     session.add(Case("a mesh", 200, 5, 2.0, 0.3, 1.4, "2026-11-21"))
     session.add(Case("another mesh", 100, 5, 2.0, 0.3, 1.4, "2026-11-21"))

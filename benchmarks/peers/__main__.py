@@ -4,8 +4,8 @@
 
 Runs are interleaved and stored one by one; the same command continues the rounds of the same day. Before each round the
 load of the machine is measured, and the round is refused while other programs compute. `--fresh` forgets the runs of
-the chosen peers; those of other peers stay with their date. Without names, the peers that take minutes for a run
-(scikit-fem with SuperLU, CalculiX, NGSolve with compiled forms) are left out.
+the chosen peers on this machine; other runs stay with their date and machine. Without names, the peers that take
+minutes for a run (scikit-fem with SuperLU, CalculiX, NGSolve with compiled forms) are left out.
 """
 
 import argparse
@@ -71,7 +71,7 @@ def say(sentence: str) -> None:
 
 def run_rounds(session: Session, peers: Sequence[Peer], options: argparse.Namespace, stored: Path, date: str) -> bool:
     """Run what is left of the rounds; False where the machine was too busy for the next one."""
-    today = [run for run in session.runs if run.date == date]
+    today = [run for run in session.runs if run.session == (date, machine())]
     for number, left in plan(peers, options.rounds, today):
         try:
             busy = load.measured()
@@ -82,7 +82,7 @@ def run_rounds(session: Session, peers: Sequence[Peer], options: argparse.Namesp
         for peer, path in left:
             try:
                 python = sys.executable if peer.own else options.python
-                run = measured(peer, path, python, Round(date, number, busy))
+                run = measured(peer, path, python, Round(date, number, busy, machine()))
             except RunFailed as failure:
                 session.missing[peer.name] = str(failure)
                 say(str(failure))
@@ -107,14 +107,15 @@ def main() -> int:
     except ValueError as reason:
         parser.error(str(reason))
     stored, date = options.out / "peers.json", datetime.now(UTC).date().isoformat()
-    session = Session.load(stored) if stored.exists() else Session(machine())
-    session.machine = machine()
+    session = Session.load(stored) if stored.exists() else Session()
     names = {peer.name for peer in peers}
     if options.fresh:
-        session.forget(names, date)
+        session.forget(names, date, machine())
     session.missing = {peer.name: why for peer in PEERS if (why := absent(peer))}
-    if options.rounds and plan(peers, options.rounds, [run for run in session.runs if run.date == date]):
-        measured(PEERS[0], "four", sys.executable, Round(date, 0, None))  # not counted: compiles the kernels
+    if options.rounds and plan(
+        peers, options.rounds, [run for run in session.runs if run.session == (date, machine())]
+    ):
+        measured(PEERS[0], "four", sys.executable, Round(date, 0, None, machine()))  # not counted: compiles the kernels
     complete = run_rounds(session, peers, options, stored, date)
     for what in options.own:
         session.add(case(what, sys.executable, date))

@@ -6,7 +6,7 @@ from statistics import median
 from string import Template
 
 from benchmarks.peers.problem import REFERENCE
-from benchmarks.peers.runs import Peer, Run, Session, Spread, checked, fresh, ratios, warm
+from benchmarks.peers.runs import OWN, Peer, Run, Session, Spread, checked, fresh, ratios, warm
 
 TEMPLATE = Path(__file__).with_name("page.md")
 #: the peers of the table in README.md
@@ -25,8 +25,18 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def latest(runs: Sequence[Run]) -> dict[tuple[str, str], list[Run]]:
     """(peer, path): its runs in the last session that had any."""
     keys = dict.fromkeys((run.peer, run.path) for run in runs)
-    last = {key: max(run.date for run in runs if (run.peer, run.path) == key) for key in keys}
-    return {key: [run for run in runs if (run.peer, run.path, run.date) == (*key, last[key])] for key in keys}
+    last = {key: max(run.session for run in runs if (run.peer, run.path) == key) for key in keys}
+    return {key: [run for run in runs if (run.peer, run.path, run.session) == (*key, last[key])] for key in keys}
+
+
+def machines(runs: Sequence[Run]) -> list[str]:
+    """On which machines something was run, the last one first."""
+    return list(dict.fromkeys(run.machine for run in sorted(runs, key=lambda run: run.session, reverse=True)))
+
+
+def processor(machine: str) -> str:
+    """The name of its processor alone."""
+    return machine.partition(",")[0].replace("(R)", "").replace(" Processor", "")
 
 
 def costs(peers: Sequence[Peer], path: str, session: Session) -> str:
@@ -38,15 +48,20 @@ def costs(peers: Sequence[Peer], path: str, session: Session) -> str:
     for peer in peers:
         runs = measured.get((peer.name, path))
         if runs is None or runs[0].outcome.note:
-            why = session.missing.get(peer.name, "not run") if runs is None else stopped(runs[0])
+            missing = session.missing.get(peer.name, "not run") if path in peer.paths else "not run"
+            why = missing if runs is None else stopped(runs[0])
             rows.append([peer.name, why, *[""] * (len(head) - 2)])
             continue
         spent = checked(runs).outcome
         counts = [f"{spent.increments} ({spent.failed})", f"{spent.factorizations}"]
         peak = f"{median(run.peak for run in runs):.0f}"
         seconds = [text for way in (fresh, warm) for text in _seconds(peers[0], runs, session, way)]
-        rows.append([peer.name, *counts, *seconds, peak, f"{len(runs)}", runs[0].date])
+        rows.append([peer.name, *counts, *seconds, peak, f"{len(runs)}", _when(runs[0])])
     return table(head, rows)
+
+
+def _when(run: Run) -> str:
+    return f"{run.date}, {processor(run.machine)}"
 
 
 def _seconds(first: Peer, runs: Sequence[Run], session: Session, way: Seconds) -> tuple[str, str]:
@@ -91,13 +106,13 @@ def distance(got: Sequence[float], true: Sequence[float]) -> float:
 def loads(runs: Sequence[Run]) -> str:
     """How busy the machine was before the rounds of each session, and how far wall and CPU seconds were apart."""
     sentences = []
-    for date in sorted({run.date for run in runs}, reverse=True):
-        session = [run for run in runs if run.date == date]
+    for date, machine in sorted({run.session for run in runs}, reverse=True):
+        session = [run for run in runs if run.session == (date, machine)]
         stretch = median(run.wall / run.cpu for run in session)
         rounds = {run.number: run.busy for run in session if run.busy is not None}
         known = ", ".join(f"{busy:.2f}" for _, busy in sorted(rounds.items()))
         before = f"before its rounds other programs used {known} cores" if known else "without a check of the load"
-        sentences.append(f"{date}: {before}; wall seconds were {stretch:.2f} times the CPU seconds.")
+        sentences.append(f"{date}, {machine}: {before}; wall seconds were {stretch:.2f} times the CPU seconds.")
     return "\n".join(f"- {sentence}" for sentence in sentences)
 
 
@@ -120,22 +135,24 @@ def larger(session: Session) -> str:
 
 
 def readme(peers: Sequence[Peer], session: Session) -> str:
-    """The table of README.md: ratios of CPU seconds, medians with their range."""
-    head = ["code", "factorizations to 5, 17, 31 and 45 kPa", "fresh", "warm"]
+    """The table of README.md: ratios of CPU seconds on each machine, medians with their range."""
+    head = ["code", "processor", "factorizations to 5, 17, 31 and 45 kPa", "fresh", "warm"]
     head += ["factorizations to 45 kPa without intermediate pressures", "fresh", "warm"]
-    measured = latest(session.runs)
     rows = []
-    for name in (peers[0].name, *IN_README):
-        row = [name]
-        for path in ("four", "straight"):
-            runs = measured.get((name, path))
-            if runs is None:
-                row += ["not run", "", ""]
-                continue
-            shown = (ratio(peers[0], runs, session, way) for way in (fresh, warm))
-            row += [f"{checked(runs).outcome.factorizations}", *(_short(spread) for spread in shown)]
-        rows.append(row)
-    return table(head, rows)
+    for name in IN_README:
+        for machine in machines([run for run in session.runs if run.peer == name]):
+            measured = latest([run for run in session.runs if run.machine == machine])
+            row = [name, processor(machine)]
+            for path in ("four", "straight"):
+                runs = measured.get((name, path))
+                if runs is None:
+                    row += ["not run", "", ""]
+                    continue
+                shown = (ratio(peers[0], runs, session, way) for way in (fresh, warm))
+                row += [f"{checked(runs).outcome.factorizations}", *(_short(spread) for spread in shown)]
+            rows.append(row)
+    first = [f"{checked(latest(session.runs)[OWN, path]).outcome.factorizations}" for path in ("four", "straight")]
+    return table(head, [[OWN, "", first[0], "1", "1", first[1], "1", "1"], *rows])
 
 
 def _short(spread: Spread) -> str:
@@ -150,7 +167,7 @@ def page(peers: Sequence[Peer], session: Session) -> str:
         if runs := measured.get((peer.name, peer.paths[0])):
             listed.append([peer.name, runs[0].outcome.package, runs[0].outcome.solver])
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
-        machine=session.machine,
+        ratios=readme(peers, session),
         loads=loads(session.runs),
         packages=table(["", "package", "factorizes with"], listed),
         four=costs(peers, "four", session),

@@ -47,6 +47,12 @@ class Run:
     date: str  #: of the session, year-month-day
     number: int  #: of the round
     busy: float | None = None  #: cores that other programs used before the round; None where that was not measured
+    machine: str = ""  #: processor, number of cores and Python
+
+    @property
+    def session(self) -> tuple[str, str]:
+        """Date and machine, which runs that are compared have in common."""
+        return self.date, self.machine
 
 
 #: CPU over wall seconds of a path above which more than one thread computed
@@ -64,6 +70,7 @@ class Round:
     date: str
     number: int
     busy: float | None
+    machine: str
 
 
 def measured(peer: Peer, path: str, python: str, when: Round) -> Run:
@@ -72,7 +79,7 @@ def measured(peer: Peer, path: str, python: str, when: Round) -> Run:
     outcome = outcome_of(written)
     check_threads(peer.name, path, outcome)
     cpu, peak = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
-    return Run(peer.name, path, outcome, cpu, wall, peak, when.date, when.number, when.busy)
+    return Run(peer.name, path, outcome, cpu, wall, peak, when.date, when.number, when.busy, when.machine)
 
 
 def case(what: str, python: str, date: str) -> Case:
@@ -167,8 +174,8 @@ def ratios(runs: Sequence[Run], own: Sequence[Run], seconds: Callable[[Run], flo
 
     Raises ValueError where no round has both.
     """
-    ours = {(run.date, run.number): seconds(run) for run in own}
-    shared = [seconds(run) / ours[run.date, run.number] for run in runs if (run.date, run.number) in ours]
+    ours = {(run.session, run.number): seconds(run) for run in own}
+    shared = [seconds(run) / ours[run.session, run.number] for run in runs if (run.session, run.number) in ours]
     if not shared:
         raise ValueError(f"{runs[0].peer}, {runs[0].path}: no round in which pneurod ran too")
     return Spread.of(shared)
@@ -193,9 +200,8 @@ def outcome_of(written: dict) -> Outcome:
 
 @dataclass
 class Session:
-    """What has been run so far, and where; runs of earlier sessions stay until their peer is run again."""
+    """What has been run so far; earlier runs stay until their peer is run again on the same machine."""
 
-    machine: str
     runs: list[Run] = field(default_factory=list)
     missing: dict[str, str] = field(default_factory=dict)  #: peer: why there is no run of it
     own: list[Case] = field(default_factory=list)  #: what pneurod was run on besides
@@ -206,13 +212,14 @@ class Session:
         written = json.loads(path.read_text(encoding="utf-8"))
         runs = [Run(**{**run, "outcome": outcome_of(run["outcome"])}) for run in written["runs"]]
         own = [Case(**case) for case in written.get("own", [])]
-        return cls(written["machine"], runs, written["missing"], own)
+        return cls(runs, written["missing"], own)
 
-    def forget(self, peers: Collection[str], date: str) -> None:
-        """Leave out the runs of these peers; those of pneurod stay where a peer that stays is compared with them."""
-        kept = [run for run in self.runs if run.peer not in peers]
-        dates = {run.date for run in kept} - {date}
-        self.runs = [run for run in self.runs if run in kept or (run.peer == OWN and run.date in dates)]
+    def forget(self, peers: Collection[str], date: str, machine: str) -> None:
+        """Leave out the runs of these peers on a machine; those of pneurod stay where a peer that stays is compared
+        with them."""
+        kept = [run for run in self.runs if run.peer not in peers or run.machine != machine]
+        sessions = {run.session for run in kept} - {(date, machine)}
+        self.runs = [run for run in self.runs if run in kept or (run.peer == OWN and run.session in sessions)]
 
     def add(self, case: Case) -> None:
         """A further measurement of pneurod alone, in place of an earlier one of the same name."""
