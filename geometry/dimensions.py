@@ -47,7 +47,10 @@ def not_less(design: Any, small: str, large: str, fraction: float = 1.0, because
 def _wrong_alone(design: Any, counts: Sequence[str], or_zero: Sequence[str]) -> Iterator[DesignError]:
     for field in fields(design):
         value = getattr(design, field.name)
-        if isinstance(value, tuple):
+        if isinstance(field.default, tuple):
+            if not isinstance(value, tuple):
+                yield DesignError(field.name, f"must be a tuple of positive lengths, not {value!r}")
+                continue
             for number, entry in enumerate(value, start=1):
                 yield from _wrong_length(field.name, entry, f"entry {number} ")
         elif field.name in counts:

@@ -20,17 +20,28 @@ def names(design: type[Design]) -> list[str]:
     return [field.name for field in fields(design)]  # type: ignore[arg-type]
 
 
-LENGTHS = [(design, key) for design in FAMILIES.values() for key in names(design) if key != "chambers"]
+#: one length for each chamber or gap
+LISTS = ["chamber_lengths", "chamber_heights", "gaps"]
+LENGTHS = [(design, key) for design in FAMILIES.values() for key in names(design) if key not in ("chambers", *LISTS)]
 #: that are zero unless they are given
 OR_ZERO = [(PneuNet, "fillet")]
 
 
-@pytest.mark.parametrize("value", [0, -1.0, float("nan"), float("inf"), "2 mm", True, None])
+@pytest.mark.parametrize("value", [0, -1.0, float("nan"), float("inf"), "2 mm", True, None, (1.0, 2.0)])
 @pytest.mark.parametrize(("family", "key"), [length for length in LENGTHS if length not in OR_ZERO])
 def test_every_length_must_be_a_positive_number(family: type[Design], key: str, value: object) -> None:
     with pytest.raises(DesignError, match=f"^{key}: must be a positive length") as caught:
         family(**{key: value})
     assert caught.value.keys == (key,)
+
+
+@pytest.mark.parametrize("value", [-2.0, "2 mm", None, [1.0, 2.0]])
+@pytest.mark.parametrize("key", LISTS)
+def test_what_differs_between_chambers_is_a_tuple(key: str, value: object) -> None:
+    with pytest.raises(DesignError, match=f"^{key}: must be a tuple of positive lengths, not"):
+        PneuNet(**{key: value})
+    with pytest.raises(DesignError, match=f"^{key}: entry 2 must be a positive length"):
+        PneuNet(**{key: (1.0, value)})
 
 
 @pytest.mark.parametrize("value", [-1.0, float("nan"), "2 mm", True, False, None])
@@ -51,7 +62,7 @@ def test_a_fillet_is_none_or_not_tiny() -> None:
     assert PneuNet(fillet=0.1).fillet == 0.1
 
 
-@pytest.mark.parametrize("chambers", [0, -3, 2.0, True, "eleven"])
+@pytest.mark.parametrize("chambers", [0, -3, 2.0, True, "eleven", (3,)])
 @pytest.mark.parametrize("family", [PneuNet, Semicircular, Rectangular])
 def test_chambers_must_be_counted(family: type[Design], chambers: object) -> None:
     with pytest.raises(DesignError, match="chambers: must be a whole number of at least 1"):
