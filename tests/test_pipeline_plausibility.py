@@ -25,6 +25,7 @@ from pipeline.report.page import render_report
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.waiting import remarks_while_waiting
+from rod import Interval
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 PRESSURES = "pressures=[10 kPa, 20 kPa, 30 kPa]"
@@ -146,12 +147,16 @@ def test_nothing_is_said_of_a_usual_design() -> None:
     assert said("pressures=[10 kPa, 20 kPa]", "added_pressures=1") == ""
 
 
-def solved(min_J: float, stretches: tuple[float, float], kappa_0: float, *settings: str) -> Any:
+def solved(
+    min_J: float, stretches: tuple[float, float], kappa_0: float, *settings: str, alpha2: tuple[float, float] = (9, 11)
+) -> Any:
     extremes = SimpleNamespace(
         min_J=min_J, min_J_at=(1.0, 2.0, 3.0), min_stretch=stretches[0], max_stretch=stretches[1]
     )
     record = SimpleNamespace(summary=SimpleNamespace(experiment="II", pressure_kPa=20.0, extremes=extremes))
-    parameters = SimpleNamespace(pressure_kPa=20.0, kappa_0_middle=kappa_0, kappa_0=SimpleNamespace(length=100.0))
+    numbers = {"alpha1": Interval(10.0, 0.5, 9.0, 11.0), "alpha2": Interval(10.0, 0.5, *alpha2)}
+    curvature = SimpleNamespace(length=100.0)
+    parameters = SimpleNamespace(pressure_kPa=20.0, kappa_0_middle=kappa_0, kappa_0=curvature, numbers=numbers)
     config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
     return Solved(config, SimpleNamespace(records=(record,)), (parameters,))  # type: ignore[arg-type]
 
@@ -168,6 +173,19 @@ def solved(min_J: float, stretches: tuple[float, float], kappa_0: float, *settin
 def test_unusual_states_are_named(states: tuple[Any, ...], settings: tuple[str, ...], sentence: str) -> None:
     (said,) = after_solving(solved(*states, *settings))
     assert sentence in said
+
+
+@pytest.mark.parametrize(("low", "high"), [(9.0, 37.0), (0.0, 11.0), (-40.0, 60.0)])
+def test_a_rigidity_that_is_not_determined_is_named(low: float, high: float) -> None:
+    (said,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, alpha2=(low, high)))
+    assert f"95 % interval of α₂ at 20 kPa from {low:.3g} to {high:.3g} N mm²; give higher pressures" in said
+
+
+def test_a_single_line_that_is_not_determined_is_named_once() -> None:
+    run = solved(0.9, (0.95, 1.05), 0.01, alpha2=(1.0, 20.0))
+    run.parameters[0].numbers["alpha1"] = run.parameters[0].numbers["alpha2"]
+    (said,) = after_solving(run)
+    assert "95 % interval of α₁ = α₂ at 20 kPa from 1 to 20 N mm²; give" in said
 
 
 def test_usual_states_are_not_named() -> None:

@@ -1,6 +1,6 @@
 """Sentences on the states that a run has reached."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import fem
@@ -8,6 +8,7 @@ from fem.elements import ELEMENTS, Volumetric
 from pipeline.config.config import Config
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Outcomes, StateSummary
+from rod import Interval
 
 #: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
 KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
@@ -15,6 +16,8 @@ KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
 SMALL_STRAIN = 1.1
 #: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
 HARDLY_BENT = 0.05
+#: largest ratio of the ends of the 95 % interval of a rigidity that counts as determined
+DETERMINED = 4.0
 
 
 @dataclass(frozen=True)
@@ -77,6 +80,28 @@ def _hardly_bent(solved: Solved) -> str:
     )
 
 
+def _not_determined(solved: Solved) -> str:
+    """The data of an arm that hardly bends, or whose curvature no line describes, leave the rigidity open."""
+    wide = [
+        f"{symbol} at {p.pressure_kPa:g} kPa from {spread.low:.3g} to {spread.high:.3g} N mm²"
+        for p in solved.parameters
+        for spread, symbol in _rigidities(p.numbers).items()
+        if spread.high > DETERMINED * spread.low
+    ]
+    if not wide:
+        return ""
+    return (
+        f"the experiments do not determine the rigidity of the rod with five parameters: 95 % interval of "
+        f"{', of '.join(wide)}; give higher pressures, or use the arm's own law if it has one"
+    )
+
+
+def _rigidities(numbers: Mapping[str, Interval]) -> dict[Interval, str]:
+    """The symbols of the rigidities that differ."""
+    first, second = numbers["alpha1"], numbers["alpha2"]
+    return {first: "α₁ = α₂"} if first == second else {first: "α₁", second: "α₂"}
+
+
 def _smallest_stretch(summary: StateSummary) -> float:
     return summary.extremes.min_stretch
 
@@ -86,4 +111,4 @@ def _largest_stretch(summary: StateSummary) -> float:
 
 
 #: the rules
-AFTER: tuple[Callable[[Solved], str], ...] = (_volume_change, _large_strain, _hardly_bent)
+AFTER: tuple[Callable[[Solved], str], ...] = (_volume_change, _large_strain, _hardly_bent, _not_determined)
