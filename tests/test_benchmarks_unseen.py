@@ -309,6 +309,14 @@ def test_parts_of_a_campaign_are_joined_in_the_order_of_their_designs() -> None:
         joined([parts[0], campaign(Namespace(seed=9, count=41, limit=400.0, law="both"), [])])
 
 
+def test_the_page_says_which_designs_ran_with_which_sources() -> None:
+    settings = Namespace(seed=9, count=40, limit=400.0, law="both")
+    records = [record(number=n, sources="abc1234" if n < 5 else "def5678") for n in (0, 1, 2, 4, 7, 8)]
+    text = " ".join(pages(campaign(settings, records))["unseen.md"].split())
+    assert "Of 40 designs those with the numbers 0 to 2, 4 and 7 to 8 of seed 9; sources of commit" in text
+    assert "sources of commit abc1234 for 0 to 2 and 4; def5678 for 7 to 8; at most 400 s" in text
+
+
 def test_few_designs_say_little() -> None:
     assert largest_share(0, 7) == pytest.approx(1.0 - 0.05 ** (1 / 7))
     assert largest_share(0, 40) == pytest.approx(0.0722, abs=1e-4)

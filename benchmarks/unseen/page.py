@@ -83,22 +83,38 @@ def _range(limits: tuple[float, float]) -> str:
     return f"{limits[0]:g} to {limits[1]:g}"
 
 
+def _numbers(numbers: Sequence[int]) -> str:
+    """Rising whole numbers in words, those that follow each other as ranges."""
+    ranges: list[list[int]] = []
+    for number in numbers:
+        if ranges and number == ranges[-1][-1] + 1:
+            ranges[-1] = [ranges[-1][0], number]
+        else:
+            ranges.append([number])
+    *first, last = [" to ".join(map(str, each)) for each in ranges]
+    return f"{', '.join(first)} and {last}" if first else last
+
+
 def _provenance(content: Record) -> str:
     sentences = []
     for campaign in content["campaigns"]:
         records = [record for record in content["records"] if record["seed"] == campaign["seed"]]
         run, drawn = len(records), campaign["drawn"]
-        commits = sorted({record["sources"] for record in records})
         numbers = [record["number"] for record in records]
+        commits = {
+            commit: _numbers([record["number"] for record in records if record["sources"] == commit])
+            for commit in dict.fromkeys(record["sources"] for record in records)
+        }
+        sources = next(iter(commits)) if len(commits) == 1 else "; ".join(f"{c} for {n}" for c, n in commits.items())
         if run == drawn:
             part = f"All {run} designs"
         elif numbers == list(range(run)):
             part = f"The first {run} of {drawn} designs"
         else:
-            part = f"Of {drawn} designs those with the numbers {', '.join(map(str, numbers))}"
+            part = f"Of {drawn} designs those with the numbers {_numbers(numbers)}"
         others = "" if run == drawn else f" The other {drawn - run} have not been finished."
         sentences.append(
-            f"{part} of seed {campaign['seed']}; sources of commit {', '.join(commits)}; at most "
+            f"{part} of seed {campaign['seed']}; sources of commit {sources}; at most "
             f"{campaign['limit']:g} s of CPU time for each stage.{others}"
         )
     seconds = [sum(record["seconds"].values()) for record in content["records"]]
