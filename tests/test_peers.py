@@ -227,7 +227,7 @@ def test_a_round_on_a_busy_machine_is_refused() -> None:
 
 def test_a_peer_that_fails_says_so() -> None:
     with pytest.raises(RunFailed, match=r"x, four: exit status 1: .*by_nobody"):
-        measured(Peer("x", "by_nobody"), "four", sys.executable, Round("2026-11-21", 1, None, "a machine"))
+        measured(Peer("x", "by_nobody"), "four", sys.executable, Round("2026-11-21", "a machine", 1, None))
 
 
 def test_the_table_of_costs_names_ratios_and_what_is_missing() -> None:
@@ -257,7 +257,7 @@ def test_only_the_last_session_of_a_peer_counts_with_its_own_rounds() -> None:
         ("quick", "3.0", "2026-11-21, AMD EPYC"),
         ("slow", "100.0", "2026-11-20, AMD EPYC"),
     ]
-    session.forget({"pneurod", "quick"}, "2026-11-21", runs[0].machine)
+    session.forget({"pneurod", "quick"}, ("2026-11-21", runs[0].machine))
     assert [(kept.peer, kept.date) for kept in session.runs] == [("pneurod", "2026-11-20"), ("slow", "2026-11-20")]
 
 
@@ -284,7 +284,7 @@ def test_ratios_of_each_machine_stand_side_by_side() -> None:
         ("NGSolve", "Intel Xeon", "15.0", ""),
         ("NGSolve", "AMD EPYC", "9.0", "9.0"),
     ]
-    session.forget({"pneurod", "NGSolve"}, "2026-11-22", other["machine"])
+    session.forget({"pneurod", "NGSolve"}, ("2026-11-22", other["machine"]))
     assert session.runs == runs[:4]
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from test_rooms import HEAVY, loaded_after
+from test_rooms import HEAVY, loaded_after, loaded_by_command
 
 import fem
 import geometry
@@ -82,15 +82,8 @@ def test_import_loads_nothing_heavy() -> None:
 
 def test_a_rod_is_solved_without_what_is_slow_to_import() -> None:
     """From the command to the answer: numba would double its time, scipy.optimize more than that."""
-    arguments = ["rod", str(OLD / "parameters.json"), "--pressure", "31 kPa", "--force", "[0 N, 0.01 N]"]
-    solve = (
-        "import contextlib, io\n"
-        "from pipeline.cli import app\n"
-        "with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as answer:\n"
-        f"    app({arguments!r})\n"
-        "assert 'end angle' in answer.getvalue(), answer.getvalue()\n"
-    )
-    loaded = loaded_after(solve)
+    load = ("--pressure", "31 kPa", "--force", "[0 N, 0.01 N]")
+    loaded = loaded_by_command("rod", str(OLD / "parameters.json"), *load, says="end angle")
     assert {"rod", "numpy"} <= loaded
     assert loaded & ((HEAVY | {"fem"}) - {"numpy", "pydantic", "pint"}) == set()
 

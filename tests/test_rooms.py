@@ -174,14 +174,19 @@ def loaded_after(statement: str) -> set[str]:
     return set(done.stdout.split())
 
 
-def test_help_waits_for_nothing_heavy() -> None:
-    show_help = (
+def loaded_by_command(*arguments: str, says: str) -> set[str]:
+    """The top-level modules that a command of the command line loads; `says` is part of what it prints."""
+    return loaded_after(
         "import contextlib, io\n"
         "from pipeline.cli import app\n"
-        "with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()):\n"
-        "    app(['--help'])\n"
+        "with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as printed:\n"
+        f"    app({list(arguments)!r})\n"
+        f"assert {says!r} in printed.getvalue(), printed.getvalue()\n"
     )
-    loaded = loaded_after(show_help)
+
+
+def test_help_waits_for_nothing_heavy() -> None:
+    loaded = loaded_by_command("--help", says="Commands")
     assert "typer" in loaded
     assert loaded & HEAVY == set()
 

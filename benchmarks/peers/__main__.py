@@ -20,6 +20,7 @@ from pathlib import Path
 from benchmarks.peers import load
 from benchmarks.peers.page import page
 from benchmarks.peers.runs import ROOT, Peer, Round, RunFailed, Session, case, measured, plan
+from pipeline.store.provenance import processor
 
 PEERS = (
     Peer("pneurod", "by_pneurod", own=True),
@@ -41,9 +42,7 @@ PEERS = (
 
 def machine() -> str:
     """Processor, number of cores and Python."""
-    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return f"{names[0] if names else platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}"
+    return f"{processor()}, {os.cpu_count()} cores, Python {platform.python_version()}"
 
 
 def absent(peer: Peer) -> str:
@@ -69,10 +68,14 @@ def say(sentence: str) -> None:
     print(sentence, flush=True)  # noqa: T201
 
 
-def run_rounds(session: Session, peers: Sequence[Peer], options: argparse.Namespace, stored: Path, date: str) -> bool:
-    """Run what is left of the rounds; False where the machine was too busy for the next one."""
-    today = [run for run in session.runs if run.session == (date, machine())]
-    for number, left in plan(peers, options.rounds, today):
+def run_rounds(
+    session: Session, peers: Sequence[Peer], options: argparse.Namespace, stored: Path, here: tuple[str, str]
+) -> bool:
+    """Run what is left of the rounds; False where the machine was too busy for the next one.
+
+    here: date and machine.
+    """
+    for number, left in plan(peers, options.rounds, session.made(here)):
         try:
             busy = load.measured()
         except load.Busy as reason:
@@ -82,7 +85,7 @@ def run_rounds(session: Session, peers: Sequence[Peer], options: argparse.Namesp
         for peer, path in left:
             try:
                 python = sys.executable if peer.own else options.python
-                run = measured(peer, path, python, Round(date, number, busy, machine()))
+                run = measured(peer, path, python, Round(*here, number, busy))
             except RunFailed as failure:
                 session.missing[peer.name] = str(failure)
                 say(str(failure))
@@ -106,19 +109,17 @@ def main() -> int:
         peers = [peer for peer in chosen(options.peers) if not absent(peer)]
     except ValueError as reason:
         parser.error(str(reason))
-    stored, date = options.out / "peers.json", datetime.now(UTC).date().isoformat()
+    stored, here = options.out / "peers.json", (datetime.now(UTC).date().isoformat(), machine())
     session = Session.load(stored) if stored.exists() else Session()
     names = {peer.name for peer in peers}
     if options.fresh:
-        session.forget(names, date, machine())
+        session.forget(names, here)
     session.missing = {peer.name: why for peer in PEERS if (why := absent(peer))}
-    if options.rounds and plan(
-        peers, options.rounds, [run for run in session.runs if run.session == (date, machine())]
-    ):
-        measured(PEERS[0], "four", sys.executable, Round(date, 0, None, machine()))  # not counted: compiles the kernels
-    complete = run_rounds(session, peers, options, stored, date)
+    if plan(peers, options.rounds, session.made(here)):
+        measured(PEERS[0], "four", sys.executable, Round(*here, 0, None))  # not counted: compiles the kernels
+    complete = run_rounds(session, peers, options, stored, here)
     for what in options.own:
-        session.add(case(what, sys.executable, date))
+        session.add(case(what, sys.executable, here[0]))
         session.save(stored)
     session.save(stored)
     (options.out / "peers.md").write_text(page(PEERS, session), encoding="utf-8")

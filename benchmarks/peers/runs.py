@@ -68,9 +68,9 @@ class Round:
     """When runs are made, and on what machine."""
 
     date: str
+    machine: str
     number: int
     busy: float | None
-    machine: str
 
 
 def measured(peer: Peer, path: str, python: str, when: Round) -> Run:
@@ -214,11 +214,15 @@ class Session:
         own = [Case(**case) for case in written.get("own", [])]
         return cls(runs, written["missing"], own)
 
-    def forget(self, peers: Collection[str], date: str, machine: str) -> None:
-        """Leave out the runs of these peers on a machine; those of pneurod stay where a peer that stays is compared
-        with them."""
-        kept = [run for run in self.runs if run.peer not in peers or run.machine != machine]
-        sessions = {run.session for run in kept} - {(date, machine)}
+    def made(self, here: tuple[str, str]) -> list[Run]:
+        """The runs of a date on a machine."""
+        return [run for run in self.runs if run.session == here]
+
+    def forget(self, peers: Collection[str], here: tuple[str, str]) -> None:
+        """Leave out the runs of these peers on the machine of `here`, date and machine; those of pneurod stay where a
+        peer that stays is compared with them."""
+        kept = [run for run in self.runs if run.peer not in peers or run.machine != here[1]]
+        sessions = {run.session for run in kept} - {here}
         self.runs = [run for run in self.runs if run in kept or (run.peer == OWN and run.session in sessions)]
 
     def add(self, case: Case) -> None:

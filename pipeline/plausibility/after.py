@@ -85,7 +85,7 @@ def _not_determined(solved: Solved) -> str:
     wide = [
         f"{symbol} at {p.pressure_kPa:g} kPa from {spread.low:.3g} to {spread.high:.3g} N mm²"
         for p in solved.parameters
-        for spread, symbol in _rigidities(p.numbers).items()
+        for symbol, spread in _rigidities(p.numbers)
         if spread.high > DETERMINED * spread.low
     ]
     if not wide:
@@ -96,10 +96,10 @@ def _not_determined(solved: Solved) -> str:
     )
 
 
-def _rigidities(numbers: Mapping[str, Interval]) -> dict[Interval, str]:
-    """The symbols of the rigidities that differ."""
+def _rigidities(numbers: Mapping[str, Interval]) -> list[tuple[str, Interval]]:
+    """Symbols and values of the two rigidities, once where they are the same."""
     first, second = numbers["alpha1"], numbers["alpha2"]
-    return {first: "α₁ = α₂"} if first == second else {first: "α₁", second: "α₂"}
+    return [("α₁ = α₂", first)] if first == second else [("α₁", first), ("α₂", second)]
 
 
 def _smallest_stretch(summary: StateSummary) -> float:
