@@ -16,7 +16,7 @@ from fem.model import Model
 from fem.path.follower import PathObserver, PathOptions
 from fem.path.loadpath import follow, follow_volume
 from fem.path.newton import NewtonOptions
-from fem.post.extremes import outside_stable_range, position_text, unstable_stretch
+from fem.post.extremes import outside_stable_range, unstable_stretch
 from fem.post.fields import element_fields
 from fem.post.recovery import StressError, stress_error
 from fem.post.self_intersection import crossing_at_rest, self_intersection_clause
@@ -74,7 +74,6 @@ __all__ = [
     "follow_volume",
     "laws_of",
     "outside_stable_range",
-    "position_text",
     "self_intersection_clause",
     "step_from_arrays",
     "step_to_arrays",

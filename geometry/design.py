@@ -145,6 +145,33 @@ class Design(ABC):
         Raises `DesignError` on the key `mesh.size` when the size does not suit the body.
         """
 
+    def check_size(self, size: float) -> None:
+        """Raise `DesignError` on `mesh.size` unless the body can be meshed with elements of `size` mm."""
+        extent, volume = self.extent, self.meshed_volume
+        measures, largest = " x ".join(f"{side:g}" for side in extent), min(extent)
+        if not SHORTEST <= size <= LONGEST:
+            raise DesignError("mesh.size", f"must be a length from {SHORTEST:g} mm to {LONGEST:g} mm, not {size:g} mm")
+        if size > largest:
+            raise DesignError(
+                "mesh.size",
+                f"{size:g} mm is larger than the body, which measures {measures} mm; at most {largest:g} mm",
+            )
+        count, least = expected_tets(size, extent, volume), expected_tets(largest, extent, volume)
+        if least > MOST_TETS:
+            raise DesignError(
+                "mesh.size",
+                f"a body of {measures} mm has about {least:.0e} elements even if their edges are as long as the body "
+                f"is thick, and at most {MOST_TETS:.0e} fit into memory; choose a shorter body",
+            )
+        if count > MOST_TETS:
+            filled, walled = volume / (REGULAR_TET * MOST_TETS), TETS_PER_SQUARE * _half_surface(extent) / MOST_TETS
+            smallest = max(filled ** (1 / 3), walled**0.5)
+            raise DesignError(
+                "mesh.size",
+                f"{size:g} mm would give about {count:.0e} elements in a body of {measures} mm; at least "
+                f"{smallest:.2g} mm",
+            )
+
     @property
     def repeats(self) -> bool:
         """Whether the body repeats a cell that is symmetric about its own middle; it has a `repetition` then."""
@@ -204,7 +231,7 @@ class Design(ABC):
         return repetition
 
     def _checked_repetition(self, size: float, grading: Grading) -> Repetition:
-        check_size(size, self.extent, self.meshed_volume)
+        self.check_size(size)
         return self.repetition(size, grading)
 
     def _body(self, mesh: Mesh, length: float, half: bool) -> Body:
@@ -263,32 +290,3 @@ def _half_surface(extent: Sequence[float]) -> float:
     """Half the surface of the box around a body, mm2."""
     length, height, width = extent
     return length * height + height * width + width * length
-
-
-def check_size(size: float, extent: Sequence[float], volume: float) -> None:
-    """Raise `DesignError` on `mesh.size` unless a body can be meshed with elements of `size` mm.
-
-    extent: size of the body along x, y and z, mm; volume: that of what is meshed, mm3.
-    """
-    measures, largest = " x ".join(f"{side:g}" for side in extent), min(extent)
-    if not SHORTEST <= size <= LONGEST:
-        raise DesignError("mesh.size", f"must be a length from {SHORTEST:g} mm to {LONGEST:g} mm, not {size:g} mm")
-    if size > largest:
-        raise DesignError(
-            "mesh.size",
-            f"{size:g} mm is larger than the body, which measures {measures} mm; at most {largest:g} mm",
-        )
-    count, least = expected_tets(size, extent, volume), expected_tets(largest, extent, volume)
-    if least > MOST_TETS:
-        raise DesignError(
-            "mesh.size",
-            f"a body of {measures} mm has about {least:.0e} elements even if their edges are as long as the body is "
-            f"thick, and at most {MOST_TETS:.0e} fit into memory; choose a shorter body",
-        )
-    if count > MOST_TETS:
-        filled, walled = volume / (REGULAR_TET * MOST_TETS), TETS_PER_SQUARE * _half_surface(extent) / MOST_TETS
-        smallest = max(filled ** (1 / 3), walled**0.5)
-        raise DesignError(
-            "mesh.size",
-            f"{size:g} mm would give about {count:.0e} elements in a body of {measures} mm; at least {smallest:.2g} mm",
-        )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from geometry.arrays import Index
-from geometry.mesh import Mesh, MeshError, coordinates_text
+from geometry.mesh import Mesh, MeshError, position_text
 from geometry.topology import OUTWARD, normals, row_keys, triangle_edges
 
 
@@ -14,7 +14,7 @@ def check_manifold(mesh: Mesh) -> None:
     if (counts != 2).any():
         where = _position(mesh, pairs[first[counts != 2][0]])
         raise MeshError(
-            f"the surface of the body is not manifold: an edge near {where} mm belongs to "
+            f"the surface of the body is not manifold: an edge near {where} belongs to "
             f"{counts[counts != 2][0]} boundary triangles; parts that touch along a line must be joined or parted"
         )
     components = count_components(mesh)
@@ -42,7 +42,7 @@ def check_untangled(mesh: Mesh) -> None:
     overlapping = first[same_side]
     raise MeshError(
         f"the elements of the mesh are tangled: at {len(overlapping)} of their faces both neighbours lie on the same "
-        f"side, such as near {_position(mesh, overlapping[0])} mm; move the vertex there back, or mesh the body again"
+        f"side, such as near {_position(mesh, overlapping[0])}; move the vertex there back, or mesh the body again"
     )
 
 
@@ -53,11 +53,11 @@ def check_half(mesh: Mesh) -> None:
     off = np.abs(mesh.points[mesh.faces["sym"], 2]).max(axis=1)
     if off.max() > tolerance:
         where = _position(mesh, mesh.faces["sym"][int(np.argmax(off))])
-        raise MeshError(f"the face sym must lie in the plane z = 0; a triangle of it is near {where} mm")
+        raise MeshError(f"the face sym must lie in the plane z = 0; a triangle of it is near {where}")
     if mesh.points[:, 2].min() < -tolerance:
-        where = coordinates_text(mesh.points[int(np.argmin(mesh.points[:, 2]))])
+        where = position_text(mesh.points[int(np.argmin(mesh.points[:, 2]))])
         raise MeshError(
-            f"the body has a face sym, so that it must be one half, but it reaches to {where} mm and to the other side "
+            f"the body has a face sym, so that it must be one half, but it reaches to {where} and to the other side "
             "of z = 0; leave sym out of the mesh of a whole body"
         )
     in_plane = mesh.boundary[(np.abs(mesh.points[mesh.boundary, 2]) <= tolerance).all(axis=1)]
@@ -68,7 +68,7 @@ def check_half(mesh: Mesh) -> None:
         where = _position(mesh, missing[int(np.argmax(areas))])
         raise MeshError(
             f"the face sym must be all of the boundary in the plane z = 0, and it leaves out {areas.sum():.3g} of "
-            f"{areas.sum() + mesh.area('sym'):.3g} mm2 there, such as near {where} mm"
+            f"{areas.sum() + mesh.area('sym'):.3g} mm2 there, such as near {where}"
         )
 
 
@@ -86,4 +86,4 @@ def count_components(mesh: Mesh) -> int:
 
 
 def _position(mesh: Mesh, triangle: Index) -> str:
-    return coordinates_text(mesh.points[triangle].mean(axis=0))
+    return position_text(mesh.points[triangle].mean(axis=0))

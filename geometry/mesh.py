@@ -52,7 +52,7 @@ class Mesh:
         if flat.any():
             first = int(np.flatnonzero(flat)[0])
             raise MeshError(
-                f"tetrahedron {first} of the mesh is flat, near {coordinates_text(points[tets[first]].mean(axis=0))} mm"
+                f"tetrahedron {first} of the mesh is flat, near {position_text(points[tets[first]].mean(axis=0))}"
             )
         tets[volumes < 0] = tets[volumes < 0][:, [0, 2, 1, 3]]
         object.__setattr__(self, "points", _frozen(points))
@@ -77,7 +77,7 @@ class Mesh:
             reason = "uses points outside the body"
             if (first >= 0).all():
                 centre = self.points[first].mean(axis=0)
-                reason = f"near {coordinates_text(centre)} mm is no boundary face of a tetrahedron"
+                reason = f"near {position_text(centre)} is no boundary face of a tetrahedron"
             raise MeshError(f"the named face {name} has a triangle that {reason}")
         return self.boundary[row]
 
@@ -118,7 +118,7 @@ class Mesh:
         _, first, counts = np.unique(row_keys(triangles, len(self.points)), return_index=True, return_counts=True)
         if (counts > 2).any():
             centre = self.points[triangles[first[counts > 2][0]]].mean(axis=0)
-            raise MeshError(f"three or more tetrahedra share one face, near {coordinates_text(centre)} mm")
+            raise MeshError(f"three or more tetrahedra share one face, near {position_text(centre)}")
         return _frozen(triangles[np.sort(first[counts == 1])])
 
     @cached_property
@@ -159,7 +159,7 @@ class Mesh:
         if len(away) and away.max() > 1e-9 * np.ptp(self.points, axis=0).max():
             middle = self.points[open_ends[np.argmax(away)]].mean(axis=0)
             raise MeshError(
-                f"the face {name} encloses no volume: it has an open edge near {coordinates_text(middle)} mm, "
+                f"the face {name} encloses no volume: it has an open edge near {position_text(middle)}, "
                 f"away from z = 0 and x = {clamp:g}"
             )
 
@@ -326,6 +326,6 @@ def _write(path: Path, points: Array, tets: Index, faces: Mapping[str, Index]) -
     meshio.write(path, content, file_format="gmsh22", binary=False)
 
 
-def coordinates_text(point: Iterable[float]) -> str:
-    """A point (3,) with three digits, for sentences."""
-    return "(" + ", ".join(f"{x:.3g}" for x in point) + ")"
+def position_text(point: Iterable[float]) -> str:
+    """A point (3,) in mm to a tenth of a millimetre, with the unit, for sentences."""
+    return "(" + ", ".join(f"{x:.1f}" for x in point) + ") mm"

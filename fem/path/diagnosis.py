@@ -7,7 +7,8 @@ from fem.equations.system import System
 from fem.path.modes import critical_mode, stiffness_ratio_mode
 from fem.path.newton import Converged
 from fem.path.predictor import PathPoint
-from fem.post.extremes import position_text, unstable_stretch
+from fem.post.extremes import unstable_stretch
+from geometry import position_text
 
 #: fraction of the elastic stiffness that is left, where least is left, below which a path that ends is at a limit
 #: point; 0.2 % before the largest pressure of an arm of rubber it is 0.14

@@ -15,7 +15,8 @@ from fem.path.active_set import ActiveSet
 from fem.path.control import Control
 from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, Start, StepFailed, Unstable, Watch
 from fem.path.predictor import PathPoint, Predictor
-from fem.post.extremes import extremes_of, position_text
+from fem.post.extremes import extremes_of
+from geometry import position_text
 from geometry.arrays import Array
 
 

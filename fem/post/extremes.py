@@ -8,6 +8,7 @@ from fem.materials import LAWS
 from fem.materials.material import Material
 from fem.materials.regions import ByRegion, Laws, Solid
 from fem.solution import Extremes
+from geometry import position_text
 from geometry.arrays import Array, Index
 
 
@@ -98,9 +99,3 @@ def outside_stable_range(extremes: Extremes, material: Material) -> str:
             f"the largest at which the law {law} is stable; {volume}"
         )
     return ""
-
-
-def position_text(position: tuple[float, float, float] | Array) -> str:
-    """A position (3,) in mm, formatted to a tenth of a millimetre."""
-    x, y, z = position
-    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"

@@ -4,8 +4,7 @@ import numpy as np
 
 from fem.discretisation import Discretisation
 from fem.effects.contact import triangles_cross
-from fem.post.extremes import position_text
-from geometry import Mesh
+from geometry import Mesh, position_text
 from geometry.arrays import Array
 
 #: search radius over the longest edge of the surface: where two triangles cross, it contains a node of each

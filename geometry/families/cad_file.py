@@ -9,7 +9,7 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.arrays import Array
-from geometry.design import Body, DesignError, check_size, raise_together
+from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import SAME, Axes, rotation
@@ -176,7 +176,7 @@ class CadFile(FileDesign):
         return self.solid_volume / (2 if self.symmetric else 1)
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
-        check_size(size, self.extent, self.meshed_volume)
+        self.check_size(size)
         mesh = self.repetition(size, grading).mesh() if self.repeats else mesh_cad(self._cad, size, grading)
         mesh = replace(mesh, regions={name: mesh.regions[name] for name in self.regions})
         check_manifold(mesh)

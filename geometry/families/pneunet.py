@@ -7,7 +7,7 @@ from math import pi
 from typing import ClassVar, final
 
 from geometry.body import Body
-from geometry.design import DesignError, SymmetricDesign, check_size
+from geometry.design import DesignError, SymmetricDesign
 from geometry.dimensions import check_design, not_less
 from geometry.grading import OFF, Grading
 from geometry.meshing.face_names import name_faces
@@ -187,7 +187,7 @@ class PneuNet(SymmetricDesign):
     def body(self, size: float, grading: Grading = OFF) -> Body:
         if self.equal:
             return super().body(size, grading)
-        check_size(size, self.extent, self.meshed_volume)
+        self.check_size(size)
         solid = mesh_solid(self._whole(), size, grading)
         planes = {"clamp": (0, 0.0), "tip": (0, self.length), "sym": (2, 0.0)}
         return self._body(

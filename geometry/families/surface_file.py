@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.design import Body, DesignError, check_size, raise_together
+from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign
 from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
 from geometry.foreign.fill import fill
@@ -119,7 +119,7 @@ class SurfaceFile(FileDesign):
 
         Where elements of `size` do not follow round walls (`LARGEST_ERROR`), smaller ones are taken, down to 0.4 of it.
         """
-        check_size(size, self.extent, self.meshed_volume)
+        self.check_size(size)
         placed, off = self._placed(size)
         for part in FINER:
             if off <= LARGEST_ERROR:

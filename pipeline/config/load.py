@@ -10,7 +10,6 @@ from typing import Any, TypeVar, get_type_hints
 
 from fem.elements import ELEMENTS
 from geometry import FAMILIES, Design, DesignError, MeshFile, SurfaceFile
-from geometry.design import check_size
 from pipeline.config.automatic_mesh import COARSER, COARSEST, GivenMesh, chosen_mesh
 from pipeline.config.config import (
     AUTO,
@@ -244,7 +243,7 @@ def _mesh(document: Document, content: Any, design: Design, materials: Mapping[s
         planned = accuracy and given.size_mm is None
         size = COARSEST * min(design.extent) if planned else chosen.size_mm
         if not isinstance(design, MeshFile):
-            check_size(size, design.extent, design.meshed_volume)
+            design.check_size(size)
     except DesignError as refused:
         raise _refused(document, refused) from None
     by_program = "size" in chosen.reasons and not accuracy

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-import fem
 from fem.elements import ELEMENTS, Volumetric
+from geometry import position_text
 from pipeline.config.config import Config
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.outcome import Outcomes, StateSummary
@@ -44,7 +44,7 @@ def _volume_change(solved: Solved) -> str:
     if element.volumetric is Volumetric.PRESSURE or law.poisson_ratio < KEEPS_ITS_VOLUME or lost < VOLUME_CHANGE:
         return ""
     return (
-        f"the material loses up to {100 * lost:.0f} % of its volume at {fem.position_text(worst.extremes.min_J_at)} "
+        f"the material loses up to {100 * lost:.0f} % of its volume at {position_text(worst.extremes.min_J_at)} "
         f"({worst.experiment}, {worst.pressure_kPa:g} kPa), although a Poisson ratio of {law.poisson_ratio:.4g} keeps "
         "it nearly; compare with mesh.formulation: mixed, or with a smaller mesh.size"
     )

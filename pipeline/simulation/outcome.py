@@ -6,7 +6,7 @@ from math import inf
 
 import fem
 from fem.solution import Extremes
-from geometry import Centreline
+from geometry import Centreline, position_text
 from geometry.arrays import Array, Index
 from pipeline.store.formats import CONVERGED, NOT_CONVERGED
 from pipeline.store.json_values import JsonObject
@@ -174,7 +174,7 @@ class Indicator:
 
     def location(self) -> str:
         """The state and the position in the body, in words."""
-        return f"in {self.experiment} at {self.pressure_kPa:g} kPa, most of it at {fem.position_text(self.at_mm)}"
+        return f"in {self.experiment} at {self.pressure_kPa:g} kPa, most of it at {position_text(self.at_mm)}"
 
     def sentence(self) -> str:
         """For the report."""

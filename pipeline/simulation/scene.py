@@ -5,7 +5,7 @@ from math import inf
 
 import fem
 from fem.elements import ELEMENTS, Volumetric
-from geometry import GRADINGS, Body, DesignError, MeshError, MeshFile, SurfaceFile
+from geometry import GRADINGS, Body, DesignError, MeshError, MeshFile, SurfaceFile, position_text
 from pipeline.config.config import AUTO, Config, Material
 from pipeline.errors import InputError
 
@@ -122,7 +122,7 @@ def _check_boundary(config: Config, body: Body) -> None:
     if isinstance(config.design, MeshFile | SurfaceFile) and (crossing := fem.crossing_at_rest(body.mesh)):
         raise InputError(
             f"{config.source}: geometry.file: the boundary of the mesh passes through itself near "
-            f"{fem.position_text(crossing)}; move the vertex there back, or mesh the body again"
+            f"{position_text(crossing)}; move the vertex there back, or mesh the body again"
         )
 
 
