@@ -4,8 +4,8 @@
 
 Arms of two chambers or short half discs on coarse meshes, each driven to a pressure that it does not bear. In the first
 table every experiment searches for itself; the last column but two is the search over the mean of the states. The
-second table is that of a run, in which I and III stop far beyond the limit of II: at the same pressure, and at
-one 1.15 times as large as the limit of II.
+second table is that of a run, in which I and III ask for the limit of II: at the same pressure, and at one 1.15 times
+as large as that limit.
 """
 
 import sys
@@ -31,7 +31,7 @@ HENCKY = "material={law: hencky, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}"
 YEOH = "material={law: yeoh, c10: 0.11 MPa, c20: 0.02 MPa, c30: 0 MPa, kappa: 22 MPa, density: 1130 kg/m^3}"
 VACUUM = "effects.pressure={cavities: {cavity: -1}}"
 
-#: pressure of the second table over the limit of II: nearer than where I and III stop because of it
+#: pressure of the second table over the limit of II
 NEAR = 1.15
 #: configuration, settings, pressures in kPa, the last of which is beyond the limit
 ARMS = {

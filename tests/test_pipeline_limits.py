@@ -1,5 +1,6 @@
 """A limit is named at little cost and from steps of any size, and experiments tell each other."""
 
+import re
 import sys
 import threading
 from dataclasses import replace
@@ -82,12 +83,12 @@ def test_a_limit_just_passed_costs_no_more_than_a_few_states(model: fem.Model) -
 
 
 def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> None:
-    """I is not solved at 5 kPa with any increments, and says so; at 1.1 kPa it finds its own limit."""
-    for largest, expected in (
-        (5.0, "because experiment II of the same arm has its limit at 1.0"),
-        (1.1, "limit is at"),
+    """I is not solved at 5 kPa with any increments, and says so; closely above 0.9 kPa it finds its own limit."""
+    for lower, largest, expected in (
+        (0.5, 5.0, "because experiment II of the same arm has its limit at 1.0"),
+        (0.9, 1.1, "limit is at"),
     ):
-        pressures = f"pressures=[0.5 kPa, {largest} kPa]"
+        pressures = f"pressures=[{lower} kPa, {largest} kPa]"
         config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, pressures])
         with open_store(tmp_path / str(largest), config) as store:
             outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II"])
@@ -103,11 +104,39 @@ def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> 
             assert failures[0].factorizations < failures[1].factorizations
 
 
-def test_a_known_limit_concerns_pressures_far_beyond_it_only() -> None:
+@pytest.mark.parametrize(
+    ("chambers", "size", "second", "sentence", "limit_kPa"),
+    [
+        # II has its limit at 64.9 kPa; that of III is lower, and pairs of both need pressures below it
+        (11, 7, 37, r"beyond 5[12]\.\d+ kPa on the way to 90 kPa: the limit is at 52\.\d+ kPa", 52.29),
+        # here that of III is a little higher, and is not searched
+        (2, 6, 45, r"beyond 60\.\d+ kPa on the way to 90 kPa: it was not tried .* because experiment II", 0.0),
+    ],
+)
+def test_three_is_followed_up_to_the_limit_of_two(
+    tmp_path: Path, chambers: int, size: int, second: int, sentence: str, limit_kPa: float
+) -> None:
+    pressures = f"pressures=[17 kPa, {second} kPa, 90 kPa]"
+    settings = [f"geometry.chambers={chambers}", f"mesh.size={size} mm", pressures]
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
+    with open_store(tmp_path, config) as store:
+        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II", "III"])
+    stored = {path.stem for path in (tmp_path / "states").glob("*.npz")}
+    failure = outcomes["III"].failure
+    assert failure is not None
+    assert re.search(sentence, failure.reason)
+    assert failure.limit_kPa == pytest.approx(limit_kPa, rel=1e-3)
+    assert failure.not_followed == (limit_kPa == 0.0)
+    assert stored == {f"{name}_{pressure}kPa" for name in ("II", "III") for pressure in (17, second)}
+
+
+def test_a_known_limit_concerns_pressures_not_closely_above_a_state_of_two() -> None:
     known = KnownLimit()
+    known.reached(37.0)
     known.set(40.0)
     assert known.why_not(45.0) == ""
-    assert "has its limit at 40 kPa" in known.why_not(55.0)
+    assert "has its limit at 40 kPa" in known.why_not(47.0)
+    assert known.limit_kPa == 40.0
     none = KnownLimit()
     none.set(0.0)
     assert none.why_not(55.0) == ""

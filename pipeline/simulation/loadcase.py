@@ -25,6 +25,10 @@ class PressureSchedule:
         """The load factor of each pressure."""
         return tuple(_MPa(pressure) / self.reference_MPa for pressure in self.pressures_kPa)
 
+    def factor_at(self, pressure_kPa: float) -> float:
+        """The load factor of any pressure (kPa)."""
+        return pressure_kPa / 1000.0 / self.reference_MPa
+
     def pressure_at(self, factor: float) -> float:
         """The pressure (kPa) at any load factor, for messages."""
         return 1000.0 * factor * self.reference_MPa

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import fem
 from pipeline.config.config import Config
@@ -10,7 +10,7 @@ from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.parallel.worker import TaskContext
 from pipeline.progress import Progress
-from pipeline.simulation.known_limit import FIRST, KnownLimit, asks, in_order
+from pipeline.simulation.known_limit import FIRST, NEARLY, KnownLimit, asks, in_order
 from pipeline.simulation.loadcase import LoadCase, identification_case
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
@@ -65,7 +65,10 @@ def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, gro
 
 
 def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
-    """II tells the pressures that it reaches and its limit, at once; I and III ask for them."""
+    """II tells the pressures that it reaches and its limit, at once; I and III ask for them.
+
+    III is followed nearly up to the limit of II, because its own may be lower.
+    """
     at_end = case.end
     experiment = fem.Experiment.of(case.experiment, scene.body, at_end.y_mm, at_end.force_N, at_end.x_mm)
     material = scene.material
@@ -74,28 +77,19 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
     tells = known if case.name == FIRST else None
     listener = _PathListener(case, store, progress, tells)
     stored = listener.stored_steps(model.space)
+    options = fem.PathOptions(fem.NewtonOptions(tolerance=scene.config.newton.tolerance))
+    asking = options if known is None or tells else replace(options, give_up=listener.why_not(known))
+    observer = fem.PathObserver(listener.iteration, listener.step_done)
     failure = None
     try:
-        newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
-        options = fem.PathOptions(newton)
-        if known is not None and tells is None:
-            options = fem.PathOptions(newton, give_up=listener.why_not(known))
-        observer = fem.PathObserver(listener.iteration, listener.step_done)
-        solution = fem.follow(model, case.schedule.factors, options, observer, resume=stored)
+        solution = fem.follow(model, case.schedule.factors, asking, observer, resume=stored)
     except fem.NotConverged as ended:
-        solution, end = ended.partial, ended.end
-        pressure = case.schedule.pressures_kPa[len(solution.steps)]
-        limit_kPa = case.schedule.pressure_at(end.limit) if end.limit else 0.0
-        reached_kPa = case.schedule.pressure_at(end.reached)
-        failure = Failure(
-            pressure,
-            failure_in_kPa(end, case),
-            end.cutbacks,
-            end.factorizations,
-            limit_kPa,
-            reached_kPa,
-            listener.is_given_up,
-        )
+        solution, end, is_given_up = ended.partial, ended.end, listener.is_given_up
+        if known and is_given_up and case.experiment == "III":
+            nearly = NEARLY * case.schedule.factor_at(known.limit_kPa)
+            way = replace(observer, step_done=fem.PathObserver().step_done)
+            end, is_given_up = _followed_nearly(model, end, solution.steps, nearly, options, way)
+        failure = _failure(end, case, case.schedule.pressures_kPa[len(solution.steps)], is_given_up)
     if tells is not None:
         tells.set(failure.limit_kPa if failure else 0.0)
     steps, intersection = _before_intersection(scene, solution.steps)
@@ -117,6 +111,33 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
         points=model.space.points,
         nodes=model.space.nodes,
     )
+
+
+def _followed_nearly(
+    model: fem.Model,
+    end: fem.End,
+    steps: Sequence[fem.Step],
+    factor: float,
+    options: fem.PathOptions,
+    observer: fem.PathObserver,
+) -> tuple[fem.End, bool]:
+    """How a path that was given up ends if it is followed up to `factor`, and whether it reaches that."""
+    if factor <= end.reached:
+        return end, True
+    try:
+        more = fem.follow(model, (*(step.factor for step in steps), factor), options, observer, resume=steps).steps[-1]
+    except fem.NotConverged as ended:
+        factorizations = end.factorizations + ended.end.factorizations
+        return replace(ended.end, target=end.target, factorizations=factorizations), False
+    return replace(end, reached=factor, factorizations=end.factorizations + more.factorizations), True
+
+
+def _failure(end: fem.End, case: LoadCase, pressure_kPa: float, is_given_up: bool) -> Failure:
+    """Why a pressure was not reached."""
+    limit_kPa = case.schedule.pressure_at(end.limit) if end.limit else 0.0
+    reached_kPa = case.schedule.pressure_at(end.reached)
+    reason = failure_in_kPa(end, case)
+    return Failure(pressure_kPa, reason, end.cutbacks, end.factorizations, limit_kPa, reached_kPa, is_given_up)
 
 
 @dataclass
