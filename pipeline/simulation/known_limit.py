@@ -16,7 +16,7 @@ FIRST, OTHERS = "II", ("I", "III")
 #: pressure over the last one that II has reached, up to which I and III do not ask for its limit, nor wait for it
 AHEAD = 1.25
 #: part of the limit of II up to which III is followed in small increments: nearer to it they become many
-NEARLY = 0.95
+PART_FOR_III = 0.95
 #: seconds after which it is asked again how far II has come
 ASK_AGAIN = 0.1
 #: groups of load cases that one run can tell apart: so many that their shared memory is one page of a file

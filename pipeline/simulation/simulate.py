@@ -10,7 +10,7 @@ from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.parallel.worker import TaskContext
 from pipeline.progress import Progress
-from pipeline.simulation.known_limit import FIRST, NEARLY, KnownLimit, asks, in_order
+from pipeline.simulation.known_limit import FIRST, PART_FOR_III, KnownLimit, asks, in_order
 from pipeline.simulation.loadcase import LoadCase, identification_case
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
@@ -86,9 +86,9 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
     except fem.NotConverged as ended:
         solution, end, is_given_up = ended.partial, ended.end, listener.is_given_up
         if known and is_given_up and case.experiment == "III":
-            nearly = NEARLY * case.schedule.factor_at(known.limit_kPa)
+            factor = PART_FOR_III * case.schedule.factor_at(known.limit_kPa)
             way = replace(observer, step_done=fem.PathObserver().step_done)
-            end, is_given_up = _followed_nearly(model, end, solution.steps, nearly, options, way)
+            end, is_given_up = _followed_up_to(model, end, solution.steps, factor, options, way)
         failure = _failure(end, case, case.schedule.pressures_kPa[len(solution.steps)], is_given_up)
     if tells is not None:
         tells.set(failure.limit_kPa if failure else 0.0)
@@ -113,7 +113,7 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
     )
 
 
-def _followed_nearly(
+def _followed_up_to(
     model: fem.Model,
     end: fem.End,
     steps: Sequence[fem.Step],
@@ -129,7 +129,8 @@ def _followed_nearly(
     except fem.NotConverged as ended:
         factorizations = end.factorizations + ended.end.factorizations
         return replace(ended.end, target=end.target, factorizations=factorizations), False
-    return replace(end, reached=factor, factorizations=end.factorizations + more.factorizations), True
+    spent = end.factorizations + more.factorizations
+    return replace(end, reached=factor, constant_fraction=1.0, factorizations=spent), True
 
 
 def _failure(end: fem.End, case: LoadCase, pressure_kPa: float, is_given_up: bool) -> Failure:
