@@ -12,7 +12,8 @@ from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import Axes
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import GRADINGS, Grading
-from geometry.mesh import Mesh, MeshError, Quality, position_text
+from geometry.mesh import Mesh, Quality
+from geometry.mesh_error import MeshError, position_text
 from geometry.meshing.cells import CellPlanes
 
 __all__ = [

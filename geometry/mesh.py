@@ -1,9 +1,6 @@
-"""A mesh: points, tetrahedra and named boundary triangles in one frozen value; its files (only here is meshio used)."""
+"""A mesh: points, tetrahedra and named boundary triangles in one frozen value."""
 
-import contextlib
-import io
-import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -14,14 +11,12 @@ import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from geometry.curved import NO_CURVED_EDGES, CurvedEdges, areas, flux
+from geometry.mesh_content import read_mesh, write_mesh
+from geometry.mesh_error import MeshError, position_text
 from geometry.quality import Quality, measure_quality
 from geometry.topology import EDGES, OUTWARD, find_rows, normals, open_edges, row_keys, signed_volumes
 
 Frozen = TypeVar("Frozen", Array, Index)
-
-
-class MeshError(ValueError):
-    """A mesh that cannot be used, with the reason in one sentence."""
 
 
 @dataclass(frozen=True)
@@ -88,7 +83,7 @@ class Mesh:
         Of second-order elements only the corners are used. Raises `MeshError` when the file is missing or
         unreadable, or has no tetrahedra or no named faces.
         """
-        return cls(*_read(Path(path)))
+        return cls(*read_mesh(Path(path)))
 
     def write(self, path: str | Path) -> None:
         """Write `path`: .msh (Gmsh 2.2, names as physical groups; `Mesh.read` reads it back) or .vtu (tetrahedra).
@@ -97,7 +92,7 @@ class Mesh:
 
         Raises `MeshError` for another suffix.
         """
-        _write(Path(path), self.points, self.tets, self.faces)
+        write_mesh(Path(path), self.points, self.tets, self.faces)
 
     @cached_property
     def volumes(self) -> Array:
@@ -232,100 +227,3 @@ def _members(mesh: Mesh, name: str) -> Index:
 def _frozen(array: Frozen) -> Frozen:
     array.setflags(write=False)
     return array
-
-
-def read_content(path: Path) -> Any:
-    """What meshio reads in a mesh file. Raises `MeshError` where it is missing or cannot be read."""
-    import meshio
-
-    if not path.is_file():
-        raise MeshError(f"the mesh file {path} does not exist")
-    try:
-        # meshio prints remarks and warns of its own rounding; the library functions of this project print nothing
-        with (
-            contextlib.redirect_stdout(io.StringIO()),
-            contextlib.redirect_stderr(io.StringIO()),
-            warnings.catch_warnings(),
-        ):
-            warnings.simplefilter("ignore")
-            return meshio.read(path)
-    except ModuleNotFoundError as error:
-        raise MeshError(
-            f"the mesh file {path} cannot be read: meshio needs {error.name} for this format, which is not installed; "
-            "save the mesh as VTU"
-        ) from error
-    except (Exception, SystemExit) as error:
-        reason = " ".join(str(error).split())
-        if isinstance(error, KeyError) or not reason:
-            reason = (
-                f"it is not of the format of its suffix, or has an entry that meshio does not know {reason}".strip()
-            )
-        raise MeshError(f"the mesh file {path} cannot be read: {reason}") from error
-
-
-def _read(path: Path) -> tuple[Array, Index, dict[str, Index]]:
-    """Points (n, 3), tetrahedra (m, 4) and named triangles {name: (k, 3)} of a mesh file; see `Mesh.read`."""
-    content = read_content(path)
-    tets = [block.data[:, :4] for block in content.cells if block.type in ("tetra", "tetra10")]
-    if not tets:
-        raise MeshError(f"the mesh file {path} has no tetrahedra; mesh the volume and save it with its physical groups")
-    faces = named_triangles(content)
-    if not faces:
-        raise MeshError(
-            f"the mesh file {path} has no named faces; give its surfaces physical groups (clamp, cavity, ...)"
-        )
-    return content.points, np.vstack(tets), faces
-
-
-def named_triangles(content: Any) -> dict[str, Index]:
-    """The triangles of each named physical group; a triangle in several groups is listed under each of their names."""
-    groups = named_rows(content, 2, ("triangle", "triangle6"))
-    return {
-        name: np.vstack([content.cells[number].data[rows, :3] for number, rows in parts.items()])
-        for name, parts in groups.items()
-    }
-
-
-def named_rows(content: Any, dimension: int, kinds: tuple[str, ...]) -> dict[str, dict[int, Index]]:
-    """Of each named physical group of a dimension its rows in each block of these kinds of cells, by the number of the
-    block; a cell in several groups is listed under each of their names."""
-    groups: dict[str, dict[int, Index]] = {}
-    for name in content.field_data:
-        sets = zip(content.cells, content.cell_sets.get(name, []), strict=False)
-        parts = {
-            number: np.asarray(rows, dtype=np.int64)
-            for number, (block, rows) in enumerate(sets)
-            if block.type in kinds and rows is not None and len(rows)
-        }
-        if not parts and "gmsh:physical" in content.cell_data and content.field_data[name][1] == dimension:
-            tags = zip(content.cells, content.cell_data["gmsh:physical"], strict=True)
-            parts = {
-                number: np.flatnonzero(np.asarray(of) == content.field_data[name][0])
-                for number, (block, of) in enumerate(tags)
-                if block.type in kinds
-            }
-        if sum(map(len, parts.values())):
-            groups[name] = parts
-    return groups
-
-
-def _write(path: Path, points: Array, tets: Index, faces: Mapping[str, Index]) -> None:
-    """Write a .msh with physical groups or a .vtu of the tetrahedra; see `Mesh.write`."""
-    import meshio
-
-    if path.suffix == ".vtu":
-        meshio.Mesh(points, [("tetra", tets)]).write(path, file_format="vtu")
-        return
-    if path.suffix != ".msh":
-        raise MeshError(f"a mesh is written as .msh or .vtu, not as {path.name}")
-    cells = [("triangle", triangles) for triangles in faces.values()] + [("tetra", tets)]
-    tags = [np.full(len(data), tag, dtype=np.int32) for tag, (_, data) in enumerate(cells, start=1)]
-    names = {name: np.array([tag, 2]) for tag, name in enumerate(faces, start=1)}
-    names["solid"] = np.array([len(cells), 3])
-    content = meshio.Mesh(points, cells, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}, field_data=names)
-    meshio.write(path, content, file_format="gmsh22", binary=False)
-
-
-def position_text(point: Iterable[float]) -> str:
-    """A point (3,) in mm to a tenth of a millimetre, with the unit, for sentences."""
-    return "(" + ", ".join(f"{x:.1f}" for x in point) + ") mm"

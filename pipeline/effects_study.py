@@ -5,7 +5,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from fem.elements import ELEMENTS
-from pipeline.config.config import Config, State
+from pipeline.config.config import Config
+from pipeline.config.effects import State
 from pipeline.config.schema import EFFECTS
 from pipeline.context import RunContext, run_context
 from pipeline.identification.parameters import Parameters, identify_all

@@ -110,7 +110,9 @@ def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> 
         # II has its limit at 64.9 kPa; that of III is lower, and pairs of both need pressures below it
         (11, 7, 37, r"beyond 5[12]\.\d+ kPa on the way to 90 kPa: the limit is at 52\.\d+ kPa", 52.29),
         # here that of III is a little higher, and is not searched
-        (2, 6, 45, r"beyond 60\.\d+ kPa on the way to 90 kPa: it was not tried .* because experiment II", 0.0),
+        (2, 6, 45, r"it was followed up to 60\.\d+ kPa only, 95 % of the limit of experiment II of", 0.0),
+        # III has passed that part of the limit already
+        (2, 6, 62, r"beyond 62 kPa on the way to 90 kPa: it was not tried in small increments, because", 0.0),
     ],
 )
 def test_three_is_followed_up_to_the_limit_of_two(
@@ -137,6 +139,10 @@ def test_a_known_limit_concerns_pressures_not_closely_above_a_state_of_two() -> 
     assert known.why_not(45.0) == ""
     assert "has its limit at 40 kPa" in known.why_not(47.0)
     assert known.limit_kPa == 40.0
+    higher = KnownLimit()
+    higher.reached(30.0)
+    higher.set(48.0)
+    assert higher.why_not(47.0) == ""
     none = KnownLimit()
     none.set(0.0)
     assert none.why_not(55.0) == ""

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from fem import End
 from pipeline.config.config import End as ArmEnd
+from pipeline.simulation.case_path import failure_in_kPa
 from pipeline.simulation.loadcase import LoadCase, PressureSchedule
-from pipeline.simulation.simulate import failure_in_kPa
 
 
 def test_where_a_path_ended_in_the_units_of_the_configuration() -> None:

@@ -8,7 +8,8 @@ import fem
 from fem.cell.response import slopes
 from geometry import Body
 from pipeline.cell.pieces import ArmPieces
-from pipeline.config.config import CavityPressure, Config, StrainLimitingLayer
+from pipeline.config.config import Config
+from pipeline.config.effects import CavityPressure, StrainLimitingLayer
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.simulation.scene import Scene, material_of

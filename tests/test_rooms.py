@@ -34,7 +34,7 @@ LIBRARIES: dict[str, set[str]] = {
 #: library -> the only modules, or folders ("fem/kernels/"), that may import it
 DOORS: dict[str, set[str]] = {
     "gmsh": {"geometry/meshing/solid.py"},
-    "meshio": {"geometry/mesh.py"},
+    "meshio": {"geometry/mesh_content.py"},
     "skfem": {"fem/discretisation.py"},
     # the doctor tries the threads of numba
     "numba": {"fem/kernels/", "rod/compiled.py", "pipeline/doctor.py"},

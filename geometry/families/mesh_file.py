@@ -16,7 +16,8 @@ from geometry.foreign.file import FileMesh, read_mesh_file
 from geometry.foreign.frame import SAME, Axes
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
-from geometry.mesh import Mesh, MeshError
+from geometry.mesh import Mesh
+from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
 from geometry.topology import open_edges
 

@@ -16,7 +16,7 @@ from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.shells import named_cavities, parts_of, refuse_open
 from geometry.foreign.surface import Surface, enclosed, read_surface, scaled, thinnest
 from geometry.grading import OFF, Grading
-from geometry.mesh import MeshError
+from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
 from geometry.meshing.cad_position import check_dimensions
 

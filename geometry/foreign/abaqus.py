@@ -14,7 +14,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.foreign.companions import included
-from geometry.mesh import MeshError
+from geometry.mesh_error import MeshError
 
 #: type of an element of a volume, with its number of nodes: C3D4, C3D10MH
 _VOLUME = re.compile(r"C3D(\d+)")

@@ -14,7 +14,7 @@ from geometry.arrays import Array, Index
 from geometry.curved import CurvedEdges
 from geometry.foreign.file import FileMesh
 from geometry.foreign.surface import Surface
-from geometry.mesh import MeshError
+from geometry.mesh_error import MeshError
 from geometry.meshing.solid import collect_mesh, optimize, session
 
 #: two triangles that are turned against each other by more than this belong to different patches, rad

@@ -11,7 +11,8 @@ from pydantic import AfterValidator, BeforeValidator, Field
 
 from fem.elements import ELEMENTS
 from geometry import GRADINGS, CellPlanes
-from pipeline.config.config import LAW_CHOICES, AlongAxis, CavityPressure
+from pipeline.config.config import LAW_CHOICES, AlongAxis
+from pipeline.config.effects import CavityPressure
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert, with_point
 from pipeline.errors import quoted
 

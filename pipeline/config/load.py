@@ -13,19 +13,17 @@ from geometry import FAMILIES, Design, DesignError, MeshFile, SurfaceFile
 from pipeline.config.automatic_mesh import COARSER, COARSEST, GivenMesh, chosen_mesh
 from pipeline.config.config import (
     AUTO,
-    CavityPressure,
     Config,
-    Effects,
     End,
     IdentificationSettings,
     Material,
     MeshSettings,
     Newton,
-    PressureEffect,
     Validation,
     middle_of_widest,
 )
 from pipeline.config.document import Document, read_document
+from pipeline.config.effects import CavityPressure, Effects, PressureEffect
 from pipeline.config.schema import OWN, checked, own_design
 from pipeline.config.solid import check_stiffness, solids
 from pipeline.errors import InputError

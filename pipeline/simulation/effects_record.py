@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from math import isfinite
 
 from fem.elements import ELEMENTS
-from pipeline.config.config import CavityPressure, Config
+from pipeline.config.config import Config
+from pipeline.config.effects import CavityPressure
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.store.json_values import JsonObject

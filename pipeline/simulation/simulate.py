@@ -1,8 +1,7 @@
 """The load cases on one body, each a task; each state is stored as soon as it is reached."""
 
 import itertools
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
 
 import fem
 from pipeline.config.config import Config
@@ -10,7 +9,8 @@ from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.parallel.worker import TaskContext
 from pipeline.progress import Progress
-from pipeline.simulation.known_limit import FIRST, PART_FOR_III, KnownLimit, asks, in_order
+from pipeline.simulation.case_path import CasePath
+from pipeline.simulation.known_limit import FIRST, KnownLimit, asks, in_order
 from pipeline.simulation.loadcase import LoadCase, identification_case
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
@@ -65,33 +65,13 @@ def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, gro
 
 
 def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
-    """II tells the pressures that it reaches and its limit, at once; I and III ask for them.
-
-    III is followed nearly up to the limit of II, because its own may be lower.
-    """
     at_end = case.end
     experiment = fem.Experiment.of(case.experiment, scene.body, at_end.y_mm, at_end.force_N, at_end.x_mm)
     material = scene.material
     effects = scene.effects(case.schedule.reference_MPa)
     model = experiment.model(material, effects, scene.config.mesh.formulation)
-    tells = known if case.name == FIRST else None
-    listener = _PathListener(case, store, progress, tells)
-    stored = listener.stored_steps(model.space)
-    options = fem.PathOptions(fem.NewtonOptions(tolerance=scene.config.newton.tolerance))
-    asking = options if known is None or tells else replace(options, give_up=listener.why_not(known))
-    observer = fem.PathObserver(listener.iteration, listener.step_done)
-    failure = None
-    try:
-        solution = fem.follow(model, case.schedule.factors, asking, observer, resume=stored)
-    except fem.NotConverged as ended:
-        solution, end, is_given_up = ended.partial, ended.end, listener.is_given_up
-        if known and is_given_up and case.experiment == "III":
-            factor = PART_FOR_III * case.schedule.factor_at(known.limit_kPa)
-            way = replace(observer, step_done=fem.PathObserver().step_done)
-            end, is_given_up = _followed_up_to(model, end, solution.steps, factor, options, way)
-        failure = _failure(end, case, case.schedule.pressures_kPa[len(solution.steps)], is_given_up)
-    if tells is not None:
-        tells.set(failure.limit_kPa if failure else 0.0)
+    newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
+    solution, failure = CasePath(case, model, newton, store, progress, known).followed()
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:
         reached_kPa = case.schedule.pressures_kPa[len(steps) - 1] if steps else 0.0
@@ -111,96 +91,6 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
         points=model.space.points,
         nodes=model.space.nodes,
     )
-
-
-def _followed_up_to(
-    model: fem.Model,
-    end: fem.End,
-    steps: Sequence[fem.Step],
-    factor: float,
-    options: fem.PathOptions,
-    observer: fem.PathObserver,
-) -> tuple[fem.End, bool]:
-    """How a path that was given up ends if it is followed up to `factor`, and whether it reaches that."""
-    if factor <= end.reached:
-        return end, True
-    try:
-        more = fem.follow(model, (*(step.factor for step in steps), factor), options, observer, resume=steps).steps[-1]
-    except fem.NotConverged as ended:
-        factorizations = end.factorizations + ended.end.factorizations
-        return replace(ended.end, target=end.target, factorizations=factorizations), False
-    spent = end.factorizations + more.factorizations
-    return replace(end, reached=factor, constant_fraction=1.0, factorizations=spent), True
-
-
-def _failure(end: fem.End, case: LoadCase, pressure_kPa: float, is_given_up: bool) -> Failure:
-    """Why a pressure was not reached."""
-    limit_kPa = case.schedule.pressure_at(end.limit) if end.limit else 0.0
-    reached_kPa = case.schedule.pressure_at(end.reached)
-    reason = failure_in_kPa(end, case)
-    return Failure(pressure_kPa, reason, end.cutbacks, end.factorizations, limit_kPa, reached_kPa, is_given_up)
-
-
-@dataclass
-class _PathListener:
-    """Stores the states of a load path as they are reached and reports its progress, pressures in kPa."""
-
-    case: LoadCase
-    store: Store
-    progress: Progress
-    tells: KnownLimit | None = None  #: who is told the pressures that are reached
-    reached: int = 0  #: pressures of the schedule that are reached
-    is_given_up: bool = False  #: whether the last pressure was given up because of the limit of another experiment
-
-    @property
-    def _pressure(self) -> float:
-        """The pressure that is being solved."""
-        return self.case.schedule.pressures_kPa[self.reached]
-
-    def stored_steps(self, space: fem.Discretisation) -> list[fem.Step]:
-        """The finished steps of an earlier run with this configuration, up to the first that is missing."""
-        steps: list[fem.Step] = []
-        for pressure in self.case.schedule.pressures_kPa:
-            arrays = self.store.load_state(self.case.name, pressure)
-            if arrays is None:
-                break
-            steps.append(fem.step_from_arrays(space, arrays))
-            self.progress.step_done(self.case.name, pressure, 0.0)
-            self._reach()
-        return steps
-
-    def why_not(self, known: KnownLimit) -> Callable[[float], str]:
-        """Why a load is not worth smaller increments, from what another experiment found."""
-
-        def ask(factor: float) -> str:
-            reason = known.why_not(self.case.schedule.pressure_at(factor))
-            self.is_given_up = bool(reason)
-            return reason
-
-        return ask
-
-    def iteration(self, factor: float, iteration: int, residual: float) -> None:
-        self.progress.iteration(self.case.name, self._pressure, iteration, residual)
-
-    def step_done(self, step: fem.Step) -> None:
-        self.store.save_state(self.case.name, self._pressure, **fem.step_to_arrays(step))
-        self.progress.step_done(self.case.name, self._pressure, step.seconds)
-        self._reach()
-
-    def _reach(self) -> None:
-        if self.tells is not None:
-            self.tells.reached(self._pressure)
-        self.reached += 1
-
-
-def failure_in_kPa(end: fem.End, case: LoadCase) -> str:
-    """Why a path ended, in the units of the configuration."""
-    reached, target = (f"{case.schedule.pressure_at(factor):.4g} kPa" for factor in (end.reached, end.target))
-    if end.constant_fraction < 1.0 and (acting := case.on_end):
-        reached += f" with {100 * end.constant_fraction:.3g} % of {acting} at the end"
-        target += " with all of it"
-    limit = f"the limit is at {case.schedule.pressure_at(end.limit):.4g} kPa; " if end.limit else ""
-    return f"no equilibrium found beyond {reached} on the way to {target}: {limit}{end.cause}"
 
 
 def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Sequence[fem.Step], str]:

@@ -1,0 +1,137 @@
+"""The load path of one case: its states, each stored as soon as it is reached, and why a pressure was not."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import final
+
+import fem
+from pipeline.progress import Progress
+from pipeline.simulation.known_limit import FIRST, PART_FOR_III, KnownLimit
+from pipeline.simulation.loadcase import LoadCase
+from pipeline.simulation.outcome import Failure
+from pipeline.store.store import Store
+
+
+@final
+@dataclass
+class CasePath:
+    """The path of one case; it reports its progress, with pressures in kPa."""
+
+    case: LoadCase
+    model: fem.Model
+    newton: fem.NewtonOptions
+    store: Store
+    progress: Progress
+    known: KnownLimit | None  #: what II tells and the others ask for; None for a case that does neither
+    reached: int = 0  #: pressures of the schedule that are reached
+    is_given_up: bool = False  #: whether the last pressure was given up because of the limit of II
+
+    def followed(self) -> tuple[fem.Solution, Failure | None]:
+        """The states that are reached, those stored by an earlier run included, and why the next pressure is not.
+
+        II tells the pressures that it reaches and its limit, at once. Where its limit is below a pressure, I is given
+        up there, and III is followed up to a part of it, because its own may be lower.
+        """
+        options = fem.PathOptions(self.newton)
+        if self.known is not None and not self._is_first:
+            options = fem.PathOptions(self.newton, give_up=self._why_not)
+        observer = fem.PathObserver(self._iteration, self._step_done)
+        stored = self._stored_steps()
+        try:
+            return fem.follow(self.model, self.case.schedule.factors, options, observer, resume=stored), None
+        except fem.NotConverged as ended:
+            solution, end = ended.partial, ended.end
+        failure = self._failure(end, end.factorizations)
+        if self.known is not None and self._is_first:
+            self.known.set(failure.limit_kPa)
+        # on the way to a first pressure the loads on the end grow as well, and at a lower one less of them would act
+        if self.known is not None and self._is_three_given_up and (solution.steps or not self.case.on_end):
+            failure = self._below_limit_of_II(PART_FOR_III * self.known.limit_kPa, failure, solution.steps)
+        return solution, failure
+
+    @property
+    def _is_first(self) -> bool:
+        return self.case.name == FIRST
+
+    @property
+    def _is_three_given_up(self) -> bool:
+        return self.is_given_up and self.case.experiment == "III"
+
+    @property
+    def _pressure(self) -> float:
+        """The pressure that is being solved."""
+        return self.case.schedule.pressures_kPa[self.reached]
+
+    def _stored_steps(self) -> list[fem.Step]:
+        """The finished steps of an earlier run with this configuration, up to the first that is missing."""
+        steps: list[fem.Step] = []
+        for pressure in self.case.schedule.pressures_kPa:
+            arrays = self.store.load_state(self.case.name, pressure)
+            if arrays is None:
+                break
+            steps.append(fem.step_from_arrays(self.model.space, arrays))
+            self.progress.step_done(self.case.name, pressure, 0.0)
+            self._reach()
+        return steps
+
+    def _why_not(self, factor: float) -> str:
+        """Why a load is not worth smaller increments, from what II found."""
+        assert self.known is not None
+        reason = self.known.why_not(self.case.schedule.pressure_at(factor))
+        self.is_given_up = bool(reason)
+        return reason
+
+    def _below_limit_of_II(self, part_kPa: float, failure: Failure, steps: Sequence[fem.Step]) -> Failure:
+        """The failure of III after it was followed up to a part of the limit of II, or how it ends before that."""
+        if part_kPa <= failure.reached_kPa:
+            return failure
+        factors = (*(step.factor for step in steps), self.case.schedule.factor_at(part_kPa))
+        options, observer = fem.PathOptions(self.newton), fem.PathObserver(self._iteration)
+        try:
+            last = fem.follow(self.model, factors, options, observer, resume=steps).steps[-1]
+        except fem.NotConverged as ended:
+            self.is_given_up = False
+            end = replace(ended.end, target=self.case.schedule.factors[self.reached])
+            return self._failure(end, failure.factorizations + end.factorizations)
+        reason = (
+            f"it was followed up to {part_kPa:.4g} kPa only, {100 * PART_FOR_III:g} % of the limit of experiment "
+            f"{FIRST} of the same arm"
+        )
+        factorizations = failure.factorizations + last.factorizations
+        return replace(failure, reason=reason, reached_kPa=part_kPa, factorizations=factorizations)
+
+    def _failure(self, end: fem.End, factorizations: int) -> Failure:
+        """Why the pressure that is being solved was not reached."""
+        at = self.case.schedule.pressure_at
+        return Failure(
+            self._pressure,
+            failure_in_kPa(end, self.case),
+            end.cutbacks,
+            factorizations,
+            limit_kPa=at(end.limit) if end.limit else 0.0,
+            reached_kPa=at(end.reached),
+            not_followed=self.is_given_up,
+        )
+
+    def _iteration(self, factor: float, iteration: int, residual: float) -> None:
+        self.progress.iteration(self.case.name, self._pressure, iteration, residual)
+
+    def _step_done(self, step: fem.Step) -> None:
+        self.store.save_state(self.case.name, self._pressure, **fem.step_to_arrays(step))
+        self.progress.step_done(self.case.name, self._pressure, step.seconds)
+        self._reach()
+
+    def _reach(self) -> None:
+        if self.known is not None and self._is_first:
+            self.known.reached(self._pressure)
+        self.reached += 1
+
+
+def failure_in_kPa(end: fem.End, case: LoadCase) -> str:
+    """Why a path ended, in the units of the configuration."""
+    reached, target = (f"{case.schedule.pressure_at(factor):.4g} kPa" for factor in (end.reached, end.target))
+    if end.constant_fraction < 1.0 and (acting := case.on_end):
+        reached += f" with {100 * end.constant_fraction:.3g} % of {acting} at the end"
+        target += " with all of it"
+    limit = f"the limit is at {case.schedule.pressure_at(end.limit):.4g} kPa; " if end.limit else ""
+    return f"no equilibrium found beyond {reached} on the way to {target}: {limit}{end.cause}"
