@@ -134,6 +134,11 @@ class Design(ABC):
         return divided
 
     @property
+    def against_flat_elements(self) -> str:
+        """What can be done where the mesh has flat elements; the end of a sentence."""
+        return "look for a small edge or a thin gap of the body there, or mesh it with another size"
+
+    @property
     def outer_corners(self) -> bool:
         """Whether the outside has re-entrant edges, as at the gaps between chambers."""
         return False

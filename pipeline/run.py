@@ -59,7 +59,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
     loading = loaded(context, config.mesh.formulation, material_of(config))
     with stages.timed("mesh"):
         scene = meshed_with_progress(config, progress)
-    unusual = tuple(filter(None, (*of_mesh(scene.body.mesh), of_half(scene.body), of_contact(scene))))
+    unusual = tuple(filter(None, (*of_mesh(scene.body.mesh, config.design), of_half(scene.body), of_contact(scene))))
     for sentence in unusual:
         progress.remark(sentence)
     with stages.timed("kernels (compiled once)"):

@@ -1,5 +1,6 @@
 """Bodies from closed surfaces (STL): filled with elements, and refused with the position of what is wrong."""
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -285,3 +286,81 @@ def test_what_only_filling_shows(stl: Path) -> None:
         SurfaceFile(str(stl), curve=1.5, tip=40).body(5.0)
     with pytest.raises(DesignError, match=r"mesh\.size: 50 mm is larger than the body"):
         SurfaceFile(str(stl), curve=1.5).body(50.0)
+
+
+def with_strips(depth: float, segments: int) -> tuple[np.ndarray, np.ndarray]:
+    """A bar of 60 x 14 x 12 mm whose upper edges are rounded by strips, and a part of whose bottom is lower; both by
+    `depth`."""
+    angles = np.linspace(0.0, np.pi / 2, segments + 1)
+    y, z = 14.0 - depth, 6.0 - depth
+    right = np.column_stack((y + depth * np.sin(angles), -z - depth * np.cos(angles)))
+    left = np.column_stack((y + depth * np.cos(angles), z + depth * np.sin(angles)))
+    bottom = np.array([(0.0, 6.0), (0.0, 2.0), (-depth, 2.0), (-depth, -2.0), (0.0, -2.0), (0.0, -6.0)])
+    profile = np.vstack((bottom, right, left))
+    count = len(profile)
+    here = np.arange(count)
+    following = (here + 1) % count
+    middles = np.full((2, count), [[2 * count], [2 * count + 1]])
+    outside = np.vstack(
+        (
+            np.column_stack((here, following, count + following)),
+            np.column_stack((here, count + following, count + here)),
+            np.column_stack((following, here, middles[0])),
+            np.column_stack((count + here, count + following, middles[1])),
+        )
+    )
+    ends = [np.column_stack((np.full(count, x), profile)) for x in (0.0, 60.0)]
+    air = np.array([(x, y, z) for x in (3, 57) for y in (3, 11) for z in (-3, 3)], dtype=float)
+    points = np.vstack((*ends, [(0.0, 7.0, 0.0), (60.0, 7.0, 0.0)], air))
+    return points, np.vstack((outside, CUBE[:, ::-1] + len(points) - len(air)))
+
+
+#: triangles of a box with its corners in the order of (x, y, z), facing outward
+CUBE = np.array(
+    [
+        *((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1)),
+        *((2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)),
+    ]
+)
+
+
+@pytest.mark.parametrize(("depth", "segments"), [(0.05, 1), (0.05, 6), (0.02, 3)])
+def test_small_features_are_removed(folder: Path, depth: float, segments: int) -> None:
+    path = written(folder / f"strips_{depth}_{segments}.stl", *with_strips(depth, segments))
+    given = SurfaceFile(str(path), curve=1.5)
+    cleaned = SurfaceFile(str(path), curve=1.5, defeature=0.1)
+    sides = np.linalg.norm(np.diff(cleaned.surface.points[cleaned.surface.triangles[:, [0, 1, 2, 0]]], axis=1), axis=2)
+    assert sides.min() > 0.1
+    assert cleaned.solid_volume == pytest.approx(given.solid_volume, rel=5e-3)
+    assert cleaned.cavity_volume == pytest.approx(given.cavity_volume, rel=1e-12)
+    assert np.ptp(cleaned.surface.points, axis=0) == pytest.approx(np.ptp(given.surface.points, axis=0), abs=0.1)
+    before, after = given.body(4.0).mesh, cleaned.body(4.0).mesh
+    assert before.quality.minimum < 0.03
+    assert after.quality.minimum > 0.1
+    check_manifold(after)
+    check_untangled(after)
+    assert set(after.faces) == {"clamp", "tip", "cavity", "outer"}
+
+
+def test_a_surface_without_small_features_stays_as_it_is(stl: Path) -> None:
+    given, cleaned = SurfaceFile(str(stl), curve=1.5), SurfaceFile(str(stl), curve=1.5, defeature=0.1)
+    assert np.array_equal(cleaned.surface.points, given.surface.points)
+    assert np.array_equal(cleaned.surface.triangles, given.surface.triangles)
+
+
+@pytest.mark.parametrize(
+    ("length", "sentence"),
+    [
+        (0.0, "must be a positive length, not 0"),
+        (1.4, "1.4 mm is more than half of the thinnest wall, 2.71 mm; give a smaller length"),
+        (0.8, "without edges shorter than 0.8 mm the volume of the material changes by -0.35 %, and at most 0.2 % are"),
+    ],
+)
+def test_a_length_that_would_change_the_body_is_refused(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, length: float, sentence: str
+) -> None:
+    monkeypatch.setattr(sys.modules[SurfaceFile.__module__], "LARGEST_ERROR", 0.002)
+    path = written(folder / "rounded.stl", *with_strips(0.9, 6))
+    with pytest.raises(DesignError, match=sentence) as caught:
+        SurfaceFile(str(path), curve=1.5, defeature=length)
+    assert caught.value.keys == ("defeature",)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from bodies import bricks, named, on_plane
 
-from geometry import Body, Mesh, PneuNet
+from geometry import Body, Mesh, PneuNet, position_text
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
@@ -236,8 +236,9 @@ def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scen
 
 
 def test_a_flat_element_is_named_before_solving() -> None:
-    mesh = PneuNet(chambers=2).body(5).mesh
-    assert of_mesh(mesh) == ()
+    design = PneuNet(chambers=2)
+    mesh = design.body(5).mesh
+    assert of_mesh(mesh, design) == ()
     points = np.array(mesh.points)
     inner = np.setdiff1d(np.arange(len(points)), mesh.boundary)[0]
     tet = next(tet for tet in mesh.tets if inner in tet)
@@ -247,10 +248,10 @@ def test_a_flat_element_is_named_before_solving() -> None:
         flat = Mesh(points, mesh.tets, {})
         if flat.quality.minimum < FLAT_ELEMENT:
             break
-    (sentence,) = of_mesh(flat)
-    where = ", ".join(f"{x:.3g}" for x in flat.quality.position)
+    (sentence,) = of_mesh(flat, design)
     assert f"radius ratio of {flat.quality.minimum:.2g}" in sentence
-    assert f"near ({where}) mm" in sentence
+    assert f"near {position_text(flat.quality.position)}, where" in sentence
+    assert sentence.endswith("look for a small edge or a thin gap of the body there, or mesh it with another size")
 
 
 @pytest.mark.parametrize("layer", [0, 1])

@@ -151,6 +151,13 @@ class CadFile(FileDesign):
     def region_volumes(self) -> Mapping[str, float]:
         return self.measures.part_volumes
 
+    @property
+    def against_flat_elements(self) -> str:
+        return (
+            f"{super().against_flat_elements}, or save it as STL and remove small edges with geometry.defeature, for "
+            "example 0.1 mm"
+        )
+
     @cached_property
     def thinnest_wall(self) -> float:
         return measure_thinnest_wall(self._cad)

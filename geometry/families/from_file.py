@@ -27,9 +27,13 @@ class FileDesign(Design):
 
     def _wrong_lengths(self) -> Iterator[DesignError]:
         """A `DesignError` for each length that the file does not tell and that is not positive."""
-        for key, value in (("cell", self.cell), ("unit", self.unit)):
-            if value is not None and not isinstance(value, CellPlanes) and not (isfinite(value) and value > 0):
-                yield DesignError(key, f"must be a positive length, not {value!r}")
+        if not isinstance(self.cell, CellPlanes):
+            yield from self._not_positive("cell", self.cell)
+        yield from self._not_positive("unit", self.unit)
+
+    def _not_positive(self, key: str, length: float | None) -> Iterator[DesignError]:
+        if length is not None and not (isfinite(length) and length > 0):
+            yield DesignError(key, f"must be a positive length, not {length!r}")
 
     def _keep_own_copies(self) -> None:
         """Keep the values of `air` and `axes`, whatever happens to what was given."""

@@ -11,6 +11,7 @@ import numpy as np
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign
 from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
+from geometry.foreign.defeatured import defeatured
 from geometry.foreign.fill import fill
 from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.shells import named_cavities, parts_of, refuse_open
@@ -47,9 +48,10 @@ class SurfaceFile(FileDesign):
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
+    defeature: float | None = None  #: edges shorter than this, and strips narrower than this, are removed
 
     def __post_init__(self) -> None:
-        raise_together(self._wrong_lengths())
+        raise_together((*self._wrong_lengths(), *self._not_positive("defeature", self.defeature)))
         self._keep_own_copies()
         _ = self.surface, self.length
         self._check_middle()
@@ -57,14 +59,14 @@ class SurfaceFile(FileDesign):
 
     @cached_property
     def surface(self) -> Surface:
-        """The surface in mm and in the directions of the arm."""
+        """The surface in mm and in the directions of the arm, without its small features if `defeature` is given."""
         try:
             read = read_surface(Path(self.file))
         except MeshError as error:
             raise DesignError("file", str(error)) from error
         surface = scaled(read, self.unit * rotation(self.axes).T)
         check_dimensions(np.ptp(surface.points, axis=0), self.unit)
-        return surface
+        return surface if self.defeature is None else _without_small_features(surface, self.defeature)
 
     def _check_middle(self) -> None:
         """Raise `DesignError` unless z = 0 lies within the body."""
@@ -110,6 +112,13 @@ class SurfaceFile(FileDesign):
         named = named_cavities(points, inner, triangles, self.air, mirrors)
         return {name: -enclosed(points - [clamp, 0.0, 0.0], walls) for name, walls in named.items()}
 
+    @property
+    def against_flat_elements(self) -> str:
+        return (
+            "remove edges and strips that are smaller with geometry.defeature, for example 0.1 mm, or mesh the body "
+            "with another size"
+        )
+
     @cached_property
     def thinnest_wall(self) -> float:
         return min(thinnest(self.surface), min(self.extent))
@@ -142,3 +151,21 @@ class SurfaceFile(FileDesign):
         offs = [placed.mesh.volume / self.solid_volume - 1]
         offs += [placed.mesh.enclosed_volume(name) / air - 1 for name, air in self.cavity_volumes.items()]
         return placed, max(map(abs, offs))
+
+
+def _without_small_features(surface: Surface, length: float) -> Surface:
+    """The surface without edges shorter than `length`. Raises `DesignError` where that would be another body."""
+    changed = defeatured(surface, length)
+    wall = thinnest(changed)  # narrow strips look like thin walls before
+    if length > wall / 2:
+        raise DesignError(
+            "defeature", f"{length:g} mm is more than half of the thinnest wall, {wall:.3g} mm; give a smaller length"
+        )
+    error = changed.volume / surface.volume - 1
+    if abs(error) > LARGEST_ERROR:
+        raise DesignError(
+            "defeature",
+            f"without edges shorter than {length:g} mm the volume of the material changes by {100 * error:.2g} %, and "
+            f"at most {100 * LARGEST_ERROR:g} % are allowed; give a smaller length",
+        )
+    return changed

@@ -98,7 +98,7 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         with replacing(file) as part:
             body.mesh.write(part)
         print_lines(body_table(file, design.design, body))
-        notes = (*of_units(design), *of_mesh(body.mesh), of_half(body), of_contact(scene))
+        notes = (*of_units(design), *of_mesh(body.mesh, design.design), of_half(body), of_contact(scene))
         print_sentences(*(f"Note: {sentence}." for sentence in notes if sentence))
 
 

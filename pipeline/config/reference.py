@@ -134,6 +134,7 @@ _OWN_EXAMPLES = {
     "air": "{cavity: [40 mm, 7 mm, 0 mm]}",
     "parts": "{}",
     "cell": "8 mm",
+    "defeature": "0.1 mm",
     "chamber_lengths": f"[{', '.join(['8 mm'] * 11)}]",
     "chamber_heights": f"[{', '.join(['12 mm'] * 11)}]",
     "gaps": f"[{', '.join(['2 mm'] * 12)}]",

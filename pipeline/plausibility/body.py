@@ -1,6 +1,6 @@
 """Sentences on the body and its mesh, known before anything is solved."""
 
-from geometry import Body, CadFile, Mesh
+from geometry import Body, CadFile, Design, Mesh, position_text
 from pipeline.config.config import AUTO, Config
 
 #: smallest radius ratio of an element that is not mentioned: meshes of the families have 0.1 to 0.3, and below this one
@@ -45,14 +45,14 @@ def of_edges(config: Config) -> str:
     )
 
 
-def of_mesh(mesh: Mesh) -> tuple[str, ...]:
-    """The sentences on a mesh, known before anything is solved."""
+def of_mesh(mesh: Mesh, design: Design) -> tuple[str, ...]:
+    """The sentences on the mesh of a design, known before anything is solved."""
     quality = mesh.quality
     if quality.minimum >= FLAT_ELEMENT:
         return ()
-    where = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
+    where = position_text(quality.position)
     return (
         f"the flattest of the {quality.count} elements has a radius ratio of {quality.minimum:.2g} (a regular one "
-        f"has 1), near ({where}) mm, where stresses may be inaccurate and large deformation may end early; look for a "
-        "small edge or a thin gap of the body there, or mesh it with another size",
+        f"has 1), near {where}, where stresses may be inaccurate and large deformation may end early; "
+        f"{design.against_flat_elements}",
     )
