@@ -2,11 +2,10 @@
 
 A short edge is contracted to one of its ends where the surface stays a closed surface: its ends must have no other
 common neighbours than the two corners opposite to it (the link condition; T. K. Dey et al., "Topology preserving edge
-contraction", Publ. Inst. Math. 66 (1999) 23). The end is kept
-that is nearer to the planes of all triangles of the file that were around either of them, so that corners stay and
-surfaces do not drift (quadrics; M. Garland and P. S. Heckbert, "Surface simplification using quadric error metrics",
-SIGGRAPH 1997). A triangle that is flat although its sides are long passes its longest side to the other two corners
-around it.
+contraction", Publ. Inst. Math. 66 (1999) 23). The end is kept that is nearer to the planes of all triangles of the file
+that were around either of them, so that corners stay and surfaces do not drift (quadrics; M. Garland and P. S.
+Heckbert, "Surface simplification using quadric error metrics", SIGGRAPH 1997). A triangle that is flat although its
+sides are long passes its longest side to the other two corners around it.
 """
 
 import heapq
