@@ -119,7 +119,8 @@ def test_yaml_blocks_of_the_guides_are_accepted(page: Path, tmp_path: Path) -> N
 
 @pytest.fixture(scope="module")
 def followed(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder in which the tutorial was followed, with a coarser mesh; the second run is without the own law."""
+    """The folder in which the tutorial was followed, with a coarser mesh and without loads that nothing is fitted to;
+    the second run is without the own law."""
     folder = tmp_path_factory.mktemp("tutorial")
     shutil.copytree(HERE / "configs", folder / "configs")
     [block] = re.findall(r"```yaml\n(.*?)```", (DOCS / "tutorial.md").read_text(encoding="utf-8"), flags=re.DOTALL)
@@ -128,8 +129,9 @@ def followed(tmp_path_factory: pytest.TempPathFactory) -> Path:
         if "--set" in words:  # the same arm with another modulus
             continue
         coarse = COARSE if words[0] in ("run", "mesh") else ()
-        quick = ("--set", "law=five", "--set", "validation=off") if words[:2] == ["run", "my_arm.yaml"] else ()
-        ended = run_in(folder, "-m", "pipeline", *words, *coarse, *quick)
+        quick = ("--set", "validation=off") if words[0] == "run" else ()
+        five = ("--set", "law=five") if words[:2] == ["run", "my_arm.yaml"] else ()
+        ended = run_in(folder, "-m", "pipeline", *words, *coarse, *quick, *five)
         assert ended.returncode == 0, ended.stderr
     return folder
 
