@@ -79,14 +79,17 @@ ARMS = {
 def config_of(arm: str, pressures_kPa: Sequence[float]) -> Config:
     """The arm at these pressures."""
     name, settings, _ = ARMS[arm]
-    listed = ", ".join(f"{pressure:g} kPa" for pressure in pressures_kPa)
-    return load_config(CONFIGS / f"{name}.yaml", [*settings, f"pressures=[{listed}]"])
+    return load_config(CONFIGS / f"{name}.yaml", [*settings, f"pressures=[{listed(pressures_kPa)}]"])
+
+
+def listed(pressures_kPa: Sequence[float]) -> str:
+    """Pressures with their unit."""
+    return ", ".join(f"{pressure:g} kPa" for pressure in pressures_kPa)
 
 
 def row(arm: str, experiment: str) -> str:
     """The line of the table."""
     pressures = ARMS[arm][2]
-    listed = ", ".join(f"{pressure:g} kPa" for pressure in pressures)
     config = config_of(arm, pressures)
     scene, case = Scene.meshed(config), identification_case(config, experiment)
     solved = fem.Experiment.of(experiment, scene.body, case.end.y_mm)
@@ -96,7 +99,7 @@ def row(arm: str, experiment: str) -> str:
     except fem.NotConverged as ended:
         end, steps = ended.end, ended.partial.steps
     else:
-        return f"| {arm} | {experiment} | solved at {listed} |  |  |  |  |"
+        return f"| {arm} | {experiment} | solved at {listed(pressures)} |  |  |  |  |"
     counts = [step.factorizations for step in steps]
     states, times = ", ".join(map(str, counts)), end.factorizations * len(counts) / sum(counts)
     reached, limit = (case.schedule.pressure_at(factor) for factor in (end.reached, end.limit or float("nan")))
@@ -126,8 +129,8 @@ def line_of_run(arm: str, over_limit: float, outcomes: Outcomes) -> str:
     states = [record.summary.factorizations for record in outcomes.records]
     searches = [outcome.failure.factorizations if outcome.failure else 0 for outcome in outcomes]
     ratio = sum(searches) * len(states) / len(searches) / sum(states)
-    listed = ", ".join(map(str, searches))
-    return f"| {arm} | {over_limit:.2f} | {sum(states)} | {listed} | {ratio:.1f} |"
+    each = ", ".join(map(str, searches))
+    return f"| {arm} | {over_limit:.2f} | {sum(states)} | {each} | {ratio:.1f} |"
 
 
 def main() -> None:

@@ -18,8 +18,8 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.foreign.surface import Surface
+from geometry.meshing.cad_import import Point
 
-Point: TypeAlias = tuple[float, float, float]
 #: numbers of the three corners
 Triangle: TypeAlias = tuple[int, int, int]
 #: sum over planes n x + d = 0 of their weight times n n, n d, d d, and the sum of the weights: xx, xy, xz, yy, yz, zz,

@@ -59,21 +59,20 @@ class KnownLimit:
 
         Waits until II has ended or reached a pressure not far below. What is answered does not depend on time.
         """
-        has_ended = False
-        while pressure_kPa > AHEAD * self._values[self._reached_kPa]:
-            if has_ended:
-                return self._because_of_limit if 0.0 < self.limit_kPa < pressure_kPa else ""
-            has_ended = bool(self._values[self._ended])  # looked at before what was reached, which is complete then
-            if not has_ended:
-                sleep(ASK_AGAIN)
-        return ""
-
-    @property
-    def _because_of_limit(self) -> str:
+        while not self._values[self._ended]:
+            if self._is_near(pressure_kPa):
+                return ""
+            sleep(ASK_AGAIN)
+        if self._is_near(pressure_kPa) or not 0.0 < self.limit_kPa < pressure_kPa:
+            return ""
         return (
             f"it was not tried in small increments, because experiment {FIRST} of the same arm has its limit at "
             f"{self.limit_kPa:.4g} kPa"
         )
+
+    def _is_near(self, pressure_kPa: float) -> bool:
+        """Whether II has reached a pressure not far below."""
+        return bool(pressure_kPa <= AHEAD * self._values[self._reached_kPa])
 
 
 def asks(case: LoadCase) -> bool:
