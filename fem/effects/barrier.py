@@ -18,6 +18,7 @@ import numpy as np
 
 from fem.effects.effect import Blocks, CarryingTerm, PenaltyTerm, UnilateralTerm
 from fem.effects.facing_pairs import FacingPairs, LocalPairs
+from geometry import position_text
 from geometry.arrays import Array, Index
 
 #: fraction of the barrier's width that lies behind the wall: without it walls in contact rest at nine tenths of the
@@ -25,6 +26,8 @@ from geometry.arrays import Array, Index
 OVERLAP = 0.7
 #: what the stiffness is multiplied by where walls pass through each other, and how often
 STIFFENING_FACTOR, MAX_STIFFENINGS = 4.0, 2
+#: how often pairs are added where walls cross in a crease; the designs of docs/theory.md need one or two
+MAX_CREASE_SEARCHES = 4
 #: depth over the activation distance from which on walls that overlap shortly before equilibrium do so in equilibrium
 #: as well: there gaps changed by up to 0.008 of it
 CLEAR_OVERLAP = 0.02
@@ -62,7 +65,8 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
     effect = "self_contact"
 
     pairs: FacingPairs
-    dhat: float  #: activation distance: the gap at which the barrier begins, mm
+    #: activation distance: the gap at which the barrier begins, mm; (k,) where it is not the same for all pairs
+    dhat: float | Array
     stiffness: float  #: MPa
     overlap: float  #: fraction of the barrier's width that lies behind the wall
     starts_inactive: bool
@@ -71,6 +75,10 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
     near: float = np.inf
     #: gives the barrier with exact distances; None where a crossing is judged by the signed gaps alone
     exact: Callable[[], UnilateralTerm] | None = field(default=None, repr=False)
+    #: further pairs of walls that cross in a crease at positions (n, 3), besides the given ones, and their activation
+    #: distances (m,), mm; None where they are not looked for
+    pairs_in_creases: Callable[[Array, FacingPairs], tuple[FacingPairs, Array]] | None = field(default=None, repr=False)
+    crease_searches: int = field(default=MAX_CREASE_SEARCHES, repr=False)  #: how often they may still be added
     stiffenings: int = field(default=MAX_STIFFENINGS, repr=False)  #: how often the stiffness may still be raised
     carried: Array | None = field(default=None, repr=False)  #: (k,) the gaps e, mm; None where they are those of x
 
@@ -117,49 +125,62 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
         return float(later.min(initial=np.inf))
 
     def touching(self, x: Array) -> bool:
-        return self.gap(x) < self.dhat
+        return bool((self.pairs.gaps(x) < self.dhat).any())
 
     def violation(self, x: Array) -> str:
         gaps = self.pairs.gaps(x)
-        if gaps.min() > self.dhat:
+        if not (gaps <= self.dhat).any():
             return ""
         if gaps.min() <= 0:
             position = x[self.pairs.nodes[int(np.argmin(gaps))]]
-            return f"two walls pass through each other at ({', '.join(f'{value:.1f}' for value in position)}) mm"
+            return f"two walls pass through each other at {position_text(position)}"
         return self.exact().violation(x) if self.exact else ""
 
     def gives_way(self, x: Array) -> bool:
-        return self.stiffenings > 0 and self.gap(x) < -CLEAR_OVERLAP * self.dhat
+        return self.stiffenings > 0 and bool((self.pairs.gaps(x) < -CLEAR_OVERLAP * self.dhat).any())
 
     def tightened(self, x: Array) -> UnilateralTerm:
-        """A stiffer barrier where walls overlap, as often as that is tried; else the one with exact distances, and the
-        term itself where there is none."""
-        if self.stiffenings and self.gap(x) <= 0:
+        """A stiffer barrier where walls overlap, as often as that is tried; further pairs where others cross in a
+        crease; else the barrier with exact distances, and the term itself where there is none."""
+        overlaps = self.gap(x) <= 0
+        if overlaps and self.stiffenings:
             return replace(self, stiffness=STIFFENING_FACTOR * self.stiffness, stiffenings=self.stiffenings - 1)
+        if self.pairs_in_creases is not None and self.crease_searches and not overlaps:
+            pairs, dhat = self.pairs_in_creases(x, self.pairs)
+            if pairs.nodes.size:
+                left, joined = self.crease_searches - 1, self.pairs.joined(pairs)
+                return replace(
+                    self, pairs=joined, dhat=np.append(self._dhats, dhat), crease_searches=left, carried=None
+                )
         return self.exact() if self.exact else self
+
+    @property
+    def _dhats(self) -> Array:
+        """Of each pair, (k,)."""
+        return np.broadcast_to(self.dhat, self.pairs.nodes.shape)
 
     def _pressed(self, x: Array) -> "_Pressed":
         """The pairs whose carried gap is below dhat, beyond which the barrier is zero."""
         gap = self.pairs.gaps(x) if self.carried is None else self.carried
         which = np.flatnonzero(gap < self.dhat)
-        pairs, gap = self.pairs.taken(which), gap[which]
+        pairs, gap, dhat = self.pairs.taken(which), gap[which], self._dhats[which]
         local, scale = pairs.local(x), WEIGHT * self.stiffness * pairs.area
-        _, slope, curvature = contact_potential(gap, self.dhat, self.overlap)
+        _, slope, curvature = contact_potential(gap, dhat, self.overlap)
         force = slope if self.carried is None else slope + curvature * (local.gap - gap)
         return _Pressed(pairs, local, scale * force, scale * slope, scale * curvature)
 
 
-def contact_potential(gap: Array, dhat: float, overlap: float = OVERLAP) -> tuple[Array, Array, Array]:
+def contact_potential(gap: Array, dhat: float | Array, overlap: float = OVERLAP) -> tuple[Array, Array, Array]:
     """The barrier that begins at the gap dhat and of whose width the fraction `overlap` lies behind the wall, with
     first and second derivative.
 
-    gap (k,) in mm; values in mm, 1 and 1/mm.
+    gap (k,) and dhat, one number or (k,), in mm; values in mm, 1 and 1/mm.
     """
     width = dhat / (1.0 - overlap)
     return continued_barrier(gap + overlap * width, width)
 
 
-def carried_gaps(gap: Array, pressure: Array, dhat: float, overlap: float = OVERLAP) -> Array:
+def carried_gaps(gap: Array, pressure: Array, dhat: float | Array, overlap: float = OVERLAP) -> Array:
     """The gaps (k,) around which the next iteration linearises the barrier, where a Newton step has led to the gaps
     `gap` (k,), mm, and its linearised barrier to the pressures `pressure` (k,), not negative, over the stiffness.
 
@@ -169,24 +190,25 @@ def carried_gaps(gap: Array, pressure: Array, dhat: float, overlap: float = OVER
 
         e - gap = c (p(e) - pressure),    c = COMPLIANCE times that of the barrier where it is quadratic.
     """
-    deepest = np.array([-dhat / (1.0 - overlap)])
-    c = COMPLIANCE / float(contact_potential(deepest, dhat, overlap)[2][0])
+    dhat = np.broadcast_to(dhat, gap.shape)
+    deepest = -dhat / (1.0 - overlap)
+    c = COMPLIANCE / contact_potential(deepest, dhat, overlap)[2]
     e = gap - c * pressure  # the solution where the barrier does not press
     pressed = np.flatnonzero(e < dhat)
-    gap, pressure, now = gap[pressed], pressure[pressed], np.full(pressed.shape, deepest[0])
+    gap, pressure, dhat, c, now = (values[pressed] for values in (gap, pressure, dhat, c, deepest))
     for _ in range(GAP_ITERATIONS):  # monotone from the quadratic part, because p is convex
         _, slope, curvature = contact_potential(now, dhat, overlap)
         change = (now - gap + c * (slope + pressure)) / (1.0 + c * curvature)
         now = now - change
-        if np.abs(change).max(initial=0.0) < 1e-9 * dhat:
+        if (np.abs(change) < 1e-9 * dhat).all():
             break
     e[pressed] = now
     return np.asarray(e)
 
 
-def continued_barrier(distance: Array, width: float) -> tuple[Array, Array, Array]:
+def continued_barrier(distance: Array, width: float | Array) -> tuple[Array, Array, Array]:
     """phi(d) = w (1 - r)^2 (-ln r), r = (d / w)^2, with first and second derivative; 0 beyond the width w, quadratic
-    below CONTINUATION w. Distances d (k,) in mm; values in mm, 1 and 1/mm."""
+    below CONTINUATION w. Distances d (k,) and w, one number or (k,), in mm; values in mm, 1 and 1/mm."""
     start = CONTINUATION * width
     inside = np.clip(distance, start, width)
     r = (inside / width) ** 2

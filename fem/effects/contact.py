@@ -1,9 +1,9 @@
 """Self-contact (the only door to ipctk).
 
 The potential between facing walls is `fem.effects.barrier.FacingTerm`. Its results are checked with ipctk: a converged
-state is accepted only if no triangle crosses another. Where the facing walls alone cannot keep the body from crossing
-itself, the increment is solved again with the barrier of incremental potential contact, whose distances are those
-between all triangles.
+state is accepted only if no triangle crosses another. Walls that cross in a crease get pairs of their own; where that
+is not enough, the increment is solved again with the barrier of incremental potential contact, whose distances are
+those between all triangles.
 Source of the latter: M. Li et al., "Incremental potential contact: intersection- and inversion-free, large-deformation
 dynamics", ACM Trans. Graph. 39 (2020).
 """
@@ -19,13 +19,19 @@ from fem.effects.barrier import OVERLAP, FacingTerm
 from fem.effects.effect import NO_BLOCKS, Blocks, Effect, InteriorTerm
 from fem.effects.facing_pairs import FacingPairs
 from fem.materials.material import Material
-from geometry.arrays import Array, Index
+from geometry import position_text
+from geometry.arrays import Array, Index, Mask
 
 #: stiffness of the barrier over Young's modulus, for which 3 mu stands (near incompressibility): with an overlap, and
 #: without one. A soft barrier costs fewer factorizations; a ladder of both is in docs/theory.md
 STIFFNESS, STIFFNESS_NO_OVERLAP = 0.025, 0.1
 #: activation distance over the smallest gap at rest, with an overlap, and without one
 ACTIVATION, ACTIVATION_NO_OVERLAP = 0.02, 0.1
+#: part of the size of a triangle, and of an edge, by which they may miss each other and still cross: on the plane of
+#: symmetry of half a body they meet edge to edge
+ON_EDGE = 1e-9
+#: activation distance over the gap at rest of a pair that is taken up because its walls cross in a crease
+ACTIVATION_IN_CREASE = 0.2
 #: gap over the smallest one at rest below which a pair of walls takes part in the pattern of the matrix
 NEAR = 0.5
 
@@ -65,7 +71,12 @@ class SelfContact(Effect):
         exact = cache(lambda: BarrierTerm(surface, space.points, dhat, STIFFNESS_NO_OVERLAP * E))
         stiffness = (STIFFNESS if self.overlap else STIFFNESS_NO_OVERLAP) * E
         near = self.near * _smallest_gap(pairs, space)
-        return FacingTerm(pairs, dhat, stiffness, self.overlap, self.starts_inactive, near, exact)
+
+        def pairs_in_creases(x: Array, known: FacingPairs) -> tuple[FacingPairs, Array]:
+            crossing = FacingPairs.of_crossings(*crossings(x, surface.triangles), surface, space.points).without(known)
+            return crossing, np.minimum(dhat, ACTIVATION_IN_CREASE * crossing.gaps(space.points))
+
+        return FacingTerm(pairs, dhat, stiffness, self.overlap, self.starts_inactive, near, exact, pairs_in_creases)
 
     def activation_distance(self, space: Discretisation) -> float:
         """dhat, or its default for these faces, mm; raises `ContactError`."""
@@ -103,6 +114,43 @@ def triangles_cross(rest: Array, now: Array, triangles: Index) -> bool:
     return bool(ipctk.has_intersections(mesh, np.asfortranarray(now)))
 
 
+def crossings(x: Array, triangles: Index) -> tuple[Index, Index]:
+    """Edges (k, 2) and triangles (k, 3) of the triangles (m, 3) that pass through each other at the positions x (n, 3).
+
+    Those with a common vertex are not told.
+    """
+    import ipctk
+
+    nodes, local = np.unique(triangles, return_inverse=True)
+    faces = np.asfortranarray(local.reshape(triangles.shape).astype(np.int32))
+    edges = ipctk.edges(faces)
+    broad = ipctk.HashGrid()
+    broad.build(np.asfortranarray(x[nodes]), edges, faces)
+    near = [(candidate.edge_id, candidate.face_id) for candidate in broad.detect_edge_face_candidates()]
+    edge_id, face_id = np.array(sorted(near), dtype=np.int64).reshape(-1, 2).T
+    edge, face = nodes[edges[edge_id]], nodes[faces[face_id]]
+    is_apart = ~(edge[:, :, None] == face[:, None, :]).any(axis=(1, 2))
+    crosses = is_apart & _passes_through(x[edge], x[face])
+    return edge[crosses], face[crosses]
+
+
+def _passes_through(edges: Array, triangles: Array) -> Mask:
+    """Whether the edges (m, 2, 3) end on different sides of the triangles (m, 3, 3) and pass them inside, (m,).
+
+    Source: T. Moeller, B. Trumbore, "Fast, minimum storage ray/triangle intersection", J. Graph. Tools 2 (1997).
+    """
+    way, first, second = (pair[:, 1] - pair[:, 0] for pair in (edges, triangles[:, :2], triangles[:, ::2]))
+    start = edges[:, 0] - triangles[:, 0]
+    across, around = np.cross(way, second), np.cross(start, first)
+    volume = np.einsum("mi,mi->m", first, across)
+    with np.errstate(divide="ignore", invalid="ignore"):  # an edge along the plane of the triangle
+        a, b, part = (
+            np.einsum("mi,mi->m", u, v) / volume for u, v in ((start, across), (way, around), (second, around))
+        )
+        low, high = -ON_EDGE, 1.0 + ON_EDGE
+        return np.asarray((a >= low) & (b >= low) & (a + b <= high) & (part >= low) & (part <= high))
+
+
 @final
 class BarrierTerm(InteriorTerm):
     """The barrier of incremental potential contact between the triangles through all nodes of quadratic faces."""
@@ -114,7 +162,7 @@ class BarrierTerm(InteriorTerm):
         import ipctk
 
         self._ipctk = ipctk
-        self.nodes = surface.unique_nodes
+        self.nodes, self._triangles = surface.unique_nodes, surface.triangles
         faces = np.asfortranarray(np.searchsorted(self.nodes, surface.triangles).astype(np.int32))
         self._mesh = ipctk.CollisionMesh(np.asfortranarray(rest[self.nodes]), ipctk.edges(faces), faces)
         self.dhat = self._below_rest_distance(dhat, rest)
@@ -162,9 +210,11 @@ class BarrierTerm(InteriorTerm):
         return float(self._ipctk.compute_collision_free_stepsize(self._mesh, start, end))
 
     def violation(self, x: Array) -> str:
-        if self._ipctk.has_intersections(self._mesh, self._surface(x)):
-            return "two walls pass through each other"
-        return ""
+        if not self._ipctk.has_intersections(self._mesh, self._surface(x)):
+            return ""
+        edges, _ = crossings(x, self._triangles)  # with rounding, where the test above has none
+        where = f" at {position_text(x[edges[0]].mean(axis=0))}" if len(edges) else ""
+        return f"two walls pass through each other{where}"
 
     def gap(self, x: Array) -> float:
         """Exact within dhat, infinity beyond it."""

@@ -1,4 +1,5 @@
-"""Contact search at rest: pairs of a node and a triangle of facing walls; their signed gaps with derivatives."""
+"""Contact search: pairs of a node and a triangle of walls that face each other at rest, and of walls that cross in a
+crease; their signed gaps with derivatives."""
 
 from dataclasses import dataclass
 from hashlib import sha256
@@ -14,6 +15,11 @@ EQUALLY_NEAR = 1e-6
 BESIDE = 2.0
 #: largest cosine of the angle between a ray and the normal of a triangle that it may face
 OPPOSITE = -0.7
+#: smallest distance at rest of a node from the plane of a triangle, over its size, in a pair of a crease: below it both
+#: begin at the common edge
+OFF_PLANE = 0.1
+#: largest distance at rest from the centre of the triangle, over its size; about three quadratic elements
+FARTHEST = 6.0
 #: surfaces whose pairs a process keeps, because it solves several load cases on one mesh
 KEPT = 4
 NO_NODES = np.empty(0, dtype=np.int64)
@@ -21,14 +27,15 @@ NO_NODES = np.empty(0, dtype=np.int64)
 
 @dataclass(frozen=True)
 class FacingPairs:
-    """Nodes of a surface with the triangle that each one faces, found once at rest.
+    """Nodes of a surface with the triangle that each one faces, at rest or where walls cross in a crease.
 
     The gap is signed: it turns negative when a wall has passed through the other, which a distance would not show.
     """
 
     nodes: Index  #: (k,) nodes that face a triangle; one that faces several triangles is repeated for each
     triangles: Index  #: (k, 3) the triangle that each node faces
-    area: Array  #: (k,) the node's part of the surface at rest, divided among its triangles, mm2
+    #: (k,) the node's part of the surface at rest, mm2, divided among its triangles of the same search
+    area: Array
 
     @classmethod
     def of(cls, surface: Faces, points: Array, in_plane: Index = NO_NODES) -> "FacingPairs":
@@ -53,20 +60,48 @@ class FacingPairs:
     def _searched(cls, surface: Faces, points: Array, in_plane: Index) -> "FacingPairs":
         triangles = surface.triangles
         normal = _normals(points, triangles)
-        doubled = np.linalg.norm(np.cross(*_edges(points, triangles)), axis=1)
-        angle = _angles(points, triangles)
+        angle, area = _angles(points, triangles), _node_areas(points, triangles)
         of_node = np.zeros_like(points)
-        area = np.zeros(points.shape[0])
         for corner in range(3):
             np.add.at(of_node, triangles[:, corner], angle[:, corner, None] * normal)
-            np.add.at(area, triangles[:, corner], doubled / 6)
         of_node[in_plane, 2] = 0.0
         nodes = surface.unique_nodes
         facing = of_node[nodes] / np.linalg.norm(of_node[nodes], axis=1, keepdims=True)
-        targets = _Triangles(points[triangles].mean(axis=1), normal, float(np.sqrt(doubled.mean())))
+        targets = _Triangles(
+            points[triangles].mean(axis=1), normal, float(np.sqrt(_doubled_areas(points, triangles).mean()))
+        )
         node, triangle = targets.in_front_of(points[nodes], facing)
         count = np.bincount(node, minlength=nodes.shape[0])
         return cls(nodes[node], triangles[triangle], area[nodes[node]] / count[node])
+
+    @classmethod
+    def of_crossings(cls, edges: Index, triangles: Index, surface: Faces, rest: Array) -> "FacingPairs":
+        """Pairs of the ends of edges (m, 2) with the triangles (m, 3) that the edges pass through in a crease.
+
+        rest (n, 3): positions at rest, mm. Both ends are paired, because behind the other the wall is folded. Walls
+        that are far apart at rest are left out, and ends on the plane of the triangle, where both walls begin.
+        """
+        node, triangle = edges.ravel(), np.repeat(triangles, 2, axis=0)
+        both = np.unique(np.column_stack([node, triangle]), axis=0)
+        node, triangle = both[:, 0], both[:, 1:]
+        size = np.sqrt(_doubled_areas(rest, triangle))
+        gap = cls(node, triangle, size).gaps(rest)
+        distance = np.linalg.norm(rest[node] - rest[triangle].mean(axis=1), axis=1)
+        is_crease = (gap > OFF_PLANE * size) & (distance < FARTHEST * size)
+        node, triangle = node[is_crease], triangle[is_crease]
+        count = np.bincount(node, minlength=rest.shape[0])
+        return cls(node, triangle, _node_areas(rest, surface.triangles)[node] / count[node])
+
+    def without(self, others: "FacingPairs") -> "FacingPairs":
+        """Those that are not among the others."""
+        theirs = set(map(tuple, np.column_stack([others.nodes, others.triangles]).tolist()))
+        mine = np.column_stack([self.nodes, self.triangles]).tolist()
+        return self.taken(np.flatnonzero([tuple(pair) not in theirs for pair in mine]))
+
+    def joined(self, others: "FacingPairs") -> "FacingPairs":
+        """These and the others."""
+        nodes, triangles = np.append(self.nodes, others.nodes), np.concatenate([self.triangles, others.triangles])
+        return FacingPairs(nodes, triangles, np.append(self.area, others.area))
 
     def taken(self, which: Index) -> "FacingPairs":
         """The pairs with these numbers."""
@@ -207,6 +242,19 @@ def _edges(x: Array, triangles: Index) -> tuple[Array, Array]:
 def _normals(x: Array, triangles: Index) -> Array:
     normal = np.cross(*_edges(x, triangles))
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
+
+
+def _doubled_areas(x: Array, triangles: Index) -> Array:
+    """(m,), mm2; its root is about the length of the edges."""
+    return np.asarray(np.linalg.norm(np.cross(*_edges(x, triangles)), axis=1))
+
+
+def _node_areas(x: Array, triangles: Index) -> Array:
+    """The part of the triangles that belongs to each node, (n,) mm2."""
+    part, area = _doubled_areas(x, triangles) / 6, np.zeros(x.shape[0])
+    for corner in range(3):
+        np.add.at(area, triangles[:, corner], part)
+    return area
 
 
 def _angles(x: Array, triangles: Index) -> Array:

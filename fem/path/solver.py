@@ -93,7 +93,7 @@ class IncrementSolver:
             try:
                 converged = self._activate(self._solve(start, increment), increment)
             except StepFailed as failure:
-                raise type(failure)(f"{violations[0]}, and with stiffer contact {failure}") from None
+                raise type(failure)(f"{violations[0]}, and with more or stiffer contact {failure}") from None
         if converged.assembly.jacobian.min() <= 0:
             worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
             raise Inverted(
