@@ -14,6 +14,7 @@ import fem
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
+from pipeline.simulation.case_path import CasePath
 from pipeline.simulation.known_limit import KnownLimit, in_order
 from pipeline.simulation.loadcase import identification_case
 from pipeline.simulation.scene import Scene
@@ -104,6 +105,25 @@ def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> 
             assert failures[0].factorizations < failures[1].factorizations
 
 
+def test_two_tells_where_it_ends_without_a_limit_that_it_could_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = CasePath._failure
+    monkeypatch.setattr(CasePath, "_failure", lambda *given: replace(made(*given), limit_kPa=0.0))
+    pressures = "pressures=[0.5 kPa, 5 kPa]"
+    config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, pressures])
+    with open_store(tmp_path, config) as store:
+        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II", "III"])
+    failures = {name: outcomes[name].failure for name in ("I", "II", "III")}
+    assert failures["I"] is not None
+    assert failures["II"] is not None
+    assert failures["III"] is not None
+    assert "because experiment II of the same arm has its last equilibrium at 1.02" in failures["I"].reason
+    assert failures["I"].not_followed
+    assert "95 % of the last equilibrium of experiment II of the same arm" in failures["III"].reason
+    assert failures["III"].reached_kPa == pytest.approx(0.95 * failures["II"].reached_kPa)
+
+
 @pytest.mark.parametrize(
     ("chambers", "size", "second", "sentence", "limit_kPa"),
     [
@@ -135,17 +155,20 @@ def test_three_is_followed_up_to_the_limit_of_two(
 def test_a_known_limit_concerns_pressures_not_closely_above_a_state_of_two() -> None:
     known = KnownLimit()
     known.reached(37.0)
-    known.set(40.0)
+    known.ended(40.0, is_limit=True)
     assert known.why_not(45.0) == ""
     assert "has its limit at 40 kPa" in known.why_not(47.0)
-    assert known.limit_kPa == 40.0
+    assert known.end_kPa == 40.0
     higher = KnownLimit()
     higher.reached(30.0)
-    higher.set(48.0)
+    higher.ended(48.0, is_limit=True)
     assert higher.why_not(47.0) == ""
     none = KnownLimit()
-    none.set(0.0)
+    none.ended()
     assert none.why_not(55.0) == ""
+    unnamed = KnownLimit()
+    unnamed.ended(40.0)
+    assert "has its last equilibrium at 40 kPa" in unnamed.why_not(47.0)
 
 
 def test_who_asks_waits_no_longer_than_needed() -> None:
@@ -159,20 +182,20 @@ def test_who_asks_waits_no_longer_than_needed() -> None:
     asking.start()
     asking.join(0.5)
     assert asking.is_alive()
-    known.set(45.0)
+    known.ended(45.0, is_limit=True)
     asking.join(5.0)
     assert "has its limit at 45 kPa" in answers[0]
-    known.set(0.0)
+    known.ended()
     assert "has its limit at 45 kPa" in known.why_not(60.0)
 
 
 def test_another_mesh_has_a_limit_of_its_own() -> None:
     both = KnownLimit()
     first, second = both.of_group(1), both.of_group(2)
-    first.set(40.0)
+    first.ended(40.0, is_limit=True)
     second.reached(50.0)
     assert second.why_not(60.0) == ""
-    second.set(50.0)
+    second.ended(50.0, is_limit=True)
     assert "at 40 kPa" in first.why_not(65.0)
     assert "at 50 kPa" in second.why_not(65.0)
 

@@ -15,6 +15,11 @@ WRONG, NO_LIMIT, TOO_SLOW, TRACEBACK = "wrong", "stopped without a limit", "too 
 OUTCOMES = (SOLVED, LIMIT, EARLY, NO_LIMIT, TOO_SLOW, TRACEBACK, WRONG)
 #: what the sentence of a limit says: a limit point, the range of the law, an inverted element, an intersection
 NAMED = ("limit", "stable", "turned inside out", "inverted", "passes through itself")
+#: what the sentence of an experiment says that ends because II does, whose own sentence decides
+BECAUSE_OF_II = (
+    "last equilibrium of experiment II of the same arm",
+    "experiment II of the same arm has its last equilibrium",
+)
 #: largest error of the default mesh that is allowed, in parts of the number
 MESH_ERROR = 0.03
 #: part of the states that is to be solved or beyond a confirmed limit, and of the meshes that have no larger error
@@ -27,8 +32,8 @@ def checks_in(record: Record) -> tuple[Check, ...]:
 
 
 def names_a_limit(reason: str) -> bool:
-    """Whether a sentence says which limit was met."""
-    return any(words in reason for words in NAMED)
+    """Whether a sentence says which limit was met, or that the experiment was not followed because of the end of II."""
+    return any(words in reason for words in (*NAMED, *BECAUSE_OF_II))
 
 
 def outcome(record: Record) -> str:

@@ -12,7 +12,7 @@ from rod import too_few_pitches
 #: 0.03, arms in the hard cases reach a limit between 0.02 and 0.06
 LARGEST_LOAD, SMALLEST_LOAD = 0.1, 3e-4
 #: the highest pressure that is suggested, over the one at which an experiment has ended: the others may end earlier
-#: (III of the coarse pneu-net at 0.69 times the limit of II), and I is not followed beyond the limit of II
+#: (III of the coarse pneu-net at 0.69 times the limit of II), and I is not followed beyond the end of II
 WELL_BELOW = 0.6
 
 

@@ -24,13 +24,13 @@ class CasePath:
     progress: Progress
     known: KnownLimit | None  #: what II tells and the others ask for; None for a case that does neither
     reached: int = 0  #: pressures of the schedule that are reached
-    is_given_up: bool = False  #: whether the last pressure was given up because of the limit of II
+    is_given_up: bool = False  #: whether the last pressure was given up because of the end of II
 
     def followed(self) -> tuple[fem.Solution, Failure | None]:
         """The states that are reached, those stored by an earlier run included, and why the next pressure is not.
 
-        II tells the pressures that it reaches and its limit, at once. Where its limit is below a pressure, I is given
-        up there, and III is followed up to a part of it, because its own may be lower.
+        II tells the pressures that it reaches and where it ends, at once. Where that is below a pressure, I is given up
+        there, and III is followed up to a part of it, because its own end may be lower.
         """
         options = fem.PathOptions(self.newton)
         if self.known is not None and not self._is_first:
@@ -43,10 +43,11 @@ class CasePath:
             solution, end = ended.partial, ended.end
         failure = self._failure(end, end.factorizations)
         if self.known is not None and self._is_first:
-            self.known.set(failure.limit_kPa)
+            reached = failure.reached_kPa if end.constant_fraction == 1.0 else 0.0  # else with a part of other loads
+            self.known.ended(failure.limit_kPa or reached, is_limit=failure.limit_kPa > 0.0)
         # on the way to a first pressure the loads on the end grow as well, and at a lower one less of them would act
         if self.known is not None and self._is_three_given_up and (solution.steps or not self.case.on_end):
-            failure = self._below_limit_of_II(PART_FOR_III * self.known.limit_kPa, failure, solution.steps)
+            failure = self._below_end_of_II(self.known, failure, solution.steps)
         return solution, failure
 
     @property
@@ -75,14 +76,15 @@ class CasePath:
         return steps
 
     def _why_not(self, factor: float) -> str:
-        """Why a load is not worth smaller increments, from what II found."""
+        """Why a load is not worth smaller increments, from where II ends."""
         assert self.known is not None
         reason = self.known.why_not(self.case.schedule.pressure_at(factor))
         self.is_given_up = bool(reason)
         return reason
 
-    def _below_limit_of_II(self, part_kPa: float, failure: Failure, steps: Sequence[fem.Step]) -> Failure:
-        """The failure of III after it was followed up to a part of the limit of II, or how it ends before that."""
+    def _below_end_of_II(self, known: KnownLimit, failure: Failure, steps: Sequence[fem.Step]) -> Failure:
+        """The failure of III after it was followed up to a part of the end of II, or how it ends before that."""
+        part_kPa = PART_FOR_III * known.end_kPa
         if part_kPa <= failure.reached_kPa:
             return failure
         factors = (*(step.factor for step in steps), self.case.schedule.factor_at(part_kPa))
@@ -94,8 +96,8 @@ class CasePath:
             end = replace(ended.end, target=self.case.schedule.factors[self.reached])
             return self._failure(end, failure.factorizations + end.factorizations)
         reason = (
-            f"it was followed up to {part_kPa:.4g} kPa only, {100 * PART_FOR_III:g} % of the limit of experiment "
-            f"{FIRST} of the same arm"
+            f"it was followed up to {part_kPa:.4g} kPa only, {100 * PART_FOR_III:g} % of the {known.name_of_end} of "
+            f"experiment {FIRST} of the same arm"
         )
         factorizations = failure.factorizations + last.factorizations
         return replace(failure, reason=reason, reached_kPa=part_kPa, factorizations=factorizations)

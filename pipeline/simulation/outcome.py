@@ -107,7 +107,7 @@ class Failure:
     factorizations: int  #: of these attempts
     limit_kPa: float = 0.0  #: of a limit point that was found; 0 where none was
     reached_kPa: float = 0.0  #: of the last equilibrium on the way to it
-    not_followed: bool = False  #: whether the path was left because of the limit of another experiment
+    not_followed: bool = False  #: whether the path was left because of the end of another experiment
 
     @property
     def first_clause(self) -> str:
@@ -217,7 +217,7 @@ class Outcomes:
         """The experiment that ended at the lowest pressure, and this pressure in kPa: the limit that it names, else its
         last equilibrium. None where that is not known of any.
 
-        One that was not followed because of the limit of another tells nothing.
+        One that was not followed because of the end of another tells nothing.
         """
         known = [o for o in self if o.failure and not o.failure.not_followed]
         ends = [(o.failure.limit_kPa or o.failure.reached_kPa, o.name) for o in known if o.failure]

@@ -17,7 +17,7 @@ from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
 from rod import Load
 
-#: II first, because the others ask for its limit; then the loaded one, which takes longest
+#: II first, because the others ask where it ends; then the loaded one, which takes longest
 EXPERIMENTS = ("II", "III", "I")
 
 _groups = itertools.count()  # of load cases, numbered by the main process
@@ -61,7 +61,7 @@ def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, gro
         return _followed(case, scene, store, context.progress, known if asks_limit or case.name == FIRST else None)
     finally:
         if case.name == FIRST:
-            known.set(0.0)
+            known.ended()
 
 
 def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, known: KnownLimit | None) -> Outcome:
