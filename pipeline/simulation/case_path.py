@@ -43,8 +43,7 @@ class CasePath:
             solution, end = ended.partial, ended.end
         failure = self._failure(end, end.factorizations)
         if self.known is not None and self._is_first:
-            reached = failure.reached_kPa if end.constant_fraction == 1.0 else 0.0  # else with a part of other loads
-            self.known.ended(failure.limit_kPa or reached, is_limit=failure.limit_kPa > 0.0)
+            self.known.ended(failure.limit_kPa or failure.reached_kPa, is_limit=failure.limit_kPa > 0.0)
         # on the way to a first pressure the loads on the end grow as well, and at a lower one less of them would act
         if self.known is not None and self._is_three_given_up and (solution.steps or not self.case.on_end):
             failure = self._below_end_of_II(self.known, failure, solution.steps)
