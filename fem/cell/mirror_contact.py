@@ -58,7 +58,7 @@ def plane_pairs(walls: Faces, plane: Faces, points: Array) -> FacingPairs:
         np.add.at(nodal, facing[:, k], area[vectors @ normal < -FACING * area] / 3.0)
     behind = FacingPairs.of(walls, points).nodes
     nodes = np.setdiff1d(np.unique(facing), behind)
-    return FacingPairs(nodes, np.tile(corner, (nodes.shape[0], 1)), nodal[nodes])
+    return FacingPairs(nodes, np.tile(corner, (nodes.shape[0], 1)), nodal[nodes], np.zeros(nodes.shape, dtype=bool))
 
 
 def _large_triangle(plane: Faces, points: Array) -> Index:

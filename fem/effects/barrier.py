@@ -99,7 +99,10 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
             values += pressed.slope[:, None, None, None] * pressed.local.second(a, b)
         rows, columns, swapped = pressed.pairs.node_pairs
         values[swapped] = values[swapped].transpose(0, 2, 1)
-        return Blocks(rows, columns, values.reshape(-1, 3, 3))
+        # a node that faces the mirror image of its own triangle: both triangles of the matrix belong to one block
+        values, twice = values.reshape(-1, 3, 3), (rows == columns) & np.tile(a != b, len(swapped))
+        values[twice] += values[twice].transpose(0, 2, 1)
+        return Blocks(rows, columns, values)
 
     def near_pairs(self, x: Array) -> tuple[Index, Index]:
         rows, columns, _ = self.pairs.taken(np.flatnonzero(self.pairs.gaps(x) < self.near)).node_pairs

@@ -22,6 +22,8 @@ OFF_PLANE = 0.1
 FARTHEST = 6.0
 #: surfaces whose pairs a process keeps, because it solves several load cases on one mesh
 KEPT = 4
+#: what positions are multiplied by at the plane of symmetry z = 0
+MIRROR = np.array([1.0, 1.0, -1.0])
 NO_NODES = np.empty(0, dtype=np.int64)
 
 
@@ -36,13 +38,16 @@ class FacingPairs:
     triangles: Index  #: (k, 3) the triangle that each node faces
     #: (k,) the node's part of the surface at rest, mm2, divided among its triangles of the same search
     area: Array
+    #: (k,) whether it faces the mirror image of the triangle at the plane of symmetry z = 0 of half a body; then the
+    #: triangle may be one of its own
+    is_mirrored: Mask
 
     @classmethod
     def of(cls, surface: Faces, points: Array, in_plane: Index = NO_NODES) -> "FacingPairs":
         """Pairs of a node and the first triangle of opposite normal in front of it; points (n, 3) at rest, mm.
 
         in_plane: nodes on the plane of symmetry z = 0 of half a body. They look along it, as in the whole body; the
-        triangles of their half alone would turn them off it.
+        triangles of their half alone would turn them off it. The other nodes may face the mirror images of triangles.
 
         Where triangles are equally near (walls that mirror each other, planes of symmetry) the node faces all of them:
         to choose one would make the contact of a symmetric body unsymmetric.
@@ -50,7 +55,7 @@ class FacingPairs:
         key = b"".join(sha256(array.tobytes()).digest() for array in (surface.nodes, points, in_plane))
         if key not in _kept:
             _kept[key] = pairs = cls._searched(surface, points, in_plane)
-            for array in (pairs.nodes, pairs.triangles, pairs.area):
+            for array in (pairs.nodes, pairs.triangles, pairs.area, pairs.is_mirrored):
                 array.flags.writeable = False  # several models share them
             if len(_kept) > KEPT:
                 del _kept[next(iter(_kept))]
@@ -67,12 +72,18 @@ class FacingPairs:
         of_node[in_plane, 2] = 0.0
         nodes = surface.unique_nodes
         facing = of_node[nodes] / np.linalg.norm(of_node[nodes], axis=1, keepdims=True)
-        targets = _Triangles(
-            points[triangles].mean(axis=1), normal, float(np.sqrt(_doubled_areas(points, triangles).mean()))
-        )
+        centre, size = points[triangles].mean(axis=1), float(np.sqrt(_doubled_areas(points, triangles).mean()))
+        targets = _Triangles(centre, normal, size)
+        if in_plane.size:
+            targets = _Triangles(
+                np.append(centre, centre * MIRROR, axis=0), np.append(normal, normal * MIRROR, axis=0), size
+            )
         node, triangle = targets.in_front_of(points[nodes], facing)
-        count = np.bincount(node, minlength=nodes.shape[0])
-        return cls(nodes[node], triangles[triangle], area[nodes[node]] / count[node])
+        node, is_mirrored, triangle = nodes[node], triangle >= len(triangles), triangle % len(triangles)
+        is_needed = ~(is_mirrored & np.isin(node, in_plane))  # nodes in the plane are their own mirror images
+        node, is_mirrored, triangle = node[is_needed], is_mirrored[is_needed], triangle[is_needed]
+        count = np.bincount(node, minlength=points.shape[0])
+        return cls(node, triangles[triangle], area[node] / count[node], is_mirrored)
 
     @classmethod
     def of_crossings(cls, edges: Index, triangles: Index, surface: Faces, rest: Array) -> "FacingPairs":
@@ -85,27 +96,29 @@ class FacingPairs:
         both = np.unique(np.column_stack([node, triangle]), axis=0)
         node, triangle = both[:, 0], both[:, 1:]
         size = np.sqrt(_doubled_areas(rest, triangle))
-        gap = cls(node, triangle, size).gaps(rest)
+        is_mirrored = np.zeros(node.shape, dtype=bool)
+        gap = cls(node, triangle, size, is_mirrored).gaps(rest)
         distance = np.linalg.norm(rest[node] - rest[triangle].mean(axis=1), axis=1)
         is_crease = (gap > OFF_PLANE * size) & (distance < FARTHEST * size)
         node, triangle = node[is_crease], triangle[is_crease]
         count = np.bincount(node, minlength=rest.shape[0])
-        return cls(node, triangle, _node_areas(rest, surface.triangles)[node] / count[node])
+        return cls(node, triangle, _node_areas(rest, surface.triangles)[node] / count[node], is_mirrored[is_crease])
 
     def without(self, others: "FacingPairs") -> "FacingPairs":
         """Those that are not among the others."""
-        theirs = set(map(tuple, np.column_stack([others.nodes, others.triangles]).tolist()))
-        mine = np.column_stack([self.nodes, self.triangles]).tolist()
+        theirs = set(map(tuple, np.column_stack([others.nodes, others.triangles, others.is_mirrored]).tolist()))
+        mine = np.column_stack([self.nodes, self.triangles, self.is_mirrored]).tolist()
         return self.taken(np.flatnonzero([tuple(pair) not in theirs for pair in mine]))
 
     def joined(self, others: "FacingPairs") -> "FacingPairs":
         """These and the others."""
         nodes, triangles = np.append(self.nodes, others.nodes), np.concatenate([self.triangles, others.triangles])
-        return FacingPairs(nodes, triangles, np.append(self.area, others.area))
+        is_mirrored = np.append(self.is_mirrored, others.is_mirrored)
+        return FacingPairs(nodes, triangles, np.append(self.area, others.area), is_mirrored)
 
     def taken(self, which: Index) -> "FacingPairs":
         """The pairs with these numbers."""
-        return FacingPairs(self.nodes[which], self.triangles[which], self.area[which])
+        return FacingPairs(self.nodes[which], self.triangles[which], self.area[which], self.is_mirrored[which])
 
     @property
     def node_pairs(self) -> tuple[Index, Index, Mask]:
@@ -119,14 +132,14 @@ class FacingPairs:
     def gaps(self, x: Array) -> Array:
         """Signed gap (k,) in mm of each pair at the positions x (n, 3), along the triangle's normal."""
         normal = _normals(x, self.triangles)
-        return np.einsum("ki,ki->k", x[self.nodes] - x[self.triangles].mean(axis=1), normal)
+        return np.einsum("ki,ki->k", self._facing(x) - x[self.triangles].mean(axis=1), normal)
 
     def local(self, x: Array) -> "LocalPairs":
         """First and second derivatives of the gaps at the positions x (n, 3)."""
         node, triangle = self.nodes, self.triangles
         normal = _normals(x, triangle)
         first, second = _edges(x, triangle)
-        reach = x[node] - x[triangle[:, 0]]
+        reach = self._facing(x) - x[triangle[:, 0]]
         g11, g12, g22 = (np.einsum("ki,ki->k", u, v) for u, v in ((first, first), (first, second), (second, second)))
         det = g11 * g22 - g12**2
         slope = np.zeros((node.shape[0], 4, 3))
@@ -137,7 +150,18 @@ class FacingPairs:
         shape[:, 2:] = -np.einsum("kai,ki->ka", slope[:, 2:], reach)
         shape[:, 0], shape[:, 1] = 1.0, -1.0 - shape[:, 2] - shape[:, 3]
         gap = np.einsum("ki,ki->k", reach, normal)
-        return LocalPairs(np.column_stack([node, triangle]), normal, shape, slope, gap)
+        sign = np.ones((node.shape[0], 4, 3))
+        sign[:, 0] = self._sign
+        return LocalPairs(np.column_stack([node, triangle]), normal, shape, slope, sign, gap)
+
+    @property
+    def _sign(self) -> Array:
+        """(k, 3): what the position of each node is multiplied by where its mirror image faces the triangle."""
+        return np.where(self.is_mirrored[:, None], MIRROR, 1.0)
+
+    def _facing(self, x: Array) -> Array:
+        """Positions (k, 3) of the nodes, or of their mirror images, that face the triangles; x (n, 3)."""
+        return np.asarray(x[self.nodes] * self._sign)
 
 
 #: pairs by the nodes of the surface and the positions, the oldest first
@@ -146,21 +170,25 @@ _kept: dict[bytes, FacingPairs] = {}
 
 @dataclass(frozen=True)
 class LocalPairs:
-    """The gap of pairs near a configuration: g = n . (x_0 - foot), the node being number 0 and the triangle 1 to 3."""
+    """The gap of pairs near a configuration: g = n . (x_0 - foot), the node being number 0 and the triangle 1 to 3.
+
+    Where the mirror image of the node faces the triangle, x_0 is that of the image.
+    """
 
     nodes: Index  #: (m, 4)
     normal: Array  #: (m, 3)
     shape: Array  #: (m, 4) 1 for the node, minus the barycentric coordinates of its foot point for the triangle
     slope: Array  #: (m, 4, 3) in-plane gradients of the barycentric coordinates, 0 for the node
+    sign: Array  #: (m, 4, 3) derivative of x_k by the position of the node: 1, and -1 for z of mirror images
     gap: Array  #: (m,) mm
 
     @property
     def first(self) -> Array:
-        """d g / d x_k = shape_k n, (m, 4, 3)."""
-        return self.shape[:, :, None] * self.normal[:, None, :]
+        """Derivative of g by the positions of the nodes, (m, 4, 3): d g / d x_k = shape_k n."""
+        return self.sign * self.shape[:, :, None] * self.normal[:, None, :]
 
     def second(self, a: Index, b: Index) -> Array:
-        """d2 g / d x_a d x_b for index lists a, b (p,): (m, p, 3, 3).
+        """Second derivative of g by the positions of the nodes a and b, index lists (p,): (m, p, 3, 3).
 
         From dn = -sum_k slope_k (n . dx_k) and d2g = 2 dn . w - g |dn|^2, with w = sum_k shape_k dx_k the motion at the
         foot.
@@ -169,7 +197,8 @@ class LocalPairs:
         across = np.einsum("mpi,mpj->mpij", self.shape[:, b, None] * n, self.slope[:, a])
         along = self.shape[:, a, None, None] * self.slope[:, b, :, None] * n[:, :, None, :]
         turn = self.gap[:, None] * np.einsum("mpi,mpi->mp", self.slope[:, a], self.slope[:, b])
-        return -across - along - turn[:, :, None, None] * (n[..., :, None] * n[..., None, :])
+        by_x = -across - along - turn[:, :, None, None] * (n[..., :, None] * n[..., None, :])
+        return np.asarray(self.sign[:, a, :, None] * by_x * self.sign[:, b, None, :])
 
 
 @dataclass(frozen=True)
