@@ -62,6 +62,14 @@ class Seconds:
 
 
 @dataclass(frozen=True)
+class ExactContact:
+    """The equilibrium near a step's with the distances between all triangles of walls in contact."""
+
+    displacement: Array = field(repr=False)  #: (n, 3), mm
+    gradient: Array = field(repr=False)  #: as in `Step`
+
+
+@dataclass(frozen=True)
 class Step:
     """One converged equilibrium."""
 
@@ -89,6 +97,9 @@ class Step:
     added_pairs: Index = field(repr=False)
     seconds: float  #: wall seconds since the previous step
     spent: Seconds  #: the same by what they were spent on; no set-up
+    #: for comparison where nodes in a cavity press beside the triangles of their pairs; None elsewhere
+    exact: ExactContact | None = None
+    inexact: str = ""  #: a clause why there is nothing to compare with where that was tried; empty elsewhere
 
     @property
     def points(self) -> Array:
@@ -176,6 +187,8 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
         "active": np.array(step.active, dtype=bool),
         "added_pairs": step.added_pairs,
         "instability": np.array(step.instability),
+        **_exact_to_arrays(step.exact),
+        "inexact": np.array(step.inexact),
         "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
         "timed_effects": np.array(list(spent.effects), dtype=str),
         "effect_seconds": np.array(list(spent.effects.values())),
@@ -205,7 +218,19 @@ def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) 
         added_pairs=arrays["added_pairs"],
         seconds=seconds,
         spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
+        exact=_exact_from_arrays(arrays),
+        inexact=str(arrays.get("inexact", "")),
     )
+
+
+def _exact_to_arrays(exact: ExactContact | None) -> dict[str, NDArray[Any]]:
+    return {} if exact is None else {"exact_displacement": exact.displacement, "exact_gradient": exact.gradient}
+
+
+def _exact_from_arrays(arrays: Mapping[str, NDArray[Any]]) -> ExactContact | None:
+    if "exact_displacement" not in arrays:
+        return None
+    return ExactContact(arrays["exact_displacement"], arrays["exact_gradient"])
 
 
 def _rate_to_arrays(rate: Change | None) -> dict[str, NDArray[Any]]:

@@ -29,7 +29,8 @@ _CURVES = (
 _FIRST: dict[str, tuple[str, ...]] = {
     "experiments": (
         *("experiment", "pressure_kPa", "end_x_mm", "end_y_mm", "reaction_x_N", "reaction_y_N", "cavity_volume_mm3"),
-        *("stretch_of_curve", "min_J", "max_stretch", "min_stretch", "min_gap_mm", "seconds", "status", "reason"),
+        *("stretch_of_curve", "min_J", "max_stretch", "min_stretch", "min_gap_mm"),
+        *("contact_error_mm", "contact_error_N", "seconds", "status", "reason"),
     ),
     "validation": (
         *("experiment", "pressure_kPa", "load", "rod", "sample", "distance_over_length", "distance_at_s_mm"),

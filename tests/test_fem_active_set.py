@@ -97,6 +97,9 @@ class Floor(PenaltyTerm):
     def tightened(self, x: Array) -> UnilateralTerm:
         return replace(self, stiffness=4.0) if self.stiffness < 4.0 else Wall()
 
+    def with_exact_distances(self, x: Array) -> UnilateralTerm:
+        return Wall() if x[0, 0] > 1.0 else self
+
 
 WEIGHT, PRESENT, LATER = Weight(), Floor(starts_inactive=False), Floor(starts_inactive=True)
 MODEL = (WEIGHT, LATER, PRESENT)
@@ -163,3 +166,14 @@ def test_a_stored_step_restores_its_contacts_and_those_its_positions_touch() -> 
     assert ActiveSet.resumed(MODEL, (True, True, True), at(1.0)).active == MODEL
     assert ActiveSet.resumed(MODEL, (True, False, True), at(1.0)).active == (WEIGHT, PRESENT)
     assert ActiveSet.resumed(MODEL, (True, False, True), at(0.05)).active == MODEL
+
+
+def test_active_contact_that_has_slid_gets_exact_distances() -> None:
+    met = ActiveSet.of(MODEL, at(0.05))
+    assert met.with_exact_distances(at(0.05)) is met
+    slid = at(0.05)
+    slid[0, 0] = 2.0
+    exact = met.with_exact_distances(slid)
+    assert [type(term) for term in exact.active] == [Weight, Wall, Wall]
+    assert met.active == MODEL
+    assert [type(term) for term in ActiveSet.of(MODEL, at(1.0)).with_exact_distances(slid).active] == [Weight, Wall]

@@ -5,16 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import Experiment, Pressure, SelfContact, Step, Yeoh, follow
+from fem import SelfContact, Step, follow
 from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
 from fem.effects.contact import BarrierTerm, crossings
 from fem.effects.effect import UnilateralTerm
-from geometry import GRADINGS, BisectedCircle
 from geometry.arrays import Array
 from tests.bodies import bricks, named, on_plane
+from tests.collapse import LAW, collapsing
 
-LAW = Yeoh(c10=0.0625, c20=0.00313, c30=0.0000625, kappa=0.405)
 #: of the inner faces of the bracket, mm
 DHAT = 0.05
 #: of the bisected circle, mm
@@ -132,17 +131,7 @@ def test_activation_distances_of_their_own_leave_the_barrier_consistent() -> Non
 
 
 def collapsed() -> Step:
-    """A bisected circle of which the air of one half presses the divider into the other, until its corner folds."""
-    body = BisectedCircle(length=LENGTH, radius=9.05, end_wall=4.4, wall=2.19, divider=1.54).body(
-        5.0, GRADINGS["walls"]
-    )
-    effects = [
-        Pressure("cavity", 0.034),
-        SelfContact("cavity", starts_inactive=True, overlap=0.0),
-        SelfContact("cavity_lower", starts_inactive=True, overlap=0.0),
-    ]
-    model = Experiment.of("II", body, 0.0).model(LAW, effects, "p2")
-    return follow(model, [0.4676, 1.0]).steps[-1]
+    return follow(collapsing(LENGTH)[1], [0.4676, 1.0]).steps[-1]
 
 
 def test_a_corner_that_folds_needs_no_exact_distances(monkeypatch: pytest.MonkeyPatch) -> None:

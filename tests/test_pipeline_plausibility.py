@@ -22,6 +22,7 @@ from pipeline.plausibility.body import FLAT_ELEMENT, of_half, of_mesh
 from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
+from pipeline.simulation.contact_check import ContactCheck
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.waiting import remarks_while_waiting
@@ -148,12 +149,18 @@ def test_nothing_is_said_of_a_usual_design() -> None:
 
 
 def solved(
-    min_J: float, stretches: tuple[float, float], kappa_0: float, *settings: str, alpha2: tuple[float, float] = (9, 11)
+    min_J: float,
+    stretches: tuple[float, float],
+    kappa_0: float,
+    *settings: str,
+    alpha2: tuple[float, float] = (9, 11),
+    contact_check: ContactCheck | None = None,
 ) -> Any:
     extremes = SimpleNamespace(
         min_J=min_J, min_J_at=(1.0, 2.0, 3.0), min_stretch=stretches[0], max_stretch=stretches[1]
     )
-    record = SimpleNamespace(summary=SimpleNamespace(experiment="II", pressure_kPa=20.0, extremes=extremes))
+    summary = SimpleNamespace(experiment="II", pressure_kPa=20.0, extremes=extremes, contact_check=contact_check)
+    record = SimpleNamespace(summary=summary, centreline=SimpleNamespace(s=np.array([0.0, 100.0])))
     numbers = {"alpha1": Interval(10.0, 0.5, 9.0, 11.0), "alpha2": Interval(10.0, 0.5, *alpha2)}
     curvature = SimpleNamespace(length=100.0)
     parameters = SimpleNamespace(pressure_kPa=20.0, kappa_0_middle=kappa_0, kappa_0=curvature, numbers=numbers)
@@ -173,6 +180,33 @@ def solved(
 def test_unusual_states_are_named(states: tuple[Any, ...], settings: tuple[str, ...], sentence: str) -> None:
     (said,) = after_solving(solved(*states, *settings))
     assert sentence in said
+
+
+@pytest.mark.parametrize(
+    ("check", "sentence"),
+    [
+        (
+            ContactCheck(0.25, 0.01),
+            "with exact distances between them the end is displaced by at most 0.25 mm (II at 20 kPa); the force on "
+            "the end differs by at most 0.01 N (II at 20 kPa)",
+        ),
+        (
+            ContactCheck(0.0, 0.01),
+            "with exact distances between them the force on the end differs by at most 0.01 N (II at 20 kPa)",
+        ),
+        (
+            ContactCheck(None, None, "no equilibrium"),
+            "by how much is not known in II at 20 kPa, where the comparison failed",
+        ),
+    ],
+)
+def test_contact_that_is_approximate_is_named(check: ContactCheck, sentence: str) -> None:
+    (said,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, contact_check=check))
+    assert said == f"walls of a cavity have moved along each other, so that their contact is approximate: {sentence}"
+
+
+def test_nothing_is_said_of_contact_that_exact_distances_do_not_change() -> None:
+    assert after_solving(solved(0.9, (0.95, 1.05), 0.01, contact_check=ContactCheck(0.0, 0.0))) == ()
 
 
 @pytest.mark.parametrize(("low", "high"), [(9.0, 37.0), (0.0, 11.0), (-40.0, 60.0)])

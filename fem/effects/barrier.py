@@ -38,6 +38,11 @@ CONTINUATION = 0.5
 COMPLIANCE = 300.0
 #: largest number of iterations for a carried gap; it need not be exact
 GAP_ITERATIONS = 20
+#: a node presses beside the triangle of its pair where its projection onto it has a barycentric coordinate below minus
+#: this number
+BESIDE_TRIANGLE = 0.5
+#: part of the contact force on such nodes from which on the contact is compared with that of exact distances
+PART_BESIDE = 0.05
 #: fraction of a motion over which the rates of the gaps are measured
 RATE_STEP = 1e-3
 #: what ipctk's improved-max collision set sums up to over one wall's area, measured on parallel grids, for both walls
@@ -73,8 +78,9 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
     #: mm: where the matrix has no place for a pair in contact yet, it is given places for all pairs whose gap is below
     #: this at the same positions
     near: float = np.inf
-    #: gives the barrier with exact distances; None where a crossing is judged by the signed gaps alone
-    exact: Callable[[], UnilateralTerm] | None = field(default=None, repr=False)
+    #: gives the barrier with exact distances, in which mirror images are kept apart with the given stiffness, MPa;
+    #: None where a crossing is judged by the signed gaps alone
+    exact: Callable[[float], UnilateralTerm] | None = field(default=None, repr=False)
     #: further pairs of walls that cross in a crease at positions (n, 3), besides the given ones, and their activation
     #: distances (m,), mm; None where they are not looked for
     pairs_in_creases: Callable[[Array, FacingPairs], tuple[FacingPairs, Array]] | None = field(default=None, repr=False)
@@ -99,7 +105,7 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
             values += pressed.slope[:, None, None, None] * pressed.local.second(a, b)
         rows, columns, swapped = pressed.pairs.node_pairs
         values[swapped] = values[swapped].transpose(0, 2, 1)
-        # a node that faces the mirror image of its own triangle: both triangles of the matrix belong to one block
+        # a node that faces the mirror image of its own triangle is there twice: both blocks belong on the diagonal
         values, twice = values.reshape(-1, 3, 3), (rows == columns) & np.tile(a != b, len(swapped))
         values[twice] += values[twice].transpose(0, 2, 1)
         return Blocks(rows, columns, values)
@@ -137,7 +143,7 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
         if gaps.min() <= 0:
             position = x[self.pairs.nodes[int(np.argmin(gaps))]]
             return f"two walls pass through each other at {position_text(position)}"
-        return self.exact().violation(x) if self.exact else ""
+        return self.exact(self.stiffness).violation(x) if self.exact else ""
 
     def gives_way(self, x: Array) -> bool:
         return self.stiffenings > 0 and bool((self.pairs.gaps(x) < -CLEAR_OVERLAP * self.dhat).any())
@@ -155,7 +161,27 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
                 return replace(
                     self, pairs=joined, dhat=np.append(self._dhats, dhat), crease_searches=left, carried=None
                 )
-        return self.exact() if self.exact else self
+        return self.exact(self.stiffness) if self.exact else self
+
+    def with_exact_distances(self, x: Array) -> UnilateralTerm:
+        """The barrier with exact distances where nodes in a cavity press beside the triangles of their pairs.
+
+        Cavities have no part of the barrier behind the wall. With such a part walls rest nearer to each other than with
+        exact distances, and the two could not be compared.
+        """
+        is_compared = self.exact is not None and not self.overlap and self._part_beside(x) > PART_BESIDE
+        return self.exact(self.stiffness) if self.exact and is_compared else self
+
+    def _part_beside(self, x: Array) -> float:
+        """Part of the contact force on nodes that press beside the triangles of their pairs at x (n, 3)."""
+        which = np.flatnonzero((self.pairs.gaps(x) < self.dhat) & ~self.pairs.is_mirrored)
+        if which.size == 0:
+            return 0.0
+        pairs = self.pairs.taken(which)
+        local = pairs.local(x)
+        _, slope, _ = contact_potential(local.gap, self._dhats[which], self.overlap)
+        force = -slope * pairs.area
+        return float(force[local.outside > BESIDE_TRIANGLE].sum() / force.sum())
 
     @property
     def _dhats(self) -> Array:

@@ -68,8 +68,14 @@ class SelfContact(Effect):
         pairs = self._pairs(space)
         dhat = self._dhat(pairs, space)
         E = 3 * material.shear_modulus
-        exact = cache(lambda: BarrierTerm(surface, space.points, dhat, STIFFNESS_NO_OVERLAP * E))
         stiffness = (STIFFNESS if self.overlap else STIFFNESS_NO_OVERLAP) * E
+
+        @cache
+        def exact(of_images: float) -> BarrierTerm:
+            mirrored = pairs.taken(np.flatnonzero(pairs.is_mirrored))
+            images = FacingTerm(mirrored, dhat, of_images, self.overlap, False) if mirrored.nodes.size else None
+            return BarrierTerm(surface, space.points, dhat, STIFFNESS_NO_OVERLAP * E, images)
+
         near = self.near * _smallest_gap(pairs, space)
 
         def pairs_in_creases(x: Array, known: FacingPairs) -> tuple[FacingPairs, Array]:
@@ -153,14 +159,21 @@ def _passes_through(edges: Array, triangles: Array) -> Mask:
 
 @final
 class BarrierTerm(InteriorTerm):
-    """The barrier of incremental potential contact between the triangles through all nodes of quadratic faces."""
+    """The barrier of incremental potential contact between the triangles through all nodes of quadratic faces.
+
+    images: contact of half a body with its mirror image, by pairs. ipctk's barrier is not differentiable where a node
+    meets a node, and a node always meets its own mirror image.
+    """
 
     effect = "self_contact"
     starts_inactive = False
 
-    def __init__(self, surface: Faces, rest: Array, dhat: float, stiffness: float) -> None:
+    def __init__(
+        self, surface: Faces, rest: Array, dhat: float, stiffness: float, images: FacingTerm | None = None
+    ) -> None:
         import ipctk
 
+        self._images = images
         self._ipctk = ipctk
         self.nodes, self._triangles = surface.unique_nodes, surface.triangles
         faces = np.asfortranarray(np.searchsorted(self.nodes, surface.triangles).astype(np.int32))
@@ -187,14 +200,25 @@ class BarrierTerm(InteriorTerm):
         return collisions
 
     def energy(self, x: Array, factor: float) -> float:
-        return float(self._barrier(self._collisions(x, self.dhat), self._mesh, self._surface(x)))
+        energy = float(self._barrier(self._collisions(x, self.dhat), self._mesh, self._surface(x)))
+        return energy + (self._images.energy(x, factor) if self._images else 0.0)
 
     def gradient(self, x: Array, factor: float, out: Array) -> None:
         collisions = self._collisions(x, self.dhat)
         if len(collisions):
             out[self.nodes] += self._barrier.gradient(collisions, self._mesh, self._surface(x)).reshape(-1, 3)
+        if self._images:
+            self._images.gradient(x, factor, out)
 
     def blocks(self, x: Array, factor: float, convex: bool) -> Blocks:
+        own = self._own_blocks(x, convex)
+        if self._images is None:
+            return own
+        images = self._images.blocks(x, factor, convex)
+        rows, columns = np.append(own.rows, images.rows), np.append(own.columns, images.columns)
+        return Blocks(rows, columns, np.concatenate([own.values, images.values]))
+
+    def _own_blocks(self, x: Array, convex: bool) -> Blocks:
         method = self._ipctk.PSDProjectionMethod.CLAMP if convex else self._ipctk.PSDProjectionMethod.NONE
         collisions = self._collisions(x, self.dhat)
         if len(collisions) == 0:
@@ -209,19 +233,23 @@ class BarrierTerm(InteriorTerm):
         start, end = self._surface(x), self._surface(x + dx)
         return float(self._ipctk.compute_collision_free_stepsize(self._mesh, start, end))
 
+    def near_pairs(self, x: Array) -> tuple[Index, Index]:
+        return self._images.near_pairs(x) if self._images else super().near_pairs(x)
+
     def violation(self, x: Array) -> str:
         if not self._ipctk.has_intersections(self._mesh, self._surface(x)):
-            return ""
+            return self._images.violation(x) if self._images else ""
         edges, _ = crossings(x, self._triangles)  # with rounding, where the test above has none
         where = f" at {position_text(x[edges[0]].mean(axis=0))}" if len(edges) else ""
         return f"two walls pass through each other{where}"
 
     def gap(self, x: Array) -> float:
-        """Exact within dhat, infinity beyond it."""
+        """Exact within dhat, infinity beyond it, or the smallest gap to a mirror image."""
+        to_image = self._images.gap(x) if self._images else np.inf
         collisions = self._collisions(x, self.dhat)
         if len(collisions) == 0:
-            return np.inf
-        return float(np.sqrt(collisions.compute_minimum_distance(self._mesh, self._surface(x))))
+            return to_image
+        return min(to_image, float(np.sqrt(collisions.compute_minimum_distance(self._mesh, self._surface(x)))))
 
     def touching(self, x: Array) -> bool:
-        return len(self._collisions(x, self.dhat)) > 0
+        return len(self._collisions(x, self.dhat)) > 0 or bool(self._images and self._images.touching(x))

@@ -148,6 +148,10 @@ class PenaltyTerm(UnilateralTerm):
     def tightened(self, x: Array) -> UnilateralTerm:
         """The term to try where the state x (n, 3), converged with this one, violates it; itself if there is none."""
 
+    @abstractmethod
+    def with_exact_distances(self, x: Array) -> UnilateralTerm:
+        """The term with exact distances if those of this one may be inaccurate at x (n, 3); otherwise itself."""
+
 
 class InteriorTerm(UnilateralTerm):
     """Contact that is infinite where parts meet: the start and every iterate must keep them apart."""

@@ -183,6 +183,11 @@ class LocalPairs:
     gap: Array  #: (m,) mm
 
     @property
+    def outside(self) -> Array:
+        """How far outside of its triangle each foot lies, (m,): minus the smallest barycentric coordinate."""
+        return np.asarray(self.shape[:, 1:].max(axis=1))
+
+    @property
     def first(self) -> Array:
         """Derivative of g by the positions of the nodes, (m, 4, 3): d g / d x_k = shape_k n."""
         return self.sign * self.shape[:, :, None] * self.normal[:, None, :]

@@ -90,6 +90,17 @@ class ActiveSet:
         )
         return self if terms == self.stiffened else replace(self, stiffened=terms)
 
+    def with_exact_distances(self, x: Array) -> Self:
+        """With exact distances for each active contact whose distances may be inaccurate at x (n, 3).
+
+        Itself where there is none.
+        """
+        terms = tuple(
+            term.with_exact_distances(x) if active and isinstance(term, PenaltyTerm) else term
+            for term, active in zip(self.stiffened, self.is_active, strict=True)
+        )
+        return self if terms == self.stiffened else replace(self, stiffened=terms)
+
     def restored(self) -> Self:
         """With the terms of the model in place of the tightened ones."""
         return replace(self, stiffened=self.model)

@@ -16,9 +16,10 @@ from fem.path.active_set import ActiveSet
 from fem.path.control import Control, LoadControl
 from fem.path.costs import Costs
 from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
+from fem.path.exact_contact import with_exact_distances
 from fem.path.increments import LIMIT_ACCURACY, MAX_NEAR_FAILURES, Increments
 from fem.path.limit import announced_limit, way_between
-from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, StepFailed, Unstable
+from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, StepFailed, Unstable, Watch
 from fem.path.predictor import PathPoint, Predictor
 from fem.path.solver import Effort, Increment, IncrementSolver
 from fem.post.extremes import extremes_of
@@ -157,17 +158,18 @@ class PathFollower:
             increments.accepted(fraction, converged.iterations, limit)
             if fraction == 1.0:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
-                return self._step(converged, iterations, increments.cutbacks, before)
+                return self._step(control, converged, iterations, increments, before)
             if increments.is_confirmed_or_exhausted:
                 raise PathEnded(self._end(control, increments, before, cause))
 
     def _increment(self, control: Control, increments: Increments) -> Increment:
         """The next one."""
+        effort = self._effort(control, increments)
+        return Increment(self.points, control, increments.limit, effort, self._watch(increments))
 
-        def watch(iteration: int, residual: float) -> None:
-            self.observer.iteration(increments.target, iteration, residual)
-
-        return Increment(self.points, control, increments.limit, self._effort(control, increments), watch)
+    def _watch(self, increments: Increments) -> Watch:
+        """Tells the observer of every iteration."""
+        return lambda iteration, residual: self.observer.iteration(increments.target, iteration, residual)
 
     def _effort(self, control: Control, increments: Increments) -> Effort:
         """How long an equilibrium is sought with the next increment.
@@ -259,10 +261,15 @@ class PathFollower:
         ways = last.value, last.constant_fraction, increments.cutbacks
         return End(self.control.name, increments.target, *ways, factorizations, reason)
 
-    def _step(self, converged: Converged, iterations: int, cutbacks: int, before: Costs) -> Step:
+    def _step(
+        self, control: Control, converged: Converged, iterations: int, increments: Increments, before: Costs
+    ) -> Step:
         system, state, rate = self.system, converged.state, self.points[-1].rate
-        active_set = self.solver.active_set
+        active_set, options = self.solver.active_set, self.options.newton
         unstable = instability(system, converged, self.points[-1].terms)  # factorizes where it is unstable
+        exact, inexact = None, ""
+        if self._follows_load:  # under a prescribed volume the pressure would differ as well
+            exact, inexact = with_exact_distances(control, converged, active_set, options, self._watch(increments))
         costs = Costs.of(system) - before
         return Step(
             space=system.space,
@@ -277,12 +284,14 @@ class PathFollower:
             instability="; ".join(filter(None, (unstable, self.not_followed))),
             newton_iterations=iterations,
             factorizations=costs.factorizations,
-            cutbacks=cutbacks,
+            cutbacks=increments.cutbacks,
             effects=active_set.effects,
             active=active_set.is_active,
             added_pairs=system.storage.added,
             seconds=costs.wall,
             spent=costs.seconds,
+            exact=exact,
+            inexact=inexact,
         )
 
     def solution(self, steps: Sequence[Step], set_up: float) -> Solution:

@@ -7,6 +7,7 @@ from fem.elements import ELEMENTS, Volumetric
 from geometry import position_text
 from pipeline.config.config import Config
 from pipeline.identification.parameters import Parameters
+from pipeline.simulation.contact_check import BESIDE, NOTHING
 from pipeline.simulation.outcome import Outcomes, StateSummary
 from rod import Interval
 
@@ -102,6 +103,27 @@ def _rigidities(numbers: Mapping[str, Interval]) -> list[tuple[str, Interval]]:
     return [("α₁ = α₂", first)] if first == second else [("α₁", first), ("α₂", second)]
 
 
+def _approximate_contact(solved: Solved) -> str:
+    """Contact whose distances were compared with exact ones: the largest difference, and where none is known."""
+    checks = [
+        (check, f"{record.summary.experiment} at {record.summary.pressure_kPa:g} kPa")
+        for record in solved.outcomes.records
+        if (check := record.summary.contact_check)
+    ]
+    unknown = [state for check, state in checks if check.end_mm is None]
+    parts = []
+    for name, unit in (("end_mm", "mm"), ("end_N", "N")):
+        largest, state = max(((getattr(check, name) or 0.0, state) for check, state in checks), default=(0.0, ""))
+        if largest > NOTHING:
+            quantity = "the end is displaced" if unit == "mm" else "the force on the end differs"
+            parts.append(f"{quantity} by at most {largest:.2g} {unit} ({state})")
+    if parts:
+        parts[0] = f"with exact distances between them {parts[0]}"
+    if unknown:
+        parts.append(f"by how much is not known in {', '.join(unknown)}, where the comparison failed")
+    return f"{BESIDE}: {'; '.join(parts)}" if parts else ""
+
+
 def _smallest_stretch(summary: StateSummary) -> float:
     return summary.extremes.min_stretch
 
@@ -111,4 +133,10 @@ def _largest_stretch(summary: StateSummary) -> float:
 
 
 #: the rules
-AFTER: tuple[Callable[[Solved], str], ...] = (_volume_change, _large_strain, _hardly_bent, _not_determined)
+AFTER: tuple[Callable[[Solved], str], ...] = (
+    _volume_change,
+    _large_strain,
+    _hardly_bent,
+    _not_determined,
+    _approximate_contact,
+)

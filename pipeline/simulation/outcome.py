@@ -8,6 +8,7 @@ import fem
 from fem.solution import Extremes
 from geometry import Centreline, position_text
 from geometry.arrays import Array, Index
+from pipeline.simulation.contact_check import ContactCheck
 from pipeline.store.formats import CONVERGED, NOT_CONVERGED
 from pipeline.store.json_values import JsonObject
 from rod import Load
@@ -35,6 +36,7 @@ class StateSummary:
     cutbacks: int
     seconds: float
     remark: str  #: what limits the trust in this equilibrium; empty where nothing does
+    contact_check: ContactCheck | None = None  #: where contact was compared with exact distances
 
     def row(self) -> JsonObject:
         """The row of experiments.json."""
@@ -55,6 +57,8 @@ class StateSummary:
             "max_stretch_at_mm": self.extremes.max_stretch_at,
             "min_stretch_at_mm": self.extremes.min_stretch_at,
             "min_gap_mm": self.min_gap_mm,
+            "contact_error_mm": self.contact_check.end_mm if self.contact_check else None,
+            "contact_error_N": self.contact_check.end_N if self.contact_check else None,
             "stress_error": self.stress_error,
             "stress_error_at_mm": self.stress_error_at_mm,
             "negative_pivots": self.negative_pivots,

@@ -10,6 +10,7 @@ from pipeline.errors import RunFailed
 from pipeline.parallel.worker import TaskContext
 from pipeline.progress import Progress
 from pipeline.simulation.case_path import CasePath
+from pipeline.simulation.contact_check import ContactCheck
 from pipeline.simulation.known_limit import FIRST, KnownLimit, asks, in_order
 from pipeline.simulation.loadcase import LoadCase, identification_case
 from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
@@ -127,7 +128,12 @@ def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, ma
     end, force, clamp = experiment.end(step), experiment.end_force(step), experiment.clamp_force(step)
     error = fem.stress_error(step, material)
     air = sum(step.cavity_volume(name) for name in experiment.body.cavities[:1])
-    remarks = (fem.unstable_stretch(step.space, step.displacement, material), step.instability)
+    contact = ContactCheck.of(experiment, step)
+    remarks = (
+        fem.unstable_stretch(step.space, step.displacement, material),
+        step.instability,
+        contact.clause if contact else "",
+    )
     return StateSummary(
         experiment=experiment.name,
         pressure_kPa=pressure_kPa,
@@ -147,4 +153,5 @@ def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, ma
         cutbacks=step.cutbacks,
         seconds=step.seconds,
         remark="; ".join(filter(None, remarks)),
+        contact_check=contact,
     )

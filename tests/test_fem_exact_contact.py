@@ -1,0 +1,127 @@
+"""The comparison of contact by pairs of walls with exact distances between them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from fem import Experiment, Model, SelfContact, Step, StVenantKirchhoff, follow
+from fem.discretisation import Discretisation
+from fem.effects import barrier
+from fem.effects.contact import BarrierTerm, crossings
+from fem.path import exact_contact
+from fem.solution import step_from_arrays, step_to_arrays
+from pipeline.simulation.contact_check import ContactCheck
+from tests.bodies import fork
+from tests.collapse import collapsing
+
+GAP, LENGTH = 0.4, 30.0
+#: of 34 kPa
+FRACTIONS = (0.4676, 0.8, 1.0)
+
+
+@pytest.mark.parametrize(("slide", "is_compared"), [(0.0, False), (0.05, False), (2.5, True)])
+def test_contact_is_compared_where_nodes_press_beside_their_triangles(slide: float, is_compared: bool) -> None:
+    space, law = Discretisation.of(fork(GAP, layers=6), "p2"), StVenantKirchhoff(E=1.0, nu=0.4)
+    term = SelfContact("prongs", dhat=0.5 * GAP, overlap=0.0).bind(space, law)
+    x, upper = space.points.copy(), space.points[:, 1] > 1.0 + GAP / 2
+    x[upper] += [slide, -0.7 * GAP, 0.0]
+    exact = term.with_exact_distances(x)
+    assert isinstance(exact, BarrierTerm) is is_compared
+    assert (exact is term) is not is_compared
+    shifted = SelfContact("prongs", dhat=0.5 * GAP).bind(space, law)
+    assert shifted.with_exact_distances(x) is shifted
+    x[upper, 1] += GAP  # walls that do not touch
+    assert term.with_exact_distances(x) is term
+
+
+@pytest.fixture(scope="module")
+def collapse() -> tuple[Experiment, Model, tuple[Step, ...]]:
+    experiment, model = collapsing(LENGTH)
+    return experiment, model, follow(model, FRACTIONS).steps
+
+
+def end(step: Step, displacement: np.ndarray) -> np.ndarray:
+    return np.asarray(displacement[step.points[:, 0] > LENGTH - 1e-6].mean(axis=0))
+
+
+def test_a_collapsed_divider_has_a_state_with_exact_distances(
+    collapse: tuple[Experiment, Model, tuple[Step, ...]],
+) -> None:
+    """Measured: 0.083 mm; followed with exact distances all the way it ends 0.087 mm away (docs/theory.md)."""
+    _, _, (apart, _, step) = collapse
+    assert apart.exact is None
+    assert apart.inexact == step.inexact == ""
+    assert step.exact is not None
+    motion = end(step, step.exact.displacement) - end(step, step.displacement)
+    assert 0.05 < np.linalg.norm(motion) < 0.2
+    positions = step.points + step.exact.displacement
+    assert len(crossings(positions, step.space.surface("cavity_lower").triangles)[0]) == 0
+    assert not step.exact.gradient[step.gradient == 0.0].any()
+    borne = (step.exact.gradient - step.gradient).sum(axis=0)[:2]  # by the clamp; along z the plane of symmetry bears
+    assert np.abs(borne).max() < 1e-3 * np.abs(step.gradient).sum()
+
+
+def test_the_path_does_not_depend_on_the_state_with_exact_distances(
+    monkeypatch: pytest.MonkeyPatch, collapse: tuple[Experiment, Model, tuple[Step, ...]]
+) -> None:
+    _, model, steps = collapse
+    monkeypatch.setattr(barrier, "PART_BESIDE", 2.0)
+    without = follow(model, FRACTIONS).steps
+    assert any(step.exact for step in steps[:-1]), "the last step comes after a comparison"
+    assert not any(step.exact for step in without)
+    for step, other in zip(steps, without, strict=True):
+        assert np.abs(step.displacement - other.displacement).max() < 1e-6 * LENGTH
+        assert step.factorizations >= other.factorizations
+
+
+def test_a_path_that_is_resumed_behind_a_comparison_is_the_same_bit_for_bit(
+    collapse: tuple[Experiment, Model, tuple[Step, ...]],
+) -> None:
+    _, model, steps = collapse
+    done = [step_from_arrays(step.space, step_to_arrays(step)) for step in steps[:2]]
+    resumed = follow(model, FRACTIONS, resume=done).steps
+    np.testing.assert_array_equal(resumed[-1].displacement, steps[-1].displacement)
+    for step, other in zip(resumed, steps, strict=True):
+        same(step, other)
+
+
+def same(step: Step, other: Step) -> None:
+    """But for rounding: ipctk sums in parallel."""
+    assert (step.exact is None) is (other.exact is None)
+    if step.exact and other.exact:
+        np.testing.assert_allclose(step.exact.displacement, other.exact.displacement, rtol=0.0, atol=1e-9 * LENGTH)
+        np.testing.assert_allclose(step.exact.gradient, other.exact.gradient, rtol=0.0, atol=1e-9)
+
+
+def test_where_there_is_no_such_state_it_is_said_why(
+    monkeypatch: pytest.MonkeyPatch, collapse: tuple[Experiment, Model, tuple[Step, ...]]
+) -> None:
+    experiment, model, steps = collapse
+    monkeypatch.setattr(exact_contact, "MAX_ITERATIONS", 2)
+    alone = follow(model, FRACTIONS, resume=steps[:2]).steps[-1]
+    assert alone.exact is None
+    assert alone.inexact.startswith("no equilibrium after 2 iterations")
+    assert step_from_arrays(alone.space, step_to_arrays(alone)).inexact == alone.inexact
+    np.testing.assert_array_equal(alone.displacement, steps[-1].displacement)
+    error = ContactCheck.of(experiment, alone)
+    assert error is not None
+    assert error.end_mm is error.end_N is None
+    assert "the comparison with exact distances failed (no equilibrium after 2 iterations" in error.clause
+
+
+def test_the_error_of_contact_is_that_of_end_and_force(collapse: tuple[Experiment, Model, Sequence[Step]]) -> None:
+    experiment, _, (apart, _, step) = collapse
+    assert ContactCheck.of(experiment, apart) is None
+    error = ContactCheck.of(experiment, step)
+    assert error is not None
+    assert error.end_mm is not None
+    assert 0.05 < error.end_mm < 0.2
+    assert error.end_N == pytest.approx(0.0, abs=1e-6)  # the end of II is free
+    assert error.clause == (
+        "walls of a cavity have moved along each other, so that their contact is approximate: with exact distances "
+        f"between them the end is displaced by {error.end_mm:.2g} mm"
+    )
+    held = ContactCheck(0.0, 0.0123)
+    assert held.difference == "with exact distances between them the force on the end differs by 0.012 N"
+    assert ContactCheck(0.0, 0.0).difference.endswith("the end and its force are the same")
