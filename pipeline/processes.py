@@ -81,14 +81,20 @@ def available_cores() -> int:
 
 @contextmanager
 def process_pool(jobs: int, threads: int, **options: Any) -> Iterator[ProcessPoolExecutor]:
-    """`jobs` workers of `threads` threads; `options` are those of ProcessPoolExecutor. An exception ends them all."""
+    """`jobs` workers of `threads` threads; `options` are those of ProcessPoolExecutor.
+
+    An exception leaves the block when all of them have ended.
+    """
     with ProcessPoolExecutor(jobs, _Spawn(threads), **options) as pool:
         try:
             yield pool
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
-            for child in multiprocessing.active_children():
+            children = multiprocessing.active_children()
+            for child in children:
                 child.terminate()
+            for child in children:
+                child.join()
             raise
 
 

@@ -86,7 +86,22 @@ def test_a_process_killed_while_writing_leaves_whole_files(tmp_path: Path, confi
         state = store.load_state("II", 17.0)
         assert state is not None
         assert np.ptp(state["u"]) == 0.0
-    assert not [name for name in files(tmp_path) if ".part" in name]
+    assert not [name for name in files(tmp_path) if "part" in name]
+
+
+def test_temporary_files_of_workers_that_were_ended_are_removed(tmp_path: Path, config: Config) -> None:
+    with pytest.raises(KeyboardInterrupt):
+        _interrupted_beside_another_process(tmp_path, config)
+    assert not [name for name in files(tmp_path) if "part" in name]
+    assert "states/II_17kPa.npz" in files(tmp_path)
+
+
+def _interrupted_beside_another_process(folder: Path, config: Config) -> None:
+    with open_store(folder, config) as store:
+        with atomic_file.replacing(store.path("states/II_17kPa.npz")) as part:
+            part.with_name(part.name.replace(".npz", "x.npz")).touch()  # that of the other process
+        assert len([name for name in files(folder) if "part" in name]) == 1
+        raise KeyboardInterrupt
 
 
 def test_states_are_remembered(tmp_path: Path, config: Config) -> None:

@@ -1,5 +1,6 @@
 """Workers of a run: results, order, errors, and what happens when one is lost."""
 
+import multiprocessing
 import os
 import signal
 import time
@@ -147,6 +148,7 @@ def test_an_error_of_the_run_ends_workers_and_chains_at_once(tmp_path: Path) -> 
     begin = time.monotonic()
     with pytest.raises(KeyboardInterrupt):
         _interrupted(tmp_path / "begun")
+    assert not multiprocessing.active_children()  # none of them writes any more
     assert time.monotonic() - begin < 50.0
 
 

@@ -38,9 +38,10 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
-def stale_parts(folder: Path) -> Iterator[Path]:
-    """The temporary files below `folder` that a killed process has left."""
-    yield from folder.rglob(f"{_PREFIX}*")
+def remove_parts(folder: Path) -> None:
+    """Remove the temporary files below `folder` that a killed process has left."""
+    for part in folder.rglob(f"{_PREFIX}*"):
+        part.unlink(missing_ok=True)
 
 
 def _flush(part: Path) -> None:

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from pipeline.errors import InputError
-from pipeline.store.atomic_file import stale_parts, write_atomic
+from pipeline.store.atomic_file import remove_parts, write_atomic
 from pipeline.store.json_values import JsonObject
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
@@ -80,15 +80,17 @@ def open_store(directory: Path | str, config: Configuration, *, fresh: bool = Fa
     """
     folder = open_folder(directory).directory
     with locked(folder):
-        for part in stale_parts(folder):
-            part.unlink(missing_ok=True)  # a worker of the killed run may still be ending
+        remove_parts(folder)  # a worker of a killed run may still be ending
         if fresh:
             _clear(folder)
         check_owner(folder, config, "give another --out, or --fresh to replace them")
         keys = (result_key(config.hash, sources) for sources in (STATE_SOURCES, NUMBER_SOURCES))
         store = Store(folder, *keys)
         store.save_json(_IDENTITY, {"config_hash": config.hash, "config": config.record()})
-        yield store
+        try:
+            yield store
+        finally:
+            remove_parts(folder)  # of workers that were ended while they wrote
 
 
 @contextmanager

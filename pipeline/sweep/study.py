@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pipeline.errors import InputError, RunFailed
 from pipeline.remaining_time import duration
-from pipeline.store.atomic_file import stale_parts
+from pipeline.store.atomic_file import remove_parts
 from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
 from pipeline.store.result_folder import ResultFolder, open_folder
@@ -131,8 +131,7 @@ class _SweepInProgress:
 
     def begin(self, course: Course) -> None:
         """Clear what is left of interrupted writing and of earlier sweeps, and read the records that are kept."""
-        for part in stale_parts(self.folder.directory):
-            part.unlink(missing_ok=True)
+        remove_parts(self.folder.directory)
         if course.fresh:
             _clear(self.folder)
         self._refuse_other()
