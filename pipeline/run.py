@@ -26,7 +26,7 @@ from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.scene import material_of
-from pipeline.simulation.simulate import simulate
+from pipeline.simulation.simulate import begun
 from pipeline.simulation.waiting import meshed_with_progress
 from pipeline.store.store import open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
@@ -66,9 +66,9 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
         for pending in loading:
             pending.result()
     with stages.timed("experiments"):
-        simulated = workers.beside(simulate, scene, replace(context, urgency=_OF_EXPERIMENTS))
-        measured = law_of_run(scene, replace(context, urgency=_OF_LAW))
-        outcomes, remark = with_states_below_limit(scene, context, simulated.result())
+        simulation = begun(scene, replace(context, urgency=_OF_EXPERIMENTS))
+        measured = law_of_run(scene, replace(context, urgency=_OF_LAW), simulation)
+        outcomes, remark = with_states_below_limit(scene, context, simulation.result())
         store.save_json("experiments.json", outcomes.rows())
     if remark:
         progress.remark(remark)

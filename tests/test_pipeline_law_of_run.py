@@ -13,12 +13,14 @@ from pipeline.cell.of_run import LawOfRun, law_of_run
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
+from pipeline.parallel.workers import Done
 from pipeline.progress import Silent
 from pipeline.report.results import read_results
 from pipeline.report.verdict import verdict_of
 from pipeline.run import run
 from pipeline.simulation.outcome import Failure, Outcomes
 from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import Simulation
 from pipeline.store.store import open_store
 from rod import Rod, law_from_record
 
@@ -156,3 +158,24 @@ def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: 
         assert (made.law and made.law.pressures[-1]) == highest
         assert "no equilibrium of the half cell at" in made.failures[0]
         assert made.failures[0].startswith("no law of the arm: the cell of the arm has no") == (highest is None)
+
+
+@pytest.mark.parametrize(
+    ("reached", "limit", "highest"), [((6.0, 12.0), 0.0, 12.0), ((6.0,), 11.0, 6.0), ((), 5.0, 4.0), ((), 0.0, 12.0)]
+)
+def test_the_law_goes_no_higher_than_the_whole_arm(
+    tmp_path: Path, reached: tuple[float, ...], limit: float, highest: float
+) -> None:
+    """Up to the last pressure that II has reached, or to 80 % of its limit where it has reached none."""
+    design = config(tmp_path, "validation=off")
+    failure = Failure(12.0, "a limit point", 0, 0, limit_kPa=limit) if len(reached) < 2 else None
+    second = outcome("II", *(record(pressure) for pressure in reached), failure=failure)
+    with open_store(tmp_path / "out", design) as store:
+        context = RunContext.alone(store, Silent())
+        made = law_of_run(Scene.meshed(design), context, Simulation({"II": Done(second)})).result()
+    assert made.law is not None
+    assert made.law.pressures[-1] == highest
+    next_one = 12.0 if highest == 6.0 else 6.0
+    said = f"not measured at {next_one:g} kPa and more, which the whole arm does not bear in experiment II"
+    assert (said in made.reason) == (highest < 12.0)
+    assert made.failures == ()

@@ -1,6 +1,6 @@
 """The arm's own law of a configuration: a cell at every pressure, pressures between, and the two ends."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from types import MappingProxyType
@@ -10,10 +10,11 @@ import numpy as np
 
 from fem.cell.piece import PieceFailed
 from pipeline.cell import tasks
+from pipeline.cell.decay import Decay
 from pipeline.cell.deviation import Deviation
 from pipeline.cell.kept import Measured
 from pipeline.cell.mesh_error import MeshError, mesh_error
-from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.reach import Bend
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
@@ -26,10 +27,6 @@ from rod.arm_law.law import ArmLaw
 BETWEEN = 3e-3
 #: how many pressures are added at most
 MOST_ADDED = 12
-#: largest displacement of the arm's end, over its length, by which end pieces that differ by a cell may differ
-DECAY = 5e-4
-#: the same beyond which the arm is said to have no undisturbed cells
-NOT_DECAYED = 1e-2
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -52,21 +49,25 @@ class MeasuredLaw:
     unknowns: Mapping[str, int] = field(repr=False)  #: displacement components by piece
 
 
-def build_law(pieces: ArmPieces, context: RunContext) -> MeasuredLaw:
+def build_law(pieces: ArmPieces, context: RunContext, highest_kPa: Callable[[], float] | None = None) -> MeasuredLaw:
     """Measure the law of an arm at the pressures of its configuration, at rest, and between where that is needed.
+
+    highest_kPa: gives the pressure up to which the whole arm has an equilibrium, when that is known; its ends, which
+    cost most, are measured up to there.
 
     Curves that an earlier run has left in the store are not measured again. Raises `NoArmLaw` for an arm or effects
     that such a law does not describe, InputError for pieces that cannot be meshed, and RunFailed where not even the
     lowest pressure is borne.
     """
-    return _Builder(pieces, context).law()
+    return _Builder(pieces, context, highest_kPa).law()
 
 
 class _Builder:
     """The law in the making."""
 
-    def __init__(self, pieces: ArmPieces, context: RunContext) -> None:
+    def __init__(self, pieces: ArmPieces, context: RunContext, highest_kPa: Callable[[], float] | None) -> None:
         self.pieces = pieces
+        self.highest_kPa = highest_kPa
         self.context = context
         self.tasks = tasks.ArmTasks.of(pieces, context)
         self.limits: list[str] = []
@@ -78,10 +79,7 @@ class _Builder:
         self.bends: dict[float, Bend] = {}  #: by pressure, kPa
         self.error_between = 0.0
         self.error_along_clamp = 0.0
-        self.error_ends = 0.0
-        #: clamped ends without moment, by their half cells, and displacement components by piece
-        self.decay: dict[int, Pending[Measured[ClampCurve]]] = {}
-        self.unknowns: dict[str, Pending[int]] = {}
+        self.unknowns: dict[str, Pending[int]] = {}  #: displacement components by piece
 
     def law(self) -> MeasuredLaw:
         """All curves, put together."""
@@ -91,9 +89,13 @@ class _Builder:
         self.unknowns["cell"] = self.tasks.submit(tasks.unknowns_of_cell)
         self.bends = self._bends(requested)
         cells = self._cells(sorted({0.0, *self.bends}))
-        self._begin_decay(cells[-1].curve, 1)  # is done beside the pressures between
+        if self.highest_kPa:
+            cells = self._up_to(cells, self.highest_kPa())
+        decay = Decay(self.pieces, self.tasks, cells[-1].curve)
+        decay.begin(1)  # is done beside the pressures between
         cells, added = self._with_pressures_between(cells)
-        half_cells = self._half_cells(cells[-1].curve)
+        half_cells, error_ends, limit = decay.decided()
+        self.limits += filter(None, [limit])
         self.unknowns["end"] = self.tasks.submit(tasks.unknowns_of_end, half_cells)
         clamps, tips = self._ends(cells, half_cells)
         cells = cells[: len(clamps)]
@@ -115,7 +117,7 @@ class _Builder:
             error_along=_error_along(cells),
             error_between=self.error_between,
             error_along_clamp=self.error_along_clamp,
-            error_ends=self.error_ends,
+            error_ends=error_ends,
             mesh_error=mesh_error(self.pieces, law.cells, self.unknowns["cell"].result(), self.context),
             limits=tuple(dict.fromkeys(self.limits)),
             failures=tuple(self.failures),
@@ -158,6 +160,19 @@ class _Builder:
         if len(cells) < 2:
             raise RunFailed(f"the law of a cell has fewer than two pressures: {'; '.join(self.failures)}")
         return cells
+
+    def _up_to(self, cells: list[Measured[CellCurve]], highest: float) -> list[Measured[CellCurve]]:
+        """The cells up to a pressure in kPa; with one at it where that is below all of the configuration."""
+        borne = [cell for cell in cells if cell.curve.pressure <= highest]
+        if len(borne) == 1:
+            borne += [cell for cell in self._measured_cells([highest]) if not isinstance(cell, str)]
+        if len(borne) in (1, len(cells)):
+            return cells
+        beyond = min(cell.curve.pressure for cell in cells if cell.curve.pressure > highest)
+        self.limits.append(
+            f"not measured at {beyond:g} kPa and more, which the whole arm does not bear in experiment II"
+        )
+        return borne
 
     def _measured_cells(self, pressures: Sequence[float]) -> Iterator[Measured[CellCurve] | str]:
         """Cells at rising pressures; a sentence for one that is not borne."""
@@ -228,38 +243,6 @@ class _Builder:
         self._count("between", found)
         return found.curve.kappa
 
-    def _half_cells(self, cell: CellCurve) -> int:
-        """Half cells of the end pieces, so many that two more change the arm's end by less than DECAY."""
-        available, length = self.pieces.repetition.half_cells, self.pieces.design.length
-        for half_cells in range(1, available // 2 + 1, 2):
-            if half_cells + 2 > available:
-                self.limits.append("the arm is too short to see how far its ends disturb the cells")
-                return half_cells
-            self._begin_decay(cell, half_cells)
-            try:
-                shorter, longer = (self.decay[k].result().curve for k in (half_cells, half_cells + 2))
-            except PieceFailed:  # reported with the ends
-                return half_cells
-            self.error_ends = difference(shorter, longer, cell, length)
-            if self.error_ends <= DECAY:
-                return half_cells
-        if self.error_ends > NOT_DECAYED:
-            raise NoArmLaw(
-                f"the two ends disturb all cells of the arm: end pieces of {half_cells} and {half_cells + 2} half "
-                f"cells differ by {100 * self.error_ends:.2g} % of the length at its end"
-            )
-        self.limits.append(
-            f"end pieces of {half_cells} and {half_cells + 2} half cells differ by "
-            f"{100 * self.error_ends:.2g} % of the length at the end of the arm, which has no room for longer ones"
-        )
-        return half_cells
-
-    def _begin_decay(self, cell: CellCurve, half_cells: int) -> None:
-        """Submit the clamped ends with so many half cells and with two more, if the arm has so many."""
-        for k in (half_cells, half_cells + 2):
-            if half_cells + 2 <= self.pieces.repetition.half_cells and k not in self.decay:
-                self.decay[k] = self.tasks.submit(tasks.clamp_without_moment, cell, k)
-
     def _ends(self, cells: Sequence[Measured[CellCurve]], half_cells: int) -> tuple[list[ClampCurve], list[TipCurve]]:
         """The clamped end and the tip by rising pressure, up to the last one that is borne."""
         self.context.progress.experiment("ends", [cell.curve.pressure for cell in cells])
@@ -291,18 +274,3 @@ def _error_along(cells: Sequence[Measured[CellCurve]]) -> float:
     """Largest error of the curvature between two states of a cell, over the largest curvature of all."""
     largest = [float(np.abs(cell.curve.kappa).max()) for cell in cells]
     return max(cell.error * own for cell, own in zip(cells, largest, strict=True)) / max(largest)
-
-
-def difference(first: ClampCurve, second: ClampCurve, cell: CellCurve, length: float) -> float:
-    """Largest displacement of the end of an arm of `length` mm by exchanging its clamped end, over the length.
-
-    Both without moment, to first order up to the moment that straightens the cell.
-    """
-    straight = abs(cell.at(0.0)[0]) * float(np.interp(0.0, cell.moment, cell.rigidity))
-
-    def distance(name: str) -> float:
-        """Of the values without moment, and of their slopes at that moment."""
-        values, rates = (getattr(first, key)[0] - getattr(second, key)[0] for key in (name, f"{name}_by_moment"))
-        return float(np.linalg.norm(values) + straight * np.linalg.norm(rates))
-
-    return distance("rotation") + distance("offset") / length

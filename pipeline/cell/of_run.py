@@ -8,9 +8,12 @@ from pipeline.cell.study import save_law
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed, WorkerLost
 from pipeline.parallel.workers import Done, Pending
+from pipeline.simulation.below_limit import highest_of_use
 from pipeline.simulation.effects_record import EffectState
-from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.known_limit import FIRST
+from pipeline.simulation.outcome import Outcome, Outcomes
 from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import Simulation
 from pipeline.store.store import Store
 from rod import ArmLaw
 
@@ -27,8 +30,7 @@ class LawOfRun:
     def beside(self, outcomes: Outcomes) -> "LawOfRun":
         """The same law, whose reason names where the experiments on the whole arm have ended, if a piece did too.
 
-        Nothing is measured anew: pieces do not wait for the experiments, which take longer than to find out that they
-        do not bear a pressure.
+        Nothing is measured anew.
         """
         ended = outcomes.first_to_end
         if ended is None or not self.not_borne:
@@ -61,8 +63,10 @@ class LawOfRun:
         return EffectState("arm_law", "off" if self.measured is None else "on", self.reason, None)
 
 
-def law_of_run(scene: Scene, context: RunContext) -> Pending[LawOfRun]:
+def law_of_run(scene: Scene, context: RunContext, simulation: Simulation | None = None) -> Pending[LawOfRun]:
     """The law that the configuration requests; with `law: both` an arm without one keeps its five parameters.
+
+    It goes no higher than experiment II of the simulation, if that is given.
 
     Its tasks are done beside those that are submitted later. Whatever Gmsh has to look at in this process is looked at
     before this function returns, because Gmsh takes the process's output and signals.
@@ -75,7 +79,8 @@ def law_of_run(scene: Scene, context: RunContext) -> Pending[LawOfRun]:
         pieces.repetition  # noqa: B018 - refuses an arm that is too short
     except (NoArmLaw, InputError) as refusal:
         return Done(_none(choice, refusal))
-    return context.workers.beside(_law, choice, pieces, context)
+    second = simulation.pending.get(FIRST) if simulation else None
+    return context.workers.beside(_law, choice, pieces, context, second)
 
 
 def _none(choice: str, why: Exception) -> LawOfRun:
@@ -88,9 +93,9 @@ def _ends(experiment: str, pressure_kPa: float) -> str:
     return f"experiment {experiment} of the whole arm ends at {pressure_kPa:.4g} kPa"
 
 
-def _law(choice: str, pieces: ArmPieces, context: RunContext) -> LawOfRun:
+def _law(choice: str, pieces: ArmPieces, context: RunContext, second: Pending[Outcome] | None) -> LawOfRun:
     try:
-        measured = build_law(pieces, context)
+        measured = build_law(pieces, context, (lambda: highest_of_use(second.result())) if second else None)
     except WorkerLost:
         raise
     except (NoArmLaw, InputError, RunFailed) as failure:

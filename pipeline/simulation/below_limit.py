@@ -4,7 +4,7 @@ from math import inf
 
 from pipeline.context import RunContext
 from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.outcome import Outcome, Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import experiments_of, simulate
 from rod import too_few_pitches
@@ -27,7 +27,7 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     without_five = scene.config.law == "cell" or too_few_pitches(scene.body.length, scene.body.pitch)
     if limit == inf or without_five:
         return outcomes, ""
-    pressures = tuple(float(f"{part * limit:.{DIGITS}g}") for part in PARTS)
+    pressures = tuple(_rounded(part * limit) for part in PARTS)
     names = experiments_of(scene.config)
     cases = [LoadCase(name, name, schedule(scene.config, pressures), scene.config.end) for name in names]
     more = simulate(scene, context, cases)
@@ -39,3 +39,22 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
         f"{scene.config.pressures_kPa[0]:g} kPa is the lowest; they were also solved at {at} kPa, because one of them "
         f"ends at {limit:.{DIGITS}g} kPa: give pressures below that"
     )
+
+
+def highest_of_use(second: Outcome) -> float:
+    """The highest pressure in kPa at which a rod of the arm can be compared with experiment II; infinite if it is borne
+    at all.
+
+    The highest one that II has reached, or the highest one above where it has reached none of the configuration.
+    """
+    failure = second.failure
+    if failure is None:
+        return inf
+    if second.records:
+        return max(record.pressure_kPa for record in second.records)
+    end = failure.limit_kPa or failure.reached_kPa
+    return _rounded(PARTS[-1] * end) if end > 0.0 else inf
+
+
+def _rounded(pressure_kPa: float) -> float:
+    return float(f"{pressure_kPa:.{DIGITS}g}")

@@ -1,13 +1,15 @@
 """The load cases on one body, each a task; each state is stored as soon as it is reached."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import fem
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
 from pipeline.parallel.worker import TaskContext
+from pipeline.parallel.workers import Pending
 from pipeline.progress import Progress
 from pipeline.simulation.case_path import CasePath
 from pipeline.simulation.contact_check import ContactCheck
@@ -31,24 +33,40 @@ def experiments_of(config: Config) -> tuple[str, ...]:
     return tuple(name for name in EXPERIMENTS if name in config.experiments and name not in without)
 
 
+@dataclass(frozen=True)
+class Simulation:
+    """Load cases on one body that were submitted."""
+
+    pending: Mapping[str, Pending[Outcome]]  #: by the name of the load case, that of II first
+
+    def result(self) -> Outcomes:
+        """When all are there. Raises RunFailed where the faces that are to touch cannot."""
+        try:
+            outcomes = [case.result() for case in self.pending.values()]
+        except fem.ContactError as failure:
+            raise RunFailed(str(failure)) from None
+        return Outcomes({outcome.name: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.name)})
+
+
 def simulate(scene: Scene, context: RunContext, experiments: Sequence[str | LoadCase] | None = None) -> Outcomes:
     """Solve the load cases, by default `experiments_of`; one that fails does not stop others.
 
     A name stands for that experiment at the pressures of the run. Raises RunFailed where the faces that are to touch
     cannot.
     """
+    return begun(scene, context, experiments).result()
+
+
+def begun(scene: Scene, context: RunContext, experiments: Sequence[str | LoadCase] | None = None) -> Simulation:
+    """The same load cases, submitted."""
     requested = experiments_of(scene.config) if experiments is None else experiments
     cases = in_order([_as_case(scene.config, entry) for entry in requested])
     for case in sorted(cases, key=lambda case: case.name):
         context.progress.experiment(case.name, case.schedule.pressures_kPa)
     is_known = any(case.name == FIRST for case in cases)
     group = next(_groups)
-    pending = [context.submit(_solve, case, scene, context.store, group, is_known and asks(case)) for case in cases]
-    try:
-        outcomes = [case.result() for case in pending]
-    except fem.ContactError as failure:
-        raise RunFailed(str(failure)) from None
-    return Outcomes({outcome.name: outcome for outcome in sorted(outcomes, key=lambda outcome: outcome.name)})
+    tasks = [context.submit(_solve, case, scene, context.store, group, is_known and asks(case)) for case in cases]
+    return Simulation({case.name: task for case, task in zip(cases, tasks, strict=True)})
 
 
 def _as_case(config: Config, entry: str | LoadCase) -> LoadCase:
