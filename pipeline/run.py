@@ -21,7 +21,7 @@ from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
 from pipeline.run_report import ReviewedPlan, RunReport
-from pipeline.simulation.below_limit import with_states_below_limit
+from pipeline.simulation.below_limit import completed, highest_of_use
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
@@ -67,8 +67,10 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
             pending.result()
     with stages.timed("experiments"):
         simulation = begun(scene, replace(context, urgency=_OF_EXPERIMENTS))
-        measured = law_of_run(scene, replace(context, urgency=_OF_LAW), simulation)
-        outcomes, remark = with_states_below_limit(scene, context, simulation.result())
+        complete = workers.beside(completed, scene, context, simulation)
+        of_law = replace(context, urgency=_OF_LAW)
+        measured = law_of_run(scene, of_law, lambda: highest_of_use(simulation, complete))
+        outcomes, remark = complete.result()
         store.save_json("experiments.json", outcomes.rows())
     if remark:
         progress.remark(remark)

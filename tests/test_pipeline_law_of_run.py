@@ -1,6 +1,7 @@
 """The arm's own law in a whole run on a short arm: files, rows of the validation, the first lines of the report."""
 
 import json
+from math import inf
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -18,6 +19,7 @@ from pipeline.progress import Silent
 from pipeline.report.results import read_results
 from pipeline.report.verdict import verdict_of
 from pipeline.run import run
+from pipeline.simulation.below_limit import highest_of_use
 from pipeline.simulation.outcome import Failure, Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import Simulation
@@ -161,21 +163,31 @@ def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: 
 
 
 @pytest.mark.parametrize(
-    ("reached", "limit", "highest"), [((6.0, 12.0), 0.0, 12.0), ((6.0,), 11.0, 6.0), ((), 5.0, 4.0), ((), 0.0, 12.0)]
+    ("reached", "below_limit", "highest"),
+    [((6.0, 12.0), (), 12.0), ((6.0,), (), 6.0), ((6.0,), (2.0, 9.0), 9.0), ((), (2.0, 4.0), 4.0), ((), (), 12.0)],
 )
 def test_the_law_goes_no_higher_than_the_whole_arm(
-    tmp_path: Path, reached: tuple[float, ...], limit: float, highest: float
+    tmp_path: Path, reached: tuple[float, ...], below_limit: tuple[float, ...], highest: float
 ) -> None:
-    """Up to the last pressure that II has reached, or to 80 % of its limit where it has reached none."""
+    """Up to the highest pressure at which II has a state, those below its limit included."""
     design = config(tmp_path, "validation=off")
-    failure = Failure(12.0, "a limit point", 0, 0, limit_kPa=limit) if len(reached) < 2 else None
-    second = outcome("II", *(record(pressure) for pressure in reached), failure=failure)
+    failure = Failure(12.0, "a limit point", 0, 0) if len(reached) < 2 else None
+    second = outcome("II", *map(record, reached), failure=failure)
+    complete = outcome("II", *map(record, (*reached, *below_limit)), failure=failure)
+
+    def highest_kPa() -> float:
+        return highest_of_use(Simulation({"II": Done(second)}), Done((Outcomes({"II": complete}), "")))
+
     with open_store(tmp_path / "out", design) as store:
-        context = RunContext.alone(store, Silent())
-        made = law_of_run(Scene.meshed(design), context, Simulation({"II": Done(second)})).result()
+        made = law_of_run(Scene.meshed(design), RunContext.alone(store, Silent()), highest_kPa).result()
     assert made.law is not None
     assert made.law.pressures[-1] == highest
-    next_one = 12.0 if highest == 6.0 else 6.0
-    said = f"not measured at {next_one:g} kPa and more, which the whole arm does not bear in experiment II"
-    assert (said in made.reason) == (highest < 12.0)
+    assert all(pressure in made.law.pressures for pressure in (6.0, 12.0) if pressure <= highest)
+    not_borne = min((pressure for pressure in (6.0, 12.0) if pressure > highest), default=None)
+    said = f"not measured at {not_borne} kPa and more, which the whole arm does not bear in experiment II"
+    assert (said.replace(".0 kPa", " kPa") in made.reason) == (not_borne is not None)
     assert made.failures == ()
+
+
+def test_without_experiment_II_the_law_goes_up_to_the_pressures_of_the_run() -> None:
+    assert highest_of_use(Simulation({"I": Done(outcome("I", record(6.0)))}), Done((Outcomes({}), ""))) == inf

@@ -52,8 +52,8 @@ class MeasuredLaw:
 def build_law(pieces: ArmPieces, context: RunContext, highest_kPa: Callable[[], float] | None = None) -> MeasuredLaw:
     """Measure the law of an arm at the pressures of its configuration, at rest, and between where that is needed.
 
-    highest_kPa: gives the pressure up to which the whole arm has an equilibrium, when that is known; its ends, which
-    cost most, are measured up to there.
+    highest_kPa: gives the pressure that the law need not exceed, as soon as that is known. The cell may be solved above
+    it, the ends of the arm, which cost most, are not.
 
     Curves that an earlier run has left in the store are not measured again. Raises `NoArmLaw` for an arm or effects
     that such a law does not describe, InputError for pieces that cannot be meshed, and RunFailed where not even the
@@ -162,11 +162,13 @@ class _Builder:
         return cells
 
     def _up_to(self, cells: list[Measured[CellCurve]], highest: float) -> list[Measured[CellCurve]]:
-        """The cells up to a pressure in kPa; with one at it where that is below all of the configuration."""
+        """The cells up to a pressure in kPa, with one at it."""
+        if cells[-1].curve.pressure <= highest:
+            return cells
         borne = [cell for cell in cells if cell.curve.pressure <= highest]
-        if len(borne) == 1:
+        if borne[-1].curve.pressure < highest:
             borne += [cell for cell in self._measured_cells([highest]) if not isinstance(cell, str)]
-        if len(borne) in (1, len(cells)):
+        if len(borne) < 2:
             return cells
         beyond = min(cell.curve.pressure for cell in cells if cell.curve.pressure > highest)
         self.limits.append(

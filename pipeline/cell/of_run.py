@@ -1,5 +1,6 @@
 """The arm's own law as a part of a run: made where the arm and its effects have one, else a sentence why not."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from pipeline.cell.build import MeasuredLaw, build_law
@@ -8,12 +9,9 @@ from pipeline.cell.study import save_law
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed, WorkerLost
 from pipeline.parallel.workers import Done, Pending
-from pipeline.simulation.below_limit import highest_of_use
 from pipeline.simulation.effects_record import EffectState
-from pipeline.simulation.known_limit import FIRST
-from pipeline.simulation.outcome import Outcome, Outcomes
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import Simulation
 from pipeline.store.store import Store
 from rod import ArmLaw
 
@@ -63,10 +61,10 @@ class LawOfRun:
         return EffectState("arm_law", "off" if self.measured is None else "on", self.reason, None)
 
 
-def law_of_run(scene: Scene, context: RunContext, simulation: Simulation | None = None) -> Pending[LawOfRun]:
+def law_of_run(scene: Scene, context: RunContext, highest_kPa: Callable[[], float] | None = None) -> Pending[LawOfRun]:
     """The law that the configuration requests; with `law: both` an arm without one keeps its five parameters.
 
-    It goes no higher than experiment II of the simulation, if that is given.
+    highest_kPa: gives the pressure that the law need not exceed, as soon as that is known.
 
     Its tasks are done beside those that are submitted later. Whatever Gmsh has to look at in this process is looked at
     before this function returns, because Gmsh takes the process's output and signals.
@@ -79,8 +77,7 @@ def law_of_run(scene: Scene, context: RunContext, simulation: Simulation | None 
         pieces.repetition  # noqa: B018 - refuses an arm that is too short
     except (NoArmLaw, InputError) as refusal:
         return Done(_none(choice, refusal))
-    second = simulation.pending.get(FIRST) if simulation else None
-    return context.workers.beside(_law, choice, pieces, context, second)
+    return context.workers.beside(_law, choice, pieces, context, highest_kPa)
 
 
 def _none(choice: str, why: Exception) -> LawOfRun:
@@ -93,9 +90,9 @@ def _ends(experiment: str, pressure_kPa: float) -> str:
     return f"experiment {experiment} of the whole arm ends at {pressure_kPa:.4g} kPa"
 
 
-def _law(choice: str, pieces: ArmPieces, context: RunContext, second: Pending[Outcome] | None) -> LawOfRun:
+def _law(choice: str, pieces: ArmPieces, context: RunContext, highest_kPa: Callable[[], float] | None) -> LawOfRun:
     try:
-        measured = build_law(pieces, context, (lambda: highest_of_use(second.result())) if second else None)
+        measured = build_law(pieces, context, highest_kPa)
     except WorkerLost:
         raise
     except (NoArmLaw, InputError, RunFailed) as failure:

@@ -3,10 +3,12 @@
 from math import inf
 
 from pipeline.context import RunContext
+from pipeline.parallel.workers import Pending
+from pipeline.simulation.known_limit import FIRST
 from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Outcome, Outcomes
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import experiments_of, simulate
+from pipeline.simulation.simulate import Simulation, experiments_of, simulate
 from rod import too_few_pitches
 
 #: pressures over the lower limit of II and III: high enough to say something about the arm as it was to be loaded
@@ -27,7 +29,7 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     without_five = scene.config.law == "cell" or too_few_pitches(scene.body.length, scene.body.pitch)
     if limit == inf or without_five:
         return outcomes, ""
-    pressures = tuple(_rounded(part * limit) for part in PARTS)
+    pressures = tuple(float(f"{part * limit:.{DIGITS}g}") for part in PARTS)
     names = experiments_of(scene.config)
     cases = [LoadCase(name, name, schedule(scene.config, pressures), scene.config.end) for name in names]
     more = simulate(scene, context, cases)
@@ -41,20 +43,20 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     )
 
 
-def highest_of_use(second: Outcome) -> float:
-    """The highest pressure in kPa at which a rod of the arm can be compared with experiment II; infinite if it is borne
-    at all.
+def completed(scene: Scene, context: RunContext, simulation: Simulation) -> tuple[Outcomes, str]:
+    """The outcomes of the experiments of a run with states below the limit, as above."""
+    return with_states_below_limit(scene, context, simulation.result())
 
-    The highest one that II has reached, or the highest one above where it has reached none of the configuration.
+
+def highest_of_use(simulation: Simulation, complete: Pending[tuple[Outcomes, str]]) -> float:
+    """The highest pressure in kPa at which a rod of the arm can be compared with experiment II.
+
+    Infinite where II reaches all pressures of the run, none at all, or is not simulated. Waits until that is known.
+
+    complete: the outcomes with states below the limit.
     """
-    failure = second.failure
-    if failure is None:
+    second = simulation.pending.get(FIRST)
+    if second is None or second.result().failure is None:
         return inf
-    if second.records:
-        return max(record.pressure_kPa for record in second.records)
-    end = failure.limit_kPa or failure.reached_kPa
-    return _rounded(PARTS[-1] * end) if end > 0.0 else inf
-
-
-def _rounded(pressure_kPa: float) -> float:
-    return float(f"{pressure_kPa:.{DIGITS}g}")
+    outcomes, _ = complete.result()
+    return max((record.pressure_kPa for record in outcomes[FIRST].records), default=inf)
