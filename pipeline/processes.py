@@ -13,6 +13,8 @@ from multiprocessing.reduction import ForkingPickler
 from types import ModuleType
 from typing import Any
 
+#: seconds that a worker may take to end
+PATIENCE = 10.0
 THREADS = ("MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "OMP_NUM_THREADS")
 #: What the environment of a worker begins with so that glibc keeps freed memory for the next arrays. Given back to the
 #: system at once, as Dask has it by default, a quarter of the time of a worker would be page faults.
@@ -90,11 +92,12 @@ def process_pool(jobs: int, threads: int, **options: Any) -> Iterator[ProcessPoo
             yield pool
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
-            children = multiprocessing.active_children()
+            children = [child for child in multiprocessing.active_children() if isinstance(child, _Worker)]
             for child in children:
                 child.terminate()
             for child in children:
-                child.join()
+                child.join(PATIENCE)
+                child.kill()
             raise
 
 

@@ -69,7 +69,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
         simulation = begun(scene, replace(context, urgency=_OF_EXPERIMENTS))
         complete = workers.beside(completed, scene, context, simulation)
         of_law = replace(context, urgency=_OF_LAW)
-        measured = law_of_run(scene, of_law, lambda: highest_of_use(simulation, complete))
+        measured = law_of_run(scene, of_law, lambda: highest_of_use(scene, simulation, complete))
         outcomes, remark = complete.result()
         store.save_json("experiments.json", outcomes.rows())
     if remark:

@@ -14,7 +14,7 @@ from pipeline.cell.of_run import LawOfRun, law_of_run
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
-from pipeline.parallel.workers import Done
+from pipeline.parallel.workers import Done, Pending
 from pipeline.progress import Silent
 from pipeline.report.results import read_results
 from pipeline.report.verdict import verdict_of
@@ -163,31 +163,64 @@ def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: 
 
 
 @pytest.mark.parametrize(
-    ("reached", "below_limit", "highest"),
-    [((6.0, 12.0), (), 12.0), ((6.0,), (), 6.0), ((6.0,), (2.0, 9.0), 9.0), ((), (2.0, 4.0), 4.0), ((), (), 12.0)],
+    ("reached", "below_limit", "end", "highest"),
+    [
+        ((6.0, 12.0), (), 0.0, 12.0),
+        ((6.0,), (), 11.0, 6.0),
+        ((6.0,), (2.0, 9.0), 11.0, 9.0),
+        ((), (2.0, 4.0), 5.0, 4.0),
+        ((), (), 5.0, 4.0),
+        ((), (), 0.0, 12.0),
+    ],
 )
 def test_the_law_goes_no_higher_than_the_whole_arm(
-    tmp_path: Path, reached: tuple[float, ...], below_limit: tuple[float, ...], highest: float
+    tmp_path: Path, reached: tuple[float, ...], below_limit: tuple[float, ...], end: float, highest: float
 ) -> None:
     """Up to the highest pressure at which II has a state, those below its limit included."""
     design = config(tmp_path, "validation=off")
-    failure = Failure(12.0, "a limit point", 0, 0) if len(reached) < 2 else None
-    second = outcome("II", *map(record, reached), failure=failure)
-    complete = outcome("II", *map(record, (*reached, *below_limit)), failure=failure)
-
-    def highest_kPa() -> float:
-        return highest_of_use(Simulation({"II": Done(second)}), Done((Outcomes({"II": complete}), "")))
-
+    scene, found = Scene.meshed(design), ended(design, reached, below_limit, end)
     with open_store(tmp_path / "out", design) as store:
-        made = law_of_run(Scene.meshed(design), RunContext.alone(store, Silent()), highest_kPa).result()
+        context = RunContext.alone(store, Silent())
+        made = law_of_run(scene, context, lambda: highest_of_use(scene, *found)).result()
     assert made.law is not None
     assert made.law.pressures[-1] == highest
     assert all(pressure in made.law.pressures for pressure in (6.0, 12.0) if pressure <= highest)
-    not_borne = min((pressure for pressure in (6.0, 12.0) if pressure > highest), default=None)
-    said = f"not measured at {not_borne} kPa and more, which the whole arm does not bear in experiment II"
-    assert (said.replace(".0 kPa", " kPa") in made.reason) == (not_borne is not None)
+    assert (f"the law goes up to {highest:g} kPa, because the whole arm was not solved" in made.reason) == (
+        highest < 12.0
+    )
     assert made.failures == ()
+    assert made.measured is not None
+    assert highest in made.measured.mesh_error.pressures_kPa
+    assert (highest in made.measured.added_kPa) == (highest not in (6.0, 12.0))
 
 
-def test_without_experiment_II_the_law_goes_up_to_the_pressures_of_the_run() -> None:
-    assert highest_of_use(Simulation({"I": Done(outcome("I", record(6.0)))}), Done((Outcomes({}), ""))) == inf
+def ended(
+    design: Config, reached: tuple[float, ...], below_limit: tuple[float, ...], end: float
+) -> tuple[Simulation, Done[tuple[Outcomes, str]]]:
+    """Experiment II with states at these pressures, and with those that were added below its limit."""
+    failure = Failure(12.0, "a limit point", 0, 0, limit_kPa=end) if len(reached) < 2 else None
+    second, complete = (
+        outcome("II", *map(record, pressures), failure=failure) for pressures in (reached, (*reached, *below_limit))
+    )
+    return Simulation({"II": Done(second)}), Done((Outcomes({"II": complete}), ""))
+
+
+def test_the_law_goes_up_to_the_loads_of_the_validation_below_the_end_of_the_arm(tmp_path: Path) -> None:
+    design = config(tmp_path, "validation={pressures: [6 kPa, 8 kPa, 10 kPa], end_y: [5 mm]}")
+    scene = Scene.meshed(design)
+    assert highest_of_use(scene, *ended(design, (6.0,), (), 9.0)) == 8.0
+    assert highest_of_use(scene, Simulation({}), Done((Outcomes({}), ""))) == inf
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_run_tells_its_law_how_high_it_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
+    def up_to_six(scene: Scene, simulation: Simulation, complete: Pending[tuple[Outcomes, str]]) -> float:
+        assert simulation.pending["II"].result().failure is None
+        assert [record.pressure_kPa for record in complete.result()[0]["II"].records] == [6.0, 12.0]
+        return 6.0
+
+    monkeypatch.setattr("pipeline.run.highest_of_use", up_to_six)
+    design = config(tmp_path, "law=cell", "validation=off")
+    report = run(design, tmp_path / "out", jobs, False, Silent())
+    assert report.arm.law is not None
+    assert report.arm.law.pressures[-1] == 6.0

@@ -35,7 +35,7 @@ class MeasuredLaw:
 
     law: ArmLaw
     half_cells: int  #: in each end piece
-    added_kPa: tuple[float, ...]  #: pressures that are none of the configuration, measured for the interpolation
+    added_kPa: tuple[float, ...]  #: pressures that are none of the configuration
     error_along: float  #: of the curvature between two moments of a curve, over the largest curvature of the law
     error_between: float  #: of the curvature between two pressures, where it was checked; over the same
     error_along_clamp: float  #: of the rotation of the clamped end between two moments, rad
@@ -93,7 +93,7 @@ class _Builder:
             cells = self._up_to(cells, self.highest_kPa())
         decay = Decay(self.pieces, self.tasks, cells[-1].curve)
         decay.begin(1)  # is done beside the pressures between
-        cells, added = self._with_pressures_between(cells)
+        cells = self._with_pressures_between(cells)
         half_cells, error_ends, limit = decay.decided()
         self.limits += filter(None, [limit])
         self.unknowns["end"] = self.tasks.submit(tasks.unknowns_of_end, half_cells)
@@ -113,7 +113,7 @@ class _Builder:
         return MeasuredLaw(
             law=law,
             half_cells=half_cells,
-            added_kPa=tuple(p for p in added if p in law.pressures),
+            added_kPa=tuple(p for p in law.pressures[1:] if p not in requested),
             error_along=_error_along(cells),
             error_between=self.error_between,
             error_along_clamp=self.error_along_clamp,
@@ -162,17 +162,21 @@ class _Builder:
         return cells
 
     def _up_to(self, cells: list[Measured[CellCurve]], highest: float) -> list[Measured[CellCurve]]:
-        """The cells up to a pressure in kPa, with one at it."""
+        """The cells up to a pressure in kPa, and one at this pressure, which is measured where there is none."""
         if cells[-1].curve.pressure <= highest:
             return cells
         borne = [cell for cell in cells if cell.curve.pressure <= highest]
         if borne[-1].curve.pressure < highest:
-            borne += [cell for cell in self._measured_cells([highest]) if not isinstance(cell, str)]
+            for cell in self._measured_cells([highest]):
+                if isinstance(cell, str):
+                    self.limits.append(cell)
+                else:
+                    borne.append(cell)
         if len(borne) < 2:
             return cells
-        beyond = min(cell.curve.pressure for cell in cells if cell.curve.pressure > highest)
         self.limits.append(
-            f"not measured at {beyond:g} kPa and more, which the whole arm does not bear in experiment II"
+            f"the law goes up to {borne[-1].curve.pressure:g} kPa, because the whole arm was not solved at a higher "
+            "pressure in experiment II; `pneurod cell` measures it without the whole arm"
         )
         return borne
 
@@ -190,9 +194,7 @@ class _Builder:
             self._count("cell", cell)
             yield cell
 
-    def _with_pressures_between(
-        self, cells: list[Measured[CellCurve]]
-    ) -> tuple[list[Measured[CellCurve]], tuple[float, ...]]:
+    def _with_pressures_between(self, cells: list[Measured[CellCurve]]) -> list[Measured[CellCurve]]:
         """The cells with those at pressures between, where the interpolation was wrong by more than BETWEEN."""
         added: list[float] = []
         allowed = BETWEEN * max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
@@ -216,7 +218,7 @@ class _Builder:
                 f"between two pressures the curvature is interpolated to {100 * self.error_between:.2g} % of the "
                 f"largest one; at most {MOST_ADDED} pressures are added"
             )
-        return cells, tuple(sorted(added))
+        return cells
 
     def _errors_between(
         self, cells: Sequence[Measured[CellCurve]]

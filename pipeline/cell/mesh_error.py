@@ -61,13 +61,13 @@ class MeshError:
 
 
 def mesh_error(pieces: ArmPieces, cells: Sequence[CellCurve], unknowns: int, context: RunContext) -> MeshError:
-    """The errors at those pressures of the configuration at which the law of a cell has been measured.
+    """The errors at those pressures of the configuration at which the law of a cell has been measured, and at its last.
 
     unknowns: displacement components of the cell. The moment is that at half of kappa_0. A second mesh that cannot be
     made or does not bear a pressure says so. At pressures that the finer mesh does not bear the errors come from a
     coarser one.
     """
-    pressurised = [cell for cell in cells if cell.pressure in pieces.config.pressures_kPa]
+    pressurised = [cell for cell in cells if cell.pressure in (*pieces.config.pressures_kPa, cells[-1].pressure)]
     if unknowns * MORE_POINTS > MOST_UNKNOWNS:
         finer, reason = None, f"a mesh of half the size has more than {MOST_UNKNOWNS} unknowns"
     else:

@@ -29,7 +29,7 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     without_five = scene.config.law == "cell" or too_few_pitches(scene.body.length, scene.body.pitch)
     if limit == inf or without_five:
         return outcomes, ""
-    pressures = tuple(float(f"{part * limit:.{DIGITS}g}") for part in PARTS)
+    pressures = tuple(_rounded(part * limit) for part in PARTS)
     names = experiments_of(scene.config)
     cases = [LoadCase(name, name, schedule(scene.config, pressures), scene.config.end) for name in names]
     more = simulate(scene, context, cases)
@@ -48,15 +48,25 @@ def completed(scene: Scene, context: RunContext, simulation: Simulation) -> tupl
     return with_states_below_limit(scene, context, simulation.result())
 
 
-def highest_of_use(simulation: Simulation, complete: Pending[tuple[Outcomes, str]]) -> float:
+def highest_of_use(scene: Scene, simulation: Simulation, complete: Pending[tuple[Outcomes, str]]) -> float:
     """The highest pressure in kPa at which a rod of the arm can be compared with experiment II.
 
-    Infinite where II reaches all pressures of the run, none at all, or is not simulated. Waits until that is known.
+    That of its states and of the loads for the validation that the user gives below its end; where there are none, a
+    part of the pressure at which it ended. Infinite where II reaches all pressures of the run, has no equilibrium but
+    that at rest, or is not simulated. Waits until that is known.
 
     complete: the outcomes with states below the limit.
     """
     second = simulation.pending.get(FIRST)
-    if second is None or second.result().failure is None:
+    failure = second.result().failure if second else None
+    if failure is None:
         return inf
     outcomes, _ = complete.result()
-    return max((record.pressure_kPa for record in outcomes[FIRST].records), default=inf)
+    end, loads = failure.limit_kPa or failure.reached_kPa, scene.config.validation
+    given = [pressure for pressure in loads.pressures_kPa if pressure < end and loads.with_experiments]
+    states = [record.pressure_kPa for record in outcomes[FIRST].records]
+    return max((*states, *given), default=_rounded(PARTS[-1] * end) or inf)
+
+
+def _rounded(pressure_kPa: float) -> float:
+    return float(f"{pressure_kPa:.{DIGITS}g}")

@@ -2,7 +2,7 @@
 
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -38,10 +38,11 @@ def replacing(path: Path) -> Iterator[Path]:
         raise
 
 
-def remove_parts(folder: Path) -> None:
-    """Remove the temporary files below `folder` that a killed process has left."""
-    for part in folder.rglob(f"{_PREFIX}*"):
-        part.unlink(missing_ok=True)
+def remove_parts(folders: Iterable[Path]) -> None:
+    """Remove the temporary files in these folders that a killed process has left."""
+    for folder in folders:
+        for part in folder.glob(f"{_PREFIX}*"):
+            part.unlink(missing_ok=True)
 
 
 def _flush(part: Path) -> None:

@@ -11,7 +11,7 @@ import os
 import shutil
 import zipfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -80,7 +80,8 @@ def open_store(directory: Path | str, config: Configuration, *, fresh: bool = Fa
     """
     folder = open_folder(directory).directory
     with locked(folder):
-        remove_parts(folder)  # a worker of a killed run may still be ending
+        own = [folder, *(folder / name for name in _FOLDERS)]  # others below may belong to other runs
+        remove_parts(own)  # a worker of a killed run may still be ending
         if fresh:
             _clear(folder)
         check_owner(folder, config, "give another --out, or --fresh to replace them")
@@ -90,7 +91,8 @@ def open_store(directory: Path | str, config: Configuration, *, fresh: bool = Fa
         try:
             yield store
         finally:
-            remove_parts(folder)  # of workers that were ended while they wrote
+            with suppress(OSError):
+                remove_parts(own)  # of workers that were ended while they wrote
 
 
 @contextmanager

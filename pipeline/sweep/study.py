@@ -131,7 +131,8 @@ class _SweepInProgress:
 
     def begin(self, course: Course) -> None:
         """Clear what is left of interrupted writing and of earlier sweeps, and read the records that are kept."""
-        remove_parts(self.folder.directory)
+        directory = self.folder.directory
+        remove_parts([directory, *filter(Path.is_dir, directory.rglob("*"))])
         if course.fresh:
             _clear(self.folder)
         self._refuse_other()
