@@ -169,8 +169,9 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
         Cavities have no part of the barrier behind the wall. With such a part walls rest nearer to each other than with
         exact distances, and the two could not be compared.
         """
-        is_compared = self.exact is not None and not self.overlap and self._part_beside(x) > PART_BESIDE
-        return self.exact(self.stiffness) if self.exact and is_compared else self
+        if self.exact is None or self.overlap or self._part_beside(x) <= PART_BESIDE:
+            return self
+        return self.exact(self.stiffness)
 
     def _part_beside(self, x: Array) -> float:
         """Part of the contact force on nodes that press beside the triangles of their pairs at x (n, 3)."""

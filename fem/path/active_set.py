@@ -1,6 +1,6 @@
 """Which terms of a model are in the potential: contact joins where walls meet, and is stiffened where they cross."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Self, final
 
@@ -84,19 +84,19 @@ class ActiveSet:
 
     def tightened(self, x: Array) -> Self:
         """With the next stiffer term for each active contact that x (n, 3) violates; itself where there is none."""
-        terms = tuple(
-            term.tightened(x) if active and isinstance(term, PenaltyTerm) and term.violation(x) else term
-            for term, active in zip(self.stiffened, self.is_active, strict=True)
-        )
-        return self if terms == self.stiffened else replace(self, stiffened=terms)
+        return self._changed(lambda term: term.tightened(x) if term.violation(x) else term)
 
     def with_exact_distances(self, x: Array) -> Self:
         """With exact distances for each active contact whose distances may be inaccurate at x (n, 3).
 
         Itself where there is none.
         """
+        return self._changed(lambda term: term.with_exact_distances(x))
+
+    def _changed(self, change: Callable[[PenaltyTerm], UnilateralTerm]) -> Self:
+        """With what `change` gives for each active contact that may be crossed; itself where all stay the same."""
         terms = tuple(
-            term.with_exact_distances(x) if active and isinstance(term, PenaltyTerm) else term
+            change(term) if active and isinstance(term, PenaltyTerm) else term
             for term, active in zip(self.stiffened, self.is_active, strict=True)
         )
         return self if terms == self.stiffened else replace(self, stiffened=terms)
