@@ -142,7 +142,7 @@ def test_violated_contact_is_tightened_until_there_is_nothing_stiffer() -> None:
     assert active.tightened(at(0.05)) is active
     assert active.violations(at(-0.1)) == ("below the floor",)
     stiffer = active.tightened(at(-0.1))
-    assert stiffer.is_tightened
+    assert stiffer.stiffened != stiffer.model
     assert not stiffer.needs_admissible_start
     assert isinstance(stiffer.active[1], Floor)
     assert stiffer.active[1].stiffness == 4.0
@@ -152,7 +152,7 @@ def test_violated_contact_is_tightened_until_there_is_nothing_stiffer() -> None:
     assert exact.violations(at(-0.1)) == ("below the impenetrable floor",)
     assert exact.tightened(at(-0.1)) is exact
     assert exact.restored().active == active.active
-    assert not exact.restored().is_tightened
+    assert exact.restored().stiffened == active.model
 
 
 def test_only_the_violated_contact_is_tightened_and_new_contact_joins_as_it_is() -> None:

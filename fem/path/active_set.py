@@ -48,11 +48,6 @@ class ActiveSet:
         return tuple(dict.fromkeys(term.effect for term, active in terms if active))
 
     @property
-    def is_tightened(self) -> bool:
-        """Whether a term stands for a weaker one that could not keep walls apart."""
-        return self.stiffened != self.model
-
-    @property
     def needs_admissible_start(self) -> bool:
         """Whether Newton's method must start from a state in which no walls cross."""
         return any(isinstance(term, InteriorTerm) for term in self.active)

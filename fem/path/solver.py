@@ -79,7 +79,7 @@ class IncrementSolver:
     def _admissible(self, increment: Increment) -> Converged:
         """An equilibrium without overlap and without an element that is turned inside out; raises `StepFailed`."""
         last = increment.points[-1].state
-        if self.active_set.is_tightened:
+        if self.active_set.needs_admissible_start:
             converged = self._solve(Start(last, self.active_set.active), increment)
         else:
             converged = self._from_predictor(increment)
