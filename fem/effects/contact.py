@@ -17,7 +17,7 @@ import numpy as np
 from fem.discretisation import Discretisation, Faces
 from fem.effects.barrier import OVERLAP, FacingTerm
 from fem.effects.effect import NO_BLOCKS, Blocks, Effect, InteriorTerm
-from fem.effects.facing_pairs import FacingPairs
+from fem.effects.facing_pairs import FARTHEST, FacingPairs
 from fem.materials.material import Material
 from geometry import position_text
 from geometry.arrays import Array, Index, Mask
@@ -173,7 +173,7 @@ class BarrierTerm(InteriorTerm):
     ) -> None:
         import ipctk
 
-        self._images = images
+        self._images, self._rest = images, rest
         self._ipctk = ipctk
         self.nodes, self._triangles = surface.unique_nodes, surface.triangles
         faces = np.asfortranarray(np.searchsorted(self.nodes, surface.triangles).astype(np.int32))
@@ -239,9 +239,14 @@ class BarrierTerm(InteriorTerm):
     def violation(self, x: Array) -> str:
         if not self._ipctk.has_intersections(self._mesh, self._surface(x)):
             return self._images.violation(x) if self._images else ""
-        edges, _ = crossings(x, self._triangles)  # with rounding, where the test above has none
-        where = f" at {position_text(x[edges[0]].mean(axis=0))}" if len(edges) else ""
-        return f"two walls pass through each other{where}"
+        edges, triangles = crossings(x, self._triangles)  # with rounding, where the test above has none
+        if not len(edges):
+            return "two walls pass through each other"
+        edge, apart = edges[0], ""
+        distance = float(np.linalg.norm(self._rest[edge].mean(axis=0) - self._rest[triangles[0]].mean(axis=0)))
+        if distance > FARTHEST * float(np.linalg.norm(self._rest[edge[1]] - self._rest[edge[0]])):
+            apart = f" that are {distance:.3g} mm apart at rest"  # the ends of an arm that has curled up
+        return f"two walls{apart} pass through each other at {position_text(x[edge].mean(axis=0))}"
 
     def gap(self, x: Array) -> float:
         """Exact within dhat, infinity beyond it, or the smallest gap to a mirror image."""

@@ -18,7 +18,8 @@ OPPOSITE = -0.7
 #: smallest distance at rest of a node from the plane of a triangle, over its size, in a pair of a crease: below it both
 #: begin at the common edge
 OFF_PLANE = 0.1
-#: largest distance at rest from the centre of the triangle, over its size; about three quadratic elements
+#: largest distance at rest of walls that cross in a crease, over the size of a triangle or the length of an edge; about
+#: three quadratic elements
 FARTHEST = 6.0
 #: surfaces whose pairs a process keeps, because it solves several load cases on one mesh
 KEPT = 4

@@ -19,6 +19,10 @@ from fem.post.extremes import extremes_of
 from geometry import position_text
 from geometry.arrays import Array
 
+#: largest number of iterations with an indefinite tangent from a stable equilibrium to the next where walls are kept
+#: apart by exact distances: on the hard cases and in tests/test_fem_contact.py 24 solutions had at most 2
+MAX_UNSTABLE_EXACT = 3
+
 
 @dataclass(frozen=True)
 class Effort:
@@ -144,7 +148,9 @@ class IncrementSolver:
     def _solve(self, start: Start, increment: Increment) -> Converged:
         control, effort = increment.control, increment.effort
         start = replace(start, terms=at_constant_fraction(start.terms, control.constant_fraction))
-        if not self.active_set.needs_admissible_start:
+        if self.active_set.needs_admissible_start:  # iterates approach slowly, because no wall may cross in them
+            start = replace(start, max_unstable=None if effort.unstable is None else MAX_UNSTABLE_EXACT)
+        else:
             limits = [limit for limit in (effort.iterations, start.max_iterations) if limit]
             start = replace(start, max_iterations=min(limits, default=None), max_unstable=effort.unstable)
             start = replace(start, stays_stable=effort.stays_stable)
