@@ -81,7 +81,7 @@ class Predictor:
         at_rest = len(points) == 1
         if at_rest:
             last = replace(last, rate=self.rate_from_rest(target))
-        else:
+        elif self._is_smooth(before, last) or not _is_small_step(last, target.value):  # otherwise both are the same
             first = before if self._is_smooth(before, last) else None
             extrapolated = extrapolate(first, last, target.value, limit)
             if extrapolated is not None:
@@ -94,7 +94,7 @@ class Predictor:
             return
         x = target.system.space.points + last.state.displacement
         with_stress = stressed(terms, x, full.displacement - last.state.displacement)
-        yield Start(balanced, with_stress, trial=at_rest)
+        yield Start(balanced, with_stress, iterates=not at_rest, trial=at_rest)
         if at_rest:
             yield Start(small, terms)
 
@@ -193,6 +193,12 @@ def _small_step(last: PathPoint, value: float) -> State | None:
     ahead = value - last.value
     step = float(np.sign(ahead)) * min(abs(ahead), MAX_PREDICTOR_STRAIN / strain)
     return extrapolate(None, last, last.value + step)
+
+
+def _is_small_step(last: PathPoint, value: float) -> bool:
+    """Whether a step to the value along the rate of the last point strains so little that it is the small one."""
+    strain = 0.0 if last.rate is None else float(np.abs(last.rate.strain).max())
+    return 0.0 < strain * abs(value - last.value) <= MAX_PREDICTOR_STRAIN
 
 
 def weighted_sum(parts: Sequence[tuple[float, State]]) -> State:
