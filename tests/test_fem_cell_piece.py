@@ -72,6 +72,31 @@ def test_the_state_from_rest_under_the_whole_pressure_is_that_of_small_steps(pre
         assert slow.touches
 
 
+def test_a_pressure_that_is_not_reached_at_once_is_reached_in_increments_that_grow_again(monkeypatch) -> None:
+    piece = BendingPiece(DESIGN.half_cell(4.0), SVK, "mirror", dhat=0.04)
+    at_once = inflated(piece, 0.03, -0.08)
+    solved, tried = BendingPiece.solve_near, []
+
+    def reaching(piece, pressure, angle, predicted, start, *options):  # increments of a quarter at first
+        tried.append(pressure / 0.03)
+        if pressure - start.pressure > (0.25 if start.pressure == 0.0 else 0.5) * 0.03 * 1.01:
+            raise PieceFailed("too far")
+        return solved(piece, pressure, angle, predicted, start, *options)
+
+    monkeypatch.setattr(BendingPiece, "solve_near", reaching)
+    reached = inflated(piece, 0.03, -0.08)
+    np.testing.assert_allclose(tried, [1.0, 0.5, 0.25, 0.75, 1.0])
+    assert reached.moment == pytest.approx(at_once.moment, rel=1e-5)
+    assert reached.distance == pytest.approx(at_once.distance, rel=1e-7)
+
+
+def test_a_pressure_that_is_not_reached_is_named_with_that_of_the_last_attempt() -> None:
+    piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
+    with pytest.raises(PieceFailed, match=r"half cell at .* kPa and .* on the way to 5000 kPa: ") as failure:
+        inflated(piece, 5.0, 0.0)
+    assert "at 5000 kPa" not in str(failure.value)
+
+
 def test_attempts_without_equilibrium_count_as_factorizations() -> None:
     piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
     rest = piece.rest()

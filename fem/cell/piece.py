@@ -191,18 +191,26 @@ class BendingPiece:
         return replace(reached, factorizations=spent)
 
     def solve_near(
-        self, pressure: float, angle: float, predicted: State, start: PieceState, gives_up: bool = True
+        self,
+        pressure: float,
+        angle: float,
+        predicted: State,
+        start: PieceState,
+        gives_up: bool = True,
+        final: float | None = None,
     ) -> PieceState:
         """Equilibrium at a pressure in MPa and an angle in rad near a predicted state; nothing else is tried.
 
         start: the state of this piece that it was predicted from, which tells how stiff its contact is. gives_up:
-        whether Newton's method ends early, where the tangent is indefinite too. Raises `PieceFailed`.
+        whether Newton's method ends early, where the tangent is indefinite too. final: MPa, the pressure to which the
+        way leads, for the sentence; None for `pressure`. Raises `PieceFailed`.
         """
         iterations = PREDICTED_ITERATIONS if gives_up else None
         try:
             return self._solve_directly(pressure, angle, Start(predicted, start.terms, iterations, gives_up))
         except StepFailed as failure:
-            raise PieceFailed(self._sentence(pressure, angle, str(failure), pressure)) from None
+            target = pressure if final is None else final
+            raise PieceFailed(self._sentence(pressure, angle, str(failure), target)) from None
 
     def constraints(self, angle: float) -> Constraints:
         """The supports with the plane at an angle in rad, resolved to u = T q + g."""

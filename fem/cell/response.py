@@ -35,6 +35,8 @@ from geometry.arrays import Array, Index
 
 #: largest displacement of a difference of forces, over the size of the piece: the best for central differences
 STEP = 1e-6
+#: how often an increment to a pressure may fail, and the smallest one, as a part of the pressure
+MAX_FAILURES, SMALLEST_INCREMENT = 12, 1 / 64
 
 
 @final
@@ -95,17 +97,39 @@ def slopes(piece: BendingPiece, at: PieceState) -> Slopes:
 def inflated(piece: BendingPiece, pressure: float, angle: float) -> PieceState:
     """Equilibrium at a pressure in MPa and an angle in rad, from the piece at rest.
 
-    Newton's method starts a small step along the slopes at rest, but under the whole pressure and the stress that goes
-    with it to first order, as on a load path (`fem.path.predictor`); where that fails, at rest. Raises `PieceFailed`.
+    Both grow together, at once where that converges: an increment that fails is halved, and one that converges is
+    doubled. Newton's method starts a small step along the slopes of the last state, but under the whole pressure of the
+    increment and the stress that goes with it to first order, as on a load path (`fem.path.predictor`). Raises
+    `PieceFailed`.
     """
-    rest = piece.rest()
-    with suppress(PieceFailed, SingularMatrix):
-        known = slopes(piece, rest)
-        rate = weighted_sum([(pressure, known.pressure_rate), (angle, known.angle_rate)])
-        start = small_step_under_load(PathPoint(0.0, 1.0, rest.state, rest.touches, rate), 1.0)
-        if start is not None:
-            return piece.solve_near(pressure, angle, start, rest, gives_up=False)
-    return piece.solve(pressure, angle, rest)
+    last, fraction, increment, failures, spent = piece.rest(), 0.0, 1.0, 0, 0
+    rate = _inflation_rate(piece, last, pressure, angle)
+    while fraction < 1.0:
+        target = min(1.0, fraction + increment)
+        point = PathPoint(fraction, 1.0, last.state, last.touches, rate)
+        start = small_step_under_load(point, target) or last.state
+        try:
+            last = piece.solve_near(target * pressure, target * angle, start, last, fraction > 0.0, pressure)
+        except PieceFailed:
+            failures, increment = failures + 1, increment / 2.0
+            if failures > MAX_FAILURES or increment < SMALLEST_INCREMENT:
+                raise
+            continue
+        fraction, increment, spent = target, 2.0 * increment, spent + last.factorizations
+        if fraction < 1.0:
+            rate = _inflation_rate(piece, last, pressure, angle)
+    return replace(last, factorizations=spent)
+
+
+def _inflation_rate(piece: BendingPiece, at: PieceState, pressure: float, angle: float) -> State | None:
+    """Change of a state while pressure in MPa and angle in rad grow from 0, per part of both; one factorization.
+
+    None where the tangent is singular.
+    """
+    with suppress(SingularMatrix):
+        known = slopes(piece, at)
+        return weighted_sum([(pressure, known.pressure_rate), (angle, known.angle_rate)])
+    return None
 
 
 def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:
