@@ -81,9 +81,10 @@ class Predictor:
         at_rest = len(points) == 1
         if at_rest:
             last = replace(last, rate=self.rate_from_rest(target))
-        elif self._is_smooth(before, last) or not _is_small_step(last, target.value):  # otherwise both are the same
+        else:
             first = before if self._is_smooth(before, last) else None
-            extrapolated = extrapolate(first, last, target.value, limit)
+            is_balanced = first is None and _is_small_step(last, target.value)  # it is the start below
+            extrapolated = None if is_balanced else extrapolate(first, last, target.value, limit)
             if extrapolated is not None:
                 iterations = TRIAL_ITERATIONS_CONTACT if last.touching else TRIAL_ITERATIONS
                 yield Start(extrapolated, terms, iterations, iterates=True, trial=True)
