@@ -80,8 +80,8 @@ def _refined(samples: Array, steps: float) -> Array:
     pieces = np.maximum(1, np.ceil(np.diff(samples) * steps - 1e-9)).astype(int)
     if np.all(pieces == 1):
         return samples
-    parts = [np.linspace(a, b, n, endpoint=False) for a, b, n in zip(samples[:-1], samples[1:], pieces, strict=True)]
-    return np.append(np.concatenate(parts), 1.0)
+    within = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    return np.append(within * np.repeat(np.diff(samples) / pieces, pieces) + np.repeat(samples[:-1], pieces), 1.0)
 
 
 def _boundaries(s: Array, d: float) -> Array:
