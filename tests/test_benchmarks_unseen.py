@@ -41,8 +41,8 @@ from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
+from pipeline.simulation.failure import Failure
 from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Failure
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store

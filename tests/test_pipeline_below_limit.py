@@ -42,7 +42,7 @@ def test_states_below_the_limit_replace_pressures_that_the_arm_does_not_bear(tmp
     assert outcomes.failures == without.failures
     assert "of the pressures of the configuration, of which 5 kPa is the lowest" in sentence
     assert f"were also solved at {pressures[0]:g} and {pressures[1]:g} kPa" in sentence
-    assert f"ends at {limit:.3g} kPa: give pressures below that" in sentence
+    assert f"goes no higher than {limit:.3g} kPa: give pressures below that" in sentence
 
 
 def test_nothing_is_added_where_a_pressure_is_reached_or_no_parameters_are_made(tmp_path: Path) -> None:
@@ -62,12 +62,9 @@ def test_the_last_equilibrium_stands_for_a_limit_that_is_not_named(tmp_path: Pat
         scene = Scene.meshed(config)
         outcomes = simulate(scene, context, ["II", "III"])
 
-        def ending(limit_kPa: float, reached_kPa: float) -> Outcomes:
-            changed = {
-                o.name: replace(o, failure=replace(o.failure, limit_kPa=limit_kPa, reached_kPa=reached_kPa))
-                for o in outcomes
-                if o.failure
-            }
+        def ending(limit_kPa: float, reached_kPa: float, **changes: float) -> Outcomes:
+            end = {"limit_kPa": limit_kPa, "reached_kPa": reached_kPa, **changes}
+            changed = {o.name: replace(o, failure=replace(o.failure, **end)) for o in outcomes if o.failure}
             assert len(changed) == 2
             return Outcomes(changed)
 
@@ -76,5 +73,9 @@ def test_the_last_equilibrium_stands_for_a_limit_that_is_not_named(tmp_path: Pat
         assert 0.9 * ended.limit_kPa < ended.reached_kPa < 5.0
         added, _ = with_states_below_limit(scene, context, ending(0.0, 1.0))
         assert [record.pressure_kPa for record in added["II"].records] == [0.4, 0.8]
+        crossing = ending(0.0, 0.0, pressure_kPa=1.0, passes_through_itself=True)
+        added, sentence = with_states_below_limit(scene, context, crossing)
+        assert [record.pressure_kPa for record in added["II"].records] == [0.4, 0.8]
+        assert "goes no higher than 1 kPa: " in sentence
         at_rest = ending(0.0, 0.0)
         assert with_states_below_limit(scene, context, at_rest) == (at_rest, "")

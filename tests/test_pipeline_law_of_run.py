@@ -20,7 +20,8 @@ from pipeline.report.results import read_results
 from pipeline.report.verdict import verdict_of
 from pipeline.run import run
 from pipeline.simulation.below_limit import highest_of_use
-from pipeline.simulation.outcome import Failure, Outcomes
+from pipeline.simulation.failure import Failure
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import Simulation
 from pipeline.store.store import open_store

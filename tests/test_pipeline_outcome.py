@@ -13,7 +13,8 @@ from fem.solution import Extremes
 from geometry import Centreline
 from pipeline.config.load import load_config
 from pipeline.simulation.effects_record import effect_states
-from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
+from pipeline.simulation.failure import Failure
+from pipeline.simulation.outcome import Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
 from rod import Load
 
@@ -93,6 +94,16 @@ def test_the_lowest_end_is_a_limit_or_the_last_equilibrium() -> None:
     assert outcomes.lowest_end_kPa("I", "II") == 64.7
     assert outcomes.lowest_end_kPa("II") == float("inf")
     assert Outcomes({"II": outcome("II", record(5.0))}).lowest_end_kPa() == float("inf")
+
+
+def test_a_first_pressure_at_which_the_body_passes_through_itself_is_no_lower_than_the_end() -> None:
+    at_first = Failure(128.0, "the body passes through itself", 0, 0, passes_through_itself=True)
+    assert at_first.end_kPa == 128.0
+    assert replace(at_first, reached_kPa=64.0).end_kPa == 64.0
+    assert replace(at_first, passes_through_itself=False).end_kPa == 0.0
+    ends = {"II": Failure(257.0, "a limit point", 0, 0, limit_kPa=223.0), "III": at_first}
+    outcomes = Outcomes({name: outcome(name, failure=failure) for name, failure in ends.items()})
+    assert outcomes.first_to_end == ("III", 128.0)
 
 
 def test_the_indicator_is_that_of_the_worst_state() -> None:

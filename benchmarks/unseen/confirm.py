@@ -17,8 +17,9 @@ import fem
 from pipeline.config.config import Config, Material
 from pipeline.context import RunContext
 from pipeline.progress import Silent
+from pipeline.simulation.failure import Failure
 from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Failure, Outcome
+from pipeline.simulation.outcome import Outcome
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store

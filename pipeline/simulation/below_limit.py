@@ -20,10 +20,9 @@ DIGITS = 3
 def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcomes) -> tuple[Outcomes, str]:
     """The outcomes with states at pressures below the limit, and a sentence about them, without full stop.
 
-    The limit is where one of II and III ended: the limit that it names, or its last equilibrium. Unchanged, with an
-    empty sentence, where both have reached a pressure of the configuration or neither has an equilibrium but that at
-    rest, and where there would be no five parameters (`law: cell`, a short arm), for which alone these states are
-    solved. Raises RunFailed as `simulate`.
+    The limit is where one of II and III ended (`Failure.end_kPa`). Unchanged, with an empty sentence, where both have
+    reached a pressure of the configuration or neither has an equilibrium but that at rest, and where there would be no
+    five parameters (`law: cell`, a short arm), for which alone these states are solved. Raises RunFailed as `simulate`.
     """
     limit = inf if outcomes.pairs else outcomes.lowest_end_kPa("II", "III")
     without_five = scene.config.law == "cell" or too_few_pitches(scene.body.length, scene.body.pitch)
@@ -39,7 +38,7 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     return outcomes.merged(more), (
         f"II and III together reach none of the pressures of the configuration, of which "
         f"{scene.config.pressures_kPa[0]:g} kPa is the lowest; they were also solved at {at} kPa, because one of them "
-        f"ends at {limit:.{DIGITS}g} kPa: give pressures below that"
+        f"goes no higher than {limit:.{DIGITS}g} kPa: give pressures below that"
     )
 
 
@@ -62,7 +61,7 @@ def highest_of_use(scene: Scene, simulation: Simulation, complete: Pending[tuple
     if failure is None:
         return inf
     outcomes, _ = complete.result()
-    end, loads = failure.limit_kPa or failure.reached_kPa, scene.config.validation
+    end, loads = failure.end_kPa, scene.config.validation
     given = [pressure for pressure in loads.pressures_kPa if pressure < end and loads.with_experiments]
     states = [record.pressure_kPa for record in outcomes[FIRST].records]
     return max((*states, *given), default=_rounded(PARTS[-1] * end) or inf)

@@ -6,9 +6,9 @@ from typing import final
 
 import fem
 from pipeline.progress import Progress
+from pipeline.simulation.failure import Failure
 from pipeline.simulation.known_limit import FIRST, PART_FOR_III, KnownLimit
 from pipeline.simulation.loadcase import LoadCase
-from pipeline.simulation.outcome import Failure
 from pipeline.store.store import Store
 
 
@@ -43,7 +43,7 @@ class CasePath:
             solution, end = ended.partial, ended.end
         failure = self._failure(end, end.factorizations)
         if self.known is not None and self._is_first:
-            self.known.ended(failure.limit_kPa or failure.reached_kPa, is_limit=failure.limit_kPa > 0.0)
+            self.known.ended(failure.end_kPa, is_limit=failure.limit_kPa > 0.0)
         # on the way to a first pressure the loads on the end grow as well, and at a lower one less of them would act
         if self.known is not None and self._is_three_given_up and (solution.steps or not self.case.on_end):
             failure = self._below_end_of_II(self.known, failure, solution.steps)

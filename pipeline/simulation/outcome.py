@@ -9,6 +9,7 @@ from fem.solution import Extremes
 from geometry import Centreline, position_text
 from geometry.arrays import Array, Index
 from pipeline.simulation.contact_check import ContactCheck
+from pipeline.simulation.failure import Failure
 from pipeline.store.formats import CONVERGED, NOT_CONVERGED
 from pipeline.store.json_values import JsonObject
 from rod import Load
@@ -99,24 +100,6 @@ class Record:
     def pressure_kPa(self) -> float:
         """The pressure of the run."""
         return self.summary.pressure_kPa
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A pressure that an experiment did not reach."""
-
-    pressure_kPa: float
-    reason: str  #: a sentence without full stop
-    cutbacks: int  #: attempts that failed on the way to it
-    factorizations: int  #: of these attempts
-    limit_kPa: float = 0.0  #: of a limit point that was found; 0 where none was
-    reached_kPa: float = 0.0  #: of the last equilibrium on the way to it
-    not_followed: bool = False  #: whether the path was left because of the end of another experiment
-
-    @property
-    def first_clause(self) -> str:
-        """The beginning of the reason: the last equilibrium, and the limit or the first cause."""
-        return self.reason.partition("; ")[0]
 
 
 @dataclass(frozen=True)
@@ -218,13 +201,13 @@ class Outcomes:
 
     @property
     def first_to_end(self) -> tuple[str, float] | None:
-        """The experiment that ended at the lowest pressure, and this pressure in kPa: the limit that it names, else its
-        last equilibrium. None where that is not known of any.
+        """The experiment that ended at the lowest pressure, and this pressure in kPa (`Failure.end_kPa`). None where
+        that is not known of any.
 
         One that was not followed because of the end of another tells nothing.
         """
         known = [o for o in self if o.failure and not o.failure.not_followed]
-        ends = [(o.failure.limit_kPa or o.failure.reached_kPa, o.name) for o in known if o.failure]
+        ends = [(o.failure.end_kPa, o.name) for o in known if o.failure]
         lowest = min((end for end in ends if end[0] > 0.0), default=None)
         return lowest and (lowest[1], lowest[0])
 

@@ -13,9 +13,10 @@ from pipeline.parallel.workers import Pending
 from pipeline.progress import Progress
 from pipeline.simulation.case_path import CasePath
 from pipeline.simulation.contact_check import ContactCheck
+from pipeline.simulation.failure import Failure
 from pipeline.simulation.known_limit import FIRST, KnownLimit, asks, in_order
 from pipeline.simulation.loadcase import LoadCase, identification_case
-from pipeline.simulation.outcome import Failure, Outcome, Outcomes, Record, StateSummary
+from pipeline.simulation.outcome import Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
 from rod import Load
@@ -94,7 +95,8 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:
         reached_kPa = case.schedule.pressures_kPa[len(steps) - 1] if steps else 0.0
-        failure = Failure(case.schedule.pressures_kPa[len(steps)], intersection, 0, 0, 0.0, reached_kPa)
+        rejected_kPa = case.schedule.pressures_kPa[len(steps)]
+        failure = Failure(rejected_kPa, intersection, 0, 0, reached_kPa=reached_kPa, passes_through_itself=True)
     if failure:
         progress.stopped(case.name, case.schedule.pressures_kPa[len(steps) :], failure.first_clause)
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))

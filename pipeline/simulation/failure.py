@@ -1,0 +1,30 @@
+"""Why an experiment did not reach a pressure."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Failure:
+    """A pressure that an experiment did not reach."""
+
+    pressure_kPa: float
+    reason: str  #: a sentence without full stop
+    cutbacks: int  #: attempts that failed on the way to it
+    factorizations: int  #: of these attempts
+    limit_kPa: float = 0.0  #: of a limit point that was found; 0 where none was
+    reached_kPa: float = 0.0  #: of the last equilibrium on the way to it
+    not_followed: bool = False  #: whether the path was left because of the end of another experiment
+    #: whether there is an equilibrium at the pressure, and the body passes through itself in it
+    passes_through_itself: bool = False
+
+    @property
+    def end_kPa(self) -> float:
+        """The limit point, else the last equilibrium. Where there is none below a first pressure at which the body
+        passes through itself, that pressure, which is an upper bound then. 0 where there is nothing to tell."""
+        first_kPa = self.pressure_kPa if self.passes_through_itself else 0.0
+        return self.limit_kPa or self.reached_kPa or first_kPa
+
+    @property
+    def first_clause(self) -> str:
+        """The beginning of the reason: the last equilibrium, and the limit or the first cause."""
+        return self.reason.partition("; ")[0]
