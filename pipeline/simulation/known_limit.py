@@ -16,8 +16,8 @@ from pipeline.simulation.loadcase import LoadCase
 
 #: the experiment that tells where it ends, and those that ask for it
 FIRST, OTHERS = "II", ("I", "III")
-#: pressure over the last one that II has reached, up to which I and III do not ask for its limit, nor wait for it
-AHEAD = 1.25
+#: part of a pressure: where II has reached as much, I and III do not ask for its limit, nor wait for it
+REACHED = 0.9
 #: part of the limit of II up to which III is followed in small increments: nearer to it they become many
 PART_FOR_III = 0.95
 #: seconds after which it is asked again how far II has come
@@ -84,7 +84,7 @@ class KnownLimit:
 
     def _is_near(self, pressure_kPa: float) -> bool:
         """Whether II has reached a pressure not far below."""
-        return bool(pressure_kPa <= AHEAD * self._values[self._reached_kPa])
+        return bool(self._values[self._reached_kPa] >= REACHED * pressure_kPa)
 
 
 def asks(case: LoadCase) -> bool:
