@@ -199,6 +199,57 @@ def test_between_pressures_the_rotation_of_the_clamped_end_takes_the_slopes_of_b
         np.testing.assert_allclose(clamp.rotation, c * clamp.moment - b * pressure**2, atol=1e-9)
 
 
+def bulged(pressure: float, bulge: float) -> tuple[CellCurve, ClampCurve, TipCurve]:
+    """A straight cell whose material curve lies `bulge` mm beside the axis, more at larger moments."""
+    cell, clamp, tip = straight_law(pressure)
+    beside = bulge * (1.0 + cell.moment / 100.0)
+    offset = np.stack([0.0 * beside, -beside], axis=1)
+    of_nodes = np.stack([np.zeros((9, 3)), np.repeat(beside[:, None], 3, axis=1)], axis=2)
+    by_moment = np.tile([0.0, -bulge / 100.0], (9, 1))
+    cell = replace(cell, ripple=of_nodes)
+    clamp = replace(clamp, offset=offset, offset_by_moment=by_moment, beside=of_nodes[:, :2])
+    return cell, clamp, replace(tip, beside=np.tile([0.0, bulge], (2, 1)), edge=np.array([0.0, bulge]))
+
+
+def bulge_of(law: ArmLaw, pressure: float) -> list[float]:
+    """Of cell, clamped end and tip at a pressure, without moment and at 50 N mm (where there is one), over one mm."""
+    rod, parts = law.at(pressure), []
+    for moment in (0.0, 50.0):
+        row = np.abs(rod.section.moment - moment).argmin(), np.abs(rod.clamp.moment - moment).argmin()
+        values = (rod.section.ripple[row[0], 1, 1], -rod.clamp.offset[row[1], 1], rod.clamp.beside[row[1], 1, 1])
+        parts += [
+            float(value) / (1.0 + nodes[i] / 100.0)
+            for value, nodes, i in zip(
+                values, (rod.section.moment, *[rod.clamp.moment] * 2), (row[0], row[1], row[1]), strict=True
+            )
+        ]
+    return [*parts, float(rod.tip.beside[0, 1]), float(rod.tip.edge[1])]
+
+
+@pytest.mark.parametrize(("pressure", "most"), [(2.5, 0.55), (7.5, 0.65), (15.0, 0.1), (30.0, 0.2)])
+def test_between_pressures_a_bulge_that_grows_ever_less_is_followed(pressure: float, most: float) -> None:
+    """bulge = p^(2/3): parts of the error that straight lines between the pressures have."""
+    pressures = (0.0, 5.0, 10.0, 20.0, 40.0)
+    law = law_of(*(bulged(p, p ** (2 / 3)) for p in pressures))
+    true = pressure ** (2 / 3)
+    straight = float(np.interp(pressure, pressures, np.power(pressures, 2 / 3)))
+    for bulge in bulge_of(law, pressure):
+        assert abs(bulge - true) < most * (true - straight)
+
+
+def test_between_pressures_a_bulge_in_proportion_to_them_is_exact() -> None:
+    pressures = (0.0, 5.0, 10.0, 20.0)
+    for several in (pressures, pressures[:2]):
+        law = law_of(*(bulged(p, 0.1 * p) for p in several))
+        for pressure in (2.0, *several[1:]):
+            assert bulge_of(law, pressure) == pytest.approx([0.1 * pressure] * 8, rel=1e-9)
+
+
+def test_two_pressures_are_joined_by_straight_lines() -> None:
+    law = law_of(bulged(0.0, 0.0), bulged(8.0, 4.0))
+    assert bulge_of(law, 1.0) == pytest.approx([0.5] * 8, rel=1e-9)
+
+
 def test_where_the_moment_leaves_the_law_it_is_said() -> None:
     rod = law_of(straight_law(10.0, reach=2.0)).at(10.0)
     with pytest.raises(RodError, match=r"the law is known from -2 to 2 N mm, and it is not extrapolated"):

@@ -1,8 +1,8 @@
 """The law at one pressure, tabulated over the moment as the integrator reads it.
 
 Along a curve of one pressure kappa(M) and stretch(M) are joined by cubics with the exact slopes of the cell (Hermite).
-Between two pressures the states that belong together are joined (`rod.arm_law.between`), rigidities by straight lines.
-Nothing is extrapolated.
+Between two pressures the states that belong together are joined (`rod.arm_law.between`), rigidities by straight lines,
+and what a section bulges by cubics in the pressure (`_beyond_straight`). Nothing is extrapolated.
 """
 
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.between import columns, hermite, joined
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.cubics import cubic, cubic_slope
+from rod.cubics import cubic, cubic_slope, monotone_slopes
 from rod.law import RodError
 
 #: moments of the table
@@ -76,7 +76,7 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
         straight("axial_rigidity"),
         straight("shear_rigidity"),
         first.s,
-        straight("ripple"),
+        straight("ripple") + _beyond_straight(curves, "ripple", pressure, moment),
     )
 
 
@@ -117,8 +117,8 @@ def bracket(pressures: Sequence[float], pressure: float) -> tuple[int, int, floa
 def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure: float) -> ClampCurve:
     """The clamped end at a pressure in kPa, from the states that belong together in the cells.
 
-    Its rotation is a cubic in p with the slopes of both curves, all else follows straight lines.
-    Raises `RodError` as `section_at` does.
+    Its rotation is a cubic in p with the slopes of both curves, offset and material curve are those of
+    `_beyond_straight`, all else follows straight lines. Raises `RodError` as `section_at` does.
     """
     lower, upper, _ = bracket([curve.pressure for curve in clamps], pressure)
     first, second = clamps[lower], clamps[upper]
@@ -155,6 +155,7 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         for curve, at in ((first, pairs.first), (second, pairs.second))
     ]
     offset = columns(moment, pairs.moment, (1 - pairs.t) * shifts[0] + pairs.t * shifts[1])
+    offset = offset + _beyond_straight(clamps, "offset", pressure, moment)
     return ClampCurve(
         pressure=pressure,
         moment=moment,
@@ -164,16 +165,57 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         offset=offset,
         offset_by_moment=np.gradient(offset, moment, axis=0, edge_order=2),
         s=first.s,
-        beside=straight("beside"),
+        beside=straight("beside") + _beyond_straight(clamps, "beside", pressure, moment),
     )
 
 
 def tip_at(curves: Sequence[TipCurve], pressure: float) -> TipCurve:
-    """The tip at a pressure in kPa: straight lines in p."""
+    """The tip at a pressure in kPa, by cubics in p."""
     lower, upper, t = bracket([curve.pressure for curve in curves], pressure)
     a, b = curves[lower], curves[upper]
-    return TipCurve(
-        pressure,
-        a.s,
-        *((1 - t) * getattr(a, name) + t * getattr(b, name) for name in TIP_VALUES),
-    )
+
+    def value(name: str) -> Array:
+        straight = (1 - t) * getattr(a, name) + t * getattr(b, name)
+        return np.asarray(straight + _beyond_straight(curves, name, pressure))
+
+    return TipCurve(pressure, a.s, *(value(name) for name in TIP_VALUES))
+
+
+def _beyond_straight(
+    curves: Sequence[CellCurve] | Sequence[ClampCurve] | Sequence[TipCurve],
+    name: str,
+    pressure: float,
+    moment: Array | None = None,
+) -> Array:
+    """By how much a cubic in p departs from the straight line between two curves, at the same moments (n,) in N mm.
+
+    Walls that bulge do so less and less as the pressure rises. The slopes are those of monotone cubics through the
+    curves beside, at the first and at the last pressure those of a parabola through both curves of the interval. Zero
+    for two curves in all, and beyond the moments that the curves beside have in common as at the last such moment.
+    moment: None for curves without a moment.
+    """
+    lower, upper, t = bracket([curve.pressure for curve in curves], pressure)
+    begin = max(lower - 1, 0)
+    window = curves[begin : upper + 2]
+    if lower == upper or len(window) < 3:
+        return np.zeros(())
+    if moment is None:
+        rows = np.array([getattr(curve, name) for curve in window])
+    else:
+        nodes = [curve.moment for curve in window if not isinstance(curve, TipCurve)]
+        low, high = max(curve[0] for curve in nodes), min(curve[-1] for curve in nodes)
+        if low > high:
+            return np.zeros(())
+        at = np.clip(moment, low, high)
+        rows = np.array([columns(at, x, getattr(curve, name)) for x, curve in zip(nodes, window, strict=True)])
+    p = np.array([curve.pressure for curve in window])
+    i = lower - begin
+    slopes = monotone_slopes(p, rows)[i : i + 2]
+    change = (rows[i + 1] - rows[i]) / (p[i + 1] - p[i])
+    if lower == 0:
+        slopes[0] = 2.0 * change - slopes[1]
+    if upper == len(curves) - 1:
+        slopes[1] = 2.0 * change - slopes[0]
+    # the cubic that is zero at both ends of the interval and has there the differences of the slopes
+    steps = (slopes - change) * (p[i + 1] - p[i])
+    return hermite(t, np.zeros(()), np.zeros(()), steps[0], steps[1])
