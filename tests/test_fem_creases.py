@@ -91,7 +91,7 @@ def test_pairs_of_a_crease_are_taken_up_once() -> None:
     assert stiffer.stiffness == 4.0 * crease.stiffness
 
 
-def test_pairs_are_added_a_few_times_before_the_exact_barrier_takes_over() -> None:
+def test_pairs_are_added_a_few_times_in_an_increment_before_the_exact_barrier_takes_over() -> None:
     space = bracket()
     term: UnilateralTerm = replace(contact(space), crease_searches=1)
     x = folded(space, 0.01)
@@ -100,6 +100,10 @@ def test_pairs_are_added_a_few_times_before_the_exact_barrier_takes_over() -> No
     assert isinstance(term, FacingTerm)
     opened = replace(term, pairs=term.pairs.taken(np.empty(0, dtype=np.int64)), dhat=DHAT)
     assert isinstance(opened.tightened(x), BarrierTerm)
+    renewed = opened.at_new_increment()
+    assert isinstance(renewed, FacingTerm)
+    assert isinstance(renewed.tightened(x), FacingTerm)
+    assert renewed.at_new_increment() is renewed
 
 
 def test_walls_that_are_far_apart_at_rest_make_no_crease() -> None:

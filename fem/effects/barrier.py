@@ -26,7 +26,7 @@ from geometry.arrays import Array, Index
 OVERLAP = 0.7
 #: what the stiffness is multiplied by where walls pass through each other, and how often
 STIFFENING_FACTOR, MAX_STIFFENINGS = 4.0, 2
-#: how often pairs are added where walls cross in a crease; the designs of docs/theory.md need one or two
+#: how often pairs are added in an increment where walls cross in a crease; designs of docs/theory.md need one or two
 MAX_CREASE_SEARCHES = 4
 #: depth over the activation distance from which on walls that overlap shortly before equilibrium do so in equilibrium
 #: as well: there gaps changed by up to 0.008 of it
@@ -84,7 +84,9 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
     #: further pairs of walls that cross in a crease at positions (n, 3), besides the given ones, and their activation
     #: distances (m,), mm; None where they are not looked for
     pairs_in_creases: Callable[[Array, FacingPairs], tuple[FacingPairs, Array]] | None = field(default=None, repr=False)
-    crease_searches: int = field(default=MAX_CREASE_SEARCHES, repr=False)  #: how often they may still be added
+    crease_searches: int = field(
+        default=MAX_CREASE_SEARCHES, repr=False
+    )  #: how often they may still be added in the increment
     stiffenings: int = field(default=MAX_STIFFENINGS, repr=False)  #: how often the stiffness may still be raised
     carried: Array | None = field(default=None, repr=False)  #: (k,) the gaps e, mm; None where they are those of x
 
@@ -162,6 +164,11 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
                     self, pairs=joined, dhat=np.append(self._dhats, dhat), crease_searches=left, carried=None
                 )
         return self.exact(self.stiffness) if self.exact else self
+
+    def at_new_increment(self) -> UnilateralTerm:
+        if self.crease_searches == MAX_CREASE_SEARCHES:
+            return self
+        return replace(self, crease_searches=MAX_CREASE_SEARCHES)
 
     def with_exact_distances(self, x: Array) -> UnilateralTerm:
         """The barrier with exact distances where nodes in a cavity press beside the triangles of their pairs.

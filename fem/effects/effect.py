@@ -152,6 +152,10 @@ class PenaltyTerm(UnilateralTerm):
     def with_exact_distances(self, x: Array) -> UnilateralTerm:
         """The term with exact distances if those of this one may be inaccurate at x (n, 3); otherwise itself."""
 
+    def at_new_increment(self) -> UnilateralTerm:
+        """The term with as many attempts to keep parts apart as an increment may take; itself where none are spent."""
+        return self
+
 
 class InteriorTerm(UnilateralTerm):
     """Contact that is infinite where parts meet: the start and every iterate must keep them apart."""

@@ -81,6 +81,10 @@ class ActiveSet:
         """With the next stiffer term for each active contact that x (n, 3) violates; itself where there is none."""
         return self._changed(lambda term: term.tightened(x) if term.violation(x) else term)
 
+    def at_new_increment(self) -> Self:
+        """With as many attempts to keep walls apart as an increment may take; itself where none are spent."""
+        return self._changed(lambda term: term.at_new_increment())
+
     def with_exact_distances(self, x: Array) -> Self:
         """With exact distances for each active contact whose distances may be inaccurate at x (n, 3).
 

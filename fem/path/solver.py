@@ -69,7 +69,7 @@ class IncrementSolver:
         Contact that is foreseen and does not come is not active afterwards, and whatever contact an increment that
         fails has activated or made stiffer is as before.
         """
-        self.iterations = 0
+        self.iterations, self.active_set = 0, self.active_set.at_new_increment()
         known, foreseen = self.active_set, self._approach(increment)
         try:
             converged = self._admissible(increment)
