@@ -84,9 +84,8 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
     #: further pairs of walls that cross in a crease at positions (n, 3), besides the given ones, and their activation
     #: distances (m,), mm; None where they are not looked for
     pairs_in_creases: Callable[[Array, FacingPairs], tuple[FacingPairs, Array]] | None = field(default=None, repr=False)
-    crease_searches: int = field(
-        default=MAX_CREASE_SEARCHES, repr=False
-    )  #: how often they may still be added in the increment
+    #: how often they may still be added in the increment
+    crease_searches: int = field(default=MAX_CREASE_SEARCHES, repr=False)
     stiffenings: int = field(default=MAX_STIFFENINGS, repr=False)  #: how often the stiffness may still be raised
     carried: Array | None = field(default=None, repr=False)  #: (k,) the gaps e, mm; None where they are those of x
 
