@@ -212,18 +212,14 @@ def bulged(pressure: float, bulge: float) -> tuple[CellCurve, ClampCurve, TipCur
 
 
 def bulge_of(law: ArmLaw, pressure: float) -> list[float]:
-    """Of cell, clamped end and tip at a pressure, without moment and at 50 N mm (where there is one), over one mm."""
+    """Of cell and clamped end at a pressure, without moment and near 50 N mm, and of the tip; mm."""
     rod, parts = law.at(pressure), []
     for moment in (0.0, 50.0):
-        row = np.abs(rod.section.moment - moment).argmin(), np.abs(rod.clamp.moment - moment).argmin()
-        values = (rod.section.ripple[row[0], 1, 1], -rod.clamp.offset[row[1], 1], rod.clamp.beside[row[1], 1, 1])
-        parts += [
-            float(value) / (1.0 + nodes[i] / 100.0)
-            for value, nodes, i in zip(
-                values, (rod.section.moment, *[rod.clamp.moment] * 2), (row[0], row[1], row[1]), strict=True
-            )
-        ]
-    return [*parts, float(rod.tip.beside[0, 1]), float(rod.tip.edge[1])]
+        i, k = (int(np.abs(part.moment - moment).argmin()) for part in (rod.section, rod.clamp))
+        parts.append(rod.section.ripple[i, 1, 1] / (1.0 + rod.section.moment[i] / 100.0))
+        both = np.array([-rod.clamp.offset[k, 1], rod.clamp.beside[k, 1, 1]])
+        parts += list(both / (1.0 + rod.clamp.moment[k] / 100.0))
+    return [*map(float, parts), float(rod.tip.beside[0, 1]), float(rod.tip.edge[1])]
 
 
 @pytest.mark.parametrize(("pressure", "most"), [(2.5, 0.55), (7.5, 0.65), (15.0, 0.1), (30.0, 0.2)])

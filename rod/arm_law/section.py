@@ -7,6 +7,7 @@ and what a section bulges by cubics in the pressure (`_beyond_straight`). Nothin
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -15,6 +16,8 @@ from rod.arm_law.between import columns, hermite, joined
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.cubics import cubic, cubic_slope, monotone_slopes
 from rod.law import RodError
+
+Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)
 
 #: moments of the table
 POINTS = 257
@@ -76,7 +79,7 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
         straight("axial_rigidity"),
         straight("shear_rigidity"),
         first.s,
-        straight("ripple") + _beyond_straight(curves, "ripple", pressure, moment),
+        straight("ripple") + _beyond_straight_at(_around(curves, lower, upper), "ripple", pressure, moment),
     )
 
 
@@ -155,7 +158,8 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         for curve, at in ((first, pairs.first), (second, pairs.second))
     ]
     offset = columns(moment, pairs.moment, (1 - pairs.t) * shifts[0] + pairs.t * shifts[1])
-    offset = offset + _beyond_straight(clamps, "offset", pressure, moment)
+    around = _around(clamps, lower, upper)
+    offset = offset + _beyond_straight_at(around, "offset", pressure, moment)
     return ClampCurve(
         pressure=pressure,
         moment=moment,
@@ -165,7 +169,7 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         offset=offset,
         offset_by_moment=np.gradient(offset, moment, axis=0, edge_order=2),
         s=first.s,
-        beside=straight("beside") + _beyond_straight(clamps, "beside", pressure, moment),
+        beside=straight("beside") + _beyond_straight_at(around, "beside", pressure, moment),
     )
 
 
@@ -173,49 +177,53 @@ def tip_at(curves: Sequence[TipCurve], pressure: float) -> TipCurve:
     """The tip at a pressure in kPa, by cubics in p."""
     lower, upper, t = bracket([curve.pressure for curve in curves], pressure)
     a, b = curves[lower], curves[upper]
+    if lower == upper:
+        return a
+    around = _around(curves, lower, upper)
+    pressures = [curve.pressure for curve in around]
 
     def value(name: str) -> Array:
         straight = (1 - t) * getattr(a, name) + t * getattr(b, name)
-        return np.asarray(straight + _beyond_straight(curves, name, pressure))
+        rows = np.array([getattr(curve, name) for curve in around])
+        return np.asarray(straight + _beyond_straight(pressures, rows, pressure))
 
     return TipCurve(pressure, a.s, *(value(name) for name in TIP_VALUES))
 
 
-def _beyond_straight(
-    curves: Sequence[CellCurve] | Sequence[ClampCurve] | Sequence[TipCurve],
-    name: str,
-    pressure: float,
-    moment: Array | None = None,
-) -> Array:
-    """By how much a cubic in p departs from the straight line between two curves, at the same moments (n,) in N mm.
+def _around(curves: Sequence[Curve], lower: int, upper: int) -> Sequence[Curve]:
+    """The two curves of an interval, and one on each side where there is one."""
+    return curves[max(lower - 1, 0) : upper + 2]
 
-    Walls that bulge do so less and less as the pressure rises. The slopes are those of monotone cubics through the
-    curves beside, at the first and at the last pressure those of a parabola through both curves of the interval. Zero
-    for two curves in all, and beyond the moments that the curves beside have in common as at the last such moment.
-    moment: None for curves without a moment.
-    """
-    lower, upper, t = bracket([curve.pressure for curve in curves], pressure)
-    begin = max(lower - 1, 0)
-    window = curves[begin : upper + 2]
-    if lower == upper or len(window) < 3:
+
+def _beyond_straight_at(
+    around: Sequence[CellCurve] | Sequence[ClampCurve], name: str, pressure: float, moment: Array
+) -> Array:
+    """`_beyond_straight` at moments (n,) in N mm; beyond those that all curves have, as at the last such moment."""
+    low, high = max(curve.moment[0] for curve in around), min(curve.moment[-1] for curve in around)
+    if low > high:
         return np.zeros(())
-    if moment is None:
-        rows = np.array([getattr(curve, name) for curve in window])
-    else:
-        nodes = [curve.moment for curve in window if not isinstance(curve, TipCurve)]
-        low, high = max(curve[0] for curve in nodes), min(curve[-1] for curve in nodes)
-        if low > high:
-            return np.zeros(())
-        at = np.clip(moment, low, high)
-        rows = np.array([columns(at, x, getattr(curve, name)) for x, curve in zip(nodes, window, strict=True)])
-    p = np.array([curve.pressure for curve in window])
-    i = lower - begin
-    slopes = monotone_slopes(p, rows)[i : i + 2]
-    change = (rows[i + 1] - rows[i]) / (p[i + 1] - p[i])
+    at = np.clip(moment, low, high)
+    rows = np.array([columns(at, curve.moment, getattr(curve, name)) for curve in around])
+    return _beyond_straight([curve.pressure for curve in around], rows, pressure)
+
+
+def _beyond_straight(pressures: Sequence[float], rows: Array, pressure: float) -> Array:
+    """By how much a cubic in p departs from the straight line between two neighbouring rows (k, ...).
+
+    Walls that bulge do so less and less as the pressure rises. The slopes are those of monotone cubics through all
+    rows, at the first and at the last pressure those of a parabola through both rows of the interval. Zero for two rows
+    in all. pressures: (k,) kPa, those of `_around`.
+    """
+    if len(pressures) < 3:
+        return np.zeros(())
+    lower, upper, t = bracket(pressures, pressure)
+    step = pressures[upper] - pressures[lower]
+    change = (rows[upper] - rows[lower]) / step
+    slopes = monotone_slopes(np.asarray(pressures), rows)[lower : upper + 1]
     if lower == 0:
         slopes[0] = 2.0 * change - slopes[1]
-    if upper == len(curves) - 1:
+    if upper == len(pressures) - 1:
         slopes[1] = 2.0 * change - slopes[0]
     # the cubic that is zero at both ends of the interval and has there the differences of the slopes
-    steps = (slopes - change) * (p[i + 1] - p[i])
+    steps = (slopes - change) * step
     return hermite(t, np.zeros(()), np.zeros(()), steps[0], steps[1])

@@ -77,11 +77,12 @@ def _samples(values: Array, length: float) -> tuple[Array, Array]:
 
 def _refined(samples: Array, steps: float) -> Array:
     """The samples, with wide intervals divided evenly so that no step is longer than 1/steps."""
-    pieces = np.maximum(1, np.ceil(np.diff(samples) * steps - 1e-9)).astype(int)
+    widths = np.diff(samples)
+    pieces = np.maximum(1, np.ceil(widths * steps - 1e-9)).astype(int)
     if np.all(pieces == 1):
         return samples
     within = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    return np.append(within * np.repeat(np.diff(samples) / pieces, pieces) + np.repeat(samples[:-1], pieces), 1.0)
+    return np.append(within * np.repeat(widths / pieces, pieces) + np.repeat(samples[:-1], pieces), 1.0)
 
 
 def _boundaries(s: Array, d: float) -> Array:
