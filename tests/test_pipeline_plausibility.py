@@ -27,6 +27,7 @@ from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.waiting import remarks_while_waiting
 from rod import Interval
+from rod.identification.two_lines import CLEAR
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 PRESSURES = "pressures=[10 kPa, 20 kPa, 30 kPa]"
@@ -155,6 +156,8 @@ def solved(
     *settings: str,
     alpha2: tuple[float, float] = (9, 11),
     contact_check: ContactCheck | None = None,
+    evidence: float = 20.0,
+    on_coarser: bool | None = None,
 ) -> Any:
     extremes = SimpleNamespace(
         min_J=min_J, min_J_at=(1.0, 2.0, 3.0), min_stretch=stretches[0], max_stretch=stretches[1]
@@ -162,8 +165,21 @@ def solved(
     summary = SimpleNamespace(experiment="II", pressure_kPa=20.0, extremes=extremes, contact_check=contact_check)
     record = SimpleNamespace(summary=summary, centreline=SimpleNamespace(s=np.array([0.0, 100.0])))
     numbers = {"alpha1": Interval(10.0, 0.5, 9.0, 11.0), "alpha2": Interval(10.0, 0.5, *alpha2)}
-    curvature = SimpleNamespace(length=100.0)
-    parameters = SimpleNamespace(pressure_kPa=20.0, kappa_0_middle=kappa_0, kappa_0=curvature, numbers=numbers)
+    lines = SimpleNamespace(
+        evidence=evidence,
+        two_lines=evidence > 0.0,
+        is_clear=abs(evidence) >= CLEAR,
+        alpha2=Interval(13.61, 0.1, 13.4, 13.8),
+        single_line=SimpleNamespace(alpha=Interval(10.94, 0.5, 10.0, 12.0)),
+    )
+    parameters = SimpleNamespace(
+        pressure_kPa=20.0,
+        kappa_0_middle=kappa_0,
+        kappa_0=SimpleNamespace(length=100.0),
+        numbers=numbers,
+        by_cells=lines,
+        two_lines_on_coarser=on_coarser,
+    )
     config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
     return Solved(config, SimpleNamespace(records=(record,)), (parameters,))  # type: ignore[arg-type]
 
@@ -220,6 +236,42 @@ def test_a_single_line_that_is_not_determined_is_named_once() -> None:
     run.parameters[0].numbers["alpha1"] = run.parameters[0].numbers["alpha2"]
     (said,) = after_solving(run)
     assert "95 % interval of α₁ = α₂ at 20 kPa from 1 to 20 N mm²; give" in said
+
+
+@pytest.mark.parametrize(
+    ("evidence", "on_coarser", "sentence"),
+    [
+        (
+            -0.77,
+            False,
+            "10.9 N mm² with a single line, as reported, and 13.6 N mm² with two lines (difference of the Bayesian "
+            "information criterion 0.77)",
+        ),
+        (
+            10.7,
+            False,
+            "13.6 N mm² with two lines, as reported, and 10.9 N mm² with a single line (difference of the Bayesian "
+            "information criterion 11; on the coarser mesh a single line would be taken)",
+        ),
+        (
+            -7.6,
+            True,
+            "10.9 N mm² with a single line, as reported, and 13.6 N mm² with two lines (difference of the Bayesian "
+            "information criterion 7.6; on the coarser mesh two lines would be taken)",
+        ),
+    ],
+)
+def test_a_number_of_lines_that_the_data_do_not_decide_is_named(
+    evidence: float, on_coarser: bool, sentence: str
+) -> None:
+    (said,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, evidence=evidence, on_coarser=on_coarser))
+    assert said.startswith("the data of the five parameters do not decide clearly between a single line and two, ")
+    assert said.endswith(f": at 20 kPa {sentence}")
+
+
+@pytest.mark.parametrize(("evidence", "on_coarser"), [(6.1, True), (-6.1, False), (-9.0, None)])
+def test_a_number_of_lines_that_the_data_decide_is_not_named(evidence: float, on_coarser: bool | None) -> None:
+    assert after_solving(solved(0.9, (0.95, 1.05), 0.01, evidence=evidence, on_coarser=on_coarser)) == ()
 
 
 def test_usual_states_are_not_named() -> None:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,11 +43,11 @@ def with_mesh_error(
     cases = [LoadCase(f"coarser_{name}", name, pressures, config.end) for name in ("III", "II")]
     outcomes = simulate(scene, context, cases)
     free, loaded = outcomes["coarser_II"], outcomes["coarser_III"]
-    coarse: list[dict[str, float] | None] = []
+    coarse: list[_OnCoarser | None] = []
     refused = list(outcomes.failures)
     for p in parameters:
         try:
-            coarse.append(_numbers(p, free.at(p.pressure_kPa), loaded.at(p.pressure_kPa)))
+            coarse.append(_on_coarser(p, free.at(p.pressure_kPa), loaded.at(p.pressure_kPa)))
         except RodError as failure:
             coarse.append(None)
             refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
@@ -56,10 +56,11 @@ def with_mesh_error(
         | _measured(p.free, p.loaded, p.kappa.pitch)
         for p in parameters
     ]
-    deviations = mesh_deviations(fine, coarse, config.mesh.element_size_mm, factor)
+    numbers_on_coarser = [None if on_coarser is None else on_coarser.numbers for on_coarser in coarse]
+    deviations = mesh_deviations(fine, numbers_on_coarser, config.mesh.element_size_mm, factor)
     reason = f"on the mesh {factor:g} times as coarse: {'; '.join(refused)}" if refused else ""
-    every = zip(parameters, fine, deviations, strict=True)
-    return tuple(_with_errors(p, numbers, stds) for p, numbers, stds in every), reason
+    every = zip(parameters, fine, deviations, coarse, strict=True)
+    return tuple(_with_errors(*of_pressure) for of_pressure in every), reason
 
 
 def _meshed(context: TaskContext, config: Config) -> Scene:
@@ -67,10 +68,14 @@ def _meshed(context: TaskContext, config: Config) -> Scene:
     return Scene.meshed(config)
 
 
-def _with_errors(parameters: Parameters, numbers: Mapping[str, float], stds: Mapping[str, float]) -> Parameters:
-    relative = {name: stds[name] / abs(numbers[name]) for name in RELATIVE if name in stds}
+def _with_errors(
+    parameters: Parameters, numbers: Mapping[str, float], stds: Mapping[str, float], on_coarser: "_OnCoarser | None"
+) -> Parameters:
     return replace(
-        parameters, mesh_std={name: stds[name] for name in PARAMETER_NAMES if name in stds}, mesh_errors=relative
+        parameters,
+        mesh_std={name: stds[name] for name in PARAMETER_NAMES if name in stds},
+        mesh_errors={name: stds[name] / abs(numbers[name]) for name in RELATIVE if name in stds},
+        two_lines_on_coarser=None if on_coarser is None else on_coarser.two_lines,
     )
 
 
@@ -111,18 +116,21 @@ def _scale(name: str, numbers: Mapping[str, float]) -> float:
     return abs(numbers[name]) if name.startswith(("alpha", *RELATIVE)) else 1.0
 
 
-def _numbers(fine: Parameters, free: Record | None, loaded: Record | None) -> dict[str, float] | None:
-    """The numbers on the coarser mesh, of as many lines as on the fine one; None where it was not reached.
+@dataclass(frozen=True)
+class _OnCoarser:
+    """What the coarser mesh gives at one pressure."""
 
-    Raises RodError.
-    """
+    numbers: Mapping[str, float]  #: of as many lines as on the fine mesh
+    two_lines: bool  #: whether the criterion chooses two lines there
+
+
+def _on_coarser(fine: Parameters, free: Record | None, loaded: Record | None) -> _OnCoarser | None:
+    """None where the pressure was not reached. Raises RodError."""
     if free is None or loaded is None:
         return None
-    coarse, measured = (
-        numbers_of_cells(free, loaded, fine.kappa.pitch, fine.given_d),
-        _measured(free, loaded, fine.kappa.pitch),
-    )
-    if fine.by_cells.two_lines:
-        return {name: getattr(coarse.law, name) for name in PARAMETER_NAMES} | measured
+    coarse = numbers_of_cells(free, loaded, fine.kappa.pitch, fine.given_d)
     alpha, m0 = coarse.single_line.alpha.value, coarse.single_line.m0.value
-    return {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break} | measured
+    single = {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
+    two = {name: getattr(coarse.law, name) for name in PARAMETER_NAMES}
+    lines = two if fine.by_cells.two_lines else single
+    return _OnCoarser(lines | _measured(free, loaded, fine.kappa.pitch), coarse.two_lines)

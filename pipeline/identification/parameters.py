@@ -76,6 +76,8 @@ class Parameters:
     mesh_std: Mapping[str, float] = field(default_factory=dict)
     #: relative errors of kappa_0(l/2), alpha2 and F due to the mesh, by name; empty where they were not estimated
     mesh_errors: Mapping[str, float] = field(default_factory=dict)
+    #: whether two lines were chosen on the coarser mesh; None where there is none
+    two_lines_on_coarser: bool | None = None
 
     @property
     def estimates(self) -> dict[str, ParameterEstimate | NoFit]:

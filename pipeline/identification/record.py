@@ -43,6 +43,8 @@ def parameters_record(
         "single_line_alpha_N_mm2_std": [line.alpha.std for line in single_lines],
         "single_line_m0_N_mm": [line.m0.value for line in single_lines],
         "single_line_suffices": [not p.by_cells.two_lines for p in parameters],
+        "evidence_for_two_lines": [p.by_cells.evidence for p in parameters],
+        "two_lines_on_coarser_mesh": [p.two_lines_on_coarser for p in parameters],
         "r2_two_lines": [p.by_cells.r2 for p in parameters],
         "r2_single_line": [line.r2 for line in single_lines],
         "observations": [p.by_cells.observations for p in parameters],

@@ -97,6 +97,32 @@ def _not_determined(solved: Solved) -> str:
     )
 
 
+def _one_line_or_two(solved: Solved) -> str:
+    """The data hardly decide between one line and two, or decide otherwise on a coarser mesh."""
+    unclear = [_choice(p) for p in solved.parameters if not p.by_cells.is_clear or _is_other_on_coarser(p)]
+    if not unclear:
+        return ""
+    return (
+        "the data of the five parameters do not decide clearly between a single line and two, so that α₂ is less "
+        f"certain than its interval says: {'; '.join(unclear)}"
+    )
+
+
+def _choice(p: Parameters) -> str:
+    lines = p.by_cells
+    alpha2 = {"a single line": lines.single_line.alpha.value, "two lines": lines.alpha2.value}
+    other, chosen = alpha2 if lines.two_lines else reversed(alpha2)
+    elsewhere = f"; on the coarser mesh {other} would be taken" if _is_other_on_coarser(p) else ""
+    return (
+        f"at {p.pressure_kPa:g} kPa {alpha2[chosen]:.3g} N mm² with {chosen}, as reported, and {alpha2[other]:.3g} "
+        f"N mm² with {other} (difference of the Bayesian information criterion {abs(lines.evidence):.2g}{elsewhere})"
+    )
+
+
+def _is_other_on_coarser(p: Parameters) -> bool:
+    return p.two_lines_on_coarser not in (None, p.by_cells.two_lines)
+
+
 def _rigidities(numbers: Mapping[str, Interval]) -> list[tuple[str, Interval]]:
     """Symbols and values of the two rigidities, once where they are the same."""
     first, second = numbers["alpha1"], numbers["alpha2"]
@@ -138,5 +164,6 @@ AFTER: tuple[Callable[[Solved], str], ...] = (
     _large_strain,
     _hardly_bent,
     _not_determined,
+    _one_line_or_two,
     _approximate_contact,
 )

@@ -38,6 +38,8 @@ MIN_BREAK, FIRST_CELL = 0.5, 0.6
 PROFILE_POINTS = 65
 #: relative error of Delta at which a simpler law is as good as a richer one
 NEGLIGIBLE_MISFIT = 0.02
+#: difference of the criteria from which on they speak clearly for one of the two ("strong", Kass and Raftery 1995)
+CLEAR = 6.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,7 +58,17 @@ class Identification(ParameterEstimate):
     @property
     def two_lines(self) -> bool:
         """Whether two lines are worth their additional parameters, or wanted, because their d was given."""
-        return self.d_given or self.criterion_two_lines < self.criterion_single_line
+        return self.d_given or self.evidence > 0.0
+
+    @property
+    def evidence(self) -> float:
+        """For two lines, by the criterion: above zero they are worth their additional parameters."""
+        return self.criterion_single_line - self.criterion_two_lines
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether the data decide between one line and two, or need not, because d was given."""
+        return self.d_given or abs(self.evidence) >= CLEAR
 
 
 def identify(
