@@ -84,7 +84,7 @@ def test_a_limit_just_passed_costs_no_more_than_a_few_states(model: fem.Model) -
 
 
 def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> None:
-    """I is not solved at 5 kPa with any increments, and says so; closely above 0.95 kPa it finds its own limit."""
+    """I is not tried at 5 kPa, and says so; closely above 0.95 kPa it finds its own limit."""
     for lower, largest, expected in (
         (0.5, 5.0, "because experiment II of the same arm has its limit at 1.0"),
         (0.95, 1.05, "limit is at"),
@@ -102,7 +102,7 @@ def test_two_tells_its_limit_and_one_does_not_search_its_own(tmp_path: Path) -> 
         assert "the limit is at 1.0" in failures[1].reason
         if largest == 5.0:
             assert failures[0].limit_kPa == 0.0
-            assert failures[0].factorizations < failures[1].factorizations
+            assert failures[0].factorizations == 0  # II has ended before I goes on to this pressure
 
 
 @pytest.mark.parametrize("pressures", ["pressures=[0.5 kPa, 5 kPa]", "pressures=[5 kPa]"])
@@ -132,7 +132,7 @@ def test_two_tells_where_it_ends_without_a_limit_that_it_could_name(
         # here that of III is a little higher, and is not searched
         (2, 6, 45, r"it was followed up to 60\.\d+ kPa only, 95 % of the limit of experiment II of", 0.0),
         # III has passed that part of the limit already
-        (2, 6, 62, r"beyond 62 kPa on the way to 90 kPa: it was not tried in small increments, because", 0.0),
+        (2, 6, 62, r"beyond 62 kPa on the way to 90 kPa: the search stopped there, because", 0.0),
     ],
 )
 def test_three_is_followed_up_to_the_limit_of_two(

@@ -44,8 +44,8 @@ class PathOptions:
 
     newton: NewtonOptions = field(default_factory=NewtonOptions)
     min_increment: float = 1 / 256  #: smallest increment that is tried, as a fraction of the way to the next target
-    #: why a target is not worth smaller increments than the whole way to it, once that has failed or a limit is
-    #: announced before it; empty where it is
+    #: why a target is not worth the search; empty where it is. Asked before a target is tried; the first one is tried
+    #: at once, and this is asked before smaller increments
     give_up: Callable[[float], str] = lambda target: ""
     solver: Callable[[], LinearSolver] | None = None  #: makes the linear solver; None: the best installed one
 
@@ -132,10 +132,11 @@ class PathFollower:
         is_asked = False
         while True:
             fraction = increments.next
-            if fraction < 1.0 and not is_asked and (reason := self.options.give_up(target)):
-                last = load_step.control(self.control, increments.reached)
-                raise PathEnded(self._given_up(last, increments, before, reason))
-            is_asked = is_asked or fraction < 1.0
+            if not is_asked and (fraction < 1.0 or len(self.points) > 1):
+                is_asked = True
+                if reason := self.options.give_up(target):
+                    last = load_step.control(self.control, increments.reached)
+                    raise PathEnded(self._given_up(last, increments, before, reason))
             control = load_step.control(self.control, fraction)
             try:
                 converged = self.solver.solve(self._increment(control, increments))

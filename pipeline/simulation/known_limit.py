@@ -1,4 +1,4 @@
-"""Where experiment II ends, which I and III of the same arm ask for before they search their own end.
+"""Where experiment II ends, which I and III of the same arm ask for before they go on to a pressure.
 
 All three have the same walls under the same pressure, and without II there are no five parameters. On nine arms (svk,
 neo-Hooke, round and rectangular, inflated and under vacuum; docs/robustness.md) I and III had their limits between 20 %
@@ -28,7 +28,7 @@ GROUPS = 128
 
 @final
 class KnownLimit:
-    """Told by the process of II while it goes on; the processes of I and III ask for it where they fail.
+    """Told by the process of II while it goes on; the processes of I and III ask for it before each pressure.
 
     A run solves several groups of load cases, on other meshes for example, and each has a limit of its own.
     """
@@ -67,7 +67,7 @@ class KnownLimit:
         return "limit" if self._values[self._is_limit] else "last equilibrium"
 
     def why_not(self, pressure_kPa: float) -> str:
-        """Why a pressure is not worth smaller increments; empty where it may be.
+        """Why a pressure is not worth being tried; empty where it may be.
 
         Waits until II has ended or reached a pressure not far below. What is answered does not depend on time.
         """
@@ -78,7 +78,7 @@ class KnownLimit:
         if self._is_near(pressure_kPa) or not 0.0 < self.end_kPa < pressure_kPa:
             return ""
         return (
-            f"it was not tried in small increments, because experiment {FIRST} of the same arm has its "
+            f"the search stopped there, because experiment {FIRST} of the same arm has its "
             f"{self.name_of_end} at {self.end_kPa:.4g} kPa"
         )
 
