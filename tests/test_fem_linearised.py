@@ -98,7 +98,7 @@ def test_the_rate_of_a_path_uses_the_last_tangent_of_newton() -> None:
     assert converged.linearised is not None
     assert converged.negative_pivots == converged.linearised.negative_pivots == 0
     before = system.solver.times.factorizations
-    rate = control.rate(converged.state, converged.linearised, system.terms)
+    rate = control.rate(converged.state, converged.assembly, converged.linearised, system.terms)
     assert rate is not None
     assert system.solver.times.factorizations == before
     ahead = equilibrium(control.target(1.001, 1.0), converged.state, options)

@@ -2,15 +2,24 @@
 
 import csv
 import json
+from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
-from pipeline.config.config import Config
+import fem
+from pipeline.config.config import Config, End
 from pipeline.config.load import load_config
+from pipeline.context import RunContext
 from pipeline.progress import Silent
 from pipeline.run import run
 from pipeline.simulation.loadcase import LoadCase, PressureSchedule, up_to, validation_cases
+from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import simulate
+from pipeline.store.store import open_store
 
 SHORT = """
 name: seven
@@ -105,3 +114,32 @@ def test_the_report_shows_loads_laws_and_estimators(results: Path) -> None:
     assert "are linear in the pressure" in html or "There are no three neighbouring pressures" in html
     assert 'id="figure-validation"' in html
     assert 'id="figure-forces"' in html
+
+
+def test_a_load_begins_at_the_third_experiment_of_the_run(
+    config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Both pressures, 12 and 15 kPa, from 12 kPa; the states are those of the path from rest."""
+    case = next(case for case in validation_cases(config) if case.name == "III_end_3mm")
+    assert case.near_kPa == config.pressures_kPa
+    scene, followed, begun = Scene.meshed(config), fem.follow, []
+
+    def follow(*given: Any, begin: Sequence[fem.Step | None], **named: Any) -> fem.Solution:
+        begun.append([step and step.factor for step in begin])
+        return followed(*given, begin=begin, **named)
+
+    monkeypatch.setattr(fem, "follow", follow)
+    with open_store(tmp_path / "near", config) as store:
+        context = RunContext.alone(store, Silent())
+        simulate(scene, context, ["III"])
+        (near,) = simulate(scene, context, [case])
+    with open_store(tmp_path / "rest", config) as store:
+        (rest,) = simulate(scene, RunContext.alone(store, Silent()), [case])
+    assert begun == [[None] * 3, [0.5, 0.5], [None, None]]
+    for first, other in zip(near.records, rest.records, strict=True):
+        np.testing.assert_allclose(first.displacement, other.displacement, atol=1e-5)
+
+
+def test_a_load_begins_at_rest_where_the_third_experiment_has_another_condition(config: Config) -> None:
+    held = replace(config, end=End(x_mm=1.0, y_mm=0.0))
+    assert next(case for case in validation_cases(held) if case.name == "III_end_3mm").near_kPa == ()

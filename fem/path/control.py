@@ -1,4 +1,5 @@
-"""What is driven along a path: the load factor, or the volume of a cavity with the load factor as an unknown.
+"""What is driven along a path: the load factor, the volume of a cavity with the load factor as an unknown, or the part
+of the way from one equilibrium to other loads and prescribed displacements.
 
 A limit point of the load, where no neighbouring equilibrium has more of it, is an ordinary point of a path on which the
 volume is prescribed: the equation V(x) = V* joins the others with the load factor as its unknown, one bordered row and
@@ -32,6 +33,7 @@ class Control(ABC):
     """
 
     name: ClassVar[str]  #: of the quantity, for sentences
+    gives_load: ClassVar[bool]  #: whether the quantity determines the load factor
 
     system: System = field(repr=False)
     scale: float  #: what the residual is relative to, in the unit of the quantity
@@ -78,10 +80,10 @@ class Control(ABC):
         """
 
     @abstractmethod
-    def rate(self, state: State, linearised: Linearised, terms: Terms) -> Change | None:
-        """Tangent of the path, d(unknowns)/d(value) at an equilibrium, from a tangent matrix near it.
+    def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
+        """Tangent of the path, d(state)/d(value) at an equilibrium, from a tangent matrix near it.
 
-        None where that matrix does not give it. Raises `SingularMatrix`.
+        assembly is that of the state. None where that matrix does not give it. Raises `SingularMatrix`.
         """
 
     def rate_with_constants(
@@ -107,6 +109,7 @@ class LoadControl(Control):
     """The load factor is prescribed, 0 at rest."""
 
     name = "load factor"
+    gives_load = True
 
     @classmethod
     def of(cls, system: System) -> "LoadControl":
@@ -124,17 +127,16 @@ class LoadControl(Control):
     ) -> tuple[Change, int]:
         return _to_equilibrium(assembly, linearised), linearised.negative_pivots
 
-    def rate(self, state: State, linearised: Linearised, terms: Terms) -> Change | None:
+    def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
         if self.system.constraints.ramped.any():  # would need the tangent's columns of the prescribed components
             return None
-        return replace(_load_rate(self.system, state, linearised, terms), factor=1.0)
+        change = _load_rate(self.system, state, linearised, terms)
+        return self.system.rate(state, assembly, replace(change, factor=1.0))
 
     def rate_with_constants(
         self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms, growth: float
     ) -> State | None:
         system = self.system
-        motion = system.constraints.prescribed(1.0, growth)
-        _, coupling = system.tangent(state, assembly, terms, motion, convex=False)
         # the loads are linear in the load factor and the fraction
         more, less = (
             system.loads(
@@ -144,8 +146,9 @@ class LoadControl(Control):
             )
             for part in (0.5, -0.5)
         )
-        change = linearised.solve(more - less + coupling.displacement, coupling.pressure)
-        return system.rate(state, assembly, replace(change, factor=1.0, displacement=change.displacement + motion))
+        motion = system.constraints.prescribed(1.0, growth)
+        _, coupling = system.tangent(state, assembly, terms, motion, convex=False)
+        return _rate_with_motion(system, state, assembly, linearised, _Drive(more - less, 1.0, motion, coupling))
 
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         system, rest, unloaded = self.system, self.system.rest_state(), at_constant_fraction(terms, 0.0)
@@ -153,9 +156,65 @@ class LoadControl(Control):
         assembly = system.assemble(rest, unloaded)
         linearised = system.linearise(rest, assembly, unloaded, motion)
         loaded = system.loads(rest.displacement, 1.0, at_constant_fraction(terms, fraction))
-        loads, coupling = loaded - system.loads(rest.displacement, 0.0, unloaded), linearised.coupling
-        change = linearised.solve(loads + coupling.displacement, coupling.pressure)
-        return system.rate(rest, assembly, replace(change, factor=1.0, displacement=change.displacement + motion))
+        loads = loaded - system.loads(rest.displacement, 0.0, unloaded)
+        return _rate_with_motion(system, rest, assembly, linearised, _Drive(loads, 1.0, motion, linearised.coupling))
+
+
+@final
+@dataclass(frozen=True, eq=False)
+class MoveControl(Control):
+    """The part of the way from an equilibrium to another load factor and other prescribed displacements, 0 to 1.
+
+    Both change along straight lines. Constant loads are those of the equilibrium, in full.
+    """
+
+    factors: tuple[float, float]  #: load factor at the beginning and at the end
+    motion: Array = field(repr=False)  #: (n, 3) by which the supports move on the whole way, mm
+    last: Array = field(repr=False)  #: (n, 3) prescribed displacements at the end, mm
+
+    name = "part of the way"
+    gives_load = True
+
+    @classmethod
+    def of(cls, system: System, begin: Step, factor: float) -> "MoveControl":
+        """From a finished step of a model with equal supports, but for the displacements that they prescribe."""
+        last = system.constraints.prescribed(factor, 1.0)
+        motion = system.constraints.correction(begin.displacement, last)
+        return cls(system, 1.0, 0.0, 1.0, (begin.factor, factor), motion, last)
+
+    @cached_property
+    def prescribed(self) -> Array:
+        return self.last - (1.0 - self.value) * self.motion
+
+    def _value_at(self, factor: float, x: Array) -> float:
+        return self.value  # the load factor is given with it
+
+    def start(self, state: State) -> State:
+        first, last = self.factors
+        return replace(state, factor=last - (1.0 - self.value) * (last - first))
+
+    def increment(
+        self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
+    ) -> tuple[Change, int]:
+        return _to_equilibrium(assembly, linearised), linearised.negative_pivots
+
+    def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
+        _, coupling = self.system.tangent(state, assembly, terms, self.motion, convex=False)
+        return _rate_with_motion(self.system, state, assembly, linearised, self._drive(state, terms, coupling))
+
+    def rate_at_begin(self, state: State, terms: Terms) -> State:
+        """Tangent of the path at the equilibrium where it begins; factorizes. Raises `SingularMatrix`."""
+        assembly = self.system.assemble(state, terms)
+        linearised = self.system.linearise(state, assembly, terms, self.motion)
+        drive = self._drive(state, terms, linearised.coupling)
+        return _rate_with_motion(self.system, state, assembly, linearised, drive)
+
+    def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
+        return None  # the path does not begin at rest
+
+    def _drive(self, state: State, terms: Terms, coupling: Change) -> "_Drive":
+        growth = self.factors[1] - self.factors[0]
+        return _Drive(growth * _load_change(self.system, state, terms), growth, self.motion, coupling)
 
 
 @final
@@ -166,6 +225,7 @@ class VolumeControl(Control):
     faces: Faces = field(repr=False)
 
     name = "volume in mm3"
+    gives_load = False
 
     @classmethod
     def of(cls, system: System, where: str) -> "VolumeControl":
@@ -202,11 +262,13 @@ class VolumeControl(Control):
         unstable = linearised.negative_pivots - (1 if compliance < 0 else 0)
         return unloaded + replace(loaded.scaled(factor), factor=factor), unstable
 
-    def rate(self, state: State, linearised: Linearised, terms: Terms) -> Change | None:
+    def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
         area = volume_gradient(self.faces, self.system.space.points + state.displacement)
         loaded = _load_rate(self.system, state, linearised, terms)
         compliance = float(np.vdot(area, loaded.displacement))
-        return replace(loaded.scaled(1 / compliance), factor=1 / compliance) if compliance else None
+        if not compliance:
+            return None
+        return self.system.rate(state, assembly, replace(loaded.scaled(1 / compliance), factor=1 / compliance))
 
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         return None
@@ -220,6 +282,27 @@ def _to_equilibrium(assembly: Assembly, linearised: Linearised) -> Change:
 
 def _load_rate(system: System, state: State, linearised: Linearised, terms: Terms) -> Change:
     """Change of displacement and pressures per unit of the load factor."""
-    # the loads are linear in the load factor
+    return linearised.solve(_load_change(system, state, terms))
+
+
+def _load_change(system: System, state: State, terms: Terms) -> Array:
+    """Change (n, 3) of the loads per unit of the load factor, in which they are linear."""
     more, less = (system.loads(state.displacement, state.factor + step, terms) for step in (0.5, -0.5))
-    return linearised.solve(more - less)
+    return more - less
+
+
+@dataclass(frozen=True, eq=False)
+class _Drive:
+    """What changes along a path, per unit of the driven quantity."""
+
+    loads: Array  #: (n, 3) of the nodal loads, N
+    factor: float  #: of the load factor
+    motion: Array  #: (n, 3) of the prescribed displacements, mm
+    coupling: Change  #: the tangent times that motion
+
+
+def _rate_with_motion(system: System, state: State, assembly: Assembly, linearised: Linearised, drive: _Drive) -> State:
+    """d(state) per unit of the driven quantity while supports move as well."""
+    change = linearised.solve(drive.loads + drive.coupling.displacement, drive.coupling.pressure)
+    displacement = change.displacement + drive.motion
+    return system.rate(state, assembly, replace(change, factor=drive.factor, displacement=displacement))

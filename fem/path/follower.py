@@ -13,7 +13,7 @@ import numpy as np
 from fem.effects.effect import at_constant_fraction, smallest_gap
 from fem.equations.linear import LinearSolver
 from fem.path.active_set import ActiveSet
-from fem.path.control import Control, LoadControl
+from fem.path.control import Control, MoveControl
 from fem.path.costs import Costs
 from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
 from fem.path.exact_contact import with_exact_distances
@@ -107,19 +107,30 @@ class PathFollower:
         From the first step the way on depends on the rate at rest, which is computed again (one factorization).
         """
         for step in steps:
-            state = self.system.state_at(step.displacement, step.factor)
-            active_set = ActiveSet.resumed(self.system.terms, step.active, step.positions)
-            terms = at_constant_fraction(active_set.active, 1.0)
-            touching = active_set.touching(step.positions)
-            point = PathPoint(self.control.value_of(step), 1.0, state, touching, terms=terms)
+            point = self._resumed(step, self.control.value_of(step))
             if step.rate is not None:
-                point = replace(point, rate=self.system.rate(state, self.system.assemble(state, ()), step.rate))
-            self.points, self.is_stable = [self.points[-1], point], step.negative_pivots == 0
-            self.solver.active_set = active_set
+                assembly = self.system.assemble(point.state, ())
+                point = replace(point, rate=self.system.rate(point.state, assembly, step.rate))
+            self.points = [self.points[-1], point]
         if goes_on and len(steps) == 1:
             self.predictor.rate_from_rest(self.control.target(self.points[-1].value, 1.0))
         if steps:
             self.system.storage.hold(steps[-1].added_pairs)
+
+    def begin(self, step: Step, control: MoveControl) -> None:
+        """Begin at a step of another path instead of at rest; one factorization. Raises `SingularMatrix`."""
+        self.system.storage.hold(step.added_pairs)
+        point = self._resumed(step, control.value)
+        point = replace(point, rate=control.rate_at_begin(point.state, point.terms))
+        self.points = [point, point]
+
+    def _resumed(self, step: Step, value: float) -> PathPoint:
+        """The point of the path at a finished step; the path goes on with the contacts that are active there."""
+        state = self.system.state_at(step.displacement, step.factor)
+        active_set = ActiveSet.resumed(self.system.terms, step.active, step.positions)
+        self.solver.active_set, self.is_stable = active_set, step.negative_pivots == 0
+        terms = at_constant_fraction(active_set.active, 1.0)
+        return PathPoint(value, 1.0, state, active_set.touching(step.positions), terms=terms)
 
     def advance(self, target: float) -> Step:
         """Equilibrium at `target`, in as few increments as converge; raises `PathEnded`."""
@@ -193,7 +204,7 @@ class PathFollower:
 
     @property
     def _follows_load(self) -> bool:
-        return isinstance(self.control, LoadControl)
+        return self.control.gives_load
 
     def _check_continuation(
         self, control: Control, converged: Converged, point: PathPoint, increments: Increments

@@ -1,12 +1,21 @@
 """The load path: equilibria at load factors, or at volumes of a cavity, given in their order."""
 
 from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+from itertools import zip_longest
 from time import perf_counter
 
+from fem.equations.linear import SingularMatrix
 from fem.model import Model
-from fem.path.control import LoadControl, VolumeControl
+from fem.path.control import LoadControl, MoveControl, VolumeControl
+from fem.path.costs import Costs
 from fem.path.follower import PathEnded, PathFollower, PathObserver, PathOptions
 from fem.solution import NotConverged, Solution, Step
+
+#: smallest increment of the way from another equilibrium, as a part of it: where more are needed, the usual path is
+#: followed
+SMALLEST_MOVE = 1 / 4
 
 
 def follow(
@@ -15,16 +24,19 @@ def follow(
     options: PathOptions | None = None,
     observer: PathObserver | None = None,
     resume: Sequence[Step] = (),
+    begin: Sequence[Step | None] = (),
 ) -> Solution:
     """Equilibrium at the given load factors, in their order.
 
-    `resume` are steps of the first factors, finished earlier: the path goes on from the last of them.
+    `resume` are steps of the first factors, finished earlier: the path goes on from the last of them. `begin` has for
+    each factor an equilibrium near that, of a model that differs in the displacements that its supports prescribe, or
+    None. The way from there is tried first: load factor and supports move together.
 
     Raises `NotConverged`, which carries the reason and the steps reached so far.
     """
-    begin, options = perf_counter(), options or PathOptions()
+    start, options = perf_counter(), options or PathOptions()
     path = PathFollower(LoadControl.of(model.system(options.solver)), options, observer or PathObserver())
-    return _follow(path, factors, resume, begin)
+    return _follow(path, factors, resume, start, begin)
 
 
 def follow_volume(
@@ -43,18 +55,32 @@ def follow_volume(
     Raises `NotConverged`, which carries the reason and the steps reached so far, and ValueError for faces that do not
     exist or prescribed displacements that grow with the load factor.
     """
-    begin, options = perf_counter(), options or PathOptions()
+    start, options = perf_counter(), options or PathOptions()
     path = PathFollower(VolumeControl.of(model.system(options.solver), where), options, observer or PathObserver())
-    return _follow(path, volumes, resume, begin)
+    return _follow(path, volumes, resume, start)
 
 
-def _follow(path: PathFollower, targets: Sequence[float], resume: Sequence[Step], begin: float) -> Solution:
+def _follow(
+    path: PathFollower,
+    targets: Sequence[float],
+    resume: Sequence[Step],
+    start: float,
+    begin: Sequence[Step | None] = (),
+) -> Solution:
+    """start: when the work on the path began, s."""
     steps = list(resume)
     path.resume(steps, goes_on=len(targets) > len(steps))
-    set_up = perf_counter() - begin - path.system.solver.times.analysis
+    set_up = perf_counter() - start - path.system.solver.times.analysis
     try:
-        for target in targets[len(steps) :]:
-            step = path.advance(target)
+        for target, near in zip_longest(targets[len(steps) :], begin[len(steps) : len(targets)]):
+            before = Costs.of(path.system)
+            step = None if near is None else _moved(path, near, target)
+            if step is None:
+                step = path.advance(target)
+            else:  # as where the path is resumed
+                path.resume([step], goes_on=not steps and len(targets) > 1)
+            if near is not None:
+                step = _with_costs(step, Costs.of(path.system) - before)
             steps.append(step)
             path.observer.step_done(step)
         return path.solution(steps, set_up)
@@ -62,3 +88,19 @@ def _follow(path: PathFollower, targets: Sequence[float], resume: Sequence[Step]
         raise NotConverged(ended.end, path.solution(steps, set_up)) from None
     finally:
         path.system.solver.close()
+
+
+def _moved(path: PathFollower, begin: Step, factor: float) -> Step | None:
+    """Equilibrium at a load factor from that of another model; None where it is not reached in a few increments."""
+    control = MoveControl.of(path.system, begin, factor)
+    move = PathFollower(control, replace(path.options, min_increment=SMALLEST_MOVE), path.observer)
+    with suppress(PathEnded, SingularMatrix):
+        move.begin(begin, control)
+        # its rate is not one by the load factor
+        return replace(move.advance(1.0), rate=None)
+    return None
+
+
+def _with_costs(step: Step, costs: Costs) -> Step:
+    """The step with what all attempts to reach it took."""
+    return replace(step, factorizations=costs.factorizations, seconds=costs.wall, spent=costs.seconds)

@@ -118,9 +118,7 @@ class Predictor:
         if converged.linearised is None or (self.nonsmooth_start and point.constant_fraction < 1.0):
             return None
         with suppress(SingularMatrix):  # at a limit point there is no such tangent
-            change = point.rate(converged.state, converged.linearised, terms)
-            if change is not None:
-                return point.system.rate(converged.state, converged.assembly, change)
+            return point.rate(converged.state, converged.assembly, converged.linearised, terms)
         return None
 
     def rate_with_constants(self, point: Control, converged: Converged, terms: Terms) -> State | None:

@@ -37,8 +37,10 @@ class CasePath:
             options = fem.PathOptions(self.newton, give_up=self._why_not)
         observer = fem.PathObserver(self._iteration, self._step_done)
         stored = self._stored_steps()
+        factors, pressures = self.case.schedule.factors, self.case.schedule.pressures_kPa
+        begin = [None if index < len(stored) else self._near(p) for index, p in enumerate(pressures)]
         try:
-            return fem.follow(self.model, self.case.schedule.factors, options, observer, resume=stored), None
+            return fem.follow(self.model, factors, options, observer, resume=stored, begin=begin), None
         except fem.NotConverged as ended:
             solution, end = ended.partial, ended.end
         failure = self._failure(end, end.factorizations)
@@ -73,6 +75,17 @@ class CasePath:
             self.progress.step_done(self.case.name, pressure, 0.0)
             self._reach()
         return steps
+
+    def _near(self, pressure: float) -> fem.Step | None:
+        """The stored state of III at this or the next lower pressure, for a case with another height of the end.
+
+        From a higher pressure walls come apart on the way, which takes more increments.
+        """
+        for near in sorted((known for known in self.case.near_kPa if known <= pressure), reverse=True):
+            arrays = self.store.load_state(self.case.experiment, near)
+            if arrays is not None:
+                return fem.step_from_arrays(self.model.space, arrays)
+        return None
 
     def _why_not(self, factor: float) -> str:
         """Why a load is not worth smaller increments, from where II ends."""

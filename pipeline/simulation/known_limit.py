@@ -92,8 +92,7 @@ def asks(case: LoadCase) -> bool:
 
     With other conditions at the end the limits were not compared.
     """
-    is_usual = case.experiment == "I" or (case.held == (False, True) and not any(case.end.force_N))
-    return case.name in OTHERS and is_usual
+    return case.name in OTHERS and (case.experiment == "I" or case.end.has_height_alone)
 
 
 def in_order(cases: list[LoadCase]) -> list[LoadCase]:

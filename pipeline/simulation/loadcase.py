@@ -47,6 +47,8 @@ class LoadCase:
     experiment: str  #: I, II, III or dead
     schedule: PressureSchedule
     end: End  #: displacements of the end and forces on it in III; the force alone in dead
+    #: kPa, pressures at which III of the run may be stored, with another height of its end: the way from there is short
+    near_kPa: tuple[float, ...] = ()
 
     @property
     def held(self) -> tuple[bool, bool]:
@@ -94,10 +96,11 @@ def validation_cases(config: Config) -> tuple[LoadCase, ...]:
     At pressures between those of the run that is II and III as well, unless only the default load is solved.
     """
     validation, of_run = config.validation, config.pressures_kPa
+    near = of_run if config.end.has_height_alone else ()
     pressures = schedule(config, validation.pressures_kPa)
     cases = [
         *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, End(None, None, (x, y))) for x, y in validation.forces_N),
-        *(LoadCase(f"III_end_{y:g}mm", "III", pressures, End(y_mm=y)) for y in validation.end_y_mm),
+        *(LoadCase(f"III_end_{y:g}mm", "III", pressures, End(y_mm=y), near) for y in validation.end_y_mm),
     ]
     between = tuple(pressure for pressure in validation.pressures_kPa if pressure not in of_run)
     if between and validation.with_experiments:

@@ -1,0 +1,142 @@
+"""The way from one equilibrium to another load factor and another displacement of the supports."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from bodies import box, hollow_box
+
+from fem import (
+    Experiment,
+    Fixed,
+    Model,
+    NewtonOptions,
+    NotConverged,
+    PathObserver,
+    PathOptions,
+    Prescribed,
+    Pressure,
+    SelfContact,
+    Step,
+    StVenantKirchhoff,
+    follow,
+    step_from_arrays,
+    step_to_arrays,
+)
+from fem.path import loadpath, newton
+from fem.path.control import MoveControl
+from fem.path.newton import Converged, Start
+from geometry import Body
+
+LAW = StVenantKirchhoff(1.0, 0.49)
+#: on the side opposite to the clamp
+EDGE = np.array([[3.0, 3.0, 0.0], [3.0, 3.0, 0.5], [3.0, 3.0, 1.5]])
+
+
+def held(height: float, formulation: str = "p2p0") -> Model:
+    """A box under pressure; the height in mm of an edge is prescribed."""
+    supports = [Fixed("clamp"), Fixed("sym", "z"), Prescribed(EDGE, "y", height, ramp=False)]
+    return Model(hollow_box(half=True), LAW, supports, [Pressure("cavity", 0.05)], formulation)
+
+
+@pytest.mark.parametrize("formulation", ["p2", "p2p0", "mixed"])
+@pytest.mark.parametrize(("first", "last"), [(0.5, 0.5), (0.5, 1.0), (1.0, 0.5)])
+def test_the_way_from_another_equilibrium_ends_in_that_from_rest(formulation: str, first: float, last: float) -> None:
+    near = follow(held(0.1, formulation), [first]).steps[0]
+    model = held(0.3, formulation)
+    (moved,) = follow(model, [last], begin=[near]).steps
+    (direct,) = follow(model, [last]).steps
+    assert moved.factor == last
+    np.testing.assert_allclose(moved.displacement, direct.displacement, atol=1e-6)
+    np.testing.assert_allclose(moved.gradient, direct.gradient, atol=1e-5 * np.abs(direct.gradient).max())
+    assert moved.cutbacks == 0
+
+
+def test_the_way_passes_through_states_between_and_its_rate_is_their_derivative() -> None:
+    """Prescribed displacements and load factor lie on straight lines, on which the path from rest has its states."""
+    tight = PathOptions(NewtonOptions(tolerance=1e-10))
+    near = follow(held(0.1), [0.5], tight).steps[0]
+    system = held(0.3).system()
+    state = system.state_at(near.displacement, near.factor)
+    control = MoveControl.of(system, near, 1.0)
+
+    def at(part: float, start: Converged | None) -> Converged:
+        begin = Start(state if start is None else start.state, system.terms)
+        return newton.solve(begin, control.target(part, 1.0), tight.newton, lambda iteration, residual: None)
+
+    quarter, other = at(0.25, None), at(0.251, None)
+    direct = follow(held(0.15), [0.625], tight).steps[0]
+    assert quarter.state.factor == pytest.approx(0.625)
+    np.testing.assert_allclose(quarter.state.displacement, direct.displacement, atol=1e-8)
+    assert other.linearised is not None
+    rate = control.target(0.251, 1.0).rate(other.state, other.assembly, other.linearised, system.terms)
+    difference = (other.state.displacement - quarter.state.displacement) / 0.001
+    assert rate.factor == 0.5
+    np.testing.assert_allclose(rate.displacement, difference, atol=0.01 * np.abs(difference).max())
+    begin = control.rate_at_begin(state, system.terms)
+    difference = (at(0.001, None).state.displacement - state.displacement) / 0.001
+    np.testing.assert_allclose(begin.displacement, difference, atol=0.01 * np.abs(difference).max())
+
+
+def test_walls_in_contact_stay_in_contact_on_the_way(short: Body) -> None:
+    def model(height: float) -> Model:
+        effects = [Pressure("cavity", 0.04), SelfContact("gap", starts_inactive=True)]
+        return Experiment.of("III", short, height).model(StVenantKirchhoff(1.2, 0.495), effects, "p2p0")
+
+    near = follow(model(0.0), [1.0]).steps[0]
+    (moved,) = follow(model(1.5), [1.0], begin=[near]).steps
+    (direct,) = follow(model(1.5), [1.0]).steps
+    assert near.active == moved.active == direct.active == (True, True)
+    np.testing.assert_allclose(moved.displacement, direct.displacement, atol=1e-5)
+    assert moved.factorizations < direct.factorizations
+
+
+def test_a_way_that_fails_leads_to_the_path_from_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two iterations suffice for small increments only, and the way from another state is not divided here."""
+    monkeypatch.setattr(loadpath, "SMALLEST_MOVE", 1.0)
+    near, model, few = follow(held(-0.5), [1.0]).steps[0], held(0.3), PathOptions(NewtonOptions(iterations=2))
+    observed: list[float] = []
+    observer = PathObserver(lambda target, iteration, residual: observed.append(target))
+    solution = follow(model, [0.5], few, observer, begin=[near])
+    direct = follow(model, [0.5], few).steps[0]
+    step = solution.steps[0]
+    np.testing.assert_array_equal(step.displacement, direct.displacement)
+    assert observed[0] == 1.0  # the whole way from there
+    assert observed[-1] == 0.5  # the load factor
+    assert step.factorizations == solution.factorizations > direct.factorizations
+
+
+def test_states_of_several_ways_are_the_same_when_they_are_resumed() -> None:
+    near = [follow(held(0.1), [factor]).steps[0] for factor in (0.5, 1.0)]
+    model, factors, begin = held(0.3), [0.5, 1.0, 1.1], [*near, None]
+    whole = follow(model, factors, begin=begin).steps
+    for count in (1, 2):
+        kept = [through_arrays(model, step) for step in whole[:count]]
+        resumed = follow(model, factors, resume=kept, begin=begin).steps
+        for one, other in zip(whole, resumed, strict=True):
+            np.testing.assert_array_equal(one.displacement, other.displacement)
+
+
+def test_a_path_may_begin_nowhere_but_at_rest() -> None:
+    """None for each factor is the path without `begin`; a shorter list too."""
+    model = held(0.3)
+    usual = follow(model, [0.5, 1.0]).steps
+    for begin in ([None, None], [None], []):
+        for one, other in zip(usual, follow(model, [0.5, 1.0], begin=begin).steps, strict=True):
+            np.testing.assert_array_equal(one.displacement, other.displacement)
+
+
+def test_a_load_that_no_way_leads_to_ends_with_the_reason_of_the_path_from_rest() -> None:
+    bar = Model(box((4, 1, 1), (8.0, 1.0, 1.0)), LAW, [Fixed("left"), Prescribed("right", "x", -0.1, ramp=False)], [])
+    near = follow(bar, [1.0]).steps[0]
+    crushed = replace(bar, supports=[Fixed("left"), Prescribed("right", "x", -7.9, ramp=False)])
+    with pytest.raises(NotConverged) as direct:
+        follow(crushed, [1.0])
+    with pytest.raises(NotConverged) as moved:
+        follow(crushed, [1.0], begin=[near])
+    assert moved.value.end.reached == direct.value.end.reached
+    assert str(moved.value) == str(direct.value)
+
+
+def through_arrays(model: Model, step: Step) -> Step:
+    return step_from_arrays(model.space, step_to_arrays(step))
