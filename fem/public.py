@@ -13,9 +13,9 @@ from fem.materials.material import Uniaxial
 from fem.materials.regions import ByRegion, Solid, laws_of
 from fem.materials.rubber import IsochoricLaw
 from fem.model import Model
-from fem.path.follower import PathObserver, PathOptions
 from fem.path.loadpath import follow, follow_volume
 from fem.path.newton import NewtonOptions
+from fem.path.options import PathObserver, PathOptions
 from fem.post.extremes import outside_stable_range, unstable_stretch
 from fem.post.fields import element_fields
 from fem.post.recovery import StressError, stress_error

@@ -35,8 +35,9 @@ from fem.materials.material import Material
 from fem.path import newton
 from fem.path.active_set import ActiveSet
 from fem.path.control import LoadControl
-from fem.path.follower import PathEnded, PathFollower
+from fem.path.follower import PathFollower
 from fem.path.newton import NEAR, Converged, Start, Unstable
+from fem.path.options import PathEnded
 from fem.path.solver import Increment, IncrementSolver
 from geometry import Body
 from geometry.arrays import Array

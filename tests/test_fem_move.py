@@ -24,7 +24,7 @@ from fem import (
     step_to_arrays,
 )
 from fem.path import loadpath, newton
-from fem.path.control import MoveControl
+from fem.path.move import MoveControl
 from fem.path.newton import Converged, Start
 from geometry import Body
 

@@ -1,5 +1,4 @@
-"""What is driven along a path: the load factor, the volume of a cavity with the load factor as an unknown, or the part
-of the way from one equilibrium to other loads and prescribed displacements.
+"""What is driven along a path: the load factor, or the volume of a cavity with the load factor as an unknown.
 
 A limit point of the load, where no neighbouring equilibrium has more of it, is an ordinary point of a path on which the
 volume is prescribed: the equation V(x) = V* joins the others with the load factor as its unknown, one bordered row and
@@ -125,7 +124,7 @@ class LoadControl(Control):
     def increment(
         self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
     ) -> tuple[Change, int]:
-        return _to_equilibrium(assembly, linearised), linearised.negative_pivots
+        return to_equilibrium(assembly, linearised), linearised.negative_pivots
 
     def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
         if self.system.constraints.ramped.any():  # would need the tangent's columns of the prescribed components
@@ -148,7 +147,7 @@ class LoadControl(Control):
         )
         motion = system.constraints.prescribed(1.0, growth)
         _, coupling = system.tangent(state, assembly, terms, motion, convex=False)
-        return _rate_with_motion(system, state, assembly, linearised, _Drive(more - less, 1.0, motion, coupling))
+        return rate_with_motion(system, state, assembly, linearised, Drive(more - less, 1.0, motion, coupling))
 
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         system, rest, unloaded = self.system, self.system.rest_state(), at_constant_fraction(terms, 0.0)
@@ -157,64 +156,7 @@ class LoadControl(Control):
         linearised = system.linearise(rest, assembly, unloaded, motion)
         loaded = system.loads(rest.displacement, 1.0, at_constant_fraction(terms, fraction))
         loads = loaded - system.loads(rest.displacement, 0.0, unloaded)
-        return _rate_with_motion(system, rest, assembly, linearised, _Drive(loads, 1.0, motion, linearised.coupling))
-
-
-@final
-@dataclass(frozen=True, eq=False)
-class MoveControl(Control):
-    """The part of the way from an equilibrium to another load factor and other prescribed displacements, 0 to 1.
-
-    Both change along straight lines. Constant loads are those of the equilibrium, in full.
-    """
-
-    factors: tuple[float, float]  #: load factor at the beginning and at the end
-    motion: Array = field(repr=False)  #: (n, 3) by which the supports move on the whole way, mm
-    last: Array = field(repr=False)  #: (n, 3) prescribed displacements at the end, mm
-
-    name = "part of the way"
-    gives_load = True
-
-    @classmethod
-    def of(cls, system: System, begin: Step, factor: float) -> "MoveControl":
-        """From a finished step of a model with equal supports, but for the displacements that they prescribe."""
-        last = system.constraints.prescribed(factor, 1.0)
-        motion = system.constraints.correction(begin.displacement, last)
-        return cls(system, 1.0, 0.0, 1.0, (begin.factor, factor), motion, last)
-
-    @cached_property
-    def prescribed(self) -> Array:
-        return self.last - (1.0 - self.value) * self.motion
-
-    def _value_at(self, factor: float, x: Array) -> float:
-        return self.value  # the load factor is given with it
-
-    def start(self, state: State) -> State:
-        first, last = self.factors
-        return replace(state, factor=last - (1.0 - self.value) * (last - first))
-
-    def increment(
-        self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
-    ) -> tuple[Change, int]:
-        return _to_equilibrium(assembly, linearised), linearised.negative_pivots
-
-    def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
-        _, coupling = self.system.tangent(state, assembly, terms, self.motion, convex=False)
-        return _rate_with_motion(self.system, state, assembly, linearised, self._drive(state, terms, coupling))
-
-    def rate_at_begin(self, state: State, terms: Terms) -> State:
-        """Tangent of the path at the equilibrium where it begins; factorizes. Raises `SingularMatrix`."""
-        assembly = self.system.assemble(state, terms)
-        linearised = self.system.linearise(state, assembly, terms, self.motion)
-        drive = self._drive(state, terms, linearised.coupling)
-        return _rate_with_motion(self.system, state, assembly, linearised, drive)
-
-    def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
-        return None  # the path does not begin at rest
-
-    def _drive(self, state: State, terms: Terms, coupling: Change) -> "_Drive":
-        growth = self.factors[1] - self.factors[0]
-        return _Drive(growth * _load_change(self.system, state, terms), growth, self.motion, coupling)
+        return rate_with_motion(system, rest, assembly, linearised, Drive(loads, 1.0, motion, linearised.coupling))
 
 
 @final
@@ -250,7 +192,7 @@ class VolumeControl(Control):
         self, state: State, assembly: Assembly, linearised: Linearised, prescribed_increment: Array, terms: Terms
     ) -> tuple[Change, int]:
         area = volume_gradient(self.faces, self.system.space.points + state.displacement)
-        unloaded = _to_equilibrium(assembly, linearised)
+        unloaded = to_equilibrium(assembly, linearised)
         loaded = _load_rate(self.system, state, linearised, terms)
         compliance = float(np.vdot(area, loaded.displacement))
         if compliance == 0.0:
@@ -274,7 +216,7 @@ class VolumeControl(Control):
         return None
 
 
-def _to_equilibrium(assembly: Assembly, linearised: Linearised) -> Change:
+def to_equilibrium(assembly: Assembly, linearised: Linearised) -> Change:
     """Newton increment under the present load, with the increment of the prescribed displacements."""
     coupling = linearised.coupling
     return linearised.solve(assembly.gradient + coupling.displacement, assembly.pressure_residual + coupling.pressure)
@@ -282,17 +224,17 @@ def _to_equilibrium(assembly: Assembly, linearised: Linearised) -> Change:
 
 def _load_rate(system: System, state: State, linearised: Linearised, terms: Terms) -> Change:
     """Change of displacement and pressures per unit of the load factor."""
-    return linearised.solve(_load_change(system, state, terms))
+    return linearised.solve(load_change(system, state, terms))
 
 
-def _load_change(system: System, state: State, terms: Terms) -> Array:
+def load_change(system: System, state: State, terms: Terms) -> Array:
     """Change (n, 3) of the loads per unit of the load factor, in which they are linear."""
     more, less = (system.loads(state.displacement, state.factor + step, terms) for step in (0.5, -0.5))
     return more - less
 
 
 @dataclass(frozen=True, eq=False)
-class _Drive:
+class Drive:
     """What changes along a path, per unit of the driven quantity."""
 
     loads: Array  #: (n, 3) of the nodal loads, N
@@ -301,7 +243,7 @@ class _Drive:
     coupling: Change  #: the tangent times that motion
 
 
-def _rate_with_motion(system: System, state: State, assembly: Assembly, linearised: Linearised, drive: _Drive) -> State:
+def rate_with_motion(system: System, state: State, assembly: Assembly, linearised: Linearised, drive: Drive) -> State:
     """d(state) per unit of the driven quantity while supports move as well."""
     change = linearised.solve(drive.loads + drive.coupling.displacement, drive.coupling.pressure)
     displacement = change.displacement + drive.motion

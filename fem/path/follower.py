@@ -4,22 +4,23 @@ An increment that fails is halved; one that converges quickly is doubled (`fem.p
 in `fem.path.solver`.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from fem.effects.effect import at_constant_fraction, smallest_gap
-from fem.equations.linear import LinearSolver
 from fem.path.active_set import ActiveSet
-from fem.path.control import Control, MoveControl
+from fem.path.control import Control
 from fem.path.costs import Costs
 from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
 from fem.path.exact_contact import with_exact_distances
 from fem.path.increments import LIMIT_ACCURACY, MAX_NEAR_FAILURES, Increments
 from fem.path.limit import announced_limit, way_between
-from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, StepFailed, Unstable, Watch
+from fem.path.move import MoveControl
+from fem.path.newton import Converged, Inverted, NotAdmissible, StepFailed, Unstable, Watch
+from fem.path.options import PathEnded, PathObserver, PathOptions
 from fem.path.predictor import PathPoint, Predictor
 from fem.path.solver import Effort, Increment, IncrementSolver
 from fem.post.extremes import extremes_of
@@ -36,36 +37,6 @@ MAX_UNSTABLE = 7
 MAX_UNSTABLE_RETRY = 2
 #: length of an increment over the last one from which on a smaller one costs less than other starts
 FAR = 1.2
-
-
-@dataclass(frozen=True)
-class PathOptions:
-    """How the path is followed."""
-
-    newton: NewtonOptions = field(default_factory=NewtonOptions)
-    min_increment: float = 1 / 256  #: smallest increment that is tried, as a fraction of the way to the next target
-    #: why a target is not worth the search; empty where it is. Asked before a target is tried; the first one is tried
-    #: at once, and this is asked before smaller increments
-    give_up: Callable[[float], str] = lambda target: ""
-    solver: Callable[[], LinearSolver] | None = None  #: makes the linear solver; None: the best installed one
-
-
-@dataclass(frozen=True)
-class PathObserver:
-    """What is called while a path is followed."""
-
-    #: after every Newton iteration, with the target, the number of the iteration and the relative residual
-    iteration: Callable[[float, int, float], None] = lambda target, iteration, residual: None
-    #: with every finished step
-    step_done: Callable[[Step], None] = lambda step: None
-
-
-class PathEnded(ArithmeticError):
-    """A target that was not reached."""
-
-    def __init__(self, end: End) -> None:
-        super().__init__(end.cause)
-        self.end = end
 
 
 @dataclass(frozen=True)

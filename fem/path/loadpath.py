@@ -8,9 +8,11 @@ from time import perf_counter
 
 from fem.equations.linear import SingularMatrix
 from fem.model import Model
-from fem.path.control import LoadControl, MoveControl, VolumeControl
+from fem.path.control import LoadControl, VolumeControl
 from fem.path.costs import Costs
-from fem.path.follower import PathEnded, PathFollower, PathObserver, PathOptions
+from fem.path.follower import PathFollower
+from fem.path.move import MoveControl
+from fem.path.options import PathEnded, PathObserver, PathOptions
 from fem.solution import NotConverged, Solution, Step
 
 #: smallest increment of the way from another equilibrium, as a part of it: where more are needed, the usual path is
