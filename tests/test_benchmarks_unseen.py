@@ -380,7 +380,7 @@ def test_work_and_energy_differ_where_the_state_is_no_equilibrium(tmp_path: Path
 
 
 def test_an_experiment_that_ends_because_of_two_is_sorted_by_the_sentence_of_two() -> None:
-    because = "no equilibrium found beyond 9 kPa on the way to 20 kPa: the search stopped there, because "
+    because = "no equilibrium found beyond 9 kPa on the way to 20 kPa: it was not tried further, because "
     because += "experiment II of the same arm has its last equilibrium at 11 kPa"
     part = "it was followed up to 10.4 kPa only, 95 % of the last equilibrium of experiment II of the same arm"
     record = {"ended": "ran", "checks": [], "reasons": {"I": because, "II": "no equilibrium", "III": part}}

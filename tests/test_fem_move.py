@@ -17,13 +17,15 @@ from fem import (
     Prescribed,
     Pressure,
     SelfContact,
+    Solution,
     Step,
     StVenantKirchhoff,
     follow,
     step_from_arrays,
     step_to_arrays,
 )
-from fem.path import loadpath, newton
+from fem.path import newton
+from fem.path.follower import PathFollower
 from fem.path.move import MoveControl
 from fem.path.newton import Converged, Start
 from geometry import Body
@@ -41,11 +43,15 @@ def held(height: float, formulation: str = "p2p0") -> Model:
 
 @pytest.mark.parametrize("formulation", ["p2", "p2p0", "mixed"])
 @pytest.mark.parametrize(("first", "last"), [(0.5, 0.5), (0.5, 1.0), (1.0, 0.5)])
-def test_the_way_from_another_equilibrium_ends_in_that_from_rest(formulation: str, first: float, last: float) -> None:
+def test_the_way_from_another_equilibrium_ends_in_that_from_rest(
+    formulation: str, first: float, last: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     near = follow(held(0.1, formulation), [first]).steps[0]
     model = held(0.3, formulation)
-    (moved,) = follow(model, [last], begin=[near]).steps
     (direct,) = follow(model, [last]).steps
+    with monkeypatch.context() as without_the_usual_path:
+        without_the_usual_path.setattr(PathFollower, "advance", None)
+        (moved,) = follow(model, [last], begin=[near]).steps
     assert moved.factor == last
     np.testing.assert_allclose(moved.displacement, direct.displacement, atol=1e-6)
     np.testing.assert_allclose(moved.gradient, direct.gradient, atol=1e-5 * np.abs(direct.gradient).max())
@@ -91,19 +97,42 @@ def test_walls_in_contact_stay_in_contact_on_the_way(short: Body) -> None:
     assert moved.factorizations < direct.factorizations
 
 
-def test_a_way_that_fails_leads_to_the_path_from_rest(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Two iterations suffice for small increments only, and the way from another state is not divided here."""
-    monkeypatch.setattr(loadpath, "SMALLEST_MOVE", 1.0)
+def test_a_way_that_fails_leads_to_the_path_from_rest() -> None:
+    """Two iterations suffice for small increments only; the way from another state is one increment."""
     near, model, few = follow(held(-0.5), [1.0]).steps[0], held(0.3), PathOptions(NewtonOptions(iterations=2))
-    observed: list[float] = []
-    observer = PathObserver(lambda target, iteration, residual: observed.append(target))
-    solution = follow(model, [0.5], few, observer, begin=[near])
-    direct = follow(model, [0.5], few).steps[0]
+    solution, observed = observed_path(model, [0.5], few, [near])
+    direct, alone = observed_path(model, [0.5], few, [])
     step = solution.steps[0]
-    np.testing.assert_array_equal(step.displacement, direct.displacement)
-    assert observed[0] == 1.0  # the whole way from there
-    assert observed[-1] == 0.5  # the load factor
+    np.testing.assert_array_equal(step.displacement, direct.steps[0].displacement)
+    assert set(observed) == {0.5}  # the load factor, on the way from there too
+    assert len(observed) > len(alone)
     assert step.factorizations == solution.factorizations > direct.factorizations
+
+
+def test_no_way_begins_at_a_state_that_is_not_stable() -> None:
+    near, model = follow(held(0.1), [0.5]).steps[0], held(0.3)
+    direct = follow(model, [0.5])
+    for unstable in (replace(near, negative_pivots=1), replace(near, instability="it lost its stability")):
+        refused = follow(model, [0.5], begin=[unstable])
+        assert refused.factorizations == direct.factorizations
+        np.testing.assert_array_equal(refused.steps[0].displacement, direct.steps[0].displacement)
+
+
+def test_a_way_that_ends_at_an_unstable_state_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    near, model, tried = follow(held(0.1), [0.5]).steps[0], held(0.3), []
+    advance = PathFollower.advance
+
+    def observed(path: PathFollower, target: float) -> Step:
+        tried.append(target)
+        monkeypatch.undo()
+        return advance(path, target)
+
+    monkeypatch.setattr(PathFollower, "advance", observed)
+    follow(model, [0.5], begin=[near])
+    assert tried == []
+    monkeypatch.setattr(Converged, "negative_pivots", 1)
+    follow(model, [0.5], begin=[near])
+    assert tried == [0.5]
 
 
 def test_states_of_several_ways_are_the_same_when_they_are_resumed() -> None:
@@ -136,6 +165,15 @@ def test_a_load_that_no_way_leads_to_ends_with_the_reason_of_the_path_from_rest(
         follow(crushed, [1.0], begin=[near])
     assert moved.value.end.reached == direct.value.end.reached
     assert str(moved.value) == str(direct.value)
+
+
+def observed_path(
+    model: Model, factors: list[float], options: PathOptions, begin: list[Step | None]
+) -> tuple[Solution, list[float]]:
+    """The solution, and the target of every iteration."""
+    targets: list[float] = []
+    observer = PathObserver(lambda target, iteration, residual: targets.append(target))
+    return follow(model, factors, options, observer, begin=begin), targets
 
 
 def through_arrays(model: Model, step: Step) -> Step:

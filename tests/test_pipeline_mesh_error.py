@@ -73,6 +73,9 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     assert said.startswith(f"Mesh error: at most {100 * largest:.1f} % in κ₀(l/2), ")
     assert all(error > 0.0 for name in ("alpha2", "force") for error in contribution[f"{name}_relative"])
     assert "N mm² of α₁" in said
+    (evidence,), (is_single,) = found["evidence_for_two_lines"], found["single_line_suffices"]
+    assert (evidence <= 0.0) == is_single
+    assert all(isinstance(two_lines, bool) for two_lines in found["two_lines_on_coarser_mesh"])
 
 
 def test_a_second_mesh_that_cannot_be_made_is_named(tmp_path: Path) -> None:

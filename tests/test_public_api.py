@@ -253,6 +253,8 @@ def test_results_of_format_1_are_read() -> None:
     assert "format" not in json.loads((OLD / "parameters.json").read_text(encoding="utf-8"))
     assert results.pressures_kPa == (17.0, 37.0)
     assert not results.parameters["single_line_suffices"].any()
+    assert results.parameters["evidence_for_two_lines"].isna().all()
+    assert results.parameters["two_lines_on_coarser_mesh"].isna().all()
     assert results.parameters["moment_range_high_N_mm"].tolist() == pytest.approx([4.0991325, 10.8961063])
     assert results.extensible["eccentricity_mm"].tolist() == pytest.approx([1.2990923, 1.5808547])
     assert set(results.validation["rod"]) == {"five", "five_extensible"}

@@ -24,6 +24,7 @@ from rod import (
     too_few_pitches,
 )
 from rod.identification.observed import Observed
+from rod.identification.two_lines import CLEAR
 
 #: Delta continuous at d, as the lines of the paper's Fig. 9 meet
 MEETING = FiveParameters(55.0, 400.0, -5.2, 0.1, 14.0)
@@ -131,6 +132,17 @@ def test_two_lines_are_used_where_their_d_is_given_though_one_would_do():
     given = identify(*data, d=11.0, bootstrap=Bootstrap(2))
     assert given.two_lines
     assert (given.law.alpha1, given.law.alpha2) == pytest.approx((200.0, 200.0), rel=0.05)
+
+
+def test_the_evidence_for_two_lines_is_the_difference_of_the_criteria():
+    found = identify(*by_cells(SyntheticArm(STEP, noise=0.003)), bootstrap=Bootstrap(2))
+    assert found.evidence == found.criterion_single_line - found.criterion_two_lines > CLEAR
+    assert found.two_lines
+    assert found.is_clear
+    for difference, two_lines, is_clear in ((-6.1, False, True), (-5.9, False, False), (5.9, True, False)):
+        other = dataclasses.replace(found, criterion_two_lines=found.criterion_single_line - difference)
+        assert (other.two_lines, other.is_clear) == (two_lines, is_clear)
+        assert dataclasses.replace(other, d_given=True).is_clear
 
 
 def test_same_seed_same_intervals():

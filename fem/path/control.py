@@ -1,4 +1,5 @@
-"""What is driven along a path: the load factor, or the volume of a cavity with the load factor as an unknown.
+"""What is driven along a path: the load factor, or the volume of a cavity with the load factor as an unknown. A third
+quantity is in `fem.path.move`.
 
 A limit point of the load, where no neighbouring equilibrium has more of it, is an ordinary point of a path on which the
 volume is prescribed: the equation V(x) = V* joins the others with the load factor as its unknown, one bordered row and
@@ -26,7 +27,7 @@ from geometry.arrays import Array
 
 @dataclass(frozen=True, eq=False)
 class Control(ABC):
-    """A quantity that is driven from its value at rest to the targets, and the value that is prescribed at present.
+    """A quantity that is driven to the targets, as a rule from its value at rest, and the value prescribed at present.
 
     Loads and prescribed displacements that are constant along the path are brought up on the way to the first target.
     """

@@ -75,7 +75,8 @@ class PathFollower:
     def resume(self, steps: Sequence[Step], goes_on: bool) -> None:
         """Go on from the last of the given steps; goes_on: whether more targets follow.
 
-        From the first step the way on depends on the rate at rest, which is computed again (one factorization).
+        From the first step the way on depends on the rate at rest, which is computed again (one factorization), unless
+        constant loads or displacements were applied in between.
         """
         for step in steps:
             point = self._resumed(step, self.control.value_of(step))
@@ -83,17 +84,28 @@ class PathFollower:
                 assembly = self.system.assemble(point.state, ())
                 point = replace(point, rate=self.system.rate(point.state, assembly, step.rate))
             self.points = [self.points[-1], point]
-        if goes_on and len(steps) == 1:
+        if goes_on and len(steps) == 1 and not self.predictor.nonsmooth_start:
             self.predictor.rate_from_rest(self.control.target(self.points[-1].value, 1.0))
         if steps:
             self.system.storage.hold(steps[-1].added_pairs)
 
-    def begin(self, step: Step, control: MoveControl) -> None:
-        """Begin at a step of another path instead of at rest; one factorization. Raises `SingularMatrix`."""
-        self.system.storage.hold(step.added_pairs)
-        point = self._resumed(step, control.value)
+    def move(self, begin: Step, control: MoveControl) -> Step:
+        """The stable equilibrium to which a control leads from a step of another path, in one increment.
+
+        Raises `StepFailed` and `fem.equations.linear.SingularMatrix`.
+        """
+        before, increments = Costs.of(self.system), Increments(0.0, 1.0, 1.0)
+        self.system.storage.hold(begin.added_pairs)
+        point = self._resumed(begin, control.value)
         point = replace(point, rate=control.rate_at_begin(point.state, point.terms))
-        self.points = [point, point]
+        self.points, control = [point, point], control.target(1.0, 1.0)
+        converged = self.solver.solve(self._increment(control, increments))
+        if converged.negative_pivots:
+            raise Unstable(f"the equilibrium is unstable ({converged.negative_pivots} negative pivots)")
+        point = self._point(control, converged)
+        self._check_continuation(control, converged, point, increments)
+        self.points = [self.points[-1], point]
+        return self._step(control, converged, self.solver.iterations, increments, before)
 
     def _resumed(self, step: Step, value: float) -> PathPoint:
         """The point of the path at a finished step; the path goes on with the contacts that are active there."""

@@ -12,12 +12,9 @@ from fem.path.control import LoadControl, VolumeControl
 from fem.path.costs import Costs
 from fem.path.follower import PathFollower
 from fem.path.move import MoveControl
+from fem.path.newton import StepFailed
 from fem.path.options import PathEnded, PathObserver, PathOptions
 from fem.solution import NotConverged, Solution, Step
-
-#: smallest increment of the way from another equilibrium, as a part of it: where more are needed, the usual path is
-#: followed
-SMALLEST_MOVE = 1 / 4
 
 
 def follow(
@@ -32,7 +29,8 @@ def follow(
 
     `resume` are steps of the first factors, finished earlier: the path goes on from the last of them. `begin` has for
     each factor an equilibrium near that, of a model that differs in the displacements that its supports prescribe, or
-    None. The way from there is tried first: load factor and supports move together.
+    None. The way from there is tried first, in one increment in which load factor and supports move together. Limit
+    points on it are not seen: the same model should bear both load factors with the other displacements.
 
     Raises `NotConverged`, which carries the reason and the steps reached so far.
     """
@@ -75,14 +73,7 @@ def _follow(
     set_up = perf_counter() - start - path.system.solver.times.analysis
     try:
         for target, near in zip_longest(targets[len(steps) :], begin[len(steps) : len(targets)]):
-            before = Costs.of(path.system)
-            step = None if near is None else _moved(path, near, target)
-            if step is None:
-                step = path.advance(target)
-            else:  # as where the path is resumed
-                path.resume([step], goes_on=not steps and len(targets) > 1)
-            if near is not None:
-                step = _with_costs(step, Costs.of(path.system) - before)
+            step = path.advance(target) if near is None else _moved_or_advanced(path, near, target, steps, targets)
             steps.append(step)
             path.observer.step_done(step)
         return path.solution(steps, set_up)
@@ -92,17 +83,36 @@ def _follow(
         path.system.solver.close()
 
 
-def _moved(path: PathFollower, begin: Step, factor: float) -> Step | None:
-    """Equilibrium at a load factor from that of another model; None where it is not reached in a few increments."""
-    control = MoveControl.of(path.system, begin, factor)
-    move = PathFollower(control, replace(path.options, min_increment=SMALLEST_MOVE), path.observer)
-    with suppress(PathEnded, SingularMatrix):
-        move.begin(begin, control)
-        # its rate is not one by the load factor
-        return replace(move.advance(1.0), rate=None)
-    return None
+def _moved_or_advanced(
+    path: PathFollower, begin: Step, target: float, steps: Sequence[Step], targets: Sequence[float]
+) -> Step:
+    """The next step, from that of another model or else on the path; its costs are those of both attempts.
 
-
-def _with_costs(step: Step, costs: Costs) -> Step:
-    """The step with what all attempts to reach it took."""
+    steps: so far. Raises `PathEnded`.
+    """
+    before, pairs = Costs.of(path.system), path.system.storage.added
+    try:
+        step = _moved(path, begin, target)
+        path.system.storage.hold(pairs)
+        if step is None:
+            step = path.advance(target)
+        else:  # as where an interrupted path goes on
+            path.resume([step], goes_on=not steps and len(targets) > 1)
+    except PathEnded as ended:
+        factorizations = (Costs.of(path.system) - before).factorizations
+        raise PathEnded(replace(ended.end, factorizations=factorizations)) from None
+    costs = Costs.of(path.system) - before
     return replace(step, factorizations=costs.factorizations, seconds=costs.wall, spent=costs.seconds)
+
+
+def _moved(path: PathFollower, begin: Step, factor: float) -> Step | None:
+    """Equilibrium at a load factor from a stable one of another model; None where one increment does not lead there."""
+    if begin.negative_pivots or begin.instability:
+        return None
+    told = path.observer.iteration
+    observer = PathObserver(lambda _, iteration, residual: told(factor, iteration, residual))
+    control = MoveControl.of(path.system, begin, factor)
+    with suppress(StepFailed, SingularMatrix):
+        step = PathFollower(control, path.options, observer).move(begin, control)
+        return replace(step, rate=None)  # it is one by the part of the way, not by the load factor
+    return None

@@ -26,6 +26,7 @@ import numpy as np
 
 from fem.effects.effect import Terms, at_constant_fraction, stressed
 from fem.equations.linear import SingularMatrix
+from fem.equations.linearised import StaleFactorization
 from fem.equations.state import State
 from fem.path.control import Control
 from fem.path.newton import Converged, Start
@@ -48,7 +49,7 @@ MAX_EXTRAPOLATION = 2.0
 class PathPoint:
     """An equilibrium on the path: the value of the driven quantity, and the state there."""
 
-    value: float  #: of the load factor, or of the volume in mm3
+    value: float  #: of the load factor, of the volume in mm3, or of the part of the way
     constant_fraction: float  #: of constant loads and displacements, 0 at rest and 1 from the first target on
     state: State
     touching: bool = False  #: whether walls are in contact there
@@ -117,7 +118,8 @@ class Predictor:
         """Tangent of the path, d(state)/d(value), at an equilibrium just computed, from the last tangent matrix."""
         if converged.linearised is None or (self.nonsmooth_start and point.constant_fraction < 1.0):
             return None
-        with suppress(SingularMatrix):  # at a limit point there is no such tangent
+        # at a limit point there is no such tangent; contact of a pair that the matrix does not hold yet makes it stale
+        with suppress(SingularMatrix, StaleFactorization):
             return point.rate(converged.state, converged.assembly, converged.linearised, terms)
         return None
 
@@ -126,7 +128,7 @@ class Predictor:
         ahead = point.value - self.rest.value
         if converged.linearised is None or not ahead:
             return None
-        with suppress(SingularMatrix):
+        with suppress(SingularMatrix, StaleFactorization):
             growth = point.constant_fraction / ahead
             return point.rate_with_constants(converged.state, converged.assembly, converged.linearised, terms, growth)
         return None

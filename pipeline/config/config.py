@@ -74,11 +74,6 @@ class End:
     y_mm: float | None = 0.0  #: its displacement u_y; None where it is free
     force_N: tuple[float, float] = (0.0, 0.0)  #: zero along an axis whose displacement is prescribed
 
-    @property
-    def has_height_alone(self) -> bool:
-        """Whether its height is prescribed and nothing else acts on it."""
-        return self.y_mm is not None and self.x_mm is None and not any(self.force_N)
-
 
 @dataclass(frozen=True)
 class IdentificationSettings:

@@ -37,8 +37,7 @@ class CasePath:
             options = fem.PathOptions(self.newton, give_up=self._why_not)
         observer = fem.PathObserver(self._iteration, self._step_done)
         stored = self._stored_steps()
-        factors, pressures = self.case.schedule.factors, self.case.schedule.pressures_kPa
-        begin = [None if index < len(stored) else self._near(p) for index, p in enumerate(pressures)]
+        factors, begin = self.case.schedule.factors, self._begin(len(stored))
         try:
             return fem.follow(self.model, factors, options, observer, resume=stored, begin=begin), None
         except fem.NotConverged as ended:
@@ -76,19 +75,18 @@ class CasePath:
             self._reach()
         return steps
 
-    def _near(self, pressure: float) -> fem.Step | None:
-        """The stored state of III at this or the next lower pressure, for a case with another height of the end.
-
-        From a higher pressure walls come apart on the way, which takes more increments.
-        """
-        for near in sorted((known for known in self.case.near_kPa if known <= pressure), reverse=True):
-            arrays = self.store.load_state(self.case.experiment, near)
-            if arrays is not None:
-                return fem.step_from_arrays(self.model.space, arrays)
-        return None
+    def _begin(self, finished: int) -> list[fem.Step | None]:
+        """For each pressure the state of III where the way to it begins; None for the finished ones, and for rest."""
+        steps: dict[float | None, fem.Step | None] = {None: None}
+        near = [self.case.begin_kPa(pressure) for pressure in self.case.schedule.pressures_kPa[finished:]]
+        for pressure in near:
+            if pressure is not None and pressure not in steps:
+                arrays = self.store.load_state(self.case.experiment, pressure)
+                steps[pressure] = None if arrays is None else fem.step_from_arrays(self.model.space, arrays)
+        return [None] * finished + [steps[pressure] for pressure in near]
 
     def _why_not(self, factor: float) -> str:
-        """Why a load is not worth smaller increments, from where II ends."""
+        """Why a load is not worth being tried further, from where II ends."""
         assert self.known is not None
         reason = self.known.why_not(self.case.schedule.pressure_at(factor))
         self.is_given_up = bool(reason)

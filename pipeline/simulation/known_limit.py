@@ -12,13 +12,13 @@ from time import sleep
 from typing import Any, final
 
 from pipeline.processes import SPAWN
-from pipeline.simulation.loadcase import LoadCase
+from pipeline.simulation.loadcase import LoadCase, has_height_alone
 
 #: the experiment that tells where it ends, and those that ask for it
 FIRST, OTHERS = "II", ("I", "III")
 #: part of a pressure: where II has reached as much, I and III do not ask for its limit, nor wait for it
 REACHED = 0.9
-#: part of the limit of II up to which III is followed in small increments: nearer to it they become many
+#: part of the limit of II up to which III is followed: nearer to it increments become many
 PART_FOR_III = 0.95
 #: seconds after which it is asked again how far II has come
 ASK_AGAIN = 0.1
@@ -78,7 +78,7 @@ class KnownLimit:
         if self._is_near(pressure_kPa) or not 0.0 < self.end_kPa < pressure_kPa:
             return ""
         return (
-            f"the search stopped there, because experiment {FIRST} of the same arm has its "
+            f"it was not tried further, because experiment {FIRST} of the same arm has its "
             f"{self.name_of_end} at {self.end_kPa:.4g} kPa"
         )
 
@@ -92,7 +92,7 @@ def asks(case: LoadCase) -> bool:
 
     With other conditions at the end the limits were not compared.
     """
-    return case.name in OTHERS and (case.experiment == "I" or case.end.has_height_alone)
+    return case.name in OTHERS and (case.experiment == "I" or has_height_alone(case.end))
 
 
 def in_order(cases: list[LoadCase]) -> list[LoadCase]:

@@ -47,8 +47,16 @@ class LoadCase:
     experiment: str  #: I, II, III or dead
     schedule: PressureSchedule
     end: End  #: displacements of the end and forces on it in III; the force alone in dead
-    #: kPa, pressures at which III of the run may be stored, with another height of its end: the way from there is short
+    #: kPa, pressures at which III of the run is stored with another height of its end, from which the way is short
     near_kPa: tuple[float, ...] = ()
+
+    def begin_kPa(self, pressure_kPa: float) -> float | None:
+        """The pressure of III at which the way to a pressure begins: that pressure or the next lower one.
+
+        None where III has no state at a pressure as high: it may have ended at a limit in between.
+        """
+        lower = [near for near in self.near_kPa if near <= pressure_kPa]
+        return max(lower) if lower and max(self.near_kPa) >= pressure_kPa else None
 
     @property
     def held(self) -> tuple[bool, bool]:
@@ -90,13 +98,19 @@ def up_to(config: Config, experiment: str, pressure_kPa: float) -> LoadCase:
     return LoadCase(experiment, experiment, schedule(config, (*below, pressure_kPa)), config.end)
 
 
-def validation_cases(config: Config) -> tuple[LoadCase, ...]:
+def has_height_alone(end: End) -> bool:
+    """Whether nothing but the height of the end is prescribed in III."""
+    return end.y_mm is not None and end.x_mm is None and not any(end.force_N)
+
+
+def validation_cases(config: Config, near_kPa: tuple[float, ...] = ()) -> tuple[LoadCase, ...]:
     """The loads that the parameters are not fitted to; the longest first.
 
-    At pressures between those of the run that is II and III as well, unless only the default load is solved.
+    At pressures between those of the run that is II and III as well, unless only the default load is solved. near_kPa:
+    pressures at which III of the run is stored.
     """
     validation, of_run = config.validation, config.pressures_kPa
-    near = of_run if config.end.has_height_alone else ()
+    near = near_kPa if has_height_alone(config.end) else ()
     pressures = schedule(config, validation.pressures_kPa)
     cases = [
         *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, End(None, None, (x, y))) for x, y in validation.forces_N),
