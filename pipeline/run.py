@@ -77,8 +77,8 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
         unusual = (*unusual, remark)
     # II and III at pressures between go on from the states of the experiments
     tested = with_reached_loads(scene, outcomes)
-    near_kPa = tuple(loaded.pressure_kPa for _, loaded in outcomes.pairs)
-    validation = workers.beside(validation_outcomes, tested, replace(context, urgency=_OF_VALIDATION), near_kPa)
+    reached_kPa = tuple(loaded.pressure_kPa for _, loaded in outcomes.pairs)
+    validation = workers.beside(validation_outcomes, tested, replace(context, urgency=_OF_VALIDATION), reached_kPa)
     with stages.timed("identification"):
         identified = identify_run(scene, context, outcomes)
         outcomes, parameters = identified.outcomes, identified.parameters

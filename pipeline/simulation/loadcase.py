@@ -103,14 +103,14 @@ def has_height_alone(end: End) -> bool:
     return end.y_mm is not None and end.x_mm is None and not any(end.force_N)
 
 
-def validation_cases(config: Config, near_kPa: tuple[float, ...] = ()) -> tuple[LoadCase, ...]:
+def validation_cases(config: Config, reached_kPa: tuple[float, ...] | None = None) -> tuple[LoadCase, ...]:
     """The loads that the parameters are not fitted to; the longest first.
 
-    At pressures between those of the run that is II and III as well, unless only the default load is solved. near_kPa:
-    pressures at which III of the run is stored.
+    reached_kPa: pressures of the run at which II and III are stored, all of them by default. At pressures between those
+    of the run II and III are loads of the validation as well, unless only the default load is solved.
     """
     validation, of_run = config.validation, config.pressures_kPa
-    near = near_kPa if has_height_alone(config.end) else ()
+    near = reached_kPa if reached_kPa and has_height_alone(config.end) else ()
     pressures = schedule(config, validation.pressures_kPa)
     cases = [
         *(LoadCase(f"dead_{x:g}_{y:g}N", "dead", pressures, End(None, None, (x, y))) for x, y in validation.forces_N),
@@ -118,6 +118,7 @@ def validation_cases(config: Config, near_kPa: tuple[float, ...] = ()) -> tuple[
     ]
     between = tuple(pressure for pressure in validation.pressures_kPa if pressure not in of_run)
     if between and validation.with_experiments:
-        path = tuple(pressure for pressure in sorted({*of_run, *between}) if pressure <= between[-1])
+        reached = of_run if reached_kPa is None else reached_kPa
+        path = tuple(pressure for pressure in sorted({*reached, *between}) if pressure <= between[-1])
         cases += [LoadCase(name, name, schedule(config, path), config.end) for name in ("III", "II")]
     return tuple(cases)

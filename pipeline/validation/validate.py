@@ -59,12 +59,12 @@ def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
     return replace(scene, config=replace(scene.config, validation=scene.config.validation.among(reached)))
 
 
-def validation_outcomes(scene: Scene, context: RunContext, near_kPa: tuple[float, ...] = ()) -> Outcomes:
+def validation_outcomes(scene: Scene, context: RunContext, reached_kPa: tuple[float, ...]) -> Outcomes:
     """The validation loads of the configuration, solved. Raises RunFailed as `simulate` does.
 
-    near_kPa: pressures at which III of the run is stored.
+    reached_kPa: pressures of the run at which II and III are stored.
     """
-    return simulate(scene, context, validation_cases(scene.config, near_kPa))
+    return simulate(scene, context, validation_cases(scene.config, reached_kPa))
 
 
 def validate(scene: Scene, outcomes: Outcomes, rods: ArmRods) -> Validated:
