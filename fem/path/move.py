@@ -1,7 +1,7 @@
 """The way from an equilibrium to another load factor and other prescribed displacements, driven from 0 to 1.
 
-Another height of the end, at the pressure of a known state or above it, is reached from there in an increment or two
-where the way from rest takes many: walls are in contact already.
+Another height of the end, at the pressure of a known state or above it, is reached from there in one increment. From
+rest the way takes many where walls come into contact.
 """
 
 from dataclasses import dataclass, field, replace
