@@ -77,8 +77,8 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
         unusual = (*unusual, remark)
     # II and III at pressures between go on from the states of the experiments
     tested = with_reached_loads(scene, outcomes)
-    reached_kPa = tuple(loaded.pressure_kPa for _, loaded in outcomes.pairs)
-    validation = workers.beside(validation_outcomes, tested, replace(context, urgency=_OF_VALIDATION), reached_kPa)
+    of_validation = replace(context, urgency=_OF_VALIDATION)
+    validation = workers.beside(validation_outcomes, tested, of_validation, outcomes.reached_kPa)
     with stages.timed("identification"):
         identified = identify_run(scene, context, outcomes)
         outcomes, parameters = identified.outcomes, identified.parameters

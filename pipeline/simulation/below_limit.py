@@ -34,7 +34,7 @@ def with_states_below_limit(scene: Scene, context: RunContext, outcomes: Outcome
     more = simulate(scene, context, cases)
     if not more.pairs:
         return outcomes, ""
-    at = " and ".join(f"{free.pressure_kPa:g}" for free, _ in more.pairs)
+    at = " and ".join(f"{pressure:g}" for pressure in more.reached_kPa)
     return outcomes.merged(more), (
         f"II and III together reach none of the pressures of the configuration, of which "
         f"{scene.config.pressures_kPa[0]:g} kPa is the lowest; they were also solved at {at} kPa, because one of them "

@@ -190,6 +190,11 @@ class Outcomes:
         return tuple((free[pressure], loaded[pressure]) for pressure in sorted(free.keys() & loaded.keys()))
 
     @property
+    def reached_kPa(self) -> tuple[float, ...]:
+        """The pressures that II and III both reached, ascending."""
+        return tuple(free.pressure_kPa for free, _ in self.pairs)
+
+    @property
     def records(self) -> tuple[Record, ...]:
         """All states that were reached."""
         return tuple(record for outcome in self for record in outcome.records)

@@ -55,8 +55,8 @@ def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
 
     Behind a limit it would take long to end without a result.
     """
-    reached = [free.pressure_kPa for free, _ in outcomes.pairs]
-    return replace(scene, config=replace(scene.config, validation=scene.config.validation.among(reached)))
+    validation = scene.config.validation.among(outcomes.reached_kPa)
+    return replace(scene, config=replace(scene.config, validation=validation))
 
 
 def validation_outcomes(scene: Scene, context: RunContext, reached_kPa: tuple[float, ...]) -> Outcomes:
