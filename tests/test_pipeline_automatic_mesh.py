@@ -41,12 +41,26 @@ def test_elements_follow_from_law_and_drawing() -> None:
     assert element(Semicircular(), "svk", 0.495, against_locking=False) == "p2"
 
 
-def test_sizes_follow_from_the_walls_and_end_where_memory_does() -> None:
-    usual, thin = (chosen_mesh(Semicircular(wall=w), "svk", 0.495, None, NOTHING) for w in (1.0, 0.25))
+def test_sizes_follow_from_the_walls() -> None:
+    usual, thin = (chosen_mesh(PneuNet(wall=w), "hencky", 0.495, None, NOTHING) for w in (1.0, 0.25))
     assert thin.size_mm == pytest.approx(usual.size_mm / 2, rel=0.05)
-    assert "0.25 mm" in thin.reasons["size"]
-    even = chosen_mesh(Semicircular(), "svk", 0.495, None, GivenMesh(None, None, "off"))
+    assert thin.reasons["size"] == "walls of 0.25 mm in a body 15 mm across need it"
+    even = chosen_mesh(PneuNet(), "hencky", 0.495, None, GivenMesh(None, None, "off"))
     assert even.size_mm == pytest.approx(0.75 * usual.size_mm, rel=0.05)
+
+
+def test_without_gaps_sizes_follow_from_the_body_where_walls_are_thick() -> None:
+    thick, thicker, thin = (chosen_mesh(Semicircular(wall=w), "svk", 0.495, None, NOTHING) for w in (1.0, 1.5, 0.25))
+    assert thick.size_mm == thicker.size_mm == pytest.approx(0.22 * min(Semicircular().extent), rel=0.05)
+    assert thick.reasons["size"] == "a body 9.5 mm across needs it"
+    assert thin.size_mm < thick.size_mm
+    assert "walls of 0.25 mm" in thin.reasons["size"]
+    gapped = PneuNet(wall=1.5)
+    assert chosen_mesh(gapped, "hencky", 0.495, None, NOTHING).size_mm > 0.25 * min(gapped.extent)
+
+
+def test_sizes_end_where_memory_does() -> None:
+    usual = chosen_mesh(Semicircular(), "svk", 0.495, None, NOTHING)
     design = Semicircular(chambers=800)
     long = chosen_mesh(design, "svk", 0.495, None, NOTHING)
     assert long.size_mm > usual.size_mm

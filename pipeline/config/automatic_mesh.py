@@ -18,8 +18,11 @@ SIZE_FACTOR = 1.2
 #: docs/how_to/own_bodies_tried.md from an STL file is then off by 2.0 instead of 3.5 %, its end force by 2.0 instead of
 #: 3.8 % (20 kPa, against a mesh of 1.6 mm)
 WITHOUT_GRADING = 0.75
-#: largest size over the smallest side of the body
+#: largest size over the smallest side of a body with gaps between its chambers
 COARSEST = 0.4
+#: the same of other bodies: without gaps an arm bends by the small difference of what its two sides stretch, and where
+#: the walls are thick the error of the mesh is a large part of that
+COARSEST_WITHOUT_GAPS = 0.22
 #: most elements of a chosen mesh, about 500 000 unknowns: minutes per pressure
 MOST_CHOSEN_TETS = 100_000
 #: size of the second mesh over that of the first, by which the error of a chosen mesh is estimated
@@ -82,16 +85,19 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     """The size (mm) and why."""
     wall, side = design.thinnest_wall, min(design.extent)
     factor = SIZE_FACTOR * (WITHOUT_GRADING if grading == "off" else 1.0)
-    size = min(factor * sqrt(wall * side / 2), COARSEST * side)
-    why = f"walls of {wall:.3g} mm in a body {side:.3g} mm across"
-    suits = size
+    coarsest = (COARSEST if design.outer_corners else COARSEST_WITHOUT_GAPS) * side
+    suits = factor * sqrt(wall * side / 2)
+    reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need"
+    if suits > coarsest:
+        suits, reason = coarsest, f"a body {side:.3g} mm across needs"
+    size = suits
     while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
         size *= 1.05
     if size > suits:
-        why += f" need {suits:.2g} mm, but the body would then have more than {MOST_CHOSEN_TETS} elements"
+        reason += f" {suits:.2g} mm, but the body would then have more than {MOST_CHOSEN_TETS} elements"
     else:
-        why += " need it"
-    return _two_digits(size), why
+        reason += " it"
+    return _two_digits(size), reason
 
 
 def _two_digits(value: float) -> float:
