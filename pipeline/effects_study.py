@@ -76,8 +76,8 @@ class VariantNumbers:
             end_y_II_mm=free.summary.end_mm[1],
             alpha1_N_mm2=numbers["alpha1"],
             alpha2_N_mm2=numbers["alpha2"],
-            d_mm=numbers["d"] if lines.two_lines else None,
-            single_line_suffices=not lines.two_lines,
+            d_mm=numbers["d"] if parameters.two_lines else None,
+            single_line_suffices=not parameters.two_lines,
             r2_single_line=lines.single_line.r2,
             r2_two_lines=lines.r2,
             stretch_of_curve=(free.centreline.stretch, loaded.centreline.stretch),
@@ -217,7 +217,9 @@ def variants(scene: Scene) -> list[Variant]:
 def _measure(variant: Variant, context: RunContext) -> VariantResult:
     scene = Scene.meshed(variant.config)
     outcomes = simulate(scene, context, ("III", "II"))
-    parameters, failures = identify_all(outcomes, scene.body.pitch, scene.config.identification.d_mm)
+    parameters, failures = identify_all(
+        outcomes, scene.body.pitch, scene.config.identification.d_mm, scene.config.design.repeats
+    )
     numbers = tuple(VariantNumbers.of(at_pressure) for at_pressure in parameters)
     return VariantResult(numbers, VariantCost.of(outcomes), (*outcomes.failures, *failures))
 

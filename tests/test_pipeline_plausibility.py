@@ -158,6 +158,7 @@ def solved(
     contact_check: ContactCheck | None = None,
     evidence: float = 20.0,
     on_coarser: bool | None = None,
+    one_rigidity: bool = False,
 ) -> Any:
     extremes = SimpleNamespace(
         min_J=min_J, min_J_at=(1.0, 2.0, 3.0), min_stretch=stretches[0], max_stretch=stretches[1]
@@ -178,7 +179,9 @@ def solved(
         kappa_0=SimpleNamespace(length=100.0),
         numbers=numbers,
         by_cells=lines,
+        two_lines=lines.two_lines and not one_rigidity,
         two_lines_on_coarser=on_coarser,
+        one_rigidity=one_rigidity,
     )
     config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
     return Solved(config, SimpleNamespace(records=(record,)), (parameters,))  # type: ignore[arg-type]
@@ -274,6 +277,10 @@ def test_a_number_of_lines_that_the_data_decide_is_not_named(evidence: float, on
     assert after_solving(solved(0.9, (0.95, 1.05), 0.01, evidence=evidence, on_coarser=on_coarser)) == ()
 
 
+def test_nothing_is_open_where_one_rigidity_holds_along_the_arm() -> None:
+    assert after_solving(solved(0.9, (0.95, 1.05), 0.01, evidence=1.0, one_rigidity=True)) == ()
+
+
 def test_usual_states_are_not_named() -> None:
     assert after_solving(solved(0.9, (0.95, 1.05), 0.01)) == ()
     assert after_solving(solved(0.6, (0.95, 1.05), 0.01, "mesh.formulation=mixed")) == ()
@@ -301,7 +308,9 @@ def test_a_pressure_without_parameters_fails_a_run_only_where_it_leaves_no_rod(
 ) -> None:
     reason = "no five parameters at 10 kPa: the rod carries no moment"
     monkeypatch.setattr(
-        added_pressures, "identify_in_tasks", lambda context, outcomes, pitch, d_mm: (identified, (reason,))
+        added_pressures,
+        "identify_in_tasks",
+        lambda context, outcomes, pitch, d_mm, equal_cells: (identified, (reason,)),
     )
     found = identify_run(arm, CONTEXT, NONE)
     assert (found.failures(other_rod), found.remarks(other_rod)) == (((reason,), ()) if fails else ((), (reason,)))

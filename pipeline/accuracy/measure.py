@@ -38,7 +38,8 @@ def measure(rung: Rung) -> RungResult:
     except (InputError, RunFailed) as failure:
         return RungResult(str(failure), (), None)
     fit_start, d = perf_counter(), rung.config.identification.d_mm
-    parameters, failures = identify_all(outcomes, scene.body.pitch, d)
+    equal = rung.config.design.repeats
+    parameters, failures = identify_all(outcomes, scene.body.pitch, d, equal)
     fit = perf_counter() - fit_start
     seconds = {"mesh": meshed, **_stages(outcomes), "fit": fit}
     cost = _cost(perf_counter() - start, _cpu_seconds() - cpu, seconds, scene.body, outcomes)
@@ -46,7 +47,7 @@ def measure(rung: Rung) -> RungResult:
     numbers = [numbers_of(at_pressure, 1, fit) for at_pressure in parameters]
     for stride in rung.strides[1:]:
         fit_start = perf_counter()
-        thinned, failed = identify_all(_thinned(outcomes, stride), scene.body.pitch, d)
+        thinned, failed = identify_all(_thinned(outcomes, stride), scene.body.pitch, d, equal)
         numbers += [numbers_of(at_pressure, stride, perf_counter() - fit_start) for at_pressure in thinned]
         failures += tuple(f"every {stride} points: {sentence}" for sentence in failed)
     return RungResult("; ".join(failures), tuple(numbers), replace(cost, peak_memory_MB=_peak_memory_MB()))
@@ -63,7 +64,7 @@ def numbers_of(parameters: Parameters, stride: int = 1, fit_seconds: float = 0.0
         kappa_0_per_mm=parameters.kappa_0_middle,
         alpha1_N_mm2=numbers["alpha1"].value,
         alpha2_N_mm2=numbers["alpha2"].value,
-        d_mm=numbers["d"].value if parameters.by_cells.two_lines else None,
+        d_mm=numbers["d"].value if parameters.two_lines else None,
         force_N=loaded.load.force[1] or loaded.load.force_size,  # that along x where none acts along y
         end_mm=free.summary.end_mm,
         alpha2_std_N_mm2=numbers["alpha2"].std,

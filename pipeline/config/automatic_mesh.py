@@ -89,7 +89,7 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     suits = factor * sqrt(wall * side / 2)
     reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need"
     if suits > coarsest:
-        suits, reason = coarsest, f"a body {side:.3g} mm across needs"
+        suits, reason = coarsest, f"a body whose smallest side is {side:.3g} mm needs"
     size = suits
     while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
         size *= 1.05

@@ -39,9 +39,16 @@ def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Ident
         return Identified(outcomes, ())
     if sentence := too_few_pitches(scene.body.length, scene.body.pitch):
         return Identified(outcomes, (), (f"no five parameters: {sentence.removesuffix('.')}",))
-    parameters, refused = identify_in_tasks(context, outcomes, scene.body.pitch, scene.config.identification.d_mm)
+    parameters, refused = _identified(scene, context, outcomes)
     outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)
     return Identified(outcomes, parameters, refused, not_added)
+
+
+def _identified(
+    scene: Scene, context: RunContext, outcomes: Outcomes
+) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
+    design, d = scene.config.design, scene.config.identification.d_mm
+    return identify_in_tasks(context, outcomes, scene.body.pitch, d, design.repeats)
 
 
 def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[str, Quantity]]:
@@ -83,7 +90,7 @@ def with_added_pressures(
             return outcomes, parameters, tuple(stopped)
         outcomes = outcomes.merged(more)
         newest = more.with_records(lambda records: records[-1:])
-        new, refused = identify_in_tasks(context, newest, scene.body.pitch, scene.config.identification.d_mm)
+        new, refused = _identified(scene, context, newest)
         if refused:
             return outcomes, parameters, refused
         parameters = tuple(sorted((*parameters, *new), key=lambda p: p.pressure_kPa))

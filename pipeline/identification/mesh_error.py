@@ -121,7 +121,7 @@ class _OnCoarser:
     """What the coarser mesh gives at one pressure."""
 
     numbers: Mapping[str, float]  #: of as many lines as on the fine mesh
-    two_lines: bool  #: whether the criterion chooses two lines there
+    two_lines: bool  #: whether two lines would be chosen there
 
 
 def _on_coarser(fine: Parameters, free: Record | None, loaded: Record | None) -> _OnCoarser | None:
@@ -132,5 +132,5 @@ def _on_coarser(fine: Parameters, free: Record | None, loaded: Record | None) ->
     alpha, m0 = coarse.single_line.alpha.value, coarse.single_line.m0.value
     single = {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
     two = {name: getattr(coarse.law, name) for name in PARAMETER_NAMES}
-    lines = two if fine.by_cells.two_lines else single
-    return _OnCoarser(lines | _measured(free, loaded, fine.kappa.pitch), coarse.two_lines)
+    lines = two if fine.two_lines else single
+    return _OnCoarser(lines | _measured(free, loaded, fine.kappa.pitch), fine.has_two_lines(coarse))

@@ -78,11 +78,22 @@ class Parameters:
     mesh_errors: Mapping[str, float] = field(default_factory=dict)
     #: whether two lines were chosen on the coarser mesh; None where there is none
     two_lines_on_coarser: bool | None = None
+    #: whether nothing changes the rigidity along the arm but its ends: equal cells, and no walls touch in II and III
+    one_rigidity: bool = False
 
     @property
     def estimates(self) -> dict[str, ParameterEstimate | NoFit]:
         """The numbers by the name of their estimator, the default first."""
         return {DEFAULT: self.by_cells, "gaussian_process": self.by_process, "rod_fit": self.by_rod}
+
+    @property
+    def two_lines(self) -> bool:
+        """Whether the rod has two lines, and not a single one."""
+        return self.has_two_lines(self.by_cells)
+
+    def has_two_lines(self, identification: Identification) -> bool:
+        """Whether two lines are wanted, or worth their parameters where the rigidity can change along the arm."""
+        return identification.d_given or (identification.two_lines and not self.one_rigidity)
 
     @property
     def kappa_0_middle(self) -> float:
@@ -126,7 +137,7 @@ class Parameters:
         """
         line = identification.single_line
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
-        if identification.two_lines:
+        if self.has_two_lines(identification):
             return {name: getattr(identification, name) for name in PARAMETER_NAMES}
         return {"alpha1": line.alpha, "alpha2": line.alpha, "m01": line.m0, "m02": line.m0, "d": d}
 
@@ -163,20 +174,22 @@ def observed(parameters: Parameters, record: Record) -> Observation:
 
 
 def identify_all(
-    outcomes: Outcomes, pitch: float, d: float | None = None
+    outcomes: Outcomes, pitch: float, d: float | None = None, equal_cells: bool = False
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     """The parameters at every pressure reached in both II and III, and a sentence for each where there are none.
 
-    d: mm, the break where it is given and not sought.
+    d: mm, the break where it is given and not sought. equal_cells: whether the arm consists of equal cells.
     """
-    return _gathered({pair[0].pressure_kPa: partial(_identified, *pair, pitch, d) for pair in outcomes.pairs})
+    return _gathered(
+        {pair[0].pressure_kPa: partial(_identified, *pair, pitch, d, equal_cells) for pair in outcomes.pairs}
+    )
 
 
 def identify_in_tasks(
-    context: RunContext, outcomes: Outcomes, pitch: float, d: float | None = None
+    context: RunContext, outcomes: Outcomes, pitch: float, d: float | None = None, equal_cells: bool = False
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     """The same with a task for every pressure."""
-    pending = {pair[0].pressure_kPa: context.submit(_task, *pair, pitch, d) for pair in outcomes.pairs}
+    pending = {pair[0].pressure_kPa: context.submit(_task, *pair, pitch, d, equal_cells) for pair in outcomes.pairs}
     return _gathered({pressure: task.result for pressure, task in pending.items()})
 
 
@@ -190,11 +203,13 @@ def _gathered(by_pressure: Mapping[float, Callable[[], Parameters]]) -> tuple[tu
     return tuple(parameters), tuple(refused)
 
 
-def _task(context: TaskContext, free: Record, loaded: Record, pitch: float, d: float | None) -> Parameters:
-    return _identified(free, loaded, pitch, d)
+def _task(
+    context: TaskContext, free: Record, loaded: Record, pitch: float, d: float | None, equal_cells: bool
+) -> Parameters:
+    return _identified(free, loaded, pitch, d, equal_cells)
 
 
-def _identified(free: Record, loaded: Record, pitch: float, d: float | None) -> Parameters:
+def _identified(free: Record, loaded: Record, pitch: float, d: float | None, equal_cells: bool) -> Parameters:
     curves = (free.centreline, loaded.centreline)
     moment, closure = _moment_and_closure(*curves, loaded.load)
     kappa_0, kappa = (cell_averaged(curve, pitch) for curve in curves)
@@ -216,6 +231,7 @@ def _identified(free: Record, loaded: Record, pitch: float, d: float | None) -> 
         extension=extension(*curves, pitch),
         by_rod=_closest_rod(LoadedShape(*curves, loaded.load, pitch, loaded.held), d, (by_cells, by_process)),
         given_d=d,
+        one_rigidity=equal_cells and not any("self_contact" in record.effects for record in (free, loaded)),
     )
 
 

@@ -42,7 +42,7 @@ def parameters_record(
         "single_line_alpha_N_mm2": [line.alpha.value for line in single_lines],
         "single_line_alpha_N_mm2_std": [line.alpha.std for line in single_lines],
         "single_line_m0_N_mm": [line.m0.value for line in single_lines],
-        "single_line_suffices": [not p.by_cells.two_lines for p in parameters],
+        "single_line_suffices": [not p.two_lines for p in parameters],
         "evidence_for_two_lines": [p.by_cells.evidence for p in parameters],
         "two_lines_on_coarser_mesh": [p.two_lines_on_coarser for p in parameters],
         "r2_two_lines": [p.by_cells.r2 for p in parameters],
@@ -129,7 +129,7 @@ def _identified(estimates: Sequence[ParameterEstimate | NoFit], parameters: Sequ
     columns["reason"] = [e.reason if isinstance(e, NoFit) else "" for e in estimates]
     identified = [e for e in estimates if isinstance(e, Identification)]
     if len(identified) == len(parameters):
-        columns["single_line_suffices"] = [not e.two_lines for e in identified]
+        columns["single_line_suffices"] = [not p.has_two_lines(e) for e, p in zip(identified, parameters, strict=True)]
         columns["single_line_alpha_N_mm2"] = [e.single_line.alpha.value for e in identified]
         columns["observations"] = [e.observations for e in identified]
     return columns

@@ -99,7 +99,7 @@ def _not_determined(solved: Solved) -> str:
 
 def _one_line_or_two(solved: Solved) -> str:
     """The data hardly decide between one line and two, or decide otherwise on a coarser mesh."""
-    unclear = [_choice(p) for p in solved.parameters if not p.by_cells.is_clear or _is_other_on_coarser(p)]
+    unclear = [_choice(p) for p in solved.parameters if _is_open(p)]
     if not unclear:
         return ""
     return (
@@ -108,10 +108,14 @@ def _one_line_or_two(solved: Solved) -> str:
     )
 
 
+def _is_open(p: Parameters) -> bool:
+    return not p.one_rigidity and (not p.by_cells.is_clear or _is_other_on_coarser(p))
+
+
 def _choice(p: Parameters) -> str:
     lines = p.by_cells
     alpha2 = {"a single line": lines.single_line.alpha.value, "two lines": lines.alpha2.value}
-    other, chosen = alpha2 if lines.two_lines else reversed(alpha2)
+    other, chosen = alpha2 if p.two_lines else reversed(alpha2)
     elsewhere = f"; on the coarser mesh {other} would be taken" if _is_other_on_coarser(p) else ""
     return (
         f"at {p.pressure_kPa:g} kPa {alpha2[chosen]:.3g} N mm² with {chosen}, as reported, and {alpha2[other]:.3g} "
@@ -120,7 +124,7 @@ def _choice(p: Parameters) -> str:
 
 
 def _is_other_on_coarser(p: Parameters) -> bool:
-    return p.two_lines_on_coarser not in (None, p.by_cells.two_lines)
+    return p.two_lines_on_coarser not in (None, p.two_lines)
 
 
 def _rigidities(numbers: Mapping[str, Interval]) -> list[tuple[str, Interval]]:

@@ -102,7 +102,7 @@ def _five(parameters: Parameters) -> Row:
     for name, column in PARAMETER_COLUMNS.items():
         number = parameters.numbers[name]
         row |= {column: number.value, f"{column}_std": number.std}
-    return {**row, "two_lines": bool(parameters.by_cells.two_lines)}
+    return {**row, "two_lines": bool(parameters.two_lines)}
 
 
 def _errors(comparisons: Iterable[Comparison]) -> Row:
