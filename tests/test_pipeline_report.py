@@ -13,7 +13,12 @@ import pytest
 
 from pipeline.report.page import render_report
 from pipeline.report.results import read_results
-from pipeline.report.sentences import agreement_of_rod, difference_of_rest_curvatures, time_of_factorization
+from pipeline.report.sentences import (
+    agreement_of_rod,
+    difference_of_rest_curvatures,
+    lines_needed,
+    time_of_factorization,
+)
 from pipeline.report.verdict import verdict_of
 
 LENGTH, CUT = 112.0, 15.0
@@ -187,6 +192,33 @@ def test_report_has_the_five_parameters_and_the_agreement(finished: Path) -> Non
     ]
     assert "At 17 kPa a single line describes the data as well as two" in html
     assert "walls come close &lt;here&gt;" in html
+
+
+@pytest.mark.parametrize(
+    ("single", "evidence", "sentence"),
+    [
+        ([False, False], [9.0, 9.0], "At every pressure two lines describe the data better than a single one."),
+        (
+            [True, True],
+            [-9.0, 12.9],
+            "At 17 kPa a single line describes the data as well as two; at 37 kPa two lines fit the data better, but a "
+            "single line is taken, because all cells are equal and no walls touch, and two lines would then describe "
+            "the ends of the arm: there α₁ = α₂, and d has no meaning.",
+        ),
+        (
+            [False, True],
+            [9.0, 0.5],
+            "At 37 kPa two lines fit the data better, but a single line is taken, because all cells are equal and no "
+            "walls touch, and two lines would then describe the ends of the arm: there α₁ = α₂, and d has no meaning.",
+        ),
+    ],
+)
+def test_report_says_why_there_is_a_single_line(
+    finished: Path, single: list[bool], evidence: list[float], sentence: str
+) -> None:
+    changed = {**parameters(), "single_line_suffices": single, "evidence_for_two_lines": evidence}
+    (finished / "parameters.json").write_text(json.dumps(changed), encoding="utf-8")
+    assert lines_needed(read_results(finished)) == sentence
 
 
 def test_report_has_the_difference_of_I_and_II_and_the_computing_time(finished: Path) -> None:

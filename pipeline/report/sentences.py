@@ -95,19 +95,27 @@ def agreement_of_rod(results: Results) -> list[str]:
 
 
 def lines_needed(results: Results) -> str:
-    """At which pressures a single line describes the data as well as two, by the criterion of the identification."""
+    """At which pressures the rod has a single line, and why: it describes the data as well as two by the criterion of
+    the identification, or nothing changes the rigidity along the arm."""
     verdicts = results.parameters.get("single_line_suffices")
     if not verdicts:
         return ""
+    evidence = results.parameters.get("evidence_for_two_lines") or [0.0] * len(verdicts)
     single = [
-        f"{pressure:g}" for pressure, is_single in zip(results.identified_pressures, verdicts, strict=True) if is_single
+        (f"{pressure:g}", for_two > 0.0)
+        for pressure, is_single, for_two in zip(results.identified_pressures, verdicts, evidence, strict=True)
+        if is_single
     ]
     if not single:
         return "At every pressure two lines describe the data better than a single one."
-    return (
-        f"At {', '.join(single)} kPa a single line describes the data as well as two: there α₁ = α₂, and d has no "
-        "meaning."
-    )
+    as_well, worse = (", ".join(p for p, is_worse in single if is_worse is kind) for kind in (False, True))
+    reasons = [f"At {as_well} kPa a single line describes the data as well as two"] if as_well else []
+    if worse:
+        reasons.append(
+            f"{'at' if as_well else 'At'} {worse} kPa two lines fit the data better, but a single line is taken, "
+            "because all cells are equal and no walls touch, and two lines would then describe the ends of the arm"
+        )
+    return f"{'; '.join(reasons)}: there α₁ = α₂, and d has no meaning."
 
 
 def _largest(rows: Iterable[ValidationRow], name: str, scale: float, sentence: str) -> str:
