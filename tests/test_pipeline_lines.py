@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from pipeline.identification import mesh_error
 from pipeline.identification import parameters as identification
 from pipeline.identification.parameters import Parameters, identify_all
 
@@ -53,3 +54,22 @@ def test_one_rigidity_holds_along_equal_cells_that_do_not_touch(
     ((found,), refused) = identify_all(outcomes, 10.0, equal_cells=equal_cells)
     assert refused == ()
     assert found.one_rigidity is (equal_cells and not touching)
+
+
+@pytest.mark.parametrize("touching", [False, True])
+@pytest.mark.parametrize("equal_cells", [False, True])
+def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
+    touching: bool, equal_cells: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    line = SimpleNamespace(alpha=SimpleNamespace(value=1.0), m0=SimpleNamespace(value=0.0))
+    identified = SimpleNamespace(single_line=line, law=None, two_lines=True, d_given=False)
+    monkeypatch.setattr(mesh_error, "numbers_of_cells", lambda *given: identified)
+    monkeypatch.setattr(mesh_error, "_measured", lambda *given: {})
+    monkeypatch.setattr(mesh_error, "PARAMETER_NAMES", ())
+    record: Any = SimpleNamespace(effects=("self_contact",) if touching else ())
+    fine: Any = SimpleNamespace(
+        kappa=SimpleNamespace(pitch=10.0), given_d=None, shortest_break=5.0, two_lines=False, equal_cells=equal_cells
+    )
+    found = mesh_error._on_coarser(fine, record, record)
+    assert found is not None
+    assert found.two_lines is (touching or not equal_cells)

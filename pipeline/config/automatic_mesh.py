@@ -85,18 +85,17 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     """The size (mm) and why."""
     wall, side = design.thinnest_wall, min(design.extent)
     factor = SIZE_FACTOR * (WITHOUT_GRADING if grading == "off" else 1.0)
-    coarsest = (COARSEST if design.outer_corners else COARSEST_WITHOUT_GAPS) * side
+    part = COARSEST if design.outer_corners else COARSEST_WITHOUT_GAPS
     suits = factor * sqrt(wall * side / 2)
-    reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need"
-    if suits > coarsest:
-        suits, reason = coarsest, f"a body whose smallest side is {side:.3g} mm needs"
+    reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need it"
+    if suits > part * side:
+        suits = part * side
+        reason = f"that is {part:g} times the smallest side, the most for a body without gaps or from a file"
     size = suits
     while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
         size *= 1.05
     if size > suits:
-        reason += f" {suits:.2g} mm, but the body would then have more than {MOST_CHOSEN_TETS} elements"
-    else:
-        reason += " it"
+        reason = f"{suits:.2g} mm would be right, but the body would then have more than {MOST_CHOSEN_TETS} elements"
     return _two_digits(size), reason
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.parameters import Parameters, numbers_of_cells
+from pipeline.identification.parameters import Parameters, numbers_of_cells, touching
 from pipeline.identification.richardson import extrapolated
 from pipeline.parallel.worker import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
@@ -133,4 +133,7 @@ def _on_coarser(fine: Parameters, free: Record | None, loaded: Record | None) ->
     single = {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
     two = {name: getattr(coarse.law, name) for name in PARAMETER_NAMES}
     lines = two if fine.two_lines else single
-    return _OnCoarser(lines | _measured(free, loaded, fine.kappa.pitch), fine.has_two_lines(coarse))
+    may_have_two = not fine.equal_cells or touching(free, loaded)
+    return _OnCoarser(
+        lines | _measured(free, loaded, fine.kappa.pitch), coarse.d_given or (coarse.two_lines and may_have_two)
+    )

@@ -78,8 +78,8 @@ class Parameters:
     mesh_errors: Mapping[str, float] = field(default_factory=dict)
     #: whether two lines were chosen on the coarser mesh; None where there is none
     two_lines_on_coarser: bool | None = None
-    #: whether nothing changes the rigidity along the arm but its ends: equal cells, and no walls touch in II and III
-    one_rigidity: bool = False
+    #: whether the arm consists of equal cells; two lines then need walls that touch, or a given d
+    equal_cells: bool = False
 
     @property
     def estimates(self) -> dict[str, ParameterEstimate | NoFit]:
@@ -87,12 +87,18 @@ class Parameters:
         return {DEFAULT: self.by_cells, "gaussian_process": self.by_process, "rod_fit": self.by_rod}
 
     @property
+    def one_rigidity(self) -> bool:
+        """Whether nothing but its ends makes one part of the arm different from another: equal cells, and no walls came
+        within the activation distance of contact up to that pressure."""
+        return self.equal_cells and not touching(self.free, self.loaded)
+
+    @property
     def two_lines(self) -> bool:
         """Whether the rod has two lines, and not a single one."""
         return self.has_two_lines(self.by_cells)
 
     def has_two_lines(self, identification: Identification) -> bool:
-        """Whether two lines are wanted, or worth their parameters where the rigidity can change along the arm."""
+        """Whether two lines are wanted, or worth their parameters by the criterion and not excluded."""
         return identification.d_given or (identification.two_lines and not self.one_rigidity)
 
     @property
@@ -167,6 +173,11 @@ class Parameters:
         return MomentRange.of(self.moment)
 
 
+def touching(*records: Record) -> bool:
+    """Whether contact took part in one of the states."""
+    return any("self_contact" in record.effects for record in records)
+
+
 def observed(parameters: Parameters, record: Record) -> Observation:
     """A loaded record at the pressure of the parameters as laws are compared on it. Raises RodError."""
     moment = moment_from_load(record.centreline, record.load)
@@ -231,7 +242,7 @@ def _identified(free: Record, loaded: Record, pitch: float, d: float | None, equ
         extension=extension(*curves, pitch),
         by_rod=_closest_rod(LoadedShape(*curves, loaded.load, pitch, loaded.held), d, (by_cells, by_process)),
         given_d=d,
-        one_rigidity=equal_cells and not any("self_contact" in record.effects for record in (free, loaded)),
+        equal_cells=equal_cells,
     )
 
 

@@ -109,7 +109,7 @@ def _one_line_or_two(solved: Solved) -> str:
 
 
 def _is_open(p: Parameters) -> bool:
-    return not p.one_rigidity and (not p.by_cells.is_clear or _is_other_on_coarser(p))
+    return (not p.one_rigidity and not p.by_cells.is_clear) or _is_other_on_coarser(p)
 
 
 def _choice(p: Parameters) -> str:

@@ -113,9 +113,10 @@ def lines_needed(results: Results) -> str:
     if worse:
         reasons.append(
             f"{'at' if as_well else 'At'} {worse} kPa two lines fit the data better, but a single line is taken, "
-            "because all cells are equal and no walls touch, and two lines would then describe the ends of the arm"
+            "because all cells are equal and no walls touch: two lines then usually describe the ends of the arm, and "
+            "predict other loads less well"
         )
-    return f"{'; '.join(reasons)}: there α₁ = α₂, and d has no meaning."
+    return f"{'; '.join(reasons)}. There α₁ = α₂, and d has no meaning."
 
 
 def _largest(rows: Iterable[ValidationRow], name: str, scale: float, sentence: str) -> str:
