@@ -9,7 +9,7 @@ import numpy as np
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.parameters import Parameters, numbers_of_cells, touching
+from pipeline.identification.parameters import Parameters, has_one_rigidity, numbers_of_cells, takes_two_lines
 from pipeline.identification.richardson import extrapolated
 from pipeline.parallel.worker import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
@@ -133,7 +133,5 @@ def _on_coarser(fine: Parameters, free: Record | None, loaded: Record | None) ->
     single = {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
     two = {name: getattr(coarse.law, name) for name in PARAMETER_NAMES}
     lines = two if fine.two_lines else single
-    may_have_two = not fine.equal_cells or touching(free, loaded)
-    return _OnCoarser(
-        lines | _measured(free, loaded, fine.kappa.pitch), coarse.d_given or (coarse.two_lines and may_have_two)
-    )
+    two_lines = takes_two_lines(coarse, has_one_rigidity(fine.equal_cells, free, loaded))
+    return _OnCoarser(lines | _measured(free, loaded, fine.kappa.pitch), two_lines)

@@ -88,9 +88,8 @@ class Parameters:
 
     @property
     def one_rigidity(self) -> bool:
-        """Whether nothing but its ends makes one part of the arm different from another: equal cells, and no walls came
-        within the activation distance of contact up to that pressure."""
-        return self.equal_cells and not touching(self.free, self.loaded)
+        """Whether nothing but its ends makes one part of the arm different from another (`has_one_rigidity`)."""
+        return has_one_rigidity(self.equal_cells, self.free, self.loaded)
 
     @property
     def two_lines(self) -> bool:
@@ -98,8 +97,8 @@ class Parameters:
         return self.has_two_lines(self.by_cells)
 
     def has_two_lines(self, identification: Identification) -> bool:
-        """Whether two lines are wanted, or worth their parameters by the criterion and not excluded."""
-        return identification.d_given or (identification.two_lines and not self.one_rigidity)
+        """Whether an estimate from II and III has two lines, and not a single one."""
+        return takes_two_lines(identification, self.one_rigidity)
 
     @property
     def kappa_0_middle(self) -> float:
@@ -173,9 +172,15 @@ class Parameters:
         return MomentRange.of(self.moment)
 
 
-def touching(*records: Record) -> bool:
-    """Whether contact took part in one of the states."""
-    return any("self_contact" in record.effects for record in records)
+def has_one_rigidity(equal_cells: bool, free: Record, loaded: Record) -> bool:
+    """Whether nothing but its ends makes one part of the arm different from another: equal cells, and in II and III no
+    walls came within the activation distance of contact up to that pressure."""
+    return equal_cells and not any("self_contact" in record.effects for record in (free, loaded))
+
+
+def takes_two_lines(identification: Identification, one_rigidity: bool) -> bool:
+    """Whether two lines are wanted, or worth their parameters by the criterion and not excluded by one rigidity."""
+    return identification.d_given or (identification.two_lines and not one_rigidity)
 
 
 def observed(parameters: Parameters, record: Record) -> Observation:
