@@ -1,4 +1,4 @@
-"""Contact of a wall with its own mirror image beyond a plane of symmetry."""
+"""Contact of a wall with its own mirror image beyond a plane of symmetry, and of walls in a state of a piece."""
 
 from dataclasses import dataclass
 from typing import final
@@ -8,9 +8,10 @@ import numpy as np
 from fem.discretisation import Discretisation, Faces
 from fem.effects.barrier import OVERLAP, FacingTerm
 from fem.effects.contact import STIFFNESS, ContactError
-from fem.effects.effect import Effect
+from fem.effects.effect import Effect, Term, Terms
 from fem.effects.facing_pairs import FacingPairs
 from fem.materials.material import Material
+from fem.path.newton import StepFailed
 from geometry.arrays import Array, Index
 
 #: cosine of the largest angle between the normals of a wall and of the plane it faces
@@ -39,6 +40,29 @@ class MirrorContact(Effect):
 
         stiffness = 2.0 * STIFFNESS * 3.0 * material.shear_modulus
         return FacingTerm(pairs, self.dhat / 2.0, stiffness, OVERLAP, starts_inactive=False)
+
+
+def gap_and_touch(terms: Terms, x: Array, plane: Index) -> tuple[float, bool]:
+    """Smallest gap between walls in mm at positions x (n, 3), and whether they touch.
+
+    plane: nodes (k,) of the plane of symmetry; a wall is half as far from it as from its mirror image.
+    """
+    gap, touches = np.inf, False
+    for term in terms:
+        if isinstance(term, FacingTerm) and term.pairs.nodes.size:
+            image = 2.0 if np.isin(term.pairs.triangles, plane).all() else 1.0
+            gap = min(gap, image * term.gap(x))
+            touches = touches or term.touching(x)
+    return gap, touches
+
+
+def tightened(term: Term, x: Array) -> Term:
+    """A stiffer barrier where walls overlap, the term itself where they do not. Raises `StepFailed`."""
+    if not isinstance(term, FacingTerm) or term.gap(x) > 0.0:
+        return term
+    if not term.stiffenings:
+        raise StepFailed(term.violation(x))
+    return term.tightened(x)
 
 
 def plane_pairs(walls: Faces, plane: Faces, points: Array) -> FacingPairs:

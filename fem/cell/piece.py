@@ -14,16 +14,16 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Literal, final
+from typing import final
 
 import numpy as np
 
 from fem.cell.air import AirPressure
-from fem.cell.mirror_contact import MirrorContact
+from fem.cell.boundary import BOUNDARY_NAMES, Boundary, supports_of
+from fem.cell.mirror_contact import MirrorContact, gap_and_touch, tightened
 from fem.discretisation import Discretisation
-from fem.effects.barrier import FacingTerm
 from fem.effects.contact import SelfContact
-from fem.effects.effect import Effect, Term, Terms
+from fem.effects.effect import Effect, Terms
 from fem.equations.constraints import Constraints
 from fem.equations.linear import LinearTimes, available_solver
 from fem.equations.linearised import Linearised
@@ -34,12 +34,9 @@ from fem.path.control import LoadControl
 from fem.path.newton import NewtonOptions, Start, StepFailed, solve
 from fem.post.extremes import extremes_of, strain_at_stress_points
 from fem.solution import Extremes
-from fem.supports import Fixed, Line, SharedPlane, Support, nodes_at
+from fem.supports import Line, Support, nodes_at
 from geometry import Body
 from geometry.arrays import Array, Index
-
-#: what holds the start of a piece: it is a plane of mirror symmetry too, it is clamped, or it is free
-Boundary = Literal["mirror", "clamp", "free"]
 
 #: how often the way between two states is halved where Newton's method does not converge
 MAX_HALVINGS = 6
@@ -128,7 +125,7 @@ class BendingPiece:
     @property
     def name(self) -> str:
         """In sentences."""
-        return _NAMES[self.start]
+        return BOUNDARY_NAMES[self.start]
 
     @property
     def whole(self) -> float:
@@ -154,7 +151,7 @@ class BendingPiece:
             0.0,
             0.0,
             self.body.length,
-            *self._contact(self.terms, x),
+            *gap_and_touch(self.terms, x, self.plane),
             extremes_of(self.space, *strain_at_stress_points(self.space, state.displacement)),
             0,
             0,
@@ -215,7 +212,8 @@ class BendingPiece:
     def constraints(self, angle: float) -> Constraints:
         """The supports with the plane at an angle in rad, resolved to u = T q + g."""
         if self._constraints is None or self._constraints[0] != angle:
-            self._constraints = angle, Constraints.of(self._supports(angle), self.space)
+            held = supports_of(self.body, self.space.points[self.curve], self.start, angle)
+            self._constraints = angle, Constraints.of([*self.supports, *held], self.space)
         return self._constraints[1]
 
     def system_in_shear(self, terms: Terms, constraints: Constraints) -> System:
@@ -242,18 +240,6 @@ class BendingPiece:
         turned[self.plane] = turn(x[self.plane])
         return turned
 
-    def _supports(self, angle: float) -> list[Support]:
-        curve = self.space.points[self.curve]
-        # of a body meshed on both sides: against motion along z and rotation about x, without force
-        along_z = [Fixed("sym", "z")] if self.body.half else [Fixed(curve[0], "z"), Fixed(self.body.top, "z")]
-        plane_z: list[Support] = [*self.supports, *along_z]
-        normal = (float(np.cos(angle)), float(np.sin(angle)), 0.0)
-        if self.start == "clamp":
-            return [*plane_z, Fixed("clamp"), SharedPlane("tip", normal)]
-        if self.start == "mirror":
-            return [*plane_z, Fixed("clamp", "x"), Fixed(curve[0], "y"), SharedPlane("tip", normal)]
-        return [*plane_z, Fixed("tip", "x"), Fixed(curve[-1], "y")]
-
     def _constrain(self, angle: float) -> None:
         """Bring the equations to the constraints of an angle in rad."""
         constraints = self.constraints(angle)
@@ -266,37 +252,26 @@ class BendingPiece:
         control = LoadControl.of(self._system).target(pressure, 1.0)
         spent = 0
         while True:
-            found = solve(start, control, OPTIONS, lambda iteration, residual: None)
-            spent += found.iterations
-            x = self.space.points + found.state.displacement
-            tightened = tuple(_tightened(term, x) for term in start.terms)
-            if tightened == start.terms:
+            converged = solve(start, control, OPTIONS, lambda iteration, residual: None)
+            spent += converged.iterations
+            x = self.space.points + converged.state.displacement
+            stiffer = tuple(tightened(term, x) for term in start.terms)
+            if stiffer == start.terms:
                 break
-            start = replace(start, state=found.state, terms=tightened)
-        gradient = found.assembly.gradient
+            start = replace(start, state=converged.state, terms=stiffer)
+        gradient = converged.assembly.gradient
         return PieceState(
             pressure,
             angle,
             self.whole * float(np.vdot(gradient, self.rotation(x))),
             float(x[self.plane[0]] @ (np.cos(angle), np.sin(angle), 0.0)),
-            *self._contact(start.terms, x),
-            extremes_of(self.space, found.assembly.strain, found.assembly.jacobian),
+            *gap_and_touch(start.terms, x, self.plane),
+            extremes_of(self.space, converged.assembly.strain, converged.assembly.jacobian),
             spent,
-            found.negative_pivots,
-            found.state,
+            converged.negative_pivots,
+            converged.state,
             start.terms,
         )
-
-    def _contact(self, terms: Terms, x: Array) -> tuple[float, bool]:
-        """Smallest gap between walls in mm, and whether they touch; a wall is half as far from the plane as from its
-        image."""
-        gap, touches = np.inf, False
-        for term in terms:
-            if isinstance(term, FacingTerm) and term.pairs.nodes.size:
-                image = 2.0 if np.isin(term.pairs.triangles, self.plane).all() else 1.0
-                gap = min(gap, image * term.gap(x))
-                touches = touches or term.touching(x)
-        return gap, touches
 
     def _sentence(self, pressure: float, angle: float, cause: str, target: float) -> str:
         """target: MPa, the pressure to which the way led."""
@@ -308,18 +283,6 @@ class BendingPiece:
         )
 
 
-_NAMES = {"mirror": "half cell", "clamp": "clamped end", "free": "free end"}
-
-
 def turn(x: Array) -> Array:
     """e_z x x (k, 3)."""
     return np.stack([-x[:, 1], x[:, 0], np.zeros(x.shape[0])], axis=1)
-
-
-def _tightened(term: Term, x: Array) -> Term:
-    """A stiffer barrier where walls overlap, the term itself where they do not. Raises `StepFailed`."""
-    if not isinstance(term, FacingTerm) or term.gap(x) > 0.0:
-        return term
-    if not term.stiffenings:
-        raise StepFailed(term.violation(x))
-    return term.tightened(x)

@@ -1,7 +1,7 @@
 """Follows a path from target to target, each reached in as few increments as converge.
 
 An increment that fails is halved; one that converges quickly is doubled (`fem.path.increments`). How one is solved is
-in `fem.path.solver`.
+in `fem.path.solver`, and how long an equilibrium is sought in `fem.path.effort`.
 """
 
 from collections.abc import Sequence
@@ -15,6 +15,7 @@ from fem.path.active_set import ActiveSet
 from fem.path.control import Control
 from fem.path.costs import Costs
 from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
+from fem.path.effort import effort_of
 from fem.path.exact_contact import with_exact_distances
 from fem.path.increments import LIMIT_ACCURACY, MAX_NEAR_FAILURES, Increments
 from fem.path.limit import announced_limit, way_between
@@ -22,21 +23,9 @@ from fem.path.move import MoveControl
 from fem.path.newton import Converged, Inverted, NotAdmissible, StepFailed, Unstable, Watch
 from fem.path.options import PathEnded, PathObserver, PathOptions
 from fem.path.predictor import PathPoint, Predictor
-from fem.path.solver import Effort, Increment, IncrementSolver
+from fem.path.solver import Increment, IncrementSolver
 from fem.post.extremes import extremes_of
 from fem.solution import End, Seconds, Solution, Step
-
-#: largest number of iterations once an increment to the same target has failed: smaller ones converge in fewer; and
-#: near a limit that the path announces
-RETRY_ITERATIONS, ITERATIONS_NEAR_LIMIT = 12, 8
-#: largest number of iterations with an indefinite tangent from a stable equilibrium to the next; those that led
-#: anywhere on the hard cases had at most 5
-MAX_UNSTABLE = 7
-#: the same with walls in contact near a limit that the path announces, and where a smaller increment follows one that
-#: failed: 121 stable equilibria of benchmarks/limits.py took at most 2, before all iterations with a definite tangent
-MAX_UNSTABLE_RETRY = 2
-#: length of an increment over the last one from which on a smaller one costs less than other starts
-FAR = 1.2
 
 
 @dataclass(frozen=True)
@@ -123,11 +112,11 @@ class PathFollower:
         iterations, cause = 0, StepFailed("no increment was tried")
         self.not_followed = ""
         self.solver.begin_target()
-        is_asked = False
+        give_up_checked = False
         while True:
             fraction = increments.next
-            if not is_asked and (fraction < 1.0 or len(self.points) > 1):
-                is_asked = True
+            if not give_up_checked and (fraction < 1.0 or len(self.points) > 1):
+                give_up_checked = True
                 if reason := self.options.give_up(target):
                     last = load_step.control(self.control, increments.reached)
                     raise PathEnded(self._given_up(last, increments, before, reason))
@@ -159,35 +148,12 @@ class PathFollower:
 
     def _increment(self, control: Control, increments: Increments) -> Increment:
         """The next one."""
-        effort = self._effort(control, increments)
+        effort = effort_of(control, increments, self.points, self.is_stable)
         return Increment(self.points, control, increments.limit, effort, self._watch(increments))
 
     def _watch(self, increments: Increments) -> Watch:
         """Tells the observer of every iteration."""
         return lambda iteration, residual: self.observer.iteration(increments.target, iteration, residual)
-
-    def _effort(self, control: Control, increments: Increments) -> Effort:
-        """How long an equilibrium is sought with the next increment.
-
-        No longer than until the tangent is indefinite where no unstable equilibrium would be accepted: near an
-        announced limit, and in large increments after one that failed. Contact makes the tangent indefinite on the way
-        to stable equilibria as well.
-        """
-        most = MAX_UNSTABLE_RETRY if self.points[-1].touching else 0
-        if increments.passes_limit or (increments.cutbacks and increments.nears_limit):
-            return Effort(ITERATIONS_NEAR_LIMIT, most if self.is_stable else None, self.is_stable, True)
-        iterations = RETRY_ITERATIONS if increments.cutbacks else None
-        if not (self._follows_load and self.is_stable):
-            return Effort(iterations)
-        if increments.cutbacks and not increments.is_small:
-            return Effort(iterations, most, True)
-        if len(self.points) > 1 and self._is_far(control):
-            return Effort(iterations, MAX_UNSTABLE_RETRY, True)
-        return Effort(iterations, MAX_UNSTABLE)
-
-    @property
-    def _follows_load(self) -> bool:
-        return self.control.gives_load
 
     def _check_continuation(
         self, control: Control, converged: Converged, point: PathPoint, increments: Increments
@@ -196,7 +162,7 @@ class PathFollower:
 
         Raises `Unstable` where an equilibrium under a given load is not on the path that led to the last one.
         """
-        if not self._follows_load:
+        if not self.control.gives_load:
             return point
         last, arrival = self._with_rate(self.points[-1]), point
         if self.predictor.nonsmooth_start and last.constant_fraction < 1.0:
@@ -216,17 +182,12 @@ class PathFollower:
     def _announced_limit(self, before: PathPoint, last: PathPoint) -> float | None:
         """The load at which the path announces a limit; None where it announces none."""
         is_smooth = before.constant_fraction == 1.0 or not self.predictor.nonsmooth_start
-        return announced_limit(self._with_rate(before), last) if self._follows_load and is_smooth else None
+        return announced_limit(self._with_rate(before), last) if self.control.gives_load and is_smooth else None
 
     def _with_rate(self, point: PathPoint) -> PathPoint:
         """The point, with its rate at rest too where that is known."""
         is_rest = point is self.predictor.rest and not self.predictor.nonsmooth_start
         return replace(point, rate=self.predictor.rate_at_rest) if is_rest else point
-
-    def _is_far(self, control: Control) -> bool:
-        """Whether an increment under a given load is longer than the last one."""
-        before, last = self.points[0], self.points[-1]
-        return self._follows_load and abs(control.value - last.value) > FAR * abs(last.value - before.value)
 
     def _point(self, control: Control, converged: Converged) -> PathPoint:
         """The point of the path at an equilibrium, with its rate where the last tangent matrix gives it."""
@@ -263,7 +224,7 @@ class PathFollower:
         active_set, options = self.solver.active_set, self.options.newton
         unstable = instability(system, converged, self.points[-1].terms)  # factorizes where it is unstable
         exact, inexact = None, ""
-        if self._follows_load:  # under a prescribed volume the pressure would differ as well
+        if self.control.gives_load:  # under a prescribed volume the pressure would differ as well
             exact, inexact = with_exact_distances(control, converged, active_set, options, self._watch(increments))
         costs = Costs.of(system) - before
         return Step(

@@ -13,6 +13,7 @@ from fem.equations.system import System
 from fem.path import newton
 from fem.path.active_set import ActiveSet
 from fem.path.control import Control
+from fem.path.effort import Effort
 from fem.path.newton import Converged, Inverted, NewtonOptions, NotAdmissible, Start, StepFailed, Unstable, Watch
 from fem.path.predictor import PathPoint, Predictor
 from fem.post.extremes import extremes_of
@@ -22,16 +23,6 @@ from geometry.arrays import Array
 #: largest number of iterations with an indefinite tangent from a stable equilibrium to the next where walls are kept
 #: apart by exact distances: on the hard cases and in tests/test_fem_contact.py 22 solutions had at most 2
 MAX_UNSTABLE_EXACT = 3
-
-
-@dataclass(frozen=True)
-class Effort:
-    """What a solution may cost."""
-
-    iterations: int | None = None  #: largest number of iterations besides that of the options; None: no other
-    unstable: int | None = None  #: largest number of those with an indefinite tangent; None: any
-    stays_stable: bool = False  #: whether none of those may follow one with a definite tangent
-    is_near_limit: bool = False  #: whether one start is enough, because it is near or the load is too large
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from fem import ContactError, SelfContact
+from fem.cell.boundary import Boundary
 from fem.cell.mirror_contact import MirrorContact
-from fem.cell.piece import BendingPiece, Boundary
+from fem.cell.piece import BendingPiece
 from geometry import GRADINGS, Body, Design, DesignError, MeshError, MeshFile, SurfaceFile
 from geometry.meshing.mirror import Repetition
 from pipeline.config.config import Config
