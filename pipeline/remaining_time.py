@@ -61,6 +61,5 @@ def duration(seconds: float) -> str:
     """Seconds in words."""
     if seconds < 10.0:
         return f"{seconds:.1f} s"
-    if seconds < 120.0:
-        return f"{seconds:.0f} s"
-    return f"{seconds // 60:.0f} min {seconds % 60:02.0f} s"
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes} min {rest:02d} s" if minutes >= 2 else f"{round(seconds)} s"

@@ -115,6 +115,21 @@ def test_stress_and_tangent_are_derivatives(name: str, part: str, strain: Array)
         np.testing.assert_allclose(tangent[..., v], change, atol=2e-7)
 
 
+@pytest.mark.parametrize("digits", range(1, 40))
+def test_at_rest_the_stress_is_exactly_zero(digits: int) -> None:
+    """Not only to rounding: with nothing else in the balance Newton's method cannot tell rounding from a load."""
+    share = digits / 40
+    laws = (
+        *(StVenantKirchhoff(E=share, nu=0.45), Hencky(E=share, nu=0.45), NeoHooke(mu=share, kappa=3.0)),
+        *(MooneyRivlin(c10=0.15, c01=share, kappa=3.0), Yeoh(c10=share, c20=share / 7, c30=share / 30, kappa=3.0)),
+        Ogden(mu=(share, share / 7, -share / 30), alpha=(1.3, 5.0, -2.0), kappa=3.0),
+    )
+    rest = np.zeros((1, 1, 6))
+    for law in laws:
+        assert not law.shear(rest).stress.any(), law
+        assert not law.volumetric(rest).stress.any(), law
+
+
 @pytest.mark.parametrize("name", LAWS)
 def test_at_rest_every_law_is_linear_elasticity(name: str) -> None:
     law = LAWS[name]

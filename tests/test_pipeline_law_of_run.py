@@ -163,6 +163,21 @@ def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: 
         assert made.failures[0].startswith("no law of the arm: the cell of the arm has no") == (highest is None)
 
 
+def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_the_limit_of_the_arm(
+    tmp_path: Path,
+) -> None:
+    large = config(tmp_path, "pressures=[1 MPa, 2 MPa]", "validation=off")
+    with open_store(tmp_path / "out", large) as store:
+        context = RunContext.alone(store, Silent())
+        made = law_of_run(Scene.meshed(large), context, lambda: 8.0).result()
+    assert made.law is not None
+    assert (made.law.pressures[0], made.law.pressures[-1]) == (0.0, 8.0)
+    assert made.not_borne
+    assert "no equilibrium of the half cell at" in made.reason
+    assert made.measured is not None
+    assert 8.0 in made.measured.added_kPa
+
+
 @pytest.mark.parametrize(
     ("reached", "below_limit", "end", "highest"),
     [

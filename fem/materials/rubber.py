@@ -50,11 +50,11 @@ class IsochoricLaw(RubberLaw, LinearLaw):
         inverse_inverse, derivative = first * c.first / 9 + second * c.first**2 / 9, first * c.first / 3
         if not (c01 := self.second_invariant_modulus):
             return Response(energy, stress, c.products(Products(one_one, one_inverse, inverse_inverse, derivative)))
-        # that of I2bar is size^2 (I1 I - C - 2/3 I2 C^-1)
+        # that of I2bar is size^2 (I1 I - C - 2/3 I2 C^-1); the difference is exactly 0 at rest, where no load hides it
         size = c01 * size**2
         energy = energy + size * c.second - 3 * c01
-        stress = stress + 2 * scaled(size, c.first[..., None] * IDENTITY - c.components)
-        stress = stress - scaled(4 / 3 * size * c.second, c.inverse)
+        gradient = c.first[..., None] * IDENTITY - c.components - scaled(2 / 3 * c.second, c.inverse)
+        stress = stress + 2 * scaled(size, gradient)
         size = 4 * size
         factors = Products(
             one_one + size,

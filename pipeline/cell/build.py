@@ -130,8 +130,18 @@ class _Builder:
     def _bends(self, pressures: Sequence[float]) -> dict[float, Bend]:
         """How the cell bends without moment at rising pressures, up to the last one that it bears.
 
-        Raises RunFailed where it bears none.
+        Where it bears none of them, at the highest pressure that is of use, if that is lower. Raises RunFailed where it
+        bears none.
         """
+        bends = self._borne_bends(pressures)
+        if not bends and self.highest_kPa and (highest := self.highest_kPa()) < pressures[0]:
+            bends = self._borne_bends([highest])
+        if not bends:
+            raise RunFailed(f"the cell of the arm has no equilibrium at any of the pressures: {self.failures[0]}")
+        return bends
+
+    def _borne_bends(self, pressures: Sequence[float]) -> dict[float, Bend]:
+        """The same; empty where it bears none of the pressures."""
         bends: dict[float, Bend] = {}
         for pressure, pending in [(p, self.tasks.submit(tasks.bend, p)) for p in pressures]:
             try:
@@ -141,8 +151,6 @@ class _Builder:
                 break
             self._count("cell", measured)
             bends[pressure] = measured.curve
-        if not bends:
-            raise RunFailed(f"the cell of the arm has no equilibrium at any of the pressures: {self.failures[0]}")
         return bends
 
     def _largest_bend(self, pressure: float) -> Bend:
@@ -233,19 +241,19 @@ class _Builder:
             for lower, upper, pair in neighbours
             if pair not in self.errors
         }
-        for pair, found in pending.items():
-            self.errors[pair] = self._error_between(pair, found)
+        for pair, task in pending.items():
+            self.errors[pair] = self._error_between(pair, task)
         return {(lower, upper): self.errors[pair] for lower, upper, pair in neighbours}
 
     def _error_between(self, pair: tuple[float, float], pending: Pending[Measured[Deviation]]) -> float:
         try:
-            found = pending.result()
+            deviation = pending.result()
         except (PieceFailed, RodError) as failure:
             reason = str(failure).rstrip(".")
             self.limits.append(f"the interpolation at {0.5 * sum(pair):g} kPa could not be checked: {reason}")
             return 0.0
-        self._count("between", found)
-        return found.curve.kappa
+        self._count("between", deviation)
+        return deviation.curve.kappa
 
     def _ends(self, cells: Sequence[Measured[CellCurve]], half_cells: int) -> tuple[list[ClampCurve], list[TipCurve]]:
         """The clamped end and the tip by rising pressure, up to the last one that is borne."""
