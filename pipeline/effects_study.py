@@ -218,7 +218,8 @@ def _measure(variant: Variant, context: RunContext) -> VariantResult:
     scene = Scene.meshed(variant.config)
     outcomes = simulate(scene, context, ("III", "II"))
     # by the criterion alone: whether two lines need contact is what this study shows
-    parameters, failures = identify_all(outcomes, scene.body.pitch, scene.config.identification.d_mm)
+    d = scene.config.identification.d_mm
+    parameters, failures = identify_all(outcomes, scene.body.pitch, d, equal_cells=False)
     numbers = tuple(VariantNumbers.of(at_pressure) for at_pressure in parameters)
     return VariantResult(numbers, VariantCost.of(outcomes), (*outcomes.failures, *failures))
 

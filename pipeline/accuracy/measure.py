@@ -39,7 +39,7 @@ def measure(rung: Rung) -> RungResult:
         return RungResult(str(failure), (), None)
     fit_start, d = perf_counter(), rung.config.identification.d_mm
     equal = rung.config.design.repeats
-    parameters, failures = identify_all(outcomes, scene.body.pitch, d, equal)
+    parameters, failures = identify_all(outcomes, scene.body.pitch, d, equal_cells=equal)
     fit = perf_counter() - fit_start
     seconds = {"mesh": meshed, **_stages(outcomes), "fit": fit}
     cost = _cost(perf_counter() - start, _cpu_seconds() - cpu, seconds, scene.body, outcomes)
@@ -47,7 +47,7 @@ def measure(rung: Rung) -> RungResult:
     numbers = [numbers_of(at_pressure, 1, fit) for at_pressure in parameters]
     for stride in rung.strides[1:]:
         fit_start = perf_counter()
-        thinned, failed = identify_all(_thinned(outcomes, stride), scene.body.pitch, d, equal)
+        thinned, failed = identify_all(_thinned(outcomes, stride), scene.body.pitch, d, equal_cells=equal)
         numbers += [numbers_of(at_pressure, stride, perf_counter() - fit_start) for at_pressure in thinned]
         failures += tuple(f"every {stride} points: {sentence}" for sentence in failed)
     return RungResult("; ".join(failures), tuple(numbers), replace(cost, peak_memory_MB=_peak_memory_MB()))

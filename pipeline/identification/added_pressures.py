@@ -48,7 +48,7 @@ def _identified(
     scene: Scene, context: RunContext, outcomes: Outcomes
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     design, d = scene.config.design, scene.config.identification.d_mm
-    return identify_in_tasks(context, outcomes, scene.body.pitch, d, design.repeats)
+    return identify_in_tasks(context, outcomes, scene.body.pitch, d, equal_cells=design.repeats)
 
 
 def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[str, Quantity]]:

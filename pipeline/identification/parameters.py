@@ -190,11 +190,12 @@ def observed(parameters: Parameters, record: Record) -> Observation:
 
 
 def identify_all(
-    outcomes: Outcomes, pitch: float, d: float | None = None, equal_cells: bool = False
+    outcomes: Outcomes, pitch: float, d: float | None = None, *, equal_cells: bool
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     """The parameters at every pressure reached in both II and III, and a sentence for each where there are none.
 
-    d: mm, the break where it is given and not sought. equal_cells: whether the arm consists of equal cells.
+    d: mm, the break where it is given and not sought. equal_cells: whether the arm consists of equal cells, so that two
+    lines need walls that touch; False to choose by the criterion alone.
     """
     return _gathered(
         {pair[0].pressure_kPa: partial(_identified, *pair, pitch, d, equal_cells) for pair in outcomes.pairs}
@@ -202,7 +203,7 @@ def identify_all(
 
 
 def identify_in_tasks(
-    context: RunContext, outcomes: Outcomes, pitch: float, d: float | None = None, equal_cells: bool = False
+    context: RunContext, outcomes: Outcomes, pitch: float, d: float | None = None, *, equal_cells: bool
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     """The same with a task for every pressure."""
     pending = {pair[0].pressure_kPa: context.submit(_task, *pair, pitch, d, equal_cells) for pair in outcomes.pairs}
