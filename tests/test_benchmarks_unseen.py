@@ -213,18 +213,22 @@ def test_a_prescribed_volume_confirms_a_limit_where_the_pressure_turns() -> None
 
 def test_a_second_law_confirms_a_limit_near_the_first() -> None:
     near, far = (Failure(20.0, REASON, 0, 0, kPa) for kPa in (11.0, 19.0))
-    assert judged(REASON, 12.6, "neo_hooke", near)[1]
-    assert not judged(REASON, 12.6, "neo_hooke", far)[1]
-    assert not judged(REASON, 12.6, "neo_hooke", None)[1]
-    of_law = "a stretch of 0.3 is below 0.577, where svk is no longer stable"
+    of_body = Failure(20.0, REASON, 0, 0, 12.6)
+    assert judged(of_body, 12.6, "neo_hooke", near)[1]
+    assert not judged(of_body, 12.6, "neo_hooke", far)[1]
+    assert not judged(of_body, 12.6, "neo_hooke", None)[1]
+    of_law = replace(of_body, reason="a stretch of 0.3 is below 0.577, where svk is no longer stable")
     assert judged(of_law, 12.6, "neo_hooke", None)[1]
     assert judged(of_law, 12.6, "neo_hooke", far)[1]  # it goes on well beyond the limit of the first law
     before, shortly_before, behind = (Failure(20.0, REASON, 0, 0, kPa) for kPa in (9.0, 11.0, 15.9))
     assert not judged(of_law, 12.6, "neo_hooke", before)[1]
     assert judged(of_law, 12.6, "neo_hooke", shortly_before)[1]
     assert "the law is the cause" in judged(of_law, 12.6, "neo_hooke", behind)[0]
-    assert named_limit(near) == 11.0
-    assert named_limit(Failure(20.0, REASON, 0, 0)) == 12.5
+    crossing = Failure(20.0, "it passes through itself", 0, 0, reached_kPa=12.5, passes_through_itself=True)
+    assert judged(crossing, 0.0, "neo_hooke", crossing)[1]
+    assert not judged(crossing, 0.0, "neo_hooke", near)[1]
+    assert (named_limit(near), named_limit(crossing)) == (11.0, 0.0)
+    assert named_limit(Failure(20.0, REASON, 0, 0, reached_kPa=12.5)) == 12.5
 
 
 @pytest.mark.parametrize("seed", [3])
@@ -380,7 +384,7 @@ def test_work_and_energy_differ_where_the_state_is_no_equilibrium(tmp_path: Path
 
 
 def test_an_experiment_that_ends_because_of_two_is_sorted_by_the_sentence_of_two() -> None:
-    because = "no equilibrium found beyond 9 kPa on the way to 20 kPa: it was not tried further, because "
+    because = "it was followed up to 9 kPa only, because "
     because += "experiment II of the same arm has its last equilibrium at 11 kPa"
     part = "it was followed up to 10.4 kPa only, 95 % of the last equilibrium of experiment II of the same arm"
     record = {"ended": "ran", "checks": [], "reasons": {"I": because, "II": "no equilibrium", "III": part}}

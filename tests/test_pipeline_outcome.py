@@ -85,7 +85,7 @@ def test_a_failure_is_a_sentence_and_a_row() -> None:
 def test_the_lowest_end_is_a_limit_or_the_last_equilibrium() -> None:
     ends = {
         "I": Failure(150.0, "a limit", 0, 0, limit_kPa=64.7, reached_kPa=64.6),
-        "II": Failure(150.0, "not tried further", 0, 0, reached_kPa=5.0, not_followed=True),
+        "II": Failure(150.0, "it was not solved, because", 0, 0, reached_kPa=5.0, not_followed=True),
         "III": Failure(150.0, "no luck", 0, 0, reached_kPa=40.0),
     }
     outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})

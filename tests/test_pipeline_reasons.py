@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from fem import End
 from pipeline.config.config import End as ArmEnd
-from pipeline.simulation.case_path import failure_in_kPa
+from pipeline.simulation.case_path import failure_in_kPa, given_up_in_kPa
 from pipeline.simulation.loadcase import LoadCase, PressureSchedule
 
 
@@ -22,3 +22,12 @@ def test_where_a_path_ended_in_the_units_of_the_configuration() -> None:
     )
     assert "50 % of F_x = 0.2 N at the end" in failure_in_kPa(end, drawn)
     assert "at the end" not in failure_in_kPa(replace(end, constant_fraction=1.0), held)
+
+
+def test_how_far_a_path_was_followed_that_was_given_up() -> None:
+    end = End("load factor", 1.0, 0.4, 1.0, 3, 40, "experiment II of the same arm has its limit at 20 kPa")
+    case = LoadCase("I", "I", PressureSchedule((45.0,), 45.0), ArmEnd())
+    assert given_up_in_kPa(end, case) == (
+        "it was followed up to 18 kPa only, because experiment II of the same arm has its limit at 20 kPa"
+    )
+    assert given_up_in_kPa(replace(end, reached=0.0), case).startswith("it was not solved, because experiment II")

@@ -128,7 +128,7 @@ LIMIT = (
     "last equilibrium has 6.4% of its elastic stiffness left in a motion that is largest at (109.0, 8.5, 0.0) mm: a "
     "limit point; the law is beyond its limits there (p2p0 elements are too soft)"
 )
-BEYOND = "stopped before 150 kPa: it was not tried further, because experiment II has its limit at 64.74 kPa"
+BEYOND = "stopped before 150 kPa: it was not solved, because experiment II has its limit at 64.74 kPa"
 
 
 def test_a_terminal_shows_failures_in_short(folder: Path) -> None:

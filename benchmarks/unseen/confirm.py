@@ -7,7 +7,6 @@ was not reached: it either ends near the same pressure, or goes on, at least wel
 names the law itself as the cause.
 """
 
-import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -31,10 +30,8 @@ NEAR_OF_LAWS = 0.25
 #: volumes that are prescribed beyond the last state, each larger by this part of what the first order expects up to the
 #: limit; the slope of the volume grows towards a limit point
 VOLUMES, STEP = 24, 0.35
-#: how the sentence of a limit begins, and what in it names the law
-LAST = re.compile(r"no equilibrium found beyond ([\d.e+-]+) kPa")
+#: what in the sentence of a limit names the law
 OF_LAW = ("is below", "no longer stable")
-THROUGH_ITSELF = "passes through itself"
 
 
 @dataclass(frozen=True)
@@ -52,13 +49,8 @@ class Confirmation:
 
 
 def named_limit(failure: Failure) -> float:
-    """The pressure (kPa) of the named limit, or of the last equilibrium; 0 where none is named."""
-    if failure.limit_kPa:
-        return failure.limit_kPa
-    found = LAST.search(failure.reason)
-    if found:
-        return float(found.group(1))
-    return 0.0
+    """The pressure (kPa) of the named limit, or of the last equilibrium; 0 where the body passes through itself."""
+    return 0.0 if failure.passes_through_itself else failure.limit_kPa or failure.reached_kPa
 
 
 def confirmed(config: Config, outcome: Outcome, folder: Path) -> Confirmation:
@@ -149,17 +141,20 @@ def by_second_law(
     case = LoadCase(experiment, experiment, schedule(other, reached), other.end)
     with open_store(folder / other.material.law, other) as store:
         outcome = simulate(Scene.meshed(other), RunContext.alone(store, Silent()), [case])[experiment]
-    return judged(failure.reason, limit_kPa, other.material.law, outcome.failure)
+    return judged(failure, limit_kPa, other.material.law, outcome.failure)
 
 
-def judged(reason: str, limit_kPa: float, law: str, failure: Failure | None) -> tuple[str, bool]:
-    """Whether the outcome of a second law confirms a limit, in words and as a truth value."""
-    of_law = any(words in reason for words in OF_LAW)
-    if failure is None:
+def judged(failure: Failure, limit_kPa: float, law: str, of_second: Failure | None) -> tuple[str, bool]:
+    """Whether the outcome of a second law confirms a limit, in words and as a truth value.
+
+    of_second: why the second law did not reach the pressure; None where it did.
+    """
+    of_law = any(words in failure.reason for words in OF_LAW)
+    if of_second is None:
         return f"with {law} the pressure is reached" + (", so the law is the cause" if of_law else ""), of_law
-    if THROUGH_ITSELF in reason and THROUGH_ITSELF in failure.reason:
+    if failure.passes_through_itself and of_second.passes_through_itself:
         return f"with {law} the body passes through itself as well", True
-    other = named_limit(failure)
+    other = named_limit(of_second)
     if other and limit_kPa and abs(other - limit_kPa) <= NEAR_OF_LAWS * limit_kPa:
         return f"with {law} the limit is at {other:.4g} kPa", True
     if of_law and limit_kPa and other > (1.0 + NEAR_OF_LAWS) * limit_kPa:

@@ -117,7 +117,7 @@ class CasePath:
         at = self.case.schedule.pressure_at
         return Failure(
             self._pressure,
-            failure_in_kPa(end, self.case),
+            (given_up_in_kPa if self.is_given_up else failure_in_kPa)(end, self.case),
             end.cutbacks,
             factorizations,
             limit_kPa=at(end.limit) if end.limit else 0.0,
@@ -141,9 +141,21 @@ class CasePath:
 
 def failure_in_kPa(end: fem.End, case: LoadCase) -> str:
     """Why a path ended, in the units of the configuration."""
-    reached, target = (f"{case.schedule.pressure_at(factor):.4g} kPa" for factor in (end.reached, end.target))
-    if end.constant_fraction < 1.0 and (acting := case.on_end):
-        reached += f" with {100 * end.constant_fraction:.3g} % of {acting} at the end"
+    reached, target = _reached(end, case), f"{case.schedule.pressure_at(end.target):.4g} kPa"
+    if end.constant_fraction < 1.0 and case.on_end:
         target += " with all of it"
     limit = f"the limit is at {case.schedule.pressure_at(end.limit):.4g} kPa; " if end.limit else ""
     return f"no equilibrium found beyond {reached} on the way to {target}: {limit}{end.cause}"
+
+
+def given_up_in_kPa(end: fem.End, case: LoadCase) -> str:
+    """How far a path was followed that was given up, and why, in the units of the configuration."""
+    followed = f"followed up to {_reached(end, case)} only" if end.reached else "not solved"
+    return f"it was {followed}, because {end.cause}"
+
+
+def _reached(end: fem.End, case: LoadCase) -> str:
+    reached = f"{case.schedule.pressure_at(end.reached):.4g} kPa"
+    if end.constant_fraction < 1.0 and (acting := case.on_end):
+        reached += f" with {100 * end.constant_fraction:.3g} % of {acting} at the end"
+    return reached

@@ -77,10 +77,7 @@ class KnownLimit:
             sleep(ASK_AGAIN)
         if self._is_near(pressure_kPa) or not 0.0 < self.end_kPa < pressure_kPa:
             return ""
-        return (
-            f"it was not tried further, because experiment {FIRST} of the same arm has its "
-            f"{self.name_of_end} at {self.end_kPa:.4g} kPa"
-        )
+        return f"experiment {FIRST} of the same arm has its {self.name_of_end} at {self.end_kPa:.4g} kPa"
 
     def _is_near(self, pressure_kPa: float) -> bool:
         """Whether II has reached a pressure not far below."""
