@@ -86,7 +86,7 @@ class Discretisation:
         if element.quadratic and len(mesh.curved):
             points[mesh.points.shape[0] + _edge_numbers(grid, mesh.curved.ends)] = mesh.curved.middles
         nodes, chunks, colours, order = _in_chunks(nodes, mesh.points)
-        place = np.argsort(order)
+        new_index = np.argsort(order)
         reference, vertex_shape, fraction = _stress_points(tetrahedron, element)
         curved = element.quadratic and len(mesh.curved) > 0
         inverse, weight = (_curved if curved else _straight)(points[nodes], reference, fraction)
@@ -101,7 +101,7 @@ class Discretisation:
             weight=weight,
             element=element,
             surfaces=_surfaces(mesh, grid if element.quadratic else None),
-            regions={name: np.sort(place[tets]) for name, tets in mesh.regions.items()},
+            regions={name: np.sort(new_index[tets]) for name, tets in mesh.regions.items()},
         )
 
     @property

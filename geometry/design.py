@@ -44,9 +44,9 @@ class DesignError(ValueError):
         return type(self), (self.keys, self.sentence, self.others)
 
 
-def raise_together(found: Iterable[DesignError]) -> None:
+def raise_together(design_errors: Iterable[DesignError]) -> None:
     """Raise one `DesignError` that holds all those found, if there are any."""
-    errors = list(found)
+    errors = list(design_errors)
     if errors:
         raise DesignError(errors[0].keys, errors[0].sentence, errors[1:])
 

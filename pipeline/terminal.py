@@ -31,8 +31,8 @@ def body_table(file: Path, design: Design, body: Body) -> Table:
         "solid", f"{halves * body.mesh.volume:.7g} mm3 in the full body; from the drawing {design.solid_volume:.7g}"
     )
     for name, tets in body.mesh.regions.items():
-        found, drawn = halves * float(body.mesh.volumes[tets].sum()), design.region_volumes[name]
-        table.add_row(f"of it {name}", f"{found:.7g} mm3; from the drawing {drawn:.7g}")
+        meshed, drawn = halves * float(body.mesh.volumes[tets].sum()), design.region_volumes[name]
+        table.add_row(f"of it {name}", f"{meshed:.7g} mm3; from the drawing {drawn:.7g}")
     for name, drawn in design.cavity_volumes.items():
         air = halves * body.mesh.enclosed_volume(name)
         table.add_row(name, f"{air:.7g} mm3 in the full body; from the drawing {drawn:.7g}")

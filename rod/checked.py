@@ -50,12 +50,12 @@ def check_table(
     arrays = {key: _array(table[key]) for key in shapes}
     counts = {**_usual(arrays, shapes), **(sizes or {})}
     for key, shape in shapes.items():
-        wanted = tuple(counts.get(size, -1) if isinstance(size, str) else size for size in shape)
+        expected = tuple(counts.get(size, -1) if isinstance(size, str) else size for size in shape)
         array = arrays[key]
-        if array is None or array.shape != wanted or not np.isfinite(array).all():
-            size = " × ".join(map(str, wanted)) or "one"
+        if array is None or array.shape != expected or not np.isfinite(array).all():
+            size = " × ".join(map(str, expected)) or "one"
             plural = "" if size in ("one", "1") else "s"
-            raise RodError(f"{key}{of} must be {size} finite number{plural}{_instead(array, wanted)}.")
+            raise RodError(f"{key}{of} must be {size} finite number{plural}{_instead(array, expected)}.")
 
 
 def check_positive(table: Mapping[str, Any], keys: Sequence[str], name: str = "") -> None:
@@ -77,20 +77,20 @@ def _array(value: Any) -> Array | None:
 
 def _usual(arrays: Mapping[str, Array | None], shapes: Mapping[str, Shape]) -> dict[str, int]:
     """The size that every letter has in most keys."""
-    found: dict[str, Counter[int]] = {}
+    counts: dict[str, Counter[int]] = {}
     for key, shape in shapes.items():
         array = arrays[key]
         if array is not None and array.ndim == len(shape):
             for letter, size in zip(shape, array.shape, strict=True):
                 if isinstance(letter, str):
-                    found.setdefault(letter, Counter())[size] += 1
-    return {letter: sizes.most_common(1)[0][0] for letter, sizes in found.items()}
+                    counts.setdefault(letter, Counter())[size] += 1
+    return {letter: sizes.most_common(1)[0][0] for letter, sizes in counts.items()}
 
 
-def _instead(array: Array | None, wanted: tuple[int, ...]) -> str:
+def _instead(array: Array | None, expected: tuple[int, ...]) -> str:
     """What there is instead."""
     if array is None:
         return ", without texts and with lists of equal length"
-    if array.shape == wanted:
+    if array.shape == expected:
         return ", and has one that is none"
     return f", and has {' × '.join(map(str, array.shape)) or 'one'}"

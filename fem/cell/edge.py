@@ -53,8 +53,8 @@ class FreeEdge:
         along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
         k = len(self.positions)
         stiff = np.einsum("iajb,a,b->ij", self.by_force, across, across)
-        one = np.ones((k, 1))
-        matrix = np.block([[stiff, -one], [one.T, np.zeros((1, 1))]])
+        ones = np.ones((k, 1))
+        matrix = np.block([[stiff, -ones], [ones.T, np.zeros((1, 1))]])
         right = np.zeros((k + 1, 2))
         right[:k, 0] = -self.positions @ across
         right[k, 1] = 1.0

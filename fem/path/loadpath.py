@@ -109,8 +109,8 @@ def _moved(path: PathFollower, begin: Step, factor: float) -> Step | None:
     """Equilibrium at a load factor from a stable one of another model; None where one increment does not lead there."""
     if begin.negative_pivots or begin.instability:
         return None
-    told = path.observer.iteration
-    observer = PathObserver(lambda _, iteration, residual: told(factor, iteration, residual))
+    callback = path.observer.iteration
+    observer = PathObserver(lambda _, iteration, residual: callback(factor, iteration, residual))
     control = MoveControl.of(path.system, begin, factor)
     with suppress(StepFailed, SingularMatrix):
         step = PathFollower(control, path.options, observer).move(begin, control)

@@ -118,13 +118,13 @@ class PneuNet(SymmetricDesign):
     @property
     def _chambers(self) -> list[_Chamber]:
         """The chambers from the clamp on."""
-        found, x = [], 0.0
+        chambers, x = [], 0.0
         for gap, length, height in zip(
             self._each("gap"), self._each("chamber_length"), self._each("chamber_height"), strict=False
         ):
-            found.append(_Chamber(x + gap, x + gap + length, height))
+            chambers.append(_Chamber(x + gap, x + gap + length, height))
             x += gap + length
-        return found
+        return chambers
 
     @property
     def equal(self) -> bool:

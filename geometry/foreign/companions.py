@@ -13,14 +13,14 @@ _INCLUDE = re.compile(r"\*include\s*,[^=]*=\s*(.+?)\s*$", re.IGNORECASE)
 
 def companions(path: Path) -> tuple[Path, ...]:
     """The files that are read besides `path`, those included by included ones too; only those that exist."""
-    found: list[Path] = []
+    files: list[Path] = []
     waiting = [path]
     while waiting:
         for other in _named_in(waiting.pop()):
-            if other.is_file() and not any(other.samefile(known) for known in (path, *found)):
-                found.append(other)
+            if other.is_file() and not any(other.samefile(known) for known in (path, *files)):
+                files.append(other)
                 waiting.append(other)
-    return tuple(found)
+    return tuple(files)
 
 
 def _named_in(path: Path) -> Iterator[Path]:

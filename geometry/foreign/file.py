@@ -109,10 +109,10 @@ def _other_volumes(content: Any) -> dict[str, int]:
 def _refuse_other_volumes(path: Path, counts: Mapping[str, int]) -> None:
     """Raise `MeshError` where the file has such elements."""
     if counts:
-        found = " and ".join(f"{count} {name}" for name, count in counts.items())
+        elements = " and ".join(f"{count} {name}" for name, count in counts.items())
         raise MeshError(
-            f"the mesh file {path} has {found}; allowed are tetrahedra with 4 or 10 nodes: mesh the body with them, or "
-            "give its surface as STL and this program fills it"
+            f"the mesh file {path} has {elements}; allowed are tetrahedra with 4 or 10 nodes: mesh the body with them, "
+            "or give its surface as STL and this program fills it"
         )
 
 

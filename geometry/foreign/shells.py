@@ -108,10 +108,10 @@ def named_cavities(
             raise DesignError(f"air.{name}", f"a cavity cannot be named {name}; choose another name")
     if not air:
         if len(inner) > 1:
-            places = "; ".join(_place(points, walls) for walls in inner)
+            positions = "; ".join(_position(points, walls) for walls in inner)
             raise DesignError(
                 "air",
-                f"the body has {len(inner)} cavities, around {places}; name each by a point in it, for example "
+                f"the body has {len(inner)} cavities, around {positions}; name each by a point in it, for example "
                 f"air: {{cavity: [{', '.join(f'{x:.4g} mm' for x in _middle(points, inner[0]))}]}}",
             )
         return {"cavity": inner[0]}
@@ -142,7 +142,7 @@ def named_cavities(
     for k, walls in enumerate(inner):
         if k not in taken and not _opens_at(points, walls, mirrors):  # a hole in the clamped face may have no name
             raise DesignError(
-                "air", f"the body has one more cavity, around {_place(points, walls)}; name it by a point in it"
+                "air", f"the body has one more cavity, around {_position(points, walls)}; name it by a point in it"
             )
     return named
 
@@ -167,5 +167,5 @@ def _middle(points: Array, walls: Index) -> Array:
     return np.asarray((corners.min(axis=0) + corners.max(axis=0)) / 2)
 
 
-def _place(points: Array, walls: Index) -> str:
+def _position(points: Array, walls: Index) -> str:
     return "(" + ", ".join(f"{x + 0.0:.4g}" for x in _middle(points, walls)) + ") mm"

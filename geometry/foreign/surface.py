@@ -168,11 +168,11 @@ def _consistent(part: Index) -> Index:
         at = waiting.pop()
         for edge in range(3 * at, 3 * at + 3):
             other = int(neighbours[edge] // 3)
-            wanted = turned[at] ^ int(same[edge])
+            orientation = turned[at] ^ int(same[edge])
             if turned[other] < 0:
-                turned[other] = wanted
+                turned[other] = orientation
                 waiting.append(other)
-            elif turned[other] != wanted:
+            elif turned[other] != orientation:
                 raise MeshError("the surface has one side only, as a Moebius strip has; save the body as a solid")
     return np.where(turned[:, None] == 1, part[:, ::-1], part)
 
@@ -184,11 +184,11 @@ def thinnest(surface: Surface) -> float:
     across = normals(corners)
     area = np.linalg.norm(across, axis=1)
     chosen = np.argsort(-area, kind="stable")[:: max(1, len(area) // PLACES)]
-    found = []
+    thicknesses = []
     for k in chosen:
         if area[k] > 0:
-            found.append(_through(corners[k].mean(axis=0), -across[k] / area[k], corners))
-    return float(min(found, default=np.inf))
+            thicknesses.append(_through(corners[k].mean(axis=0), -across[k] / area[k], corners))
+    return float(min(thicknesses, default=np.inf))
 
 
 def _through(start: Array, direction: Array, corners: Array) -> float:

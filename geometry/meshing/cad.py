@@ -66,10 +66,10 @@ def edges_of(body: CadBody) -> tuple[tuple[float, str], ...]:
     with session() as gmsh:
         import_solids(gmsh, body.source)
         occ = gmsh.model.occ
-        found = [
+        edges = [
             (float(occ.getMass(1, tag)), body.words(occ.getCenterOfMass(1, tag), ".3")) for _, tag in occ.getEntities(1)
         ]
-    return tuple(sorted(edge for edge in found if edge[0] > SHORTEST))
+    return tuple(sorted(edge for edge in edges if edge[0] > SHORTEST))
 
 
 def measure_thinnest_wall(body: CadBody) -> float:
@@ -238,8 +238,8 @@ def _only(gmsh: Any, body: CadBody, inner: list[Volume]) -> Volume:
             ("air", "file"), f"the body has no closed cavity: its air is open to the outside; {_close(body)}"
         )
     if len(inner) > 1:
-        places = "; ".join(_middle(gmsh, body, volume) for volume in inner)
-        raise DesignError("air", f"the body has {len(inner)} cavities, around {places}; name each by a point in it")
+        positions = "; ".join(_middle(gmsh, body, volume) for volume in inner)
+        raise DesignError("air", f"the body has {len(inner)} cavities, around {positions}; name each by a point in it")
     return inner[0]
 
 

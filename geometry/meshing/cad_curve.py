@@ -27,9 +27,9 @@ def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
 
     def inside(y: float) -> bool:
         points = np.column_stack([along, np.full(SAMPLES, y), np.full(SAMPLES, across)])
-        found = sum(gmsh.model.isInside(3, solid[1], points.ravel()) for solid in solids)
+        count = sum(gmsh.model.isInside(3, solid[1], points.ravel()) for solid in solids)
         # a point in a face of two solids is found in both; one by one the points take far longer
-        return found >= SAMPLES and (len(solids) == 1 or all(_in_material(gmsh, solids, point) for point in points))
+        return count >= SAMPLES and (len(solids) == 1 or all(_in_material(gmsh, solids, point) for point in points))
 
     if any(inside(body.curve + side * rounding) for side in (1.0, -1.0)):
         return

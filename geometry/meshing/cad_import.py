@@ -113,10 +113,10 @@ def _united(gmsh: Any, solids: list[Volume], key: str = "unite") -> list[Volume]
     occ.synchronize()
     united = [volume for volume in united if volume[0] == 3]
     if len(united) > 1:
-        places = "; ".join("(" + ", ".join(f"{x:.4g}" for x in occ.getCenterOfMass(*volume)) + ")" for volume in united)
+        points = "; ".join("(" + ", ".join(f"{x:.4g}" for x in occ.getCenterOfMass(*volume)) + ")" for volume in united)
         raise DesignError(
             key,
-            f"the {len(solids)} solids of the file are {len(united)} parts that do not touch, around {places} in the "
+            f"the {len(solids)} solids of the file are {len(united)} parts that do not touch, around {points} in the "
             "file's own frame; save the body alone",
         )
     return united

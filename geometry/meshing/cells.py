@@ -243,11 +243,11 @@ class _Slots:
         fraction = sum(volumes) / self.moments[0][0]
         if fraction > SAME:
             largest = rest[int(np.argmax(volumes))]
-            place = ", ".join(f"{round(coordinate, 3) + 0.0:g}" for coordinate in occ.getCenterOfMass(*largest))
+            centre = ", ".join(f"{round(coordinate, 3) + 0.0:g}" for coordinate in occ.getCenterOfMass(*largest))
             raise DesignError(
                 "cell",
                 f"the body is not symmetric about the plane x = {x:g} mm: the material {self.h:g} mm before and behind "
-                f"it differs by {100 * fraction:.2g} % of its volume, around ({place}) mm; give planes in the middle "
+                f"it differs by {100 * fraction:.2g} % of its volume, around ({centre}) mm; give planes in the middle "
                 "of a cell and between two equal cells, or a length alone",
             )
 

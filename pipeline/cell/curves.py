@@ -68,8 +68,8 @@ class PieceCurves:
         def measure() -> Measured[ClampCurve]:
             piece = self.pieces.end(half_cells, "clamp")
             before = piece.factorizations
-            found = clamp_curve(piece, cell)
-            return Measured(found.curve, found.limits, found.error, piece.factorizations - before)
+            clamp = clamp_curve(piece, cell)
+            return Measured(clamp.curve, clamp.limits, clamp.error, piece.factorizations - before)
 
         return self._clamps.get(_end_name("clamp", half_cells, cell), measure)
 

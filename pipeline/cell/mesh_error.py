@@ -89,12 +89,12 @@ def _joined(finer: MeshError, coarser: MeshError) -> MeshError:
     order = sorted((*finer.pressures_kPa, *coarser.pressures_kPa))
 
     def of_both(name: str, part: str) -> tuple[float, ...]:
-        found = {
+        by_pressure = {
             pressure: value
             for error in (finer, coarser)
             for pressure, value in zip(error.pressures_kPa, getattr(error, part)[name], strict=True)
         }
-        return tuple(found[pressure] for pressure in order)
+        return tuple(by_pressure[pressure] for pressure in order)
 
     values, deviations = ({name: of_both(name, part) for name in NUMBERS} for part in ("values", "deviations"))
     return replace(finer, pressures_kPa=tuple(order), values=values, deviations=deviations)

@@ -175,9 +175,9 @@ def checked(document: Document) -> tuple[Any, str, dict[str, str]]:
     model = _model(None if family is None else _design(family, document), laws)
     try:
         content = model.model_validate(document.content)
-        found = {name: law for name, law in laws.items() if law is not None}
-        if family is not None and len(found) == len(laws) and not refusals:
-            return content, family, found
+        chosen = {name: law for name, law in laws.items() if law is not None}
+        if family is not None and len(chosen) == len(laws) and not refusals:
+            return content, family, chosen
     except pydantic.ValidationError as refused:
         refusals += document.refusal(refused.errors(), model).sentences
     raise InputError(*refusals)

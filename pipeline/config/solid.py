@@ -89,12 +89,12 @@ def check_stiffness(document: Document, material: Material, pressures: tuple[flo
 
 def _in_gpa(document: Document, material: Material) -> list[tuple[str, str]]:
     """Names and numbers of the constants, other than the bulk modulus, that are written in GPa."""
-    found = []
+    constants = []
     for name in material.constants:
         value = document.content["material"].get(name)
         written = [_GPA.fullmatch(str(entry)) for entry in (value if isinstance(value, list) else [value])]
-        found += [(name, number[1]) for number in written if number is not None and name != BULK]
-    return found
+        constants += [(name, number[1]) for number in written if number is not None and name != BULK]
+    return constants
 
 
 def _unit_meant(document: Document) -> str:

@@ -33,13 +33,13 @@ class Form(ABC):
         """The constants that fit best to the nominal stress (n,), MPa. Raises `TooFewPoints`."""
         count, beyond = len(self.constants), np.round((stretch - 1) / ROUNDING)
         different = len(np.unique(beyond[beyond != 0]))
-        for found, needed, what in (
+        for available, needed, what in (
             (np.count_nonzero(beyond), count + MORE_POINTS, "points"),
             (different, count + MORE_STRETCHES, "different strains"),
         ):
-            if found < needed:
+            if available < needed:
                 many = "one constant needs" if count == 1 else f"{count} constants need"
-                raise TooFewPoints(f"{many} {needed} {what} beyond rest, and there are {found}")
+                raise TooFewPoints(f"{many} {needed} {what} beyond rest, and there are {available}")
         return self._best_fit(stretch, stress)
 
     @abstractmethod

@@ -69,15 +69,15 @@ class OgdenForm(Form):
 
         The modulus of a term is not judged: it may be tiny beside a large exponent, and the two vary together.
         """
-        one, points = OgdenForm(1), _Points.of(stretch, stress)
+        term, points = OgdenForm(1), _Points.of(stretch, stress)
         left = float(np.sum((self.nominal(constants, stretch) - stress) ** 2))
         if self.terms > 1 and left > (1 - LEAST_GAIN) * _best(points, self.terms - 1).left:
             return f"{self.terms} terms are no closer to the data than {self.terms - 1}"
         for number in range(0, len(constants), 2):
             part, both = slice(number, number + 2), constants[number : number + 2]
             alpha, alpha_error = both[1], np.sqrt(covariance[number + 1, number + 1])
-            most = stretch[[np.argmax(np.abs(one.nominal(both, stretch)))]]
-            error = relative_error(one.nominal(both, most), one.slopes(both, most), covariance[part, part])
+            most = stretch[[np.argmax(np.abs(term.nominal(both, stretch)))]]
+            error = relative_error(term.nominal(both, most), term.slopes(both, most), covariance[part, part])
             if error > LARGEST_ERROR or alpha_error > LARGEST_ERROR * max(abs(alpha), 1):
                 return (
                     f"{self._undetermined}: one has alpha {alpha:.2g} ± {alpha_error:.1g} and a stress with a standard "
@@ -168,11 +168,11 @@ def _searched(points: _Points, terms: int, *, positive: bool) -> _Terms:
     start = _start(points, terms, positive=positive)
     low = np.repeat([0.0 if positive else -np.inf, -LARGEST_EXPONENT], terms)
     high = np.repeat([np.inf, LARGEST_EXPONENT], terms)
-    found = minimised(
+    solution = minimised(
         residuals, np.maximum(start, low + 1e-9), derivatives, (low, high), x_scale="jac", xtol=ACCURACY,
         ftol=ACCURACY, gtol=ACCURACY, max_nfev=MOST_EVALUATIONS,
     )  # fmt: skip
-    return _Terms(found.x[terms:], found.x[:terms], float(2 * found.cost) + points.scatter)
+    return _Terms(solution.x[terms:], solution.x[:terms], float(2 * solution.cost) + points.scatter)
 
 
 def _start(points: _Points, terms: int, *, positive: bool) -> Array:

@@ -56,7 +56,7 @@ def read_table(path: Path) -> Table:
     ]
     if not lines:
         raise InputError(f"{path}: holds no table; {EXAMPLE}")
-    begin = next((place for place, (_, line) in enumerate(lines) if _names_both(line)), 0)
+    begin = next((index for index, (_, line) in enumerate(lines) if _names_both(line)), 0)
     for number, line in lines[:begin]:
         if all(math.isfinite(number_of(cell, _separator(line))) for cell in _cells(line, _separator(line))):
             raise InputError(

@@ -97,11 +97,11 @@ def _reduced(surfaces: Surfaces) -> Iterator[Surfaces]:
 
 
 def _data(surfaces: Surfaces) -> JsonObject:
-    places = np.concatenate([surfaces.points[None], surfaces.points + surfaces.displacement])
-    low, high = places.min(axis=(0, 1)), places.max(axis=(0, 1))
+    positions = np.concatenate([surfaces.points[None], surfaces.points + surfaces.displacement])
+    low, high = positions.min(axis=(0, 1)), positions.max(axis=(0, 1))
     if surfaces.half:
         low[2] = min(low[2], -high[2])
-    grid = np.round((places - low) / (high - low) * 65535.0).astype("<u2")
+    grid = np.round((positions - low) / (high - low) * 65535.0).astype("<u2")
     triangles, outer = surfaces.triangles()
     fields = {"stretch": surfaces.stretch, "von_mises_MPa": surfaces.von_mises_MPa}
     limits = {

@@ -113,10 +113,10 @@ def rigidities(results: Results) -> Figure | None:
             line = np.nanmean(values) + slope * (ends - pressures.mean())
             marks.append(Marks(ends, line, f"slope of {symbol}", f"slope {style}"))
         for k, pressure in enumerate(pressures):
-            one = slice(k, k + 1)
-            half = spread[one] if len(spread) == len(values) else None
+            point = slice(k, k + 1)
+            half = spread[point] if len(spread) == len(values) else None
             name = f"{symbol}, {pressure:g} kPa"
-            marks.append(Marks(pressures[one], values[one], name, "dot", number + 19, spread=half))
+            marks.append(Marks(pressures[point], values[point], name, "dot", number + 19, spread=half))
     if not marks:
         return None
     entries = (Entry("dot p20", "α₁"), Entry("dot p21", "α₂"), Entry("slope", "slopes β₁, β₂"))

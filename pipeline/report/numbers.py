@@ -54,13 +54,13 @@ def decimals(results: Results) -> dict[str, int]:
 
 def five_parameters(results: Results) -> list[tuple[str, list[Cell]]]:
     """Rows by pressure: p, the five parameters of the rod with their intervals."""
-    places = decimals(results)
+    digits = decimals(results)
     single = results.parameters.get("single_line_suffices") or [False] * len(results.identified_pressures)
     return [
         (
             f"{pressure:g}",
             [
-                NO_BREAK if key == "d_mm" and single[index] else _cell(results.parameters, key, index, places[key])
+                NO_BREAK if key == "d_mm" and single[index] else _cell(results.parameters, key, index, digits[key])
                 for key, _, _ in NUMBERS
             ],
         )
@@ -71,12 +71,12 @@ def five_parameters(results: Results) -> list[tuple[str, list[Cell]]]:
 def estimators(results: Results) -> list[tuple[str, str, list[Cell]]]:
     """Rows by pressure and estimator: p, name, the five parameters."""
     rows = []
-    places = decimals(results)
+    digits = decimals(results)
     for index, pressure in enumerate(results.identified_pressures):
         predicted = results.parameters.get("predicted_by_arm_law")
         listed = {**(results.parameters.get("estimators") or {}), **({"arm_law": predicted} if predicted else {})}
         for name, columns in listed.items():
-            cells = [_cell(columns, key, index, places[key]) for key, _, _ in NUMBERS]
+            cells = [_cell(columns, key, index, digits[key]) for key, _, _ in NUMBERS]
             rows.append((f"{pressure:g}", _TITLES.get(name, name), cells))
     return rows
 
@@ -165,12 +165,12 @@ def eccentricity(results: Results) -> list[tuple[str, list[str]]]:
     columns = results.parameters.get("eccentricity")
     if not columns:
         return []
-    places = {"eccentricity_mm": decimals_of(columns["eccentricity_mm"], columns["eccentricity_mm_std"])}
-    places |= decimals(results)
+    digits = {"eccentricity_mm": decimals_of(columns["eccentricity_mm"], columns["eccentricity_mm_std"])}
+    digits |= decimals(results)
     return [
         (
             f"{pressure:g}",
-            [with_spread(columns[key][index], columns[f"{key}_std"][index], n) for key, n in places.items()],
+            [with_spread(columns[key][index], columns[f"{key}_std"][index], n) for key, n in digits.items()],
         )
         for index, pressure in enumerate(results.identified_pressures)
     ]
@@ -227,15 +227,15 @@ def slopes(results: Results) -> list[str]:
     return sentences
 
 
-def _cell(columns: Mapping[str, Any], key: str, index: int, places: int) -> Cell:
+def _cell(columns: Mapping[str, Any], key: str, index: int, digits: int) -> Cell:
     value, spread = columns[key][index], (columns.get(f"{key}_std") or {index: None})[index]
     bounds = (columns.get(f"{key}_95") or {index: None})[index]
     if value is None:
         return Cell("-", "")
     if key == "d_mm" and (columns.get("d_is_at_most") or {index: False})[index]:
-        upper = interval(bounds, places).rpartition(" ")[2]
-        return Cell(f"at most {with_spread(value, None, places)}", f"{upper} with 95 %" if upper else "")
+        upper = interval(bounds, digits).rpartition(" ")[2]
+        return Cell(f"at most {with_spread(value, None, digits)}", f"{upper} with 95 %" if upper else "")
     if key == "d_mm" and (columns.get("d_is_at_least") or {index: False})[index]:
-        lower = interval(bounds, places).partition(" ")[0]
-        return Cell(f"at least {with_spread(value, None, places)}", f"{lower} with 95 %" if lower else "")
-    return Cell(with_spread(value, spread, places), interval(bounds, places))
+        lower = interval(bounds, digits).partition(" ")[0]
+        return Cell(f"at least {with_spread(value, None, digits)}", f"{lower} with 95 %" if lower else "")
+    return Cell(with_spread(value, spread, digits), interval(bounds, digits))

@@ -32,13 +32,13 @@ def not_reached(failures: Iterable[str]) -> list[str]:
 def in_short(failures: Iterable[str]) -> list[str]:
     """What was not reached, and of each reason the limit and the first place in the body, experiments with the same
     reason together."""
-    return _together(map(_limit_and_place, failures))
+    return _together(map(_limit_and_position, failures))
 
 
-def _limit_and_place(failure: str) -> str:
+def _limit_and_position(failure: str) -> str:
     first, *others = failure.split("; ")
-    place = next((clause for clause in others if ") mm" in clause), "")
-    return "; ".join(filter(None, (first, re.sub(r" \([^()]*\)$", "", place))))
+    position = next((clause for clause in others if ") mm" in clause), "")
+    return "; ".join(filter(None, (first, re.sub(r" \([^()]*\)$", "", position))))
 
 
 def _together(sentences: Iterable[str]) -> list[str]:
@@ -49,15 +49,15 @@ def _together(sentences: Iterable[str]) -> list[str]:
         name, text = named.groups() if named else ("", sentence)
         names.setdefault(text, []).append(name)
     return [
-        f"experiment{'s' if len(found) > 1 else ''} {listed(found)} {text}" if any(found) else text
-        for text, found in names.items()
+        f"experiment{'s' if len(experiments) > 1 else ''} {listed(experiments)} {text}" if any(experiments) else text
+        for text, experiments in names.items()
     ]
 
 
 def not_identified(results: Results) -> str:
     """Why there are no five parameters, for the same reason as at the end of the run."""
-    told = [*(results.run.get("failures") or ()), *(results.run.get("remarks") or ())]
-    reasons = [sentence for sentence in told if sentence.startswith("no five parameters")]
+    sentences = [*(results.run.get("failures") or ()), *(results.run.get("remarks") or ())]
+    reasons = [sentence for sentence in sentences if sentence.startswith("no five parameters")]
     why = "; ".join(reasons) if reasons else "the identification needs II and III at the same pressure"
     return f"They were not identified: {why}."
 

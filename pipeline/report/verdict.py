@@ -100,7 +100,7 @@ def verdict_of(results: Results) -> Verdict:
         five=tuple(FiveNumbers(pressure, tuple(cells)) for pressure, cells in five_parameters(results)),
         rod=errors[0].rod if errors else "",
         errors=tuple(errors),
-        statements=tuple(Statement(topic, tuple(said)) for topic, said in topics.items() if said),
+        statements=tuple(Statement(topic, tuple(sentences)) for topic, sentences in topics.items() if sentences),
         parameters=tuple(_parameters(results, index) for index in range(len(results.identified_pressures))),
         failure_in_short=tuple(_failure_in_short(results)),
     )

@@ -43,5 +43,5 @@ class ContactCheck:
         if self.end_mm is None or self.end_N is None:
             return f"how far is not known, because the comparison with exact distances failed ({self.reason})"
         errors = ((self.end_mm, "mm", "the end is displaced by"), (self.end_N, "N", "the force on the end differs by"))
-        told = [f"{what} {error:.2g} {unit}" for error, unit, what in errors if error > NOTHING]
-        return f"with exact distances between them {' and '.join(told) or 'the end and its force are the same'}"
+        differences = [f"{what} {error:.2g} {unit}" for error, unit, what in errors if error > NOTHING]
+        return f"with exact distances between them {' and '.join(differences) or 'the end and its force are the same'}"
