@@ -55,9 +55,9 @@ def wrong_experiments(rows: list[dict[str, Any]]) -> list[str]:
         for row in rows
         if row["status"] != "converged"
     ]
-    found = sorted((row["experiment"], row["pressure_kPa"]) for row in rows)
-    if found != [(experiment, pressure) for experiment in ("I", "II", "III") for pressure in PRESSURES]:
-        complaints.append(f"experiments are {found}")
+    experiments = sorted((row["experiment"], row["pressure_kPa"]) for row in rows)
+    if experiments != [(experiment, pressure) for experiment in ("I", "II", "III") for pressure in PRESSURES]:
+        complaints.append(f"experiments are {experiments}")
     complaints += [f"J = {row['min_J']} in {row['experiment']}" for row in rows if not 0.0 < row["min_J"] < 1.5]
     bent = {row["pressure_kPa"]: row["end_y_mm"] for row in rows if row["experiment"] == "II"}
     if not bent[37.0] < bent[17.0] < 0.0:

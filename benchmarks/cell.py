@@ -311,10 +311,10 @@ def loads_table(comparisons: Sequence[Comparison]) -> str:
     Where a force is small its error over SMALL EI / l^2 stands beside it in brackets.
     """
     pressures = sorted({row.pressure for row in comparisons})
-    by_place = {(row.case, row.pressure): row for row in comparisons}
+    by_load = {(row.case, row.pressure): row for row in comparisons}
 
     def entry(case: str, pressure: float) -> str:
-        row = by_place.get((case, pressure))
+        row = by_load.get((case, pressure))
         if row is None:
             return "-"
         if row.refusal:
@@ -342,7 +342,7 @@ def compare_arm(arm: Arm, pieces: Pieces, results: Results) -> tuple[str, list[l
                 cells.append((pressure, case.name, cell_errors(law, arm, pressure, whole)))
     rows = []
     for pressure in arm.pressures:
-        errors = [(float(np.abs(found).max(initial=0.0)), name) for p, name, found in cells if p == pressure]
+        errors = [(float(np.abs(by_cell).max(initial=0.0)), name) for p, name, by_cell in cells if p == pressure]
         largest, name = max(errors)
         rows.append([arm.name, f"{pressure:g}", percent(largest), name])
     return loads_table(comparisons), rows

@@ -91,8 +91,8 @@ def measured(series: Series, size: float, folder: Path) -> OnMesh | str:
                 middle = cell_without_moment(piece, pressure, middle.state)
             straight = piece.solve(middle.state.pressure, 0.0, middle.state)
             seconds = process_time() - begin
-            found = OnMesh(piece.system.size, middle.state.angle / body.length, straight.moment, seconds)
-            content = asdict(found)
+            mesh = OnMesh(piece.system.size, middle.state.angle / body.length, straight.moment, seconds)
+            content = asdict(mesh)
         except PieceFailed as failure:
             content = {"failure": str(failure)}
         report(f"{series.name}, {size:g} mm: {content}")
@@ -103,8 +103,8 @@ def measured(series: Series, size: float, folder: Path) -> OnMesh | str:
 
 def limit_of(series: Series, folder: Path) -> tuple[list[float], list[float]]:
     """kappa_0 (1/mm), moment (N mm) and rigidity (N mm2) that errors refer to, and their standard deviations."""
-    found = {size: mesh for size in series.sizes if isinstance(mesh := measured(series, size, folder), OnMesh)}
-    values = {size: (mesh.kappa_0, mesh.straight, mesh.rigidity) for size, mesh in found.items()}
+    meshes = {size: mesh for size in series.sizes if isinstance(mesh := measured(series, size, folder), OnMesh)}
+    values = {size: (mesh.kappa_0, mesh.straight, mesh.rigidity) for size, mesh in meshes.items()}
     if not series.extrapolate:
         return list(values[min(values)]), [0.0] * 3
     finest = sorted(values)[:FINEST]
@@ -119,16 +119,16 @@ def table(series: Series, folder: Path) -> str:
     digits, scale = (3, 3, 1), (1000.0, 1.0, 1.0)
     lines: list[Sequence[str]] = []
     for size in series.sizes:
-        found = measured(series, size, folder)
-        if isinstance(found, str):
+        mesh = measured(series, size, folder)
+        if isinstance(mesh, str):
             lines.append([f"{size:g} mm", *["-"] * 8])
             continue
         entries = []
         for value, last, d, unit in zip(
-            (found.kappa_0, found.straight, found.rigidity), limit, digits, scale, strict=True
+            (mesh.kappa_0, mesh.straight, mesh.rigidity), limit, digits, scale, strict=True
         ):
             entries += [f"{unit * value:.{d}f}", f"{100 * (value / last - 1):+.2f}"]
-        lines.append([f"{size:g} mm", str(found.unknowns), *entries, f"{found.seconds:.1f}"])
+        lines.append([f"{size:g} mm", str(mesh.unknowns), *entries, f"{mesh.seconds:.1f}"])
     if series.extrapolate:
         entries = []
         for last, deviation, d, unit in zip(limit, deviations, digits, scale, strict=True):

@@ -39,8 +39,8 @@ def rows_of(name: str) -> list[list[str]]:
             kappa = 0.5 * meshes[0][0]
         entries = []
         for own, finer, coarser, limit in zip(*meshes, strict=True):
-            found = (abs(own - limit), deviation(FINER, own, finer), deviation(COARSER, own, coarser))
-            entries += [f"{100.0 * value / abs(limit):.1f}" for value in found]
+            errors = (abs(own - limit), deviation(FINER, own, finer), deviation(COARSER, own, coarser))
+            entries += [f"{100.0 * value / abs(limit):.1f}" for value in errors]
         rows.append([f"{name}, {pressure:g} kPa", *entries, *(f"{seconds:.1f}" for seconds in (spent[1], spent[3]))])
         report(" | ".join(rows[-1]))
     return rows

@@ -278,10 +278,10 @@ def _entries(number: int, row: Row, between: float) -> list[str]:
     """The row of the table."""
     if row.refusal:
         return [str(number), row.words, "-", "-", "-", "-", "-", "no"]
-    experiments = [one for one in row.scaled if one.case in ("II", "III")]
-    sample = [one for one in experiments if one.pressure != between]
-    others = [[one for one in row.scaled if one.case == name] for name in ("end", "dead")]
-    parts = (sample, [one for one in experiments if one.pressure == between], *others)
+    experiments = [comparison for comparison in row.scaled if comparison.case in ("II", "III")]
+    sample = [comparison for comparison in experiments if comparison.pressure != between]
+    others = [[comparison for comparison in row.scaled if comparison.case == name] for name in ("end", "dead")]
+    parts = (sample, [comparison for comparison in experiments if comparison.pressure == between], *others)
     return [str(number), row.words, f"{row.turn:.0f}", *map(_largest, parts), "yes" if row.is_right else "no"]
 
 

@@ -39,7 +39,7 @@ def tangents(size: float) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray
     """Pattern (indptr, indices) and the values and right-hand sides of every iteration."""
     experiment = Experiment.of("II", PneuNet().body(size), 0.0)
     model = experiment.model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 0.017)], "p2p0")
-    system, kept = model.system(), []
+    system, linear_systems = model.system(), []
     factorize, solve = system.solver.factorize, system.solver.solve
     values: list[np.ndarray] = []
 
@@ -48,13 +48,13 @@ def tangents(size: float) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray
         factorize(data)
 
     def keep_right(right: np.ndarray) -> np.ndarray:
-        kept.append((values[-1], right.copy()))
+        linear_systems.append((values[-1], right.copy()))
         return solve(right)
 
     system.solver.factorize, system.solver.solve = keep_values, keep_right  # type: ignore[method-assign]
     control, start = LoadControl.of(system).target(1.0, 1.0), newton.Start(system.rest_state(), system.terms)
     newton.solve(start, control, newton.NewtonOptions(), lambda *arguments: None)
-    return system.storage.pattern.indptr, system.storage.pattern.indices, kept
+    return system.storage.pattern.indptr, system.storage.pattern.indices, linear_systems
 
 
 def product(indptr: np.ndarray, indices: np.ndarray, data: np.ndarray) -> LinearOperator:
@@ -87,14 +87,14 @@ def timed(call: Callable[[], Value]) -> tuple[Value, float]:
 
 
 def fresh_factor(
-    indptr: Array, indices: Array, kept: Systems, large: int, memory: float | None
+    indptr: Array, indices: Array, systems: Systems, large: int, memory: float | None
 ) -> tuple[float, float, str]:
     """Seconds for all iterations with a new factor in each, of the analysis, and a remark."""
     forget_unused_analyses()
     solver = Pardiso(memory, large)
     _, analysis = timed(lambda: solver.analyse(indptr, indices))
     seconds = 0.0
-    for data, right in kept:
+    for data, right in systems:
         seconds += timed(partial(solver.factorize, data))[1]
         seconds += timed(partial(solver.solve, right))[1]
     megabytes = solver.factor_bytes / 1e6
@@ -102,13 +102,13 @@ def fresh_factor(
     return seconds, analysis, f"factor {megabytes:.0f} MB"
 
 
-def stale_factor(indptr: Array, indices: Array, kept: Systems, patience: int) -> tuple[float, float, str]:
+def stale_factor(indptr: Array, indices: Array, systems: Systems, patience: int) -> tuple[float, float, str]:
     """The factor is kept as a preconditioner until an iteration needs more than `patience` products."""
     forget_unused_analyses()
     solver = Pardiso()
     _, analysis = timed(lambda: solver.analyse(indptr, indices))
     seconds, fresh, counts = 0.0, True, []
-    for data, right in kept:
+    for data, right in systems:
         if not fresh:
             matrix = product(indptr, indices, data)
             count, spent = timed(partial(iterated, matrix, right, solver, patience))
@@ -127,14 +127,14 @@ def stale_factor(indptr: Array, indices: Array, kept: Systems, patience: int) ->
 def main() -> None:
     """Print one table."""
     size = float(sys.argv[1]) if len(sys.argv) > 1 else 4.0
-    indptr, indices, kept = tangents(size)
-    sys.stdout.write(f"{len(indptr) - 1} unknowns, {len(indices)} entries, {len(kept)} iterations\n")
+    indptr, indices, systems = tangents(size)
+    sys.stdout.write(f"{len(indptr) - 1} unknowns, {len(indices)} entries, {len(systems)} iterations\n")
     ways = {
-        "new factor each time, nested dissection": lambda: fresh_factor(indptr, indices, kept, 0, None),
-        "new factor each time, minimum degree": lambda: fresh_factor(indptr, indices, kept, 10**9, None),
-        "single precision, refined": lambda: fresh_factor(indptr, indices, kept, LARGE, 0.0),
-        "stale factor, up to 8 products": lambda: stale_factor(indptr, indices, kept, 8),
-        "stale factor, up to 25 products": lambda: stale_factor(indptr, indices, kept, 25),
+        "new factor each time, nested dissection": lambda: fresh_factor(indptr, indices, systems, 0, None),
+        "new factor each time, minimum degree": lambda: fresh_factor(indptr, indices, systems, 10**9, None),
+        "single precision, refined": lambda: fresh_factor(indptr, indices, systems, LARGE, 0.0),
+        "stale factor, up to 8 products": lambda: stale_factor(indptr, indices, systems, 8),
+        "stale factor, up to 25 products": lambda: stale_factor(indptr, indices, systems, 25),
     }
     base = None
     for name, way in ways.items():

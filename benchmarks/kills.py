@@ -201,20 +201,20 @@ def without_seconds(value: Any) -> Any:
     return [without_seconds(item) for item in value] if isinstance(value, list) else value
 
 
-def compared(one: Any, other: Any, where: str = "") -> str:
+def compared(value: Any, other: Any, where: str = "") -> str:
     """`equal`, or where the first difference is and how large."""
-    if type(one) is not type(other):
+    if type(value) is not type(other):
         return f"different in kind at {where}"
-    if isinstance(one, dict):
-        if one.keys() != other.keys():
+    if isinstance(value, dict):
+        if value.keys() != other.keys():
             return f"different in keys at {where}"
-        differences = (compared(one[name], other[name], f"{where}/{name}") for name in one)
-    elif isinstance(one, list):
-        if len(one) != len(other):
+        differences = (compared(value[name], other[name], f"{where}/{name}") for name in value)
+    elif isinstance(value, list):
+        if len(value) != len(other):
             return f"different in length at {where}"
-        differences = (compared(a, b, f"{where}[{n}]") for n, (a, b) in enumerate(zip(one, other, strict=True)))
+        differences = (compared(a, b, f"{where}[{n}]") for n, (a, b) in enumerate(zip(value, other, strict=True)))
     else:
-        return "equal" if one == other else f"different at {where}: {one!r} and {other!r}"
+        return "equal" if value == other else f"different at {where}: {value!r} and {other!r}"
     return next((difference for difference in differences if difference != "equal"), "equal")
 
 

@@ -80,9 +80,9 @@ def main() -> int:
         for number in range(options.rounds):
             say(f"round {number + 1}: {state_of_machine(options.busy_ok)}")
             for name in sorted(checkouts, reverse=number % 2 == 1):
-                one = measured(checkouts[name], arguments, folder / f"{name}_{number}")
-                spent[name].append(one)
-                say(f"  {name}: {one.wall:.1f} s, processor {one.processor:.1f} s, {one.memory:.0f} MB")
+                run = measured(checkouts[name], arguments, folder / f"{name}_{number}")
+                spent[name].append(run)
+                say(f"  {name}: {run.wall:.1f} s, processor {run.processor:.1f} s, {run.memory:.0f} MB")
         difference, where = largest_difference(folder / "other_0", folder / "this_0")
     say("")
     for line in table(spent["other"], spent["this"]):
@@ -116,8 +116,8 @@ def measured(checkout: Path, arguments: Sequence[str], out: Path) -> Spent:
     process.returncode = os.waitstatus_to_exitcode(status)
     watcher.join()
     if process.returncode:
-        said = out.with_suffix(".log").read_text(encoding="utf-8").strip()
-        sys.exit(f"{checkout}: the run ended with status {process.returncode}: {said}")
+        message = out.with_suffix(".log").read_text(encoding="utf-8").strip()
+        sys.exit(f"{checkout}: the run ended with status {process.returncode}: {message}")
     stages = json.loads((out / "run.json").read_text(encoding="utf-8"))["seconds"]
     return Spent(wall, usage.ru_utime + usage.ru_stime, largest[0], usage.ru_minflt, stages)
 
@@ -152,15 +152,15 @@ def table(other: Sequence[Spent], this: Sequence[Spent]) -> Iterator[str]:
     yield "| | other | this | this / other |"
     yield "|---|---:|---:|---:|"
     rows: list[tuple[str, Callable[[Spent], float]]] = [
-        ("wall s", lambda one: one.wall),
-        ("processor s", lambda one: one.processor),
-        ("memory MB", lambda one: one.memory),
-        ("page faults, thousands", lambda one: one.faults / 1000),
+        ("wall s", lambda run: run.wall),
+        ("processor s", lambda run: run.processor),
+        ("memory MB", lambda run: run.memory),
+        ("page faults, thousands", lambda run: run.faults / 1000),
     ]
-    names = dict.fromkeys(name for one in (*other, *this) for name in one.stages)
-    rows += [(f"{name} s", lambda one, name=name: one.stages.get(name, 0.0)) for name in names]  # type: ignore[misc]
+    names = dict.fromkeys(name for run in (*other, *this) for name in run.stages)
+    rows += [(f"{name} s", lambda run, name=name: run.stages.get(name, 0.0)) for name in names]  # type: ignore[misc]
     for title, value in rows:
-        before, now = ([value(one) for one in all_of] for all_of in (other, this))
+        before, now = ([value(run) for run in all_of] for all_of in (other, this))
         middle = statistics.median(before)
         ratio = f"{statistics.median(now) / middle:.2f}" if middle else ""
         yield f"| {title} | {median_and_range(before)} | {median_and_range(now)} | {ratio} |"
@@ -171,11 +171,11 @@ def median_and_range(values: Sequence[float]) -> str:
     return f"{statistics.median(values):.1f} ({min(values):.1f} to {max(values):.1f})"
 
 
-def largest_difference(one: Path, other: Path) -> tuple[float, str]:
+def largest_difference(folder: Path, other: Path) -> tuple[float, str]:
     """Of the numbers in the results of two runs, over the largest one of their column, and where it is."""
     largest = (0.0, "")
     for name in RESULTS:
-        texts = [(out / name).read_text(encoding="utf-8") for out in (one, other) if (out / name).is_file()]
+        texts = [(out / name).read_text(encoding="utf-8") for out in (folder, other) if (out / name).is_file()]
         if len(texts) == 1:
             return 1.0, f"{name} is missing"
         if not texts:
@@ -184,32 +184,32 @@ def largest_difference(one: Path, other: Path) -> tuple[float, str]:
         if first.keys() != second.keys():
             return 1.0, f"{name}: {sorted(map(str, first.keys() ^ second.keys()))[0]}"
         columns: dict[tuple[str, ...], float] = {}
-        for place, value in (*first.items(), *second.items()):
-            column = names_in(place)
+        for path, value in (*first.items(), *second.items()):
+            column = names_in(path)
             columns[column] = max(columns.get(column, SMALLEST), abs(value))
-        for place, value in first.items():
-            difference = abs(value - second[place]) / columns[names_in(place)]
+        for path, value in first.items():
+            difference = abs(value - second[path]) / columns[names_in(path)]
             if difference > largest[0]:
-                largest = (difference, "/".join(map(str, place)))
+                largest = (difference, "/".join(map(str, path)))
     return largest
 
 
-def entries(value: Any, place: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], float]]:
-    """The numbers in a JSON value with their places, without seconds."""
+def entries(value: Any, path: tuple[str | int, ...]) -> Iterator[tuple[tuple[str | int, ...], float]]:
+    """The numbers in a JSON value with their paths, without seconds."""
     if isinstance(value, dict):
         for name, entry in value.items():
             if name not in CLOCKS:
-                yield from entries(entry, (*place, name))
+                yield from entries(entry, (*path, name))
     elif isinstance(value, list):
         for number, entry in enumerate(value):
-            yield from entries(entry, (*place, number))
+            yield from entries(entry, (*path, number))
     elif isinstance(value, int | float):
-        yield place, float(value)
+        yield path, float(value)
 
 
-def names_in(place: tuple[str | int, ...]) -> tuple[str, ...]:
-    """Of a place, without the numbers of rows."""
-    return tuple(part for part in place if isinstance(part, str))
+def names_in(path: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Of a path, without the numbers of rows."""
+    return tuple(part for part in path if isinstance(part, str))
 
 
 def say(text: str) -> None:

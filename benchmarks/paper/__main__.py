@@ -30,16 +30,16 @@ SCANNED = (17.0, 31.0)
 
 def scan(states: Iterable[State]) -> list[Estimate]:
     """The process with every length scale, and the control, at two pressures."""
-    found = []
+    estimates = []
     for state in states:
         if state.pressure in SCANNED:
             for scale in SCALES:
                 try:
-                    found.append(process(state, scale))
+                    estimates.append(process(state, scale))
                 except RodError:
                     continue
-            found.append(control(state, process(state).single_alpha))
-    return found
+            estimates.append(control(state, process(state).single_alpha))
+    return estimates
 
 
 def write(path: Path, estimates: Sequence[Estimate]) -> None:
@@ -95,7 +95,7 @@ def main() -> None:
     for name, sentences in data.unreached().items():
         for sentence in sentences:
             sys.stdout.write(f"not reached in {name}: {sentence}\n")
-    write(options.folder / "estimates.csv", [e for found in data.estimates.values() for e in found])
+    write(options.folder / "estimates.csv", [e for estimates in data.estimates.values() for e in estimates])
     write(options.folder / "scan.csv", scan(data.states("pneunet", "svk", ARMS[0])))
     drawn = [] if options.no_figures else draw(data, options.folder)
     record = {

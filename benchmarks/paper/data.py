@@ -51,12 +51,12 @@ class Data:
 
     def of(self, sweep: str, law: str, arm: str = "", estimator: str = "") -> list[Estimate]:
         """The estimates of a sweep, ascending in pressure; of all arms and estimators where none is named."""
-        found = [
+        estimates = [
             e
             for e in self.estimates.get(sweep, [])
             if e.state.law == law and arm in ("", e.state.family) and estimator in ("", e.estimator)
         ]
-        return sorted(found, key=lambda e: e.state.pressure)
+        return sorted(estimates, key=lambda e: e.state.pressure)
 
     def arm(self, arm: str, law: str, estimator: str = "") -> list[Estimate]:
         """Of one of the four arms."""

@@ -47,10 +47,10 @@ def figure_of(rows: int, columns: int, title: str, *, wide: float = 4.2) -> tupl
     return figure, panels
 
 
-def legend(panel: Any, place: str = "best") -> None:
+def legend(panel: Any, position: str = "best") -> None:
     """A small legend without frame, if anything has a name."""
     if panel.get_legend_handles_labels()[0]:
-        panel.legend(frameon=False, fontsize=7, loc=place)
+        panel.legend(frameon=False, fontsize=7, loc=position)
 
 
 def titled(panel: Any, title: str, x: str, y: str) -> None:

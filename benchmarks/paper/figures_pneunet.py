@@ -37,8 +37,8 @@ def _shown(data: Data, law: str) -> list[State]:
     """The states at the pressures of Figs 6 and 8, with 37 kPa where 45 kPa is not reached."""
     states = data.states("pneunet", law, ARMS[0])
     reached = {s.pressure for s in states}
-    wanted = {*PRESSURES, *({37.0} if 45.0 not in reached else set())}
-    return [s for s in states if s.pressure in wanted]
+    pressures = {*PRESSURES, *({37.0} if 45.0 not in reached else set())}
+    return [s for s in states if s.pressure in pressures]
 
 
 def two_lines(data: Data) -> Figure:

@@ -105,19 +105,19 @@ def _five_and_own(panel: Any, data: Data, e: Estimate, loaded: bool, *, last: bo
 
 def _rods_of(data: Data, e: Estimate, loaded: bool) -> list[tuple[str, dict[str, Any], RodShape | None]]:
     """Name, line and shape of the rod with the numbers of an estimate and of that with the arm's own law."""
-    found: list[tuple[str, dict[str, Any], RodShape | None]] = []
+    shapes: list[tuple[str, dict[str, Any], RodShape | None]] = []
     assert e.law is not None
     try:
-        found.append(("rod, five numbers", FIVE_ROD, fitted(e.state, e.law, loaded=loaded)))
+        shapes.append(("rod, five numbers", FIVE_ROD, fitted(e.state, e.law, loaded=loaded)))
     except RodError:
-        found.append(("rod, five numbers", FIVE_ROD, None))
+        shapes.append(("rod, five numbers", FIVE_ROD, None))
     law = data.laws.get((e.state.family, e.state.law))
     if law is not None:
         try:
-            found.append(("rod, the arm's own law", OWN_ROD, own(e.state, law, loaded=loaded)))
+            shapes.append(("rod, the arm's own law", OWN_ROD, own(e.state, law, loaded=loaded)))
         except RodError:
-            found.append(("rod, the arm's own law", OWN_ROD, None))
-    return found
+            shapes.append(("rod, the arm's own law", OWN_ROD, None))
+    return shapes
 
 
 def breaks(data: Data) -> Figure:
@@ -131,8 +131,8 @@ def breaks(data: Data) -> Figure:
             for panel in panels[:, column]:
                 panel.plot(curve.x, curve.y, color=COLOURS[3], linewidth=2.5, label="finite elements")
             for number, fraction in enumerate(TRIED_D):
-                kept = replace(e.law, d=fraction * e.state.length)
-                _moved(panels[0, column], e, kept, fraction, number)
+                law = replace(e.law, d=fraction * e.state.length)
+                _moved(panels[0, column], e, law, fraction, number)
                 try:
                     _moved(panels[1, column], e, with_break(e.state, name, fraction).law, fraction, number)
                 except RodError:

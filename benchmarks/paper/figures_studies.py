@@ -94,8 +94,8 @@ def _height(e: Estimate) -> float:
 
 
 def _by_length(data: Data, law: str, estimator: str, pressure: float) -> list[Estimate]:
-    found = [*data.of("pneunet", law, ARMS[0], estimator), *data.of("lengths", law, ARMS[0], estimator)]
-    return sorted((e for e in found if e.state.pressure == pressure), key=lambda e: e.state.length)
+    estimates = [*data.of("pneunet", law, ARMS[0], estimator), *data.of("lengths", law, ARMS[0], estimator)]
+    return sorted((e for e in estimates if e.state.pressure == pressure), key=lambda e: e.state.length)
 
 
 def _reference(chosen: Sequence[Estimate]) -> State:
@@ -116,11 +116,11 @@ def lengths(data: Data) -> Figure:
         moment = state.curves.moment(loaded.s) / (unit * state.length)
         style = {"color": colour_of(number)}
         name = f"{'uvw'[number]}: l = {ratio:.2f} l₀"
-        place = loaded.s / state.length
-        panels[0, 0].plot(place, delta, label=name, **style)
-        panels[0, 0].plot(place, delta / ratio, linestyle="--", **style)
-        panels[0, 1].plot(place, moment, label=name, **style)
-        panels[0, 1].plot(place, moment * ratio, linestyle="--", **style)
+        position = loaded.s / state.length
+        panels[0, 0].plot(position, delta, label=name, **style)
+        panels[0, 0].plot(position, delta / ratio, linestyle="--", **style)
+        panels[0, 1].plot(position, moment, label=name, **style)
+        panels[0, 1].plot(position, moment * ratio, linestyle="--", **style)
         panels[0, 2].plot(delta, moment, ".", markersize=3, label=name, **style)
         panels[0, 2].plot(delta / ratio, moment * ratio, linestyle="--", **style)
     titled(panels[0, 0], "(a) dashed: times l₀/l", "s/l", "(κ - κ₀) l")
@@ -178,9 +178,9 @@ def arms(data: Data) -> Figure:
     for column, name in enumerate(MARKERS):
         for number, arm in enumerate(ARMS):
             for law in LAWS:
-                found = [e for e in data.arm(arm, law, name) if e.state.pressure <= 37.0]
+                estimates = [e for e in data.arm(arm, law, name) if e.state.pressure <= 37.0]
                 for row, quantity in enumerate(quantities):
-                    shown = [e for e in found if row == 0 or (e.is_usable and e.state.pressure >= 5.0)]
+                    shown = [e for e in estimates if row == 0 or (e.is_usable and e.state.pressure >= 5.0)]
                     if row == 0 and column == 1 and arm == ARMS[0]:
                         continue
                     if row == 1 and name == "default":

@@ -55,8 +55,8 @@ def _overview(claims: Sequence[Claim]) -> str:
 
 def _summary(claim: Claim, law: str) -> str:
     """The readings of one law that count, and whether they hold."""
-    found = [r for r in claim.readings if r.law == law and r.status is not None]
-    return "; ".join(_named(r) for r in found) or ("not yet measured" if claim.readings else "")
+    readings = [r for r in claim.readings if r.law == law and r.status is not None]
+    return "; ".join(_named(r) for r in readings) or ("not yet measured" if claim.readings else "")
 
 
 def _named(reading: Reading) -> str:
@@ -137,8 +137,8 @@ def _follows(claims: Sequence[Claim]) -> str:
         _of_sign(by_number["6b"]),
         _of_single_cavities(by_number["8a"]),
     ]
-    found = [sentence for sentence in sentences if sentence]
-    return "## What follows\n\n" + "\n\n".join(fill(sentence, WIDTH) for sentence in found) if found else ""
+    shown = [sentence for sentence in sentences if sentence]
+    return "## What follows\n\n" + "\n\n".join(fill(sentence, WIDTH) for sentence in shown) if shown else ""
 
 
 def _by_law(claim: Claim, start: str) -> dict[str, Reading]:
@@ -146,10 +146,10 @@ def _by_law(claim: Claim, start: str) -> dict[str, Reading]:
 
 
 def _of_force(claim: Claim) -> str:
-    found = _by_law(claim, "F_y at rest height")
-    if "svk" not in found or found["svk"].status != HOLDS:
+    readings = _by_law(claim, "F_y at rest height")
+    if "svk" not in readings or readings["svk"].status != HOLDS:
         return ""
-    parts = [f"{abs(100.0 * (r.value - 1.0)):.1f} % (`{law}`)" for law, r in found.items()]
+    parts = [f"{abs(100.0 * (r.value - 1.0)):.1f} % (`{law}`)" for law, r in readings.items()]
     return (
         f"**The end force of the paper's own experiment is met within {parts[0]}**"
         + (f", and within {parts[1]}" if len(parts) > 1 else "")
@@ -194,8 +194,8 @@ def _of_zone(claim: Claim) -> str:
 
 def _of_sign(claim: Claim) -> str:
     starts = (f"{SLOPE_BY_PROCESS}, {SUBTRACTED[0]} subtracted", SLOPE_OF_ONE_RIGIDITY)
-    chord, one = (_by_law(claim, start).get("svk") for start in starts)
-    if chord is None or one is None or not (chord.high < 0.0 and one.value < 0.0):
+    chord, single = (_by_law(claim, start).get("svk") for start in starts)
+    if chord is None or single is None or not (chord.high < 0.0 and single.value < 0.0):
         return ""
     return (
         "**The paper's α₁ may be negative** (inference). `paper_process`, which prints its d/l, gives a negative slope "
@@ -206,10 +206,10 @@ def _of_sign(claim: Claim) -> str:
 
 
 def _of_subtraction(claim: Claim) -> str:
-    found = [_by_law(claim, f"{SLOPE_BY_PROCESS}, {name} subtracted").get("svk") for name in SUBTRACTED]
-    if any(reading is None for reading in found):
+    readings = [_by_law(claim, f"{SLOPE_BY_PROCESS}, {name} subtracted").get("svk") for name in SUBTRACTED]
+    if any(reading is None for reading in readings):
         return ""
-    parts = [f"{number(r)} ({name})" for name, r in zip(SUBTRACTED, found, strict=True) if r is not None]
+    parts = [f"{number(r)} ({name})" for name, r in zip(SUBTRACTED, readings, strict=True) if r is not None]
     return (
         f"It depends on what is subtracted from the coordinates before they become a process: {', '.join(parts)}, at "
         "17 to 37 kPa. A process has the mean zero, and next to the clamp, where data lie on one side alone, the curve "

@@ -118,10 +118,10 @@ def dependence(decided: Sequence[Reading]) -> str:
     """The fewest factors that determine whether a reading holds, in words."""
     for count in range(1, len(FACTORS) + 1):
         for names in combinations(FACTORS, count):
-            found: dict[tuple[str, ...], set[Status | None]] = {}
+            groups: dict[tuple[str, ...], set[Status | None]] = {}
             for reading in decided:
                 key = tuple(getattr(reading, name) for name in names)
-                found.setdefault(key, set()).add(reading.status)
-            if all(len(statuses) == 1 for statuses in found.values()):
+                groups.setdefault(key, set()).add(reading.status)
+            if all(len(statuses) == 1 for statuses in groups.values()):
                 return " and ".join(FACTORS[name] for name in names)
     return "more than this"

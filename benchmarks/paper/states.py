@@ -87,7 +87,7 @@ class EndState:
 
 def ends_of(sweep: Path) -> list[EndState]:
     """The end in III at every point and pressure of a sweep."""
-    found = []
+    ends = []
     for folder in _folders(sweep):
         config = json.loads((folder / "states" / "configuration.json").read_text(encoding="utf-8"))["config"]
         curves = _curves(folder)
@@ -95,20 +95,20 @@ def ends_of(sweep: Path) -> list[EndState]:
             if row["experiment"] == "III" and "reaction_N" in row:
                 curve = Centreline(*np.array(curves["III", row["pressure_kPa"]]).T[:3])
                 position, force = (row["end_x_mm"], row["end_y_mm"]), tuple(row["reaction_N"])
-                found.append(EndState(config, row["pressure_kPa"], position, (force[0], force[1]), curve))
-    return found
+                ends.append(EndState(config, row["pressure_kPa"], position, (force[0], force[1]), curve))
+    return ends
 
 
 def laws_of(sweep: Path) -> dict[tuple[str, str], ArmLaw]:
     """The arms' own laws of a sweep by body family and material law."""
-    found = {}
+    laws = {}
     for folder in _folders(sweep):
         path = folder / "law.json"
         if path.is_file():
             config = json.loads((folder / "states" / "configuration.json").read_text(encoding="utf-8"))["config"]
             key = str(config["geometry"]["family"]), str(config["material"]["law"])
-            found[key] = SavedLaw.read(path).law
-    return found
+            laws[key] = SavedLaw.read(path).law
+    return laws
 
 
 def _folders(sweep: Path) -> list[Path]:

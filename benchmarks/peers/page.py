@@ -91,16 +91,16 @@ def answers(peers: Sequence[Peer], measured: Latest) -> str:
             runs = measured.get((peer.name, "four"))
             if not runs or f"{pressure:g}" not in runs[0].outcome.answers:
                 continue
-            got = runs[0].outcome.answers[f"{pressure:g}"]
-            off, long = distance(got, (x, y, volume)), (x * x + y * y) ** 0.5
-            rows.append([peer.name, f"{pressure:g}", f"{got[0]:.6f}", f"{got[1]:.6f}", f"{got[2]:.4f}"])
-            rows[-1] += [f"{off:.1e}", f"{100 * off / long:.1e}", f"{100 * abs(got[2] / volume - 1):.1e}"]
+            answer = runs[0].outcome.answers[f"{pressure:g}"]
+            off, long = distance(answer, (x, y, volume)), (x * x + y * y) ** 0.5
+            rows.append([peer.name, f"{pressure:g}", f"{answer[0]:.6f}", f"{answer[1]:.6f}", f"{answer[2]:.4f}"])
+            rows[-1] += [f"{off:.1e}", f"{100 * off / long:.1e}", f"{100 * abs(answer[2] / volume - 1):.1e}"]
     return table(head, rows)
 
 
-def distance(got: Sequence[float], true: Sequence[float]) -> float:
+def distance(computed: Sequence[float], true: Sequence[float]) -> float:
     """Between two positions of the tip, mm."""
-    return float(((got[0] - true[0]) ** 2 + (got[1] - true[1]) ** 2) ** 0.5)
+    return float(((computed[0] - true[0]) ** 2 + (computed[1] - true[1]) ** 2) ** 0.5)
 
 
 def loads(runs: Sequence[Run]) -> str:

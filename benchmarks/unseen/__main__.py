@@ -32,10 +32,10 @@ from pipeline.config.config import LAW_CHOICES
 MENDING = (1, 2, 3, 23, 31, 37, 47)
 
 
-def sample(count: int, wanted: int) -> set[int]:
+def sample(count: int, size: int) -> set[int]:
     """Numbers of the designs that are solved on a finer mesh too, evenly over all of them."""
-    wanted = min(wanted, count)
-    return {k * count // wanted for k in range(wanted)} if wanted else set()
+    size = min(size, count)
+    return {k * count // size for k in range(size)} if size else set()
 
 
 def with_law(designs: Sequence[Drawn], law: str) -> list[Drawn]:
@@ -84,8 +84,8 @@ def main() -> int:
     for design in with_law(drawn(given.seed, given.count)[: given.first], given.law):
         if design.number in elsewhere:
             continue
-        place = folder / design.name
-        record = kept(place) if given.stored else outcome_of(design, place, given.limit, design.number in finer)
+        path = folder / design.name
+        record = kept(path) if given.stored else outcome_of(design, path, given.limit, design.number in finer)
         if record is None or not record["finished"]:
             continue
         records.append(record)

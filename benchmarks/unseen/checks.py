@@ -88,14 +88,14 @@ def checks_of(config: Config, reached: Sequence[Record], folder: Path) -> tuple[
         (("half and whole",), low, _whole),
         (("other elements",), low, _other_elements),
     )
-    found: list[Check] = []
+    checks: list[Check] = []
     for names, state, way in ways:
         try:
             values, note = way(config, state, folder), ""
         except (InputError, RunFailed, fem.NotConverged, _NotSolved) as failure:
             values, note = (nan,) * len(names), str(failure)
-        found += [Check(name, state.pressure_kPa, v, note) for name, v in zip(names, values, strict=True)]
-    return tuple(found)
+        checks += [Check(name, state.pressure_kPa, v, note) for name, v in zip(names, values, strict=True)]
+    return tuple(checks)
 
 
 class _NotSolved(Exception):

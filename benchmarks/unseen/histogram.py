@@ -22,8 +22,8 @@ def draw(errors: Mapping[str, Sequence[float]], path: Path) -> None:
 
     figure = Figure(figsize=(7.0, 2.6), layout="constrained")
     for axes, (name, title) in zip(figure.subplots(1, 2, sharey=True), TITLES.items(), strict=True):
-        found = counts(errors.get(name, ()))
-        axes.bar(range(len(found)), found, width=0.9, align="edge", color="#4477aa")
+        heights = counts(errors.get(name, ()))
+        axes.bar(range(len(heights)), heights, width=0.9, align="edge", color="#4477aa")
         axes.set_xticks(range(len(CLASSES)), [f"{end:g}" for end in CLASSES], fontsize=7)
         axes.set_xlabel(f"{title}, %")
         axes.yaxis.get_major_locator().set_params(integer=True)

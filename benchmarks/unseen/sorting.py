@@ -122,12 +122,12 @@ def within_mesh_error(record: Record) -> bool | None:
 
 def rod_errors(records: Sequence[Record]) -> dict[str, list[float]]:
     """The largest errors of the rod to take by design: of the shape over the length, and of the end force."""
-    found: dict[str, list[float]] = {"shape": [], "force": []}
+    errors: dict[str, list[float]] = {"shape": [], "force": []}
     for record in records:
         rod = record.get("rod")
         for name, key in (("shape", "distance_over_length"), ("force", "force_error")):
             values = [rod[f"{key}_{sample}"] for sample in ("in_sample", "out_of_sample")] if rod else []
             known = [abs(value) for value in values if value is not None]
             if known:
-                found[name].append(max(known))
-    return found
+                errors[name].append(max(known))
+    return errors

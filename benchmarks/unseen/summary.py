@@ -145,10 +145,10 @@ def checks(records: Sequence[Record]) -> str:
     """The largest difference that each check has found."""
     rows = []
     for name, allowed in ALLOWED.items():
-        found = [check for record in records for check in checks_in(record) if check.name == name]
-        made = [check.value for check in found if check.made]
+        results = [check for record in records for check in checks_in(record) if check.name == name]
+        made = [check.value for check in results if check.made]
         numbers = [f"{median(made):.1e}", f"{max(made):.1e}"] if made else ["", ""]
-        failed = sum(check.failed for check in found)
+        failed = sum(check.failed for check in results)
         rows.append([name, str(len(made)), *numbers, f"{allowed:g}", str(failed)])
     return table(["check", "designs", "median difference", "largest", "allowed", "failed"], rows)
 

@@ -248,10 +248,10 @@ def against_finer_mesh(report: RunReport) -> Record:
     errors = {}
     coarse, fine = _three(numbers_of(first)), _three(result.numbers[0])
     for name, value in coarse.items():
-        found = extrapolated((size, size / FINER), (value, fine[name]))
+        extrapolation = extrapolated((size, size / FINER), (value, fine[name]))
         errors[name] = {
-            "error": found.error / found.limit,  # above zero where the number is too large
-            "std": found.limit_std / abs(found.limit),
+            "error": extrapolation.error / extrapolation.limit,  # above zero where the number is too large
+            "std": extrapolation.limit_std / abs(extrapolation.limit),
             "estimated": first.mesh_errors.get(name),
             "values": [value, fine[name]],
         }

@@ -35,8 +35,8 @@ def messages_page(root: Path) -> str:
 
 
 def _section(root: Path, package: str) -> str:
-    found = [message for path in sorted((root / package).rglob("*.py")) for message in messages_of(path, root)]
-    rows = [f"| {m.sentence} | {m.error} | {m.path.partition('/')[2]} |" for m in dict.fromkeys(found)]
+    messages = [message for path in sorted((root / package).rglob("*.py")) for message in messages_of(path, root)]
+    rows = [f"| {m.sentence} | {m.error} | {m.path.partition('/')[2]} |" for m in dict.fromkeys(messages)]
     head = [f"## {TITLES[package]}", "", "| message | error | source |", "|---|---|---|"]
     return "\n".join([*head, *rows, ""])
 

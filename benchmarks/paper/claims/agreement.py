@@ -47,20 +47,20 @@ def rods_of(number: str, arms: Sequence[str], says: str) -> Callable[[Data], Cla
         readings = []
         for arm in arms:
             for law in LAWS:
-                found = above(data.arm(arm, law, DEFAULT), TOUCHING if arm == ARMS[0] else 24.0, 37.0)
-                if found:
-                    readings += list(_errors_of_rods(data, arm, law, found))
+                estimates = above(data.arm(arm, law, DEFAULT), TOUCHING if arm == ARMS[0] else 24.0, 37.0)
+                if estimates:
+                    readings += list(_errors_of_rods(data, arm, law, estimates))
         return claim(number, says, readings, _WHY_RODS, NOT_RUN["pneunet" if arms[0] == ARMS[0] else "arms"])
 
     return make
 
 
-def _errors_of_rods(data: Data, arm: str, law: str, found: Sequence[Estimate]) -> Iterable[Reading]:
+def _errors_of_rods(data: Data, arm: str, law: str, estimates: Sequence[Estimate]) -> Iterable[Reading]:
     at = {"law": law, "arm": arm, "unit": "%"}
     named = f", {SHORT[arm]}" if arm != ARMS[0] else ""
     shapes = {"II": [], "III": []}  # type: dict[str, list[float]]
     forces = []
-    for e in found:
+    for e in estimates:
         assert e.law is not None
         try:
             shapes["II"].append(100.0 * fitted(e.state, e.law, loaded=False).largest)
@@ -74,7 +74,7 @@ def _errors_of_rods(data: Data, arm: str, law: str, found: Sequence[Estimate]) -
     yield range_of(f"error of F_y, five numbers{named}", forces, required=(-AT_MOST[1], AT_MOST[1]), part="force", **at)
     if law_of_arm := data.laws.get((arm, law)):
         apart, off = [], []
-        for state in states_in(found):
+        for state in states_in(estimates):
             try:
                 shape = own(state, law_of_arm)
             except RodError:

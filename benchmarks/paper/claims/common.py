@@ -35,8 +35,8 @@ NOT_RUN = {name: f"the sweep `{name}` has not been run" for name in ("pneunet", 
 
 def claim(number: str, says: str, readings: Iterable[Reading], why: str, missing: str) -> Claim:
     """A claim with the reason for what is found; without readings, with the reason why there are none."""
-    found = tuple(readings)
-    return Claim(number, says, found, why if found else "", "" if found else missing)
+    all_readings = tuple(readings)
+    return Claim(number, says, all_readings, why if all_readings else "", "" if all_readings else missing)
 
 
 def single(what: str, value: float, spread: float = 0.0, **others: Any) -> Reading:

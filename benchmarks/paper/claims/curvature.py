@@ -40,9 +40,9 @@ def _off(what: str, states: Sequence[State], origin: bool, **others: Any) -> Rea
     pressures, values, deviations = _kappa(states)
     if len(states) < 3:
         return single(what, NAN, without="fewer than three pressures", **others)
-    found = line(pressures, values, origin=origin)
+    fit = line(pressures, values, origin=origin)
     spread = 100.0 * 2.0 * max(deviations) / max(map(abs, values))
-    return Reading(what, 100 * found.off, max(0.0, 100 * found.off - spread), 100 * found.off + spread, "%", **others)
+    return Reading(what, 100 * fit.off, max(0.0, 100 * fit.off - spread), 100 * fit.off + spread, "%", **others)
 
 
 def curvature_of_pneunet(data: Data) -> Claim:
@@ -125,11 +125,11 @@ def middle_of_arm(data: Data) -> Claim:
             changes.append(sign_change(kappa.s, kappa.kappa) / state.length)
             slopes.append(100.0 * abs(float(np.ptp(kappa.kappa[middle]))) / float(np.abs(kappa.kappa).max()))
         none = {"without": "the sign does not change at every pressure", "denies": True}
-        place = [NAN] if any(map(math.isnan, changes)) else changes
+        positions = [NAN] if any(map(math.isnan, changes)) else changes
         at: dict[str, Any] = {"law": law}
         readings += [
             range_of("range of κ₀ over the middle half", spreads, unit="%", required=AT_MOST, part="κ₀ constant", **at),
-            range_of("s/l at which κ of III changes sign", place, required=(0.0, 1.0), part="sign", **none, **at),
+            range_of("s/l at which κ of III changes sign", positions, required=(0.0, 1.0), part="sign", **none, **at),
             range_of(
                 "range of κ of III over the middle half",
                 slopes,

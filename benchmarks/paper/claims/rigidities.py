@@ -37,9 +37,9 @@ def two_slopes(data: Data) -> Claim:
     for sweep, beside in (("pneunet", ""), ("contact", ", without contact")):
         for law in LAWS:
             for name, low, high in (("17 to 37 kPa", TOUCHING, 37.0), ("5 and 10 kPa", 5.0, 10.0)):
-                found = above(data.of(sweep, law, ARMS[0], DEFAULT), low, high)
-                if found:
-                    part = 100.0 * sum(bool(e.two_lines) for e in found) / len(found)
+                estimates = above(data.of(sweep, law, ARMS[0], DEFAULT), low, high)
+                if estimates:
+                    part = 100.0 * sum(bool(e.two_lines) for e in estimates) / len(estimates)
                     required = None if beside else (100.0, 100.0)
                     what = f"pressures that need two lines, {name}{beside}"
                     readings.append(single(what, part, unit="%", required=required, law=law, pressure=name))
@@ -54,12 +54,12 @@ def two_slopes(data: Data) -> Claim:
 def contact_is_the_cause(data: Data) -> Claim:
     readings = []
     for law in LAWS:
-        found = above(data.of("contact", law, ARMS[0], DEFAULT), TOUCHING, 37.0)
-        if found:
-            part = 100.0 * sum(bool(e.two_lines) for e in found) / len(found)
+        estimates = above(data.of("contact", law, ARMS[0], DEFAULT), TOUCHING, 37.0)
+        if estimates:
+            part = 100.0 * sum(bool(e.two_lines) for e in estimates) / len(estimates)
             what = "pressures from 17 to 37 kPa that need two lines without contact"
             readings.append(single(what, part, unit="%", required=(0.0, 0.0), law=law))
-            grows = found[-1].single_alpha / found[0].single_alpha
+            grows = estimates[-1].single_alpha / estimates[0].single_alpha
             readings.append(single("single rigidity at the highest over that at 17 kPa", grows, law=law))
     says = "Walls that touch cause the difference in stiffness (concluding remarks)"
     why = "Without contact in the model one line is enough at all pressures."
@@ -72,11 +72,11 @@ def _slopes(
     """Law, estimator, pressures, values and deviations of alpha1 or alpha2 where it has a meaning."""
     for law in LAWS:
         for estimator in ESTIMATORS:
-            found = [e for e in above(data.arm(arm, law, estimator), low, 37.0) if e.is_usable]
+            usable = [e for e in above(data.arm(arm, law, estimator), low, 37.0) if e.is_usable]
             if name == "alpha1" and estimator == DEFAULT:
-                found = [e for e in found if e.two_lines]
-            deviations = [e.deviations[0 if name == "alpha1" else 1] for e in found if e.deviations is not None]
-            yield law, estimator, [e.state.pressure for e in found], [getattr(e, name) for e in found], deviations
+                usable = [e for e in usable if e.two_lines]
+            deviations = [e.deviations[0 if name == "alpha1" else 1] for e in usable if e.deviations is not None]
+            yield law, estimator, [e.state.pressure for e in usable], [getattr(e, name) for e in usable], deviations
 
 
 def straight(name: str) -> Callable[[Data], Claim]:
@@ -92,13 +92,11 @@ def straight(name: str) -> Callable[[Data], Claim]:
                     else []
                 )
                 continue
-            found = line(pressures, values, deviations)
+            fit = line(pressures, values, deviations)
             spread = 100.0 * 2.0 * float(np.mean(deviations)) / max(map(abs, values)) if deviations else 0.0
-            value = 100.0 * found.off
+            value = 100.0 * fit.off
             readings.append(Reading(what, value, max(0.0, value - spread), value + spread, "%", ON_LINE, **at))
-            readings.append(
-                single(f"slope of {SYMBOL[name]}", found.slope, 2.0 * found.slope_std, unit="N mm²/kPa", **at)
-            )
+            readings.append(single(f"slope of {SYMBOL[name]}", fit.slope, 2.0 * fit.slope_std, unit="N mm²/kPa", **at))
         number = "5a" if name == "alpha2" else "5b"
         says = f"{SYMBOL[name]} of the pneu-net is a linear function of p (Fig. 9 b)"
         return claim(number, says, readings, _WHY_STRAIGHT[name], NOT_RUN["pneunet"])
@@ -120,9 +118,9 @@ def trend(number: str, arms: Sequence[str], name: str, rises: bool, says: str, w
                 at: dict[str, Any] = {"law": law, "estimator": estimator, "arm": arm, "required": UP if rises else DOWN}
                 what = f"slope of {SYMBOL[name]}, {SHORT[arm]}"
                 if len(values) >= 3:
-                    found = line(pressures, values, deviations)
+                    fit = line(pressures, values, deviations)
                     what += f", {pressures[0]:g} to {pressures[-1]:g} kPa ({values[0]:.0f} to {values[-1]:.0f} N mm²)"
-                    readings.append(single(what, found.slope, 2.0 * found.slope_std, unit="N mm²/kPa", **at))
+                    readings.append(single(what, fit.slope, 2.0 * fit.slope_std, unit="N mm²/kPa", **at))
                 elif data.arm(arm, law):
                     reason = "one line is enough" if estimator == DEFAULT else "d at the end of its range"
                     readings.append(single(what, NAN, without=reason, **at))
@@ -141,8 +139,8 @@ def _slopes_by_process(data: Data) -> list[Reading]:
         if not states:
             continue
         for name in SUBTRACTED:
-            found = [e for e in (process(s, subtracted=name) for s in states) if e.is_usable]
-            values, zones = [e.alpha1 for e in found], [e.d_over_length for e in found]
+            estimates = [e for e in (process(s, subtracted=name) for s in states) if e.is_usable]
+            values, zones = [e.alpha1 for e in estimates], [e.d_over_length for e in estimates]
             readings.append(range_of(f"{SLOPE_BY_PROCESS}, {name} subtracted", values, unit="N mm²", law=law))
             readings.append(range_of(f"d/l with it, {name} subtracted", zones, law=law))
         for state in (s for s in states if s.pressure == 31.0):
@@ -155,9 +153,9 @@ def five_numbers_everywhere(data: Data) -> Claim:
     readings = []
     for arm in ROUND:
         for law in LAWS:
-            found = above(data.arm(arm, law, DEFAULT), 5.0, 37.0)
-            if found:
-                part = 100.0 * sum(bool(e.two_lines) for e in found) / len(found)
+            estimates = above(data.arm(arm, law, DEFAULT), 5.0, 37.0)
+            if estimates:
+                part = 100.0 * sum(bool(e.two_lines) for e in estimates) / len(estimates)
                 what = f"pressures that need two lines, {SHORT[arm]}, 5 to 37 kPa"
                 readings.append(single(what, part, unit="%", required=(50.0, 100.0), law=law, arm=arm))
     says = "The five-parameter relation holds for all four arms"

@@ -29,15 +29,15 @@ def length_of_zone(data: Data) -> Claim:
     wide = (PRINTED_D[0] * (1.0 - SAME), PRINTED_D[1] * (1.0 + SAME))
     for law in LAWS:
         for estimator in ESTIMATORS:
-            found = [e for e in above(data.arm(ARMS[0], law, estimator), TOUCHING, 37.0) if e.is_usable]
-            values = [e.d_over_length for e in found if not math.isnan(e.d_over_length)]
-            if found:
+            estimates = [e for e in above(data.arm(ARMS[0], law, estimator), TOUCHING, 37.0) if e.is_usable]
+            values = [e.d_over_length for e in estimates if not math.isnan(e.d_over_length)]
+            if estimates:
                 readings.append(range_of("d/l, 17 to 37 kPa", values, required=wide, law=law, estimator=estimator))
         for e in data.arm(ARMS[0], law, PROCESS):
             if e.state.pressure == 31.0:
-                one = control(e.state, e.single_alpha)
+                estimate = control(e.state, e.single_alpha)
                 what = f"d/l that the process (L = {LENGTH_SCALE:g} mm) makes of a rod with one rigidity, 31 kPa"
-                readings.append(single(what, one.d_over_length, law=law))
+                readings.append(single(what, estimate.d_over_length, law=law))
         default = [e for e in above(data.arm(ARMS[0], law, DEFAULT), TOUCHING, 37.0) if e.two_lines]
         if default:
             zone = [e.d_over_length * e.state.length for e in default]
@@ -51,9 +51,9 @@ def length_of_zone(data: Data) -> Claim:
     return claim("9", says, readings, why, NOT_RUN["pneunet"])
 
 
-def _off_of_zone(what: str, off: float, found: Sequence[Estimate], at: dict[str, Any]) -> Reading:
+def _off_of_zone(what: str, off: float, estimates: Sequence[Estimate], at: dict[str, Any]) -> Reading:
     """How far d/l is off a line, %, known as well as d itself."""
-    spread = 2.0 * max(e.d_deviation for e in found) / max(e.d_over_length for e in found)
+    spread = 2.0 * max(e.d_deviation for e in estimates) / max(e.d_over_length for e in estimates)
     low, high = (100.0 * max(0.0, off + sign * spread) for sign in (-1.0, 1.0))
     return Reading(what, 100.0 * off, low, high, "%", ON_LINE, **at)
 
@@ -62,13 +62,13 @@ def zone_over_pressure(data: Data) -> Claim:
     readings = []
     for law in LAWS:
         for estimator in ESTIMATORS:
-            found = [e for e in above(data.arm(ARMS[0], law, estimator), 5.0, 40.0) if e.is_usable]
-            found = [e for e in found if not math.isnan(e.d_over_length)]
-            if len(found) > 2:
-                fit = line([e.state.pressure for e in found], [e.d_over_length for e in found])
+            estimates = [e for e in above(data.arm(ARMS[0], law, estimator), 5.0, 40.0) if e.is_usable]
+            estimates = [e for e in estimates if not math.isnan(e.d_over_length)]
+            if len(estimates) > 2:
+                fit = line([e.state.pressure for e in estimates], [e.d_over_length for e in estimates])
                 at: dict[str, Any] = {"law": law, "estimator": estimator}
-                what = f"d/l off a line, {found[0].state.pressure:g} to {found[-1].state.pressure:g} kPa"
-                readings.append(_off_of_zone(what, fit.off, found, at))
+                what = f"d/l off a line, {estimates[0].state.pressure:g} to {estimates[-1].state.pressure:g} kPa"
+                readings.append(_off_of_zone(what, fit.off, estimates, at))
                 change = 1e3 * fit.slope
                 readings.append(single("slope of d/l", change, 2e3 * fit.slope_std, unit="10⁻³/kPa", **at))
     says = "d/l is linear in p from 5 to 40 kPa (Fig. 11 b)"
@@ -82,13 +82,15 @@ def zone_over_height(data: Data) -> Claim:
     for law in LAWS:
         for estimator in ESTIMATORS:
             of_law = [*data.of("pneunet", law, ARMS[0], estimator), *data.of("heights", law, ARMS[0], estimator)]
-            found = [e for e in of_law if e.state.pressure == 24.0 and e.is_usable and not math.isnan(e.d_over_length)]
-            heights = [float(e.state.config["geometry"]["chamber_height"]) for e in found]
+            estimates = [
+                e for e in of_law if e.state.pressure == 24.0 and e.is_usable and not math.isnan(e.d_over_length)
+            ]
+            heights = [float(e.state.config["geometry"]["chamber_height"]) for e in estimates]
             at: dict[str, Any] = {"law": law, "estimator": estimator}
             if len(set(heights)) > 2:
-                fit = line(heights, [e.d_over_length for e in found])
+                fit = line(heights, [e.d_over_length for e in estimates])
                 what = f"d/l off a line over H, {min(heights):g} to {max(heights):g} mm, 24 kPa"
-                readings.append(_off_of_zone(what, fit.off, found, at))
+                readings.append(_off_of_zone(what, fit.off, estimates, at))
                 readings.append(single("slope of d/l", 1e3 * fit.slope, 2e3 * fit.slope_std, unit="10⁻³/mm", **at))
             elif data.of("heights", law):
                 reason = f"two lines are needed at {len(set(heights))} of 5 heights"
@@ -103,9 +105,9 @@ def zone_of_arms(data: Data) -> Claim:
     for law in LAWS:
         for arm in ROUND:
             for estimator in ESTIMATORS:
-                found = above(data.arm(arm, law, estimator), 24.0, 37.0)
-                usable = [e.d_over_length for e in found if e.is_usable and not math.isnan(e.d_over_length)]
-                if found:
+                estimates = above(data.arm(arm, law, estimator), 24.0, 37.0)
+                usable = [e.d_over_length for e in estimates if e.is_usable and not math.isnan(e.d_over_length)]
+                if estimates:
                     reason = "one line is enough" if estimator == DEFAULT else "d at the end of its range"
                     what = f"d/l, {SHORT[arm]}, 24 to 37 kPa"
                     required = (0.048 * (1.0 - SAME), 0.048 * (1.0 + SAME))
