@@ -292,17 +292,17 @@ def of_the_mesh() -> st.SearchStrategy[dict[str, Any]]:
     )
 
 
-def places(inside: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
+def paths(inside: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """The paths of all keys and items."""
     items = inside.items() if isinstance(inside, dict) else enumerate(inside) if isinstance(inside, list) else ()
-    return [found for key, value in items for found in [(*path, key), *places(value, (*path, key))]]
+    return [inner for key, value in items for inner in [(*path, key), *paths(value, (*path, key))]]
 
 
 @st.composite
 def spoilt(draw: st.DrawFn, whole: dict[str, Any]) -> dict[str, Any]:
     """The same with one value replaced, one key gone, misspelt or added."""
     whole = deepcopy(whole)
-    path = draw(st.sampled_from(places(whole) or [("name",)]))
+    path = draw(st.sampled_from(paths(whole) or [("name",)]))
     inside: Any = whole
     for key in path[:-1]:
         inside = inside[key]
@@ -337,7 +337,7 @@ def mangled(draw: st.DrawFn, text: str) -> str:
 @st.composite
 def settings(draw: st.DrawFn, whole: dict[str, Any]) -> tuple[str, ...]:
     """Values of `--set`, mostly of keys that are there."""
-    keys = st.sampled_from([".".join(map(str, path)) for path in places(whole)] or ["name"]) | st.text(max_size=6)
+    keys = st.sampled_from([".".join(map(str, path)) for path in paths(whole)] or ["name"]) | st.text(max_size=6)
     values = st.sampled_from(["3 mm", "4", "", "[17 kPa]", "off", "{a: b}", "[", "&a [*a]", "0.3", *JUNK]) | st.text(
         max_size=6
     )

@@ -85,13 +85,13 @@ def test_curves_are_compared_after_a_rigid_motion() -> None:
 
 
 def test_without_sweeps_every_claim_says_that_it_is_not_measured_yet(tmp_path: Path) -> None:
-    found = claims(Data(tmp_path))
-    assert len(found) > 20
-    assert {claim.verdict for claim in found} == {MISSING}
-    assert all("has not been run" in claim.missing for claim in found)
+    all_claims = claims(Data(tmp_path))
+    assert len(all_claims) > 20
+    assert {claim.verdict for claim in all_claims} == {MISSING}
+    assert all("has not been run" in claim.missing for claim in all_claims)
     empty = {"provenance": "Nothing.", "folder": "x", "unreached": {}, "figures": []}
-    text = page({**empty, "claims": [claim.record() for claim in found]})
-    assert text.count("**not yet measured**") == len(found)
+    text = page({**empty, "claims": [claim.record() for claim in all_claims]})
+    assert text.count("**not yet measured**") == len(all_claims)
     assert "What follows" not in text
 
 

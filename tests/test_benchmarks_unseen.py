@@ -67,7 +67,7 @@ def config_of(folder: Path, document: Any) -> Config:
 
 
 def test_a_seed_always_gives_the_same_designs() -> None:
-    assert [asdict(one) for one in drawn(7, COUNT)] == [asdict(one) for one in drawn(7, COUNT)]
+    assert [asdict(design) for design in drawn(7, COUNT)] == [asdict(design) for design in drawn(7, COUNT)]
     assert drawn(7, COUNT)[0].document != drawn(8, COUNT)[0].document
 
 
@@ -244,18 +244,18 @@ def test_the_second_law_has_the_same_moduli(seed: int, tmp_path: Path) -> None:
 def test_errors_of_the_rod_are_counted_by_size() -> None:
     errors = rod_errors([record(), record(rod=None)])
     assert errors == {"shape": [0.004], "force": [0.05]}
-    found = counts([1e-9, 0.004, 0.05, 7.0])
-    assert found.sum() == 4
-    assert (found[0], found[-1]) == (1, 1)
-    assert found[CLASSES.index(0.2)] == 1
+    numbers = counts([1e-9, 0.004, 0.05, 7.0])
+    assert numbers.sum() == 4
+    assert (numbers[0], numbers[-1]) == (1, 1)
+    assert numbers[CLASSES.index(0.2)] == 1
     assert np.all(np.diff(CLASSES) > 0)
 
 
 @pytest.mark.parametrize(
-    ("at_kPa", "said"), [([10.0], "1 of 2 pressures"), ([], "0 of 2 pressures"), ([3.2, 6.4], "2 below the limit")]
+    ("at_kPa", "cell"), [([10.0], "1 of 2 pressures"), ([], "0 of 2 pressures"), ([3.2, 6.4], "2 below the limit")]
 )
-def test_the_page_tells_at_which_pressures_there_are_parameters(at_kPa: list[float], said: str) -> None:
-    assert f" | {said} | " in designs_table([record(seed=1, five_at_kPa=at_kPa)])
+def test_the_page_tells_at_which_pressures_there_are_parameters(at_kPa: list[float], cell: str) -> None:
+    assert f" | {cell} | " in designs_table([record(seed=1, five_at_kPa=at_kPa)])
 
 
 def test_the_page_lists_every_design() -> None:
@@ -290,13 +290,13 @@ def test_the_page_lists_every_design() -> None:
 def test_campaigns_are_joined_on_one_page() -> None:
     settings = [Namespace(seed=seed, count=count, limit=400.0, law="both") for seed, count in ((7, 1), (9, 40))]
     first, second = campaign(settings[0], [record()]), campaign(settings[1], [record(), record(number=1)])
-    found = pages(joined([first, second]))
-    assert "make unseen SEED=7 N=1 LAW=both\n    make unseen SEED=9 N=40 LAW=both" in found["unseen.md"]
-    assert "All 1 designs of seed 7" in found["unseen.md"]
-    assert "The first 2 of 40 designs of seed 9" in found["unseen.md"]
-    assert "none | 0 of 3 | yes |" in found["unseen.md"]
+    texts = pages(joined([first, second]))
+    assert "make unseen SEED=7 N=1 LAW=both\n    make unseen SEED=9 N=40 LAW=both" in texts["unseen.md"]
+    assert "All 1 designs of seed 7" in texts["unseen.md"]
+    assert "The first 2 of 40 designs of seed 9" in texts["unseen.md"]
+    assert "none | 0 of 3 | yes |" in texts["unseen.md"]
     for name in ("7-0", "9-0", "9-1"):
-        assert f"\n| {name} | an arm |" in found["unseen_designs.md"]
+        assert f"\n| {name} | an arm |" in texts["unseen_designs.md"]
     with pytest.raises(ValueError, match="the same law of the rod"):
         joined([first, campaign(Namespace(seed=9, count=1, limit=400.0, law="five"), [record()])])
     with pytest.raises(ValueError, match="the same design"):
@@ -335,14 +335,14 @@ def test_the_sample_for_the_finer_mesh_is_spread_over_the_designs() -> None:
 
 def test_a_design_is_run_checked_and_kept(tmp_path: Path) -> None:
     design = Drawn(0, 0, TINY, 0.01)
-    found = outcome_of(design, tmp_path, 200.0, finer=False)
-    assert found["ended"] == RAN, found
-    assert "broken" not in found, found
-    assert [(check.name, check.passed) for check in checks_in(found)] == [(name, True) for name in ALLOWED]
-    assert outcome(found) == SOLVED
-    assert states_of(found).solved == 6
+    result = outcome_of(design, tmp_path, 200.0, finer=False)
+    assert result["ended"] == RAN, result
+    assert "broken" not in result, result
+    assert [(check.name, check.passed) for check in checks_in(result)] == [(name, True) for name in ALLOWED]
+    assert outcome(result) == SOLVED
+    assert states_of(result).solved == 6
     begun = (tmp_path / "outcome.json").stat().st_mtime_ns
-    assert outcome_of(design, tmp_path, 200.0, finer=False) == found
+    assert outcome_of(design, tmp_path, 200.0, finer=False) == result
     assert (tmp_path / "outcome.json").stat().st_mtime_ns == begun
     assert (
         outcome_of(Drawn(0, 0, {**TINY, "pressures": ["0 kPa"]}, 0.01), tmp_path, 200.0, finer=False)["ended"]
@@ -356,10 +356,10 @@ def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:
         states = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II"])["II"].records
     x, y = states[0].summary.end_mm
     moved = replace(states[0], summary=replace(states[0].summary, end_mm=(x, y + 1e-4 * config.design.length)))
-    found = {check.name: check for check in checks_of(config, [moved], tmp_path)}
-    assert found["load steps"].failed
-    assert found["half and whole"].failed
-    assert not found["other elements"].failed, "elements differ by more than that"
+    by_name = {check.name: check for check in checks_of(config, [moved], tmp_path)}
+    assert by_name["load steps"].failed
+    assert by_name["half and whole"].failed
+    assert not by_name["other elements"].failed, "elements differ by more than that"
 
 
 def test_states_at_other_pressures_than_those_of_the_design_are_checked(tmp_path: Path) -> None:
@@ -368,8 +368,8 @@ def test_states_at_other_pressures_than_those_of_the_design_are_checked(tmp_path
     with open_store(tmp_path / "run", config) as store:
         case = LoadCase("II", "II", schedule(config, (4.0,)), config.end)
         states = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), [case])["II"].records
-    found = checks_of(config, states, tmp_path)
-    assert [(check.name, check.pressure_kPa, check.passed) for check in found] == [
+    checks = checks_of(config, states, tmp_path)
+    assert [(check.name, check.pressure_kPa, check.passed) for check in checks] == [
         (name, 4.0, True) for name in ALLOWED
     ]
 

@@ -80,7 +80,7 @@ def test_named_test_modules_exist() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_pages_use_the_terms_of_the_field(page: Path) -> None:
     prose = prose_of(page)
-    assert [found.group() for words in DIALECT for found in re.finditer(words, prose, re.IGNORECASE)] == []
+    assert [match.group() for words in DIALECT for match in re.finditer(words, prose, re.IGNORECASE)] == []
 
 
 def test_every_key_of_experiments_json_is_documented() -> None:

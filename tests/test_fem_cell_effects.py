@@ -102,8 +102,8 @@ def test_a_wall_and_its_image_press_as_two_walls_do() -> None:
     moved_half, moved_whole = half.points.copy(), whole.points.copy()
     moved_half[half.points[:, 0] < DESIGN.pitch / 2 - 1e-9, 0] += shift
     moved_whole[:, 0] += np.sign(DESIGN.pitch / 2 - whole.points[:, 0]) * shift
-    one = MirrorContact("gap", "tip", 0.04).bind(half, MATERIAL)
-    two = SelfContact("gap", 0.04).bind(whole, MATERIAL)
-    with_image = one.energy(moved_half, 1.0) / one.pairs.area.sum()
+    mirror = MirrorContact("gap", "tip", 0.04).bind(half, MATERIAL)
+    facing = SelfContact("gap", 0.04).bind(whole, MATERIAL)
+    with_image = mirror.energy(moved_half, 1.0) / mirror.pairs.area.sum()
     assert with_image > 0.0
-    assert two.energy(moved_whole, 1.0) / two.pairs.area.sum() == pytest.approx(with_image, rel=1e-9)
+    assert facing.energy(moved_whole, 1.0) / facing.pairs.area.sum() == pytest.approx(with_image, rel=1e-9)

@@ -68,8 +68,8 @@ def crossings(step: Step) -> bool:
     return bool(ipctk.has_intersections(mesh, np.asfortranarray(step.positions[nodes])))
 
 
-def distance(one: Step, other: Step) -> float:
-    return float(np.abs(one.displacement - other.displacement).max())
+def distance(step: Step, other: Step) -> float:
+    return float(np.abs(step.displacement - other.displacement).max())
 
 
 def test_pairs_far_from_contact_have_no_place_in_the_matrix_and_results_do_not_depend_on_it(
@@ -225,7 +225,7 @@ def test_walls_that_pass_through_a_soft_contact_are_separated_by_a_stiffer_one(m
 
     monkeypatch.setattr(FacingTerm, "tightened", recorded)
     stability: list[tuple[Term, ...]] = []
-    monkeypatch.setattr("fem.path.follower.instability", lambda system, found, terms: stability.append(terms) or "")
+    monkeypatch.setattr("fem.path.follower.instability", lambda system, converged, terms: stability.append(terms) or "")
     _, steps = bend(short, [SelfContact("gap", starts_inactive=True)], [37.0])
     assert len(gaps) == 2
     assert gaps[0] < gaps[1] < 0 < steps[0].min_gap

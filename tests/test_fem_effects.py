@@ -222,15 +222,15 @@ def test_barrier_stops_a_step_before_walls_touch() -> None:
     assert term.step_limit(space.points, -closing) == 1.0
 
 
-@pytest.mark.parametrize(("gap", "told"), [(GAP, ""), (20.0, r" that are (19|2\d)\.?\d* mm apart at rest")])
-def test_walls_that_meet_from_far_are_told_with_their_distance_at_rest(gap: float, told: str) -> None:
+@pytest.mark.parametrize(("gap", "at_rest"), [(GAP, ""), (20.0, r" that are (19|2\d)\.?\d* mm apart at rest")])
+def test_walls_that_meet_from_far_are_told_with_their_distance_at_rest(gap: float, at_rest: str) -> None:
     space = Discretisation.of(fork(gap), "p2p0")
     surface = space.surface("prongs")
     x = space.points.copy()
     upper = x[:, 1] > 1.0 + gap / 2
     x[upper, 1] -= 1.2 * gap * (x[upper, 0] - 1.0) / 5.0
     violation = BarrierTerm(surface, space.points, 0.1, 1.0).violation(x)
-    assert re.match(rf"two walls{told} pass through each other at \(", violation)
+    assert re.match(rf"two walls{at_rest} pass through each other at \(", violation)
 
 
 @pytest.mark.parametrize(

@@ -43,8 +43,8 @@ def solve_reference(pressures: list[float]) -> Solution:
 
 def check(step: Step, pressure: float) -> None:
     tip = step.displacement[step.space.surface("tip").unique_nodes].mean(axis=0)
-    found = (tip[0], tip[1], step.cavity_volume("cavity"))
-    assert found == pytest.approx(REFERENCE[pressure], rel=1e-6)
+    computed = (tip[0], tip[1], step.cavity_volume("cavity"))
+    assert computed == pytest.approx(REFERENCE[pressure], rel=1e-6)
     assert step.negative_pivots == 0
 
 
@@ -130,11 +130,11 @@ def test_moment_of_the_curve_at_its_start_is_that_of_the_clamp(short: Body, form
 
 
 def test_the_answer_does_not_depend_on_the_steps(short: Body) -> None:
-    _, one = solve("II", short, [37.0])
+    _, direct = solve("II", short, [37.0])
     _, many = solve("II", short, [3.0, 10.0, 22.0, 30.0, 37.0])
-    difference = one.steps[-1].displacement - many.steps[-1].displacement
+    difference = direct.steps[-1].displacement - many.steps[-1].displacement
     assert np.abs(difference).max() < 1e-6 * short.length
-    assert one.steps[-1].min_gap == pytest.approx(many.steps[-1].min_gap, abs=1e-6)
+    assert direct.steps[-1].min_gap == pytest.approx(many.steps[-1].min_gap, abs=1e-6)
 
 
 def test_neither_does_it_on_the_linear_solver() -> None:

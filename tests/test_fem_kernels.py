@@ -171,8 +171,8 @@ def test_results_do_not_depend_on_the_number_of_threads() -> None:
         data, coupling = system.tangent(state, assembly, system.terms, noise(system, 1.0), convex=False)
         strain = system.linearised_strain(state, u)
         results.append((assembly.gradient, assembly.jacobian, data, coupling.displacement, strain))
-    for one, two in zip(*results, strict=True):
-        np.testing.assert_array_equal(one, two)
+    for first, second in zip(*results, strict=True):
+        np.testing.assert_array_equal(first, second)
 
 
 def test_results_do_not_depend_on_the_order_of_chunks_of_one_colour() -> None:
@@ -197,9 +197,9 @@ def test_results_do_not_depend_on_the_order_of_chunks_of_one_colour() -> None:
         product = Product(noise(system, 1.0), coupling)
         tangent_matrix(elements, law, u, system.storage.element_starts[order], pattern.matrix(data), product)
         results.append((force, data, coupling))
-    for one, two in zip(*results, strict=True):
-        assert np.any(one)
-        np.testing.assert_array_equal(one, two)
+    for first, second in zip(*results, strict=True):
+        assert np.any(first)
+        np.testing.assert_array_equal(first, second)
 
 
 def pressure_form(v: skfem.element.DiscreteField, w: dict) -> Array:
@@ -306,5 +306,5 @@ def test_the_tangent_does_not_depend_on_how_elements_are_grouped(formulation: st
         starts, product = system.storage.element_starts, Product(du, force)
         tangent_matrix(elements, values, u, starts, pattern.matrix(data), product)
         results.append((data, force))
-    for one, two in zip(*results, strict=True):
-        np.testing.assert_allclose(one, two, atol=1e-13 * np.abs(one).max())
+    for first, second in zip(*results, strict=True):
+        np.testing.assert_allclose(first, second, atol=1e-13 * np.abs(first).max())

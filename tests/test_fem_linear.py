@@ -181,26 +181,26 @@ def test_the_analysis_of_a_closed_solver_serves_the_next_one_of_its_pattern(monk
 
 @WITH_PARDISO
 def test_few_analyses_are_kept_and_none_that_is_large_or_single_or_failed(monkeypatch: pytest.MonkeyPatch) -> None:
-    kept: list[pardiso._Analysis] = []
-    monkeypatch.setattr(pardiso, "_unused", kept)
+    analyses: list[pardiso._Analysis] = []
+    monkeypatch.setattr(pardiso, "_unused", analyses)
     single = factorized(in_single_precision, np.eye(9))
     for size in range(20, 20 + 2 * pardiso.KEPT):
         factorized(Pardiso, indefinite(size, 1, seed=size)).close()
-    sizes = [analysis.indptr.shape[0] - 1 for analysis in kept]
+    sizes = [analysis.indptr.shape[0] - 1 for analysis in analyses]
     assert sizes == list(range(20 + pardiso.KEPT, 20 + 2 * pardiso.KEPT))
     failed = factorized(Pardiso, indefinite(10, 0, seed=1))
     failed._failed = True
     for solver in (failed, single, factorized(of_large_matrices, np.eye(8))):
         solver.close()
         assert not solver._solver.pt.any()
-    assert [analysis.indptr.shape[0] - 1 for analysis in kept] == sizes
+    assert [analysis.indptr.shape[0] - 1 for analysis in analyses] == sizes
 
 
 @WITH_PARDISO
 def test_an_error_while_a_factor_is_given_back_is_not_raised(monkeypatch: pytest.MonkeyPatch) -> None:
     """It would hide why the path ended."""
-    kept: list[pardiso._Analysis] = []
-    monkeypatch.setattr(pardiso, "_unused", kept)
+    analyses: list[pardiso._Analysis] = []
+    monkeypatch.setattr(pardiso, "_unused", analyses)
     solver, call = factorized(Pardiso, indefinite(30, 2, seed=1)), Pardiso._call
 
     def failing(self: Pardiso, phase: int, right: Array) -> Array:
@@ -212,7 +212,7 @@ def test_an_error_while_a_factor_is_given_back_is_not_raised(monkeypatch: pytest
     monkeypatch.setattr(Pardiso, "_call", failing)
     solver.close()
     assert not solver._solver.pt.any()
-    assert not kept
+    assert not analyses
 
 
 @WITH_PARDISO

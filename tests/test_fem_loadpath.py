@@ -45,10 +45,10 @@ def beam(effects: list) -> Model:
 
 
 def test_steps_are_at_the_targets_in_their_order() -> None:
-    kept: list[Step] = []
-    solution = follow(beam([WEIGHT]), [0.3, 1.0, 0.3], observer=PathObserver(step_done=kept.append))
+    steps: list[Step] = []
+    solution = follow(beam([WEIGHT]), [0.3, 1.0, 0.3], observer=PathObserver(step_done=steps.append))
     assert [step.factor for step in solution.steps] == [0.3, 1.0, 0.3]
-    assert tuple(kept) == solution.steps
+    assert tuple(steps) == solution.steps
     np.testing.assert_allclose(solution.steps[0].displacement, solution.steps[2].displacement, atol=1e-5)
     assert solution.factorizations == sum(step.factorizations for step in solution.steps)
     assert solution.seconds.total > 0
@@ -113,16 +113,16 @@ def test_a_pressure_that_no_body_can_bear_ends_with_a_reason(short: Body) -> Non
     model = Experiment.of("II", short, 0.0).model(
         LAW, [Pressure("cavity", 1.0), SelfContact("gap", starts_inactive=True)], "p2p0"
     )
-    kept: list[Step] = []
+    steps: list[Step] = []
     with pytest.raises(NotConverged) as caught:
-        follow(model, [0.017, 1.0], observer=PathObserver(step_done=kept.append))
+        follow(model, [0.017, 1.0], observer=PathObserver(step_done=steps.append))
     reason, partial = caught.value.reason, caught.value.partial
     assert str(caught.value) == reason
     assert reason.startswith("no equilibrium found beyond load factor 0.0")
     assert "on the way to 1: " in reason
     assert "is below 0.577, where the law svk in compression is no longer stable" in reason
     assert [step.factor for step in partial.steps] == [0.017]
-    assert partial.steps == tuple(kept)
+    assert partial.steps == tuple(steps)
     assert partial.factorizations < 300
     assert partial.seconds.factorization > 0
 
@@ -201,8 +201,8 @@ def test_a_finished_path_that_is_resumed_solves_nothing() -> None:
 
 def test_two_loads_of_one_kind_add_up() -> None:
     both = follow(beam([Gravity(2e-8), Gravity(3e-8)]), [1.0]).steps[0]
-    one = follow(beam([WEIGHT]), [1.0]).steps[0]
-    np.testing.assert_allclose(both.displacement, one.displacement, atol=1e-12)
+    single = follow(beam([WEIGHT]), [1.0]).steps[0]
+    np.testing.assert_allclose(both.displacement, single.displacement, atol=1e-12)
 
 
 def test_a_trial_start_is_given_up_as_soon_as_the_strain_is_limited() -> None:

@@ -206,10 +206,10 @@ def test_mooney_rivlin_and_yeoh_contain_neo_hooke() -> None:
 )
 def test_ogden_contains_neo_hooke_and_mooney_rivlin(ogden: Ogden, other: fem.Material, strain: Array) -> None:
     for part in ("shear", "volumetric"):
-        found, expected = getattr(ogden, part)(strain), getattr(other, part)(strain)
-        np.testing.assert_allclose(found.energy, expected.energy, atol=1e-13)
-        np.testing.assert_allclose(found.stress, expected.stress, atol=1e-13)
-        np.testing.assert_allclose(found.tangent, expected.tangent, atol=1e-12)
+        computed, expected = getattr(ogden, part)(strain), getattr(other, part)(strain)
+        np.testing.assert_allclose(computed.energy, expected.energy, atol=1e-13)
+        np.testing.assert_allclose(computed.stress, expected.stress, atol=1e-13)
+        np.testing.assert_allclose(computed.tangent, expected.tangent, atol=1e-12)
 
 
 def test_differences_of_powers_of_close_and_of_equal_numbers() -> None:
@@ -281,8 +281,8 @@ def test_inverse_and_invariants() -> None:
 def test_products_of_tensors() -> None:
     """Against sums over all indices, one product after the other."""
     strain = strains(0.2)
-    c, tensor, one = CauchyGreen.of(strain), np.eye(3) + 2.0 * symmetric(strain), np.eye(3)
-    inverse, every = np.linalg.inv(tensor), np.broadcast_to(one, tensor.shape)
+    c, tensor, identity = CauchyGreen.of(strain), np.eye(3) + 2.0 * symmetric(strain), np.eye(3)
+    inverse, every = np.linalg.inv(tensor), np.broadcast_to(identity, tensor.shape)
 
     def dyads(first: Array, second: Array) -> Array:
         return np.einsum("...ij,...km->...ijkm", first, second) + np.einsum("...ij,...km->...ijkm", second, first)
@@ -303,8 +303,8 @@ def test_products_of_tensors() -> None:
     factor = np.linspace(0.5, 2.0, c.first.size).reshape(c.first.shape)
     for name, full in expected.items():
         by_components = full[..., ROW[:, None], COLUMN[:, None], ROW, COLUMN]
-        wanted = factor[..., None, None] * by_components
-        np.testing.assert_allclose(c.products(Products(**{name: factor})), wanted, rtol=1e-10, atol=1e-13)
+        scaled = factor[..., None, None] * by_components
+        np.testing.assert_allclose(c.products(Products(**{name: factor})), scaled, rtol=1e-10, atol=1e-13)
     total = c.products(Products(one_one=1.0))
     c.add_products(Products(symmetric=2.0), total)
     np.testing.assert_allclose(total, c.products(Products(one_one=1.0, symmetric=2.0)))

@@ -142,8 +142,8 @@ def test_states_of_several_ways_are_the_same_when_they_are_resumed() -> None:
     for count in (1, 2):
         kept = [through_arrays(model, step) for step in whole[:count]]
         resumed = follow(model, factors, resume=kept, begin=begin).steps
-        for one, other in zip(whole, resumed, strict=True):
-            np.testing.assert_array_equal(one.displacement, other.displacement)
+        for state, other in zip(whole, resumed, strict=True):
+            np.testing.assert_array_equal(state.displacement, other.displacement)
 
 
 def test_a_path_may_begin_nowhere_but_at_rest() -> None:
@@ -151,8 +151,8 @@ def test_a_path_may_begin_nowhere_but_at_rest() -> None:
     model = held(0.3)
     usual = follow(model, [0.5, 1.0]).steps
     for begin in ([None, None], [None], []):
-        for one, other in zip(usual, follow(model, [0.5, 1.0], begin=begin).steps, strict=True):
-            np.testing.assert_array_equal(one.displacement, other.displacement)
+        for state, other in zip(usual, follow(model, [0.5, 1.0], begin=begin).steps, strict=True):
+            np.testing.assert_array_equal(state.displacement, other.displacement)
 
 
 def test_a_load_that_no_way_leads_to_ends_with_the_reason_of_the_path_from_rest() -> None:

@@ -59,9 +59,9 @@ def test_the_columns_of_a_pair_begin_where_they_are_found(fraction: float) -> No
     pattern = Pattern.of(fixed, np.unique(rows * nodes + columns))
     starts = pattern.starts_of(rows, columns)
     assert starts.shape == (rows.size, 3)
-    for row, column, found in zip(rows, columns, starts, strict=True):
+    for row, column, row_starts in zip(rows, columns, starts, strict=True):
         free = pattern.node_dof[column][~fixed[column]]
-        for dof, start in zip(pattern.node_dof[row], found, strict=True):
+        for dof, start in zip(pattern.node_dof[row], row_starts, strict=True):
             if dof < 0 or free.size == 0:
                 assert start == -1
             else:

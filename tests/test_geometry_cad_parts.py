@@ -83,8 +83,8 @@ def test_a_solid_has_the_name_of_its_mirror_image(z: float, tmp_path: Path) -> N
     design = CadFile(str(path), 1.5, parts={"rail": (20.0, 1.0, z)}).with_regions(["rail"])
     assert design.region_volumes == pytest.approx({"rail": 2 * 60.0 * 3 * 2}, rel=1e-6)
     assert 2 * volume_of(design.body(6.0).mesh, "rail") == pytest.approx(2 * 60.0 * 3 * 2, rel=1e-9)
-    one = CadFile(str(path), 1.5, symmetric=False, parts={"rail": (20.0, 1.0, z)})
-    assert one.region_volumes == pytest.approx({"rail": 60.0 * 3 * 2}, rel=1e-6)
+    single = CadFile(str(path), 1.5, symmetric=False, parts={"rail": (20.0, 1.0, z)})
+    assert single.region_volumes == pytest.approx({"rail": 60.0 * 3 * 2}, rel=1e-6)
 
 
 def test_materials_that_are_not_symmetric_are_refused(tmp_path: Path) -> None:

@@ -72,8 +72,8 @@ def test_heights_are_written_as_they_were_looked_at() -> None:
         looked.append(y)
         return True
 
-    said = height_advice(1000.0, 1012.0, fits)
-    named = [float(y) for y in re.findall(r"[0-9.]+(?=,| mm$)", said.split("y = ")[-1])]
+    advice = height_advice(1000.0, 1012.0, fits)
+    named = [float(y) for y in re.findall(r"[0-9.]+(?=,| mm$)", advice.split("y = ")[-1])]
     assert len(set(named)) == 5
     assert set(named) <= set(looked)
 

@@ -182,7 +182,7 @@ def test_axis_and_angle_of_all_turns() -> None:
     """Rodrigues' formula gives the rotation back."""
     from itertools import permutations, product
 
-    found = 0
+    count = 0
     for order, signs in product(permutations(range(3)), product((1, -1), repeat=3)):
         turn = np.eye(3)[list(order)] * np.array(signs)[:, None]
         if np.linalg.det(turn) < 0:
@@ -192,5 +192,5 @@ def test_axis_and_angle_of_all_turns() -> None:
         cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
         again = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
         assert np.allclose(again, turn), turn
-        found += 1
-    assert found == 24
+        count += 1
+    assert count == 24

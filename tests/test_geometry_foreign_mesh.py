@@ -118,10 +118,10 @@ def test_a_half_below_is_the_same_arm(order: int, folder: Path) -> None:
         air = {"near": (20.0, 5.0, 1.0), "far": (44.0, 6.5, 2.5)}
         expected = MeshFile(str(above), 1.5, clamp, tip, air, symmetric=True).fixed_body
         air = {name: (x, y, -z) for name, (x, y, z) in air.items()}
-        found = MeshFile(str(below), 1.5, clamp, tip, air, symmetric=True).fixed_body
-        np.testing.assert_allclose(found.mesh.points, expected.mesh.points, atol=1e-12)
-        assert len(found.mesh.curved) == len(expected.mesh.curved)
-        assert {name: len(faces) for name, faces in found.mesh.faces.items()} == {
+        body = MeshFile(str(below), 1.5, clamp, tip, air, symmetric=True).fixed_body
+        np.testing.assert_allclose(body.mesh.points, expected.mesh.points, atol=1e-12)
+        assert len(body.mesh.curved) == len(expected.mesh.curved)
+        assert {name: len(faces) for name, faces in body.mesh.faces.items()} == {
             name: len(faces) for name, faces in expected.mesh.faces.items()
         }
     with pytest.raises(DesignError, match=r"symmetric: .* write true if the file holds one half of an arm"):
@@ -155,14 +155,14 @@ def test_directions_units_and_the_other_end(folder: Path, plain: tuple[np.ndarra
 
 def test_all_rotations_are_accepted_and_mirror_images_are_not() -> None:
     signed = [sign + axis for axis in "xyz" for sign in ("", "-")]
-    found = {True: 0, False: 0}
+    counts = {True: 0, False: 0}
     for axes in [(a, b, c) for a in signed for b in signed for c in signed if len({a[-1], b[-1], c[-1]}) == 3]:
         try:
             assert np.linalg.det(rotation(axes)) == pytest.approx(1)
-            found[True] += 1
+            counts[True] += 1
         except DesignError:
-            found[False] += 1
-    assert found == {True: 24, False: 24}
+            counts[False] += 1
+    assert counts == {True: 24, False: 24}
 
 
 def test_several_cavities_are_chosen_by_points(folder: Path) -> None:

@@ -151,11 +151,11 @@ def test_positions_in_sentences_are_those_of_the_file(pneunet: Path, tmp_path: P
     Mesh(np.add(mesh.points, [100, 0, 0]), mesh.tets, mesh.faces).write(path)
     with pytest.raises(DesignError, match="away from z = 0 and x = 100") as caught:
         MeshFile(str(path), curve=1)
-    said = re.search(r"open edge near \(([-0-9.]+), ([-0-9.]+), ([-0-9.]+)\) mm", caught.value.sentence)
-    assert said is not None
+    match = re.search(r"open edge near \(([-0-9.]+), ([-0-9.]+), ([-0-9.]+)\) mm", caught.value.sentence)
+    assert match is not None
     triangle = mesh.points[Mesh.read(pneunet).faces["cavity"][0]]
     middles = (triangle + np.roll(triangle, 1, axis=0)) / 2 + [100, 0, 0]
-    assert np.abs(middles - [float(x) for x in said.groups()]).max(axis=1).min() < 0.6
+    assert np.abs(middles - [float(x) for x in match.groups()]).max(axis=1).min() < 0.6
 
 
 def test_a_whole_body_with_names_is_no_half(pneunet: Path, tmp_path: Path) -> None:
@@ -215,9 +215,9 @@ def test_files_that_are_read_together(tmp_path: Path) -> None:
     (tmp_path / "broken.xdmf").write_text("<Xdmf>", encoding="utf-8")
     (tmp_path / "alone.ele").write_text("0 4 0\n", encoding="utf-8")
 
-    def found(name: str) -> set[str]:
+    def names(name: str) -> set[str]:
         return {path.name for path in companions(tmp_path / name)}
 
-    assert found("main.inp") == {"points.inp", "more.inp"}
-    assert found("main.xdmf") == {"data.h5", "numbers.bin"}
-    assert found("broken.xdmf") == found("alone.ele") == set()
+    assert names("main.inp") == {"points.inp", "more.inp"}
+    assert names("main.xdmf") == {"data.h5", "numbers.bin"}
+    assert names("broken.xdmf") == names("alone.ele") == set()

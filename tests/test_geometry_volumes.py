@@ -233,8 +233,8 @@ def test_edges_that_would_fold_an_element_stay_straight() -> None:
     slight = CurvedEdges(np.array([[0, 1]]), np.array([[1.0, 0, 0.01]]))
     assert len(slight.usable(points, tets)) == 1
     through = CurvedEdges(np.array([[0, 1], [1, 4]]), np.array([[1.0, 0, 0.2], [2, 1, -0.52]]))
-    kept = through.usable(points, tets)
-    assert kept.ends.tolist() == [[1, 4]]
+    usable = through.usable(points, tets)
+    assert usable.ends.tolist() == [[1, 4]]
 
 
 def test_round_wall_keeps_its_thickness() -> None:

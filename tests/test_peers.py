@@ -258,7 +258,7 @@ def test_only_the_last_session_of_a_peer_counts_with_its_own_rounds() -> None:
         ("slow", "100.0", "2026-11-20, AMD EPYC"),
     ]
     session.forget({"pneurod", "quick"}, ("2026-11-21", runs[0].machine))
-    assert [(kept.peer, kept.date) for kept in session.runs] == [("pneurod", "2026-11-20"), ("slow", "2026-11-20")]
+    assert [(entry.peer, entry.date) for entry in session.runs] == [("pneurod", "2026-11-20"), ("slow", "2026-11-20")]
 
 
 def test_the_page_says_how_busy_the_machine_was() -> None:

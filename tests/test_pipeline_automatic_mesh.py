@@ -94,11 +94,11 @@ def test_the_report_tells_what_was_chosen_and_how_long_the_edges_are(written: Pa
     assert record["longest_edge_mm"] == pytest.approx(scene.body.mesh.quality.longest_edge)
     assert 0.0 < float(str(record["mean_edge_mm"])) < 6.0
     (tmp_path / "run.json").write_text(json.dumps({"mesh": record}), encoding="utf-8")
-    said = " ".join(mesh_sentences(read_results(tmp_path)))
-    assert "mixed elements, smaller at the walls; mesh.size is 6 mm, the edges are " in said
-    assert "Chosen by the program: elements mixed, because it does not lock at a Poisson ratio of 0.495" in said
-    assert "Chosen by the program: size" not in said
-    assert "volume" not in said
+    text = " ".join(mesh_sentences(read_results(tmp_path)))
+    assert "mixed elements, smaller at the walls; mesh.size is 6 mm, the edges are " in text
+    assert "Chosen by the program: elements mixed, because it does not lock at a Poisson ratio of 0.495" in text
+    assert "Chosen by the program: size" not in text
+    assert "volume" not in text
     (tmp_path / "run.json").write_text(json.dumps({"mesh": {**record, "volume_over_drawing": 0.99}}), encoding="utf-8")
     assert "The volume of the mesh differs from that of the drawing by -1 %." in mesh_sentences(read_results(tmp_path))
 

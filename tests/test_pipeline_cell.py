@@ -71,10 +71,10 @@ def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
     config = arm(*ARM)
     with open_store(tmp_path, config, fresh=False) as store:
         cells = report.measured.law.cells
-        found = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, 2000, RunContext.alone(store, Silent()))
-    assert found.second_mm == 6.0
-    assert found.pressures_kPa == (6.0, 9.0)
-    assert found.reason.endswith("because a mesh of half the size has more than 1000 unknowns")
+        error = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, 2000, RunContext.alone(store, Silent()))
+    assert error.second_mm == 6.0
+    assert error.pressures_kPa == (6.0, 9.0)
+    assert error.reason.endswith("because a mesh of half the size has more than 1000 unknowns")
 
 
 def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
@@ -94,13 +94,13 @@ def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
         report_cell = pieces.cell
         unknowns = report.measured.unknowns["cell"]
         context = RunContext.alone(store, Silent())
-        found = mesh_error.mesh_error(pieces, report.measured.law.cells, unknowns, context)
-    assert found.pressures_kPa == whole.pressures_kPa
-    assert found.second_mm == whole.second_mm == 2.0
+        error = mesh_error.mesh_error(pieces, report.measured.law.cells, unknowns, context)
+    assert error.pressures_kPa == whole.pressures_kPa
+    assert error.second_mm == whole.second_mm == 2.0
     for name in NUMBERS:
-        assert found.deviations[name][1:] == whole.deviations[name][1:]
-        assert found.deviations[name][0] != whole.deviations[name][0] > 0.0
-    assert found.reason == (
+        assert error.deviations[name][1:] == whole.deviations[name][1:]
+        assert error.deviations[name][0] != whole.deviations[name][0] > 0.0
+    assert error.reason == (
         "the error of the mesh at 6 kPa is estimated from a coarser one, which is less certain, because on the mesh of "
         "2 mm: the walls buckle"
     )
@@ -116,8 +116,8 @@ def test_a_mesh_of_half_the_size_has_at_most_as_many_points_as_estimated(family:
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
 def test_the_stated_error_is_the_true_one_within_a_quarter_for_every_assumed_order(order: float) -> None:
     error = 0.1
-    found = mesh_error.deviation(mesh_error.FINER, 1.0 + error, 1.0 + mesh_error.FINER**order * error)
-    assert found == pytest.approx(error, rel=0.25)
+    estimate = mesh_error.deviation(mesh_error.FINER, 1.0 + error, 1.0 + mesh_error.FINER**order * error)
+    assert estimate == pytest.approx(error, rel=0.25)
     assert mesh_error.deviation(mesh_error.FINER, 1.0, 1.0) == 0.0
 
 

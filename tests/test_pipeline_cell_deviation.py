@@ -64,8 +64,8 @@ def test_the_cell_is_bent_to_either_side_from_the_state_of_the_smallest_moment()
 
 
 def test_a_difference_of_the_moment_is_told_as_one_of_the_curvature() -> None:
-    found = largest_deviation(Cell(missing=0.25), curve(0.0), curve(20.0))
-    assert found.kappa == pytest.approx(0.25 / EI, rel=1e-9)
+    largest = largest_deviation(Cell(missing=0.25), curve(0.0), curve(20.0))
+    assert largest.kappa == pytest.approx(0.25 / EI, rel=1e-9)
 
 
 def test_the_rigidity_for_the_error_of_the_mesh_is_taken_within_the_curve() -> None:

@@ -45,10 +45,10 @@ class Measured:
 
     @cached_property
     def clamp(self) -> ClampCurve:
-        found = clamp_curve(self._end("clamp"), self.cell)
-        assert found.limits == ()
-        assert found.error <= CLAMP_TOLERANCE
-        return found.curve
+        clamp = clamp_curve(self._end("clamp"), self.cell)
+        assert clamp.limits == ()
+        assert clamp.error <= CLAMP_TOLERANCE
+        return clamp.curve
 
     @cached_property
     def clamp_without_moment(self) -> ClampCurve:
@@ -140,20 +140,20 @@ def test_a_clamped_end_that_bears_no_larger_moment_is_named(monkeypatch: pytest.
     measured = Measured(0.1)
     piece = measured._end("clamp")
     largest = float(measured.cell.moment[-1]) / 2.0
-    solved, asked = BendingPiece.solve_near, []
+    solved, angles = BendingPiece.solve_near, []
 
     def limited(self: BendingPiece, pressure: float, angle: float, *others: object, **options: bool) -> PieceState:
-        asked.append(angle)
+        angles.append(angle)
         state = solved(self, pressure, angle, *others, **options)  # type: ignore[arg-type]
         if state.moment > largest:
             raise PieceFailed("no equilibrium of the clamped end: for a test")
         return state
 
     monkeypatch.setattr(BendingPiece, "solve_near", limited)
-    found = clamp_curve(piece, measured.cell)
-    assert found.limits == ("no equilibrium of the clamped end: for a test",)
-    assert 0.6 * largest < found.curve.moment[-1] <= largest
-    assert len(asked) < 30
+    clamp = clamp_curve(piece, measured.cell)
+    assert clamp.limits == ("no equilibrium of the clamped end: for a test",)
+    assert 0.6 * largest < clamp.curve.moment[-1] <= largest
+    assert len(angles) < 30
 
 
 def test_the_curves_of_a_cell_rise_and_name_their_contact(measured: Measured) -> None:

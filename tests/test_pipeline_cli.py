@@ -97,9 +97,9 @@ def test_the_verdict_ends_a_run(replace_run: Callable[[Task], None], coarse: str
     verdict = verdict_of(read_results(results))
     assert len(verdict.sentences) >= 8
     if option == "--json":
-        found = json.loads(result.stdout)
-        assert [sentence for said in found["sentences"].values() for sentence in said] == list(verdict.sentences)
-        assert found["parameters"][0]["alpha2_N_mm2"] == pytest.approx(287.09, abs=0.01)
+        document = json.loads(result.stdout)
+        assert [sentence for texts in document["sentences"].values() for sentence in texts] == list(verdict.sentences)
+        assert document["parameters"][0]["alpha2_N_mm2"] == pytest.approx(287.09, abs=0.01)
         assert "stage: experiments" in result.stderr
         return
     lines = result.stdout.splitlines()

@@ -479,9 +479,9 @@ def test_a_region_has_a_material_of_its_own(configs: Path) -> None:
 
 
 def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> None:
-    found = sorted(configs.glob("*.yaml"))
-    assert len(found) >= 2
-    for path in found:
+    files = sorted(configs.glob("*.yaml"))
+    assert len(files) >= 2
+    for path in files:
         assert isinstance(load_config(path), Config)
         for line in path.read_text(encoding="utf-8").splitlines():
             value = line.partition("#")[0]
@@ -542,7 +542,7 @@ def test_a_given_d_and_a_reference_weight_are_read(configs: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("override", "said"),
+    ("override", "reason"),
     [
         (
             "end.x=0.1",
@@ -554,8 +554,8 @@ def test_a_given_d_and_a_reference_weight_are_read(configs: Path) -> None:
         ("identification.weight_of=another arm", "names a weight that is missing; give weight as well"),
     ],
 )
-def test_an_end_or_an_identification_that_makes_no_sense_is_refused(configs: Path, override: str, said: str) -> None:
-    assert said in refusal(configs / "pneunet_coarse.yaml", override)
+def test_an_end_or_an_identification_that_makes_no_sense_is_refused(configs: Path, override: str, reason: str) -> None:
+    assert reason in refusal(configs / "pneunet_coarse.yaml", override)
 
 
 def test_a_run_makes_both_laws_unless_the_configuration_names_one(configs: Path) -> None:
@@ -575,14 +575,14 @@ def test_validation_loads_are_read(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
     plain = load_config(coarse)
     assert plain.added_pressures == 0
-    asked = load_config(coarse, ["validation={end_y: [1 cm, -10 mm], forces: [[0 N, 0.05 N]]}", "added_pressures=2"])
-    assert asked.validation == Validation((17.0, 37.0), (10.0, -10.0), ((0.0, 0.05),))
-    assert asked.added_pressures == 2
+    config = load_config(coarse, ["validation={end_y: [1 cm, -10 mm], forces: [[0 N, 0.05 N]]}", "added_pressures=2"])
+    assert config.validation == Validation((17.0, 37.0), (10.0, -10.0), ((0.0, 0.05),))
+    assert config.added_pressures == 2
     assert load_config(coarse, ["validation.pressures=[24 kPa]"]).validation == Validation((24.0,), (), ())
 
 
 @pytest.mark.parametrize(
-    ("override", "said"),
+    ("override", "reason"),
     [
         ("validation.pressures=[50 kPa]", "50 kPa lies outside the pressures of the run; allowed: 17 to 37 kPa"),
         ("validation.pressures=[17 kPa]", "are all pressures of the run; give one between them"),
@@ -593,8 +593,8 @@ def test_validation_loads_are_read(configs: Path) -> None:
         ("added_pressures=-1", "allowed: 0 or more"),
     ],
 )
-def test_validation_loads_that_make_no_sense_are_refused(configs: Path, override: str, said: str) -> None:
-    assert said in refusal(configs / "pneunet_coarse.yaml", override)
+def test_validation_loads_that_make_no_sense_are_refused(configs: Path, override: str, reason: str) -> None:
+    assert reason in refusal(configs / "pneunet_coarse.yaml", override)
 
 
 @pytest.mark.parametrize("number", ["1e-6", "1.0e-6", "0.000001", "1E-6"])

@@ -62,9 +62,9 @@ def test_half_and_whole_body_give_the_same_end(tmp_path: Path) -> None:
     assert (on["symmetry"]["state"], off["symmetry"]["state"]) == ("on", "off")
     assert whole["II"].degrees_of_freedom > 1.7 * half["II"].degrees_of_freedom
     assert np.abs(ends(half) - ends(whole)).max() < 1e-6 * 32
-    for one, other in zip(half["III"].records, whole["III"].records, strict=True):
-        assert one.load.force == pytest.approx(other.load.force, rel=1e-4, abs=1e-8)
-        assert one.summary.cavity_volume_mm3 == pytest.approx(other.summary.cavity_volume_mm3, rel=1e-8)
+    for record, other in zip(half["III"].records, whole["III"].records, strict=True):
+        assert record.load.force == pytest.approx(other.load.force, rel=1e-4, abs=1e-8)
+        assert record.summary.cavity_volume_mm3 == pytest.approx(other.summary.cavity_volume_mm3, rel=1e-8)
 
 
 def test_contact_joins_when_walls_come_near(tmp_path: Path) -> None:
@@ -174,25 +174,25 @@ def test_equal_pressures_on_both_sides_do_not_bend_the_bar(tmp_path: Path) -> No
 def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
     for layer in ("off", "on"):
         overrides = [f"effects.strain_limiting_layer={layer}"]
-        found, _ = simulated(tmp_path / layer, f"{name}_coarse", *overrides, experiments=("II", "III"))
-        assert found.factorizations <= 60
-        stretch = [record.summary.stretch_of_curve for record in found.records]
+        outcomes, _ = simulated(tmp_path / layer, f"{name}_coarse", *overrides, experiments=("II", "III"))
+        assert outcomes.factorizations <= 60
+        stretch = [record.summary.stretch_of_curve for record in outcomes.records]
         assert layer == "off" or np.abs(np.array(stretch) - 1.0).max() < 2e-3
 
 
 def test_slopes_with_and_without_contact_are_compared() -> None:
-    two = VariantNumbers(17.0, -0.01, 0.04, -20.0, 185.0, 300.6, 6.19, False, 0.9, 0.99, (1.0, 1.0))
-    one = replace(two, alpha2_N_mm2=185.0, d_mm=None, single_line_suffices=True)
+    two_lines = VariantNumbers(17.0, -0.01, 0.04, -20.0, 185.0, 300.6, 6.19, False, 0.9, 0.99, (1.0, 1.0))
+    single_line = replace(two_lines, alpha2_N_mm2=185.0, d_mm=None, single_line_suffices=True)
 
     def row(effect: str, state: str, numbers: VariantNumbers) -> EffectRow:
         return EffectRow(effect, state, numbers, VariantCost(1.0, 20, 30_000), {})
 
-    switched_off = [row(BASE, "", two), row("self_contact", "off", one)]
+    switched_off = [row(BASE, "", two_lines), row("self_contact", "off", single_line)]
     assert contact_sentences(switched_off) == [
         "17 kPa: with contact alpha1 = 185, alpha2 = 300.6 N mm2, d = 6.19 mm; "
         "without contact a single line suffices, alpha = 185 N mm2"
     ]
-    switched_on = [row(BASE, "", one), row("self_contact", "on", two)]
+    switched_on = [row(BASE, "", single_line), row("self_contact", "on", two_lines)]
     assert contact_sentences(switched_on) == contact_sentences(switched_off)
     assert contact_sentences(switched_off[:1]) == []
 

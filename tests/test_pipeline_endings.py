@@ -30,16 +30,16 @@ PATIENCE = 300.0
 
 
 @pytest.fixture(scope="module")
-def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     fem.compile_kernels("p2p0")  # in a fresh clone they are written into a cache, which is no file of a run
-    folder = tmp_path_factory.mktemp("endings")
-    (folder / "short.yaml").write_text(SHORT, encoding="utf-8")
-    return folder
+    directory = tmp_path_factory.mktemp("endings")
+    (directory / "short.yaml").write_text(SHORT, encoding="utf-8")
+    return directory
 
 
-def started(place: Path, largest_file: int = resource.RLIM_INFINITY) -> subprocess.Popen[str]:
+def started(folder: Path, largest_file: int = resource.RLIM_INFINITY) -> subprocess.Popen[str]:
     """A run that may write files of so many bytes at most, as on a disk that is full."""
-    command = [sys.executable, "-m", "pipeline", "run", str(place / "short.yaml"), "--out", str(place / "out")]
+    command = [sys.executable, "-m", "pipeline", "run", str(folder / "short.yaml"), "--out", str(folder / "out")]
     return subprocess.Popen(
         [*command, "--jobs", "2"],
         cwd=HERE,
@@ -52,9 +52,9 @@ def started(place: Path, largest_file: int = resource.RLIM_INFINITY) -> subproce
 
 def ended(run: subprocess.Popen[str]) -> tuple[int, str]:
     """Its exit status and its sentence."""
-    _, said = run.communicate(timeout=PATIENCE)
-    assert "Traceback" not in said
-    return run.returncode, said
+    _, message = run.communicate(timeout=PATIENCE)
+    assert "Traceback" not in message
+    return run.returncode, message
 
 
 def workers(run: subprocess.Popen[str]) -> list[int]:
@@ -79,42 +79,42 @@ def wait_for(condition: Callable[[], bool]) -> None:
         time.sleep(0.05)
 
 
-def states(place: Path) -> Iterator[Path]:
-    yield from (place / "out" / "states").glob("*.npz")
+def states(folder: Path) -> Iterator[Path]:
+    yield from (folder / "out" / "states").glob("*.npz")
 
 
-def test_a_disk_without_room_for_a_state_is_named(place: Path) -> None:
-    status, said = ended(started(place, largest_file=20_000))
+def test_a_disk_without_room_for_a_state_is_named(folder: Path) -> None:
+    status, message = ended(started(folder, largest_file=20_000))
     assert status == 1
-    assert said.startswith("pneurod: ")
-    assert "kPa.npz: File too large; allow larger files or give another --out" in said
-    assert said.count("\n") == 1
-    assert not list(states(place))
+    assert message.startswith("pneurod: ")
+    assert "kPa.npz: File too large; allow larger files or give another --out" in message
+    assert message.count("\n") == 1
+    assert not list(states(folder))
 
 
-def test_workers_end_with_a_main_process_that_is_killed(place: Path) -> None:
-    run = started(place)
+def test_workers_end_with_a_main_process_that_is_killed(folder: Path) -> None:
+    run = started(folder)
     until_reached(run)
     orphans = workers(run)
     assert len(orphans) == 2
     run.kill()
     run.communicate()
     wait_for(lambda: not any(Path(f"/proc/{worker}").exists() for worker in orphans))
-    assert list(states(place))
+    assert list(states(folder))
 
 
-def test_a_worker_that_is_killed_ends_the_run_in_a_sentence(place: Path) -> None:
-    run = started(place)
+def test_a_worker_that_is_killed_ends_the_run_in_a_sentence(folder: Path) -> None:
+    run = started(folder)
     until_reached(run)
     os.kill(workers(run)[0], signal.SIGKILL)
-    status, said = ended(run)
+    status, message = ended(run)
     assert status == 1
-    assert "was ended from outside" in said
-    assert said.count("\n") == 1
+    assert "was ended from outside" in message
+    assert message.count("\n") == 1
 
 
-def test_a_request_to_end_is_an_interrupt(place: Path) -> None:
-    run = started(place)
+def test_a_request_to_end_is_an_interrupt(folder: Path) -> None:
+    run = started(folder)
     until_reached(run)
     run.send_signal(signal.SIGTERM)
     assert ended(run) == (
@@ -123,18 +123,18 @@ def test_a_request_to_end_is_an_interrupt(place: Path) -> None:
     )
 
 
-def test_without_room_for_the_report_all_else_is_there(place: Path) -> None:
-    status, said = ended(started(place, largest_file=1_200_000))
+def test_without_room_for_the_report_all_else_is_there(folder: Path) -> None:
+    status, message = ended(started(folder, largest_file=1_200_000))
     assert status == 1
-    assert f"{place / 'out' / 'report.html'}: File too large" in said
-    assert said.count("\n") == 1
-    assert len(list(states(place))) == 12
-    for path in states(place):
+    assert f"{folder / 'out' / 'report.html'}: File too large" in message
+    assert message.count("\n") == 1
+    assert len(list(states(folder))) == 12
+    for path in states(folder):
         with np.load(path, allow_pickle=False) as arrays:
             assert np.isfinite(arrays["displacement"]).all()
-    store = ResultFolder(place / "out")
+    store = ResultFolder(folder / "out")
     assert len(store.read_json("experiments.json")) == 12
     assert store.read_json("parameters.json")["pressures_kPa"] == [4.0, 6.0, 8.0, 10.0]
-    left = {path.name for path in (place / "out").rglob("*") if path.is_file()}
+    left = {path.name for path in (folder / "out").rglob("*") if path.is_file()}
     assert "report.html" not in left
     assert not [name for name in left if name.startswith(".")]

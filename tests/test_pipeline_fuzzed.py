@@ -42,7 +42,7 @@ def examples(number: int) -> settings:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Sound and spoilt files that a configuration may name, and room for the configuration itself."""
-    place = tmp_path_factory.mktemp("fuzzed")
+    directory = tmp_path_factory.mktemp("fuzzed")
     drawing, mesh = (CONFIGS / "finger.step").read_bytes(), (DATA / "t2_coarse.msh").read_bytes()
     for name, content in {
         "finger.step": drawing,
@@ -52,10 +52,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         **dict.fromkeys(("empty.step", "empty.msh"), b""),
         **dict.fromkeys(("text.brep", "text.msh"), b"hello\n"),
     }.items():
-        (place / name).write_bytes(content)
+        (directory / name).write_bytes(content)
     for name in ("folder.step", "folder.msh"):
-        (place / name).mkdir()
-    return place
+        (directory / name).mkdir()
+    return directory
 
 
 def check_sentences(sentences: tuple[str, ...]) -> None:

@@ -145,8 +145,8 @@ def test_a_run_names_where_the_whole_arm_ends_beside_the_law(tmp_path: Path) -> 
     assert report.arm.law.pressures[-1] == 6.0
     assert ", on the way to 2000 kPa: " in report.arm.failures[0]
     effects = {row["effect"]: row for row in read(tmp_path / "out", "effects.json")}
-    said = f"; experiment {first[0]} of the whole arm ends at {first[1]:.4g} kPa"
-    assert effects["arm_law"]["reason"].endswith(said)
+    clause = f"; experiment {first[0]} of the whole arm ends at {first[1]:.4g} kPa"
+    assert effects["arm_law"]["reason"].endswith(clause)
     assert [
         step for step in verdict_of(read_results(tmp_path / "out")).on("next") if "law.json --pressure '6 kPa'" in step
     ]
@@ -194,10 +194,10 @@ def test_the_law_goes_no_higher_than_the_whole_arm(
 ) -> None:
     """Up to the highest pressure at which II has a state, those below its limit included."""
     design = config(tmp_path, "validation=off")
-    scene, found = Scene.meshed(design), ended(design, reached, below_limit, end)
+    scene, simulated = Scene.meshed(design), ended(design, reached, below_limit, end)
     with open_store(tmp_path / "out", design) as store:
         context = RunContext.alone(store, Silent())
-        made = law_of_run(scene, context, lambda: highest_of_use(scene, *found)).result()
+        made = law_of_run(scene, context, lambda: highest_of_use(scene, *simulated)).result()
     assert made.law is not None
     assert made.law.pressures[-1] == highest
     assert all(pressure in made.law.pressures for pressure in (6.0, 12.0) if pressure <= highest)

@@ -202,7 +202,7 @@ def test_another_mesh_has_a_limit_of_its_own() -> None:
 
 def test_two_tells_its_limit_before_its_results_are_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     known: list[KnownLimit] = []
-    told_when_made: list[str] = []
+    limits_when_made: list[str] = []
     simulation, of_group = sys.modules[simulate.__module__], KnownLimit.of_group
 
     def remember(all_groups: KnownLimit, group: int) -> KnownLimit:
@@ -212,7 +212,7 @@ def test_two_tells_its_limit_before_its_results_are_made(tmp_path: Path, monkeyp
     made = simulation._record
 
     def record(experiment: fem.Experiment, *others: Any) -> Any:
-        told_when_made.append(known[0].why_not(5.0))
+        limits_when_made.append(known[0].why_not(5.0))
         return made(experiment, *others)
 
     monkeypatch.setattr(KnownLimit, "of_group", remember)
@@ -220,8 +220,8 @@ def test_two_tells_its_limit_before_its_results_are_made(tmp_path: Path, monkeyp
     config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, "pressures=[0.5 kPa, 5 kPa]"])
     with open_store(tmp_path, config) as store:
         simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II"])
-    assert len(told_when_made) == 1
-    assert "experiment II of the same arm has its limit at 1.0" in told_when_made[0]
+    assert len(limits_when_made) == 1
+    assert "experiment II of the same arm has its limit at 1.0" in limits_when_made[0]
 
 
 def test_the_experiment_that_tells_starts_first() -> None:

@@ -51,9 +51,9 @@ def test_one_rigidity_holds_along_equal_cells_that_do_not_touch(
         for name in ("II", "III")
     )
     outcomes: Any = SimpleNamespace(pairs=[(free, loaded)])
-    ((found,), refused) = identify_all(outcomes, 10.0, equal_cells=equal_cells)
+    ((identified,), refused) = identify_all(outcomes, 10.0, equal_cells=equal_cells)
     assert refused == ()
-    assert found.one_rigidity is (equal_cells and not touching)
+    assert identified.one_rigidity is (equal_cells and not touching)
 
 
 @pytest.mark.parametrize("touching", [False, True])
@@ -70,6 +70,6 @@ def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
     fine: Any = SimpleNamespace(
         kappa=SimpleNamespace(pitch=10.0), given_d=None, shortest_break=5.0, two_lines=False, equal_cells=equal_cells
     )
-    found = mesh_error._on_coarser(fine, record, record)
-    assert found is not None
-    assert found.two_lines is (touching or not equal_cells)
+    coarser = mesh_error._on_coarser(fine, record, record)
+    assert coarser is not None
+    assert coarser.two_lines is (touching or not equal_cells)

@@ -117,8 +117,8 @@ def test_slopes_of_ogden_are_derivatives_by_its_constants() -> None:
     step = 1e-6
     for number, column in enumerate(form.slopes(constants, stretch).T):
         change = step * np.eye(4)[number]
-        found = form.nominal(constants + change, stretch) - form.nominal(constants - change, stretch)
-        np.testing.assert_allclose(found / (2 * step), column, atol=1e-9)
+        difference = form.nominal(constants + change, stretch) - form.nominal(constants - change, stretch)
+        np.testing.assert_allclose(difference / (2 * step), column, atol=1e-9)
 
 
 def test_standard_errors_of_ogden_are_those_of_repeated_draws() -> None:
@@ -181,19 +181,19 @@ def test_the_standard_errors_of_what_is_determined_are_half_of_it_at_most() -> N
     form, stretch = OgdenForm(1), np.linspace(1.0, 2.0, 21)
     constants = np.array([0.3, 2.0])
     stress = form.nominal(constants, stretch)
-    for error, found in ((0.1, ""), (0.9, "the data do not determine one term: one has alpha 2 ± 0.1 and a stress")):
+    for error, start in ((0.1, ""), (0.9, "the data do not determine one term: one has alpha 2 ± 0.1 and a stress")):
         covariance = np.diag([(error * 0.3) ** 2, 0.1**2])
-        assert form.undetermined(constants, covariance, stretch, stress).startswith(found or "nothing") == bool(found)
+        assert form.undetermined(constants, covariance, stretch, stress).startswith(start or "nothing") == bool(start)
     assert "alpha 2 ± 2" in form.undetermined(constants, np.diag([1e-6, 4.0]), stretch, stress)
-    said = FORMS["neo_hooke"].undetermined(np.array([0.3]), np.array([[0.04]]), stretch, stress)
-    assert said == "the standard error of the stiffness at rest is 66.7 % of it"
+    reason = FORMS["neo_hooke"].undetermined(np.array([0.3]), np.array([[0.04]]), stretch, stress)
+    assert reason == "the standard error of the stiffness at rest is 66.7 % of it"
 
 
 def test_the_stability_of_ogden_is_said_in_words() -> None:
     both = fit_laws([made_of(fem.Ogden((0.2, -0.05), (3.0, 1.2), 40.0), np.geomspace(0.5, 3.0, 61))], options())
-    said = " ".join(caveats(both))
-    assert "ogden 1: stable in Drucker's sense (more stress for more strain) at every strain" in said
-    [limits] = re.findall(r"ogden 2 is stable in Drucker's sense .* between stretches (.*); elsewhere not", said)
+    text = " ".join(caveats(both))
+    assert "ogden 1: stable in Drucker's sense (more stress for more strain) at every strain" in text
+    [limits] = re.findall(r"ogden 2 is stable in Drucker's sense .* between stretches (.*); elsewhere not", text)
     assert re.search(r"in uniaxial tension, .* in equibiaxial tension, .* in plane strain tension$", limits)
 
 
@@ -410,7 +410,7 @@ def neo_hookean(mu: float, *, offset: float = 0.0, percent: float = 1.0) -> Tens
 
 
 @pytest.mark.parametrize(
-    ("test", "said"),
+    ("test", "pattern"),
     [
         (neo_hookean(0.3), ""),
         (
@@ -426,10 +426,10 @@ def neo_hookean(mu: float, *, offset: float = 0.0, percent: float = 1.0) -> Tens
     ids=["usual", "kPa as MPa", "MPa as kPa", "other", "percent as 1", "offset", "negative offset"],
 )
 @pytest.mark.filterwarnings("error")
-def test_notes_on_units_and_offsets(test: TensileTest, said: str) -> None:
+def test_notes_on_units_and_offsets(test: TensileTest, pattern: str) -> None:
     notes = fit_laws([test], options()).notes
-    assert len(notes) == bool(said)
-    assert not said or re.search(said, notes[0])
+    assert len(notes) == bool(pattern)
+    assert not pattern or re.search(pattern, notes[0])
 
 
 def test_data_of_rubber_need_no_note(shipped: Fits) -> None:

@@ -62,20 +62,20 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     path = tmp_path / "seven.yaml"
     path.write_text(SHORT, encoding="utf-8")
     run(load_config(path), tmp_path / "out", 1, False, Silent())
-    found = json.loads((tmp_path / "out" / "parameters.json").read_text(encoding="utf-8"))
-    contribution = found["mesh_error"]
+    record = json.loads((tmp_path / "out" / "parameters.json").read_text(encoding="utf-8"))
+    contribution = record["mesh_error"]
     assert contribution["sizes_mm"] == [6.0, 9.0]
     for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
-        assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], found[key], strict=True)), key
-    said = mesh_error(read_results(tmp_path / "out"))
-    assert "estimated from mesh sizes of 6 and 9 mm and contained" in said
+        assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], record[key], strict=True)), key
+    sentence = mesh_error(read_results(tmp_path / "out"))
+    assert "estimated from mesh sizes of 6 and 9 mm and contained" in sentence
     largest = max(contribution["kappa_0_relative"])
-    assert said.startswith(f"Mesh error: at most {100 * largest:.1f} % in κ₀(l/2), ")
+    assert sentence.startswith(f"Mesh error: at most {100 * largest:.1f} % in κ₀(l/2), ")
     assert all(error > 0.0 for name in ("alpha2", "force") for error in contribution[f"{name}_relative"])
-    assert "N mm² of α₁" in said
-    (evidence,), (is_single,) = found["evidence_for_two_lines"], found["single_line_suffices"]
+    assert "N mm² of α₁" in sentence
+    (evidence,), (is_single,) = record["evidence_for_two_lines"], record["single_line_suffices"]
     assert (evidence <= 0.0) == is_single
-    assert all(isinstance(two_lines, bool) for two_lines in found["two_lines_on_coarser_mesh"])
+    assert all(isinstance(two_lines, bool) for two_lines in record["two_lines_on_coarser_mesh"])
 
 
 def test_a_second_mesh_that_cannot_be_made_is_named(tmp_path: Path) -> None:

@@ -48,8 +48,8 @@ def record(pressure: float, stress_error: float = 0.1, factorizations: int = 3) 
 
 
 def outcome(name: str, *records: Record, failure: Failure | None = None) -> Outcome:
-    seconds = sum((one.spent for one in records), Seconds(set_up=0.5))
-    factorizations = sum(one.summary.factorizations for one in records)
+    seconds = sum((state.spent for state in records), Seconds(set_up=0.5))
+    factorizations = sum(state.summary.factorizations for state in records)
     return Outcome(name, records, failure, seconds, factorizations, 100, "LU", np.zeros((2, 3)), np.zeros((1, 4), int))
 
 
@@ -57,7 +57,7 @@ def test_states_restored_from_an_earlier_path_count_once() -> None:
     first = outcome("II", record(10.0), record(30.0))
     more = outcome("II", record(10.0), record(20.0, factorizations=5))
     merged = first.merged(more)
-    assert [one.pressure_kPa for one in merged.records] == [10.0, 20.0, 30.0]
+    assert [state.pressure_kPa for state in merged.records] == [10.0, 20.0, 30.0]
     assert merged.factorizations == 3 + 3 + 5
     assert merged.seconds.set_up == 1.0
     assert merged.seconds.factorization == 6.0
@@ -126,7 +126,7 @@ def test_seconds_by_stage_add_up_to_the_total() -> None:
 def test_records_can_be_replaced_in_all_outcomes() -> None:
     outcomes = Outcomes({"II": outcome("II", record(10.0), record(20.0))})
     last = outcomes.with_records(lambda records: records[-1:])
-    assert [one.pressure_kPa for one in last.records] == [20.0]
+    assert [state.pressure_kPa for state in last.records] == [20.0]
     assert replace(outcomes["II"], records=last["II"].records) == last["II"]
 
 
@@ -140,7 +140,9 @@ def test_records_can_be_replaced_in_all_outcomes() -> None:
 )
 def test_a_smallest_gap_is_named_where_there_is_one(gaps: tuple[float, ...], reason: str, configs: Path) -> None:
     states = [record(10.0 * (k + 1)) for k in range(len(gaps))]
-    states = [replace(one, summary=replace(one.summary, min_gap_mm=gap)) for one, gap in zip(states, gaps, strict=True)]
+    states = [
+        replace(state, summary=replace(state.summary, min_gap_mm=gap)) for state, gap in zip(states, gaps, strict=True)
+    ]
     body: Any = SimpleNamespace(half=True)
     scene = Scene(load_config(configs / "pneunet_coarse.yaml"), body)
     rows = {state.effect: state for state in effect_states(scene, Outcomes({"II": outcome("II", *states)}))}

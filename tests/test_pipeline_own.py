@@ -195,9 +195,9 @@ def test_a_region_of_a_mesh_file_has_a_material_of_its_own(tmp_path: Path) -> No
     meshio.Mesh(mesh.points, cells, cell_data=groups, field_data=names).write(
         tmp_path / "two.msh", file_format="gmsh22"
     )
-    own, found = tip("own", f"{{family: own, file: two.msh, curve: {drawn.body.curve_y} mm}}", "{formulation: mixed}")
+    own, moved = tip("own", f"{{family: own, file: two.msh, curve: {drawn.body.curve_y} mm}}", "{formulation: mixed}")
     assert set(own.body.mesh.regions) == {"base"}
-    np.testing.assert_allclose(found, expected, rtol=1e-8)
+    np.testing.assert_allclose(moved, expected, rtol=1e-8)
 
 
 def test_a_mesh_whose_boundary_passes_through_itself_is_refused(ready: Path, tmp_path: Path) -> None:

@@ -33,13 +33,13 @@ CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 PRESSURES = "pressures=[10 kPa, 20 kPa, 30 kPa]"
 
 
-def said(*settings: str, config: str = "pneunet_coarse") -> str:
+def notes_before(*settings: str, config: str = "pneunet_coarse") -> str:
     return "; ".join(before_solving(load_config(CONFIGS / f"{config}.yaml", settings)))
 
 
 @pytest.mark.parametrize("config", ["pneunet", "semicircular", "semicircular_single", "bisected_circle", "finger"])
 def test_the_shipped_designs_are_plausible(config: str) -> None:
-    sentences = said(config=config)
+    sentences = notes_before(config=config)
     assert of_units(load_config(CONFIGS / f"{config}.yaml")) == ()
     assert not any(word in sentences for word in ("hardly", "balloons", "pitches")), sentences
 
@@ -62,7 +62,7 @@ def test_the_shipped_designs_are_plausible(config: str) -> None:
     ],
 )
 def test_what_is_unusual_is_said_before_anything_is_solved(setting: str, sentence: str) -> None:
-    assert sentence in said(PRESSURES, setting)
+    assert sentence in notes_before(PRESSURES, setting)
 
 
 @pytest.mark.parametrize("pressures", ["[150 kPa]", "[17 kPa, 150 kPa]", "[0.1 MPa, 0.4 MPa]"])
@@ -100,8 +100,8 @@ STEEL = "materials={base: {law: svk, E: 200 GPa, nu: 0.3, density: 7850 %s}}"
     ],
 )
 def test_numbers_in_another_unit_are_named(setting: str, sentence: str) -> None:
-    (said,) = of_units(load_config(CONFIGS / "pneunet_coarse.yaml", [setting]))
-    assert sentence in said
+    (note,) = of_units(load_config(CONFIGS / "pneunet_coarse.yaml", [setting]))
+    assert sentence in note
 
 
 @pytest.mark.parametrize(
@@ -132,9 +132,9 @@ def test_numbers_that_arms_have_are_not_named(setting: str) -> None:
 )
 def test_activation_distances_are_compared_with_gap_and_wall(dhat: str, sentence: str) -> None:
     settings = ["geometry.chambers=2", "mesh.size=6 mm", f"effects.self_contact={{dhat: {dhat}}}"]
-    said = of_contact(Scene.meshed(load_config(CONFIGS / "pneunet_coarse.yaml", settings)))
-    assert sentence in said
-    assert bool(sentence) == bool(said)
+    note = of_contact(Scene.meshed(load_config(CONFIGS / "pneunet_coarse.yaml", settings)))
+    assert sentence in note
+    assert bool(sentence) == bool(note)
 
 
 def test_no_activation_distance_is_compared_where_none_is_given_or_nothing_meets() -> None:
@@ -144,9 +144,9 @@ def test_no_activation_distance_is_compared_where_none_is_given_or_nothing_meets
 
 
 def test_nothing_is_said_of_a_usual_design() -> None:
-    assert said(PRESSURES) == ""
-    assert said(PRESSURES, "geometry.chambers=6", "law=cell") == ""
-    assert said("pressures=[10 kPa, 20 kPa]", "added_pressures=1") == ""
+    assert notes_before(PRESSURES) == ""
+    assert notes_before(PRESSURES, "geometry.chambers=6", "law=cell") == ""
+    assert notes_before("pressures=[10 kPa, 20 kPa]", "added_pressures=1") == ""
 
 
 def solved(
@@ -197,8 +197,8 @@ def solved(
     ],
 )
 def test_unusual_states_are_named(states: tuple[Any, ...], settings: tuple[str, ...], sentence: str) -> None:
-    (said,) = after_solving(solved(*states, *settings))
-    assert sentence in said
+    (note,) = after_solving(solved(*states, *settings))
+    assert sentence in note
 
 
 @pytest.mark.parametrize(
@@ -220,8 +220,8 @@ def test_unusual_states_are_named(states: tuple[Any, ...], settings: tuple[str, 
     ],
 )
 def test_contact_that_is_approximate_is_named(check: ContactCheck, sentence: str) -> None:
-    (said,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, contact_check=check))
-    assert said == f"walls of a cavity have moved along each other, so that their contact is approximate: {sentence}"
+    (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, contact_check=check))
+    assert note == f"walls of a cavity have moved along each other, so that their contact is approximate: {sentence}"
 
 
 def test_nothing_is_said_of_contact_that_exact_distances_do_not_change() -> None:
@@ -230,15 +230,15 @@ def test_nothing_is_said_of_contact_that_exact_distances_do_not_change() -> None
 
 @pytest.mark.parametrize(("low", "high"), [(9.0, 37.0), (0.0, 11.0), (-40.0, 60.0)])
 def test_a_rigidity_that_is_not_determined_is_named(low: float, high: float) -> None:
-    (said,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, alpha2=(low, high)))
-    assert f"95 % interval of α₂ at 20 kPa from {low:.3g} to {high:.3g} N mm²; give higher pressures" in said
+    (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, alpha2=(low, high)))
+    assert f"95 % interval of α₂ at 20 kPa from {low:.3g} to {high:.3g} N mm²; give higher pressures" in note
 
 
 def test_a_single_line_that_is_not_determined_is_named_once() -> None:
     run = solved(0.9, (0.95, 1.05), 0.01, alpha2=(1.0, 20.0))
     run.parameters[0].numbers["alpha1"] = run.parameters[0].numbers["alpha2"]
-    (said,) = after_solving(run)
-    assert "95 % interval of α₁ = α₂ at 20 kPa from 1 to 20 N mm²; give" in said
+    (note,) = after_solving(run)
+    assert "95 % interval of α₁ = α₂ at 20 kPa from 1 to 20 N mm²; give" in note
 
 
 @pytest.mark.parametrize(
@@ -267,9 +267,9 @@ def test_a_single_line_that_is_not_determined_is_named_once() -> None:
 def test_a_number_of_lines_that_the_data_do_not_decide_is_named(
     evidence: float, on_coarser: bool, sentence: str
 ) -> None:
-    (said,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, evidence=evidence, on_coarser=on_coarser))
-    assert said.startswith("the data of the five parameters do not decide clearly between a single line and two, ")
-    assert said.endswith(f": at 20 kPa {sentence}")
+    (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, evidence=evidence, on_coarser=on_coarser))
+    assert note.startswith("the data of the five parameters do not decide clearly between a single line and two, ")
+    assert note.endswith(f": at 20 kPa {sentence}")
 
 
 @pytest.mark.parametrize(("evidence", "on_coarser"), [(6.1, True), (-6.1, False), (-9.0, None)])
@@ -312,9 +312,11 @@ def test_a_pressure_without_parameters_fails_a_run_only_where_it_leaves_no_rod(
         "identify_in_tasks",
         lambda context, outcomes, pitch, d_mm, equal_cells: (identified, (reason,)),
     )
-    found = identify_run(arm, CONTEXT, NONE)
-    assert (found.failures(other_rod), found.remarks(other_rod)) == (((reason,), ()) if fails else ((), (reason,)))
-    assert found.parameters == identified
+    identification = identify_run(arm, CONTEXT, NONE)
+    assert (identification.failures(other_rod), identification.remarks(other_rod)) == (
+        ((reason,), ()) if fails else ((), (reason,))
+    )
+    assert identification.parameters == identified
 
 
 def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scene, tmp_path: Path) -> None:
@@ -323,7 +325,7 @@ def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scen
     assert reason == (
         "no five parameters: Five parameters need a length of at least 6.5 pitches; this arm of 62 mm has 6.2 of 10 mm"
     )
-    assert reason.partition(": ")[2] in said(PRESSURES, "geometry.chambers=6")
+    assert reason.partition(": ")[2] in notes_before(PRESSURES, "geometry.chambers=6")
     (tmp_path / "run.json").write_text(f'{{"remarks": ["{reason}"]}}', encoding="utf-8")
     page = render_report(tmp_path)
     assert f"They were not identified: {reason}." in page
@@ -365,8 +367,8 @@ def test_a_cavity_that_is_mirrored_is_named(layer: int) -> None:
 
 
 def test_long_calls_are_told_of() -> None:
-    def listener(told: list[str]) -> Any:
-        return SimpleNamespace(remark=told.append)
+    def listener(remarks: list[str]) -> Any:
+        return SimpleNamespace(remark=remarks.append)
 
     quick: list[str] = []
     slow: list[str] = []

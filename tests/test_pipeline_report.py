@@ -166,9 +166,9 @@ def test_the_report_begins_with_the_verdict(finished: Path) -> None:
     html = unescape(render_report(finished))
     verdict = verdict_of(read_results(finished))
     assert len(verdict.sentences) >= 6
-    said = [html.index(f">{sentence}<") for sentence in verdict.sentences]
-    assert said == sorted(said)
-    assert said[-1] < html.index("<nav")
+    positions = [html.index(f">{sentence}<") for sentence in verdict.sentences]
+    assert positions == sorted(positions)
+    assert positions[-1] < html.index("<nav")
 
 
 def test_no_number_of_the_report_is_a_negative_zero(finished: Path) -> None:

@@ -81,15 +81,15 @@ def opened(browser: Browser, report: Path, request: pytest.FixtureRequest) -> It
     """The report in a window of a width, light or dark."""
     width, scheme = getattr(request, "param", (1280, "light"))
     page = browser.new_page(viewport={"width": width, "height": 900}, color_scheme=scheme)
-    found = Opened(page)
-    page.on("console", lambda message: found.messages.append(message.text))
-    page.on("pageerror", lambda error: found.messages.append(str(error)))
-    page.on("request", lambda request: found.requests.append(request.url))
+    window = Opened(page)
+    page.on("console", lambda message: window.messages.append(message.text))
+    page.on("pageerror", lambda error: window.messages.append(str(error)))
+    page.on("request", lambda request: window.requests.append(request.url))
     page.goto(report.as_uri())
     page.wait_for_selector("#body-view[data-ready]")
-    yield found
-    assert found.messages == []
-    assert [url for url in found.requests if not url.startswith("data:")] == [report.as_uri()]
+    yield window
+    assert window.messages == []
+    assert [url for url in window.requests if not url.startswith("data:")] == [report.as_uri()]
     page.close()
 
 

@@ -36,8 +36,8 @@ def results(folder: Path, droop: float) -> Results:
 
 @pytest.mark.parametrize(("droop", "alike"), [(60.0, True), (4.0, False)])
 def test_nearly_straight_arms_get_a_larger_scale_for_y(tmp_path: Path, droop: float, alike: bool) -> None:
-    found = results(tmp_path, droop)
-    for figure in (of_experiment(found, "III"), validation_shapes(found)):
+    stored = results(tmp_path, droop)
+    for figure in (of_experiment(stored, "III"), validation_shapes(stored)):
         assert figure is not None
         shape = figure.charts[0]
         assert shape.to_scale == alike

@@ -36,10 +36,10 @@ def results(folder: Path, **files: object) -> Results:
 
 def columns(d_at_most: bool) -> dict[str, object]:
     numbers = {"alpha1_N_mm2": 190.0, "alpha2_N_mm2": 400.0, "m01_N_mm": 0.0, "m02_N_mm": -0.5, "d_mm": 5.6}
-    found: dict[str, object] = {"d_is_at_most": [d_at_most]}
+    content: dict[str, object] = {"d_is_at_most": [d_at_most]}
     for name, value in numbers.items():
-        found |= {name: [value], f"{name}_std": [0.5], f"{name}_95": [[value - 1.0, value + 1.0]]}
-    return found
+        content |= {name: [value], f"{name}_std": [0.5], f"{name}_95": [[value - 1.0, value + 1.0]]}
+    return content
 
 
 def test_estimators_stand_side_by_side(tmp_path: Path) -> None:
@@ -64,7 +64,7 @@ def test_a_single_line_has_no_break(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("error", "law", "said"),
+    ("error", "law", "ending"),
     [
         (
             {"alpha2_relative": [0.01, 0.035], "kappa_0_relative": [0.044, None]},
@@ -77,12 +77,12 @@ def test_a_single_line_has_no_break(tmp_path: Path) -> None:
     ids=["of the five parameters", "of the arm's own law alone", "of none"],
 )
 def test_the_error_of_the_mesh_is_named_beside_that_of_the_rods(
-    error: object, law: object, said: str, tmp_path: Path
+    error: object, law: object, ending: str, tmp_path: Path
 ) -> None:
     parameters = {"pressures_kPa": [17.0], **columns(False), "mesh_error": error}
     sentence = mesh_besides(results(tmp_path, parameters=parameters, law={"mesh_error": law}))
     assert sentence.startswith("The error of the mesh comes on top of that")
-    assert sentence.endswith(said)
+    assert sentence.endswith(ending)
 
 
 def test_a_break_at_the_upper_end_of_its_range_is_marked(tmp_path: Path) -> None:
@@ -156,8 +156,8 @@ def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path:
     five = [row("in", 0.02, 0.02), row("out", 0.04, None, "dead force 0, 1 N"), row("out", 0.03, -0.2, "end at +10 mm")]
     law = [{**r, "rod": "arm_law", "sample": "out", "distance_over_length": 0.002} for r in five]
     law = [{**r, "force_error": None if r["force_error"] is None else 0.004} for r in law]
-    found = results(tmp_path, validation=[*five, *law])
-    assert rod_to_take(found) == [
+    stored = results(tmp_path, validation=[*five, *law])
+    assert rod_to_take(stored) == [
         "Take the rod with the arm's own law (arm_law): its largest error against finite elements on the same mesh, "
         "0.4 %, is the smallest of 2 rods (distance over the length, or error of the force at the end over that "
         "force).",
@@ -167,7 +167,7 @@ def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path:
         "out of sample (loads that nothing was fitted to) the shape is wrong by at most 4 % of l, the force by at most "
         "20 %.",
     ]
-    assert [cells[0] for cells in rod_table(found)] == [
+    assert [cells[0] for cells in rod_table(stored)] == [
         "the rod with the arm's own law",
         "the rod with five parameters",
     ]
@@ -178,8 +178,8 @@ def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path:
 
 def test_a_load_beyond_the_identified_moments_is_named(tmp_path: Path) -> None:
     warned = {**row("out", 0.05, None, "dead force 0, 1 N"), "warning": "The moment leaves the range."}
-    found = results(tmp_path, validation=[row("in", 0.01, 0.02), warned])
-    assert beyond_identified(found) == ["dead force 0, 1 N, 31 kPa: The moment leaves the range."]
+    stored = results(tmp_path, validation=[row("in", 0.01, 0.02), warned])
+    assert beyond_identified(stored) == ["dead force 0, 1 N, 31 kPa: The moment leaves the range."]
 
 
 def test_the_eccentricity_stands_with_the_five_parameters_that_go_with_it(tmp_path: Path) -> None:

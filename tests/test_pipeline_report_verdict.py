@@ -79,16 +79,16 @@ def test_its_record_has_the_numbers_unrounded(folder: Path) -> None:
 )  # fmt: skip
 def test_loads_that_were_not_tested_are_named(folder: Path, loads: list[dict[str, object]], sentence: str) -> None:
     verdict = with_loads(folder, *loads)
-    said = [text for text in verdict.on("not tested") if text.startswith("Not tested: the rods")]
-    assert said == ([sentence] if sentence else [])
+    sentences = [text for text in verdict.on("not tested") if text.startswith("Not tested: the rods")]
+    assert sentences == ([sentence] if sentence else [])
     to_do = [text for text in verdict.on("next") if "`validation`" in text]
     assert bool(to_do) == (not loads)
 
 
 def test_pressures_and_straight_lines_that_were_not_tested(folder: Path) -> None:
-    said = verdict_of(read_results(folder)).on("not tested")
-    assert "Not tested: pressures below 17 kPa and above 37 kPa." in said
-    assert any("linear in the pressure" in text for text in said)
+    sentences = verdict_of(read_results(folder)).on("not tested")
+    assert "Not tested: pressures below 17 kPa and above 37 kPa." in sentences
+    assert any("linear in the pressure" in text for text in sentences)
     change(folder, "parameters", linear_range_tested=True)
     assert not any("linear in the pressure" in text for text in verdict_of(read_results(folder)).on("not tested"))
 
@@ -146,8 +146,8 @@ def test_a_terminal_shows_failures_in_short(folder: Path) -> None:
 
 
 def test_a_place_at_the_end_of_a_reason_has_no_remark_on_the_elements() -> None:
-    (said,) = in_short(["experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm (p2p0 is soft)"])
-    assert said == "experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm"
+    (sentence,) = in_short(["experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm (p2p0 is soft)"])
+    assert sentence == "experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm"
 
 
 def test_without_a_failure_a_terminal_shows_the_same_sentences(folder: Path) -> None:
@@ -163,7 +163,7 @@ def test_the_law_is_not_offered_above_the_pressures_of_the_experiments(folder: P
 
 
 def test_a_folder_with_nothing_has_a_verdict(tmp_path: Path) -> None:
-    found: Results = read_results(tmp_path)
-    verdict = verdict_of(found)
+    results: Results = read_results(tmp_path)
+    verdict = verdict_of(results)
     assert (verdict.five, verdict.rod, verdict.errors, verdict.parameters) == ((), "", (), ())
     assert verdict.sentences == ("No rod was compared with the finite elements.",)

@@ -10,28 +10,28 @@ from pipeline.identification.richardson import extrapolated
 
 def test_two_sizes_with_a_known_order_give_the_limit() -> None:
     sizes = (2.5, 4.0)
-    found = extrapolated(sizes, [3.0 + 0.2 * h**2 for h in sizes], orders=(2.0, 2.0))
-    assert found.limit == pytest.approx(3.0, abs=1e-12)
-    assert found.error == pytest.approx(0.2 * 2.5**2, abs=1e-12)
-    assert 0.0 < found.limit_std < 0.3 * found.error  # the scatter that is to be expected
+    estimate = extrapolated(sizes, [3.0 + 0.2 * h**2 for h in sizes], orders=(2.0, 2.0))
+    assert estimate.limit == pytest.approx(3.0, abs=1e-12)
+    assert estimate.error == pytest.approx(0.2 * 2.5**2, abs=1e-12)
+    assert 0.0 < estimate.limit_std < 0.3 * estimate.error  # the scatter that is to be expected
 
 
 @pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
 def test_two_sizes_with_a_range_of_orders_hold_the_truth(order: float) -> None:
     sizes = (4.0, 2.5)
-    found = extrapolated(sizes, [3.0 - 0.2 * h**order for h in sizes])
-    assert abs(found.limit - 3.0) < 2.3 * found.limit_std  # an end of the range, of a skewed distribution
-    assert abs(found.value - 3.0) < 1.96 * found.error_std
+    estimate = extrapolated(sizes, [3.0 - 0.2 * h**order for h in sizes])
+    assert abs(estimate.limit - 3.0) < 2.3 * estimate.limit_std  # an end of the range, of a skewed distribution
+    assert abs(estimate.value - 3.0) < 1.96 * estimate.error_std
     # and the uncertainty is that of the order, not a blanket
-    assert found.limit_std < abs(found.error)
+    assert estimate.limit_std < abs(estimate.error)
 
 
 @pytest.mark.parametrize("order", [1.0, 2.0, 3.0])
 def test_three_sizes_find_the_order(order: float) -> None:
     sizes = np.array([5.0, 3.2, 2.0])
-    found = extrapolated(sizes, 10.0 + 0.1 * sizes**order)
-    assert abs(found.order - order) < 0.4  # with a scatter of five hundredths three meshes say no more
-    assert abs(found.limit - 10.0) < 2.0 * found.limit_std
+    estimate = extrapolated(sizes, 10.0 + 0.1 * sizes**order)
+    assert abs(estimate.order - order) < 0.4  # with a scatter of five hundredths three meshes say no more
+    assert abs(estimate.limit - 10.0) < 2.0 * estimate.limit_std
 
 
 def test_scatter_is_covered() -> None:
@@ -41,8 +41,8 @@ def test_scatter_is_covered() -> None:
     for _ in range(300):
         order = random.uniform(1.0, 3.0)
         smooth = (sizes / 5.0) ** order
-        found = extrapolated(sizes, 1.0 + smooth + 0.05 * random.standard_normal(4))
-        hits += abs(found.limit - 1.0) < 1.96 * found.limit_std
+        estimate = extrapolated(sizes, 1.0 + smooth + 0.05 * random.standard_normal(4))
+        hits += abs(estimate.limit - 1.0) < 1.96 * estimate.limit_std
     assert 0.9 <= hits / 300 <= 1.0
 
 
@@ -53,13 +53,13 @@ def test_values_that_do_not_converge_say_so() -> None:
 
 
 def test_equal_values_have_no_error() -> None:
-    found = extrapolated([4.0, 2.0, 1.0], [5.0, 5.0, 5.0])
-    assert (found.limit, found.error_std) == (pytest.approx(5.0), pytest.approx(0.0, abs=1e-12))
-    assert math.isfinite(found.order)
+    estimate = extrapolated([4.0, 2.0, 1.0], [5.0, 5.0, 5.0])
+    assert (estimate.limit, estimate.error_std) == (pytest.approx(5.0), pytest.approx(0.0, abs=1e-12))
+    assert math.isfinite(estimate.order)
 
 
 @pytest.mark.parametrize(
-    ("sizes", "values", "orders", "said"),
+    ("sizes", "values", "orders", "message"),
     [
         ([2.0], [1.0], None, "two or more"),
         ([2.0, 2.0], [1.0, 1.0], None, "two or more"),
@@ -68,6 +68,6 @@ def test_equal_values_have_no_error() -> None:
         ([2.0, 1.0], [1.0, 1.0], (2.0, 1.0), "rises"),
     ],
 )
-def test_refusals(sizes: list[float], values: list[float], orders: tuple[float, float] | None, said: str) -> None:
-    with pytest.raises(ValueError, match=said):
+def test_refusals(sizes: list[float], values: list[float], orders: tuple[float, float] | None, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
         extrapolated(sizes, values, orders)

@@ -93,12 +93,12 @@ def test_the_error_indicator_of_every_state_and_the_largest_one(results: Path) -
     rows = read(results, "experiments.json")
     errors = [row["stress_error"] for row in rows]
     assert 0.01 < min(errors) <= max(errors) < 0.5
-    found = read(results, "run.json")["indicator"]
+    indicator = read(results, "run.json")["indicator"]
     worst = rows[int(np.argmax(errors))]
-    assert found["stress_error"] == max(errors)
-    assert (found["experiment"], found["pressure_kPa"]) == (worst["experiment"], worst["pressure_kPa"])
-    assert found["at_mm"] == worst["stress_error_at_mm"]
-    assert found["sentence"] in (results / "report.html").read_text()
+    assert indicator["stress_error"] == max(errors)
+    assert (indicator["experiment"], indicator["pressure_kPa"]) == (worst["experiment"], worst["pressure_kPa"])
+    assert indicator["at_mm"] == worst["stress_error_at_mm"]
+    assert indicator["sentence"] in (results / "report.html").read_text()
 
 
 ASKED = """
@@ -116,9 +116,9 @@ def test_a_requested_accuracy_is_reported_before_and_after_the_run(tmp_path: Pat
     path = tmp_path / "asked.yaml"
     path.write_text(ASKED, encoding="utf-8")
     run(load_config(path, ["accuracy=20 %"]), tmp_path / "out", 1, False, Silent())
-    found = read(tmp_path / "out", "run.json")
-    accuracy, indicator = found["accuracy"], found["indicator"]
-    assert accuracy["size_mm"] == found["config"]["mesh"]["size_mm"]
+    record = read(tmp_path / "out", "run.json")
+    accuracy, indicator = record["accuracy"], record["indicator"]
+    assert accuracy["size_mm"] == record["config"]["mesh"]["size_mm"]
     assert 1.0 <= accuracy["order"] <= 4.0
     before, after = accuracy["estimated_error"], accuracy["after"]["estimated_error"]
     assert 0.5 * before < after < 1.5 * before
@@ -223,9 +223,9 @@ def test_exit_status_of_a_failed_run_is_one_and_of_wrong_input_two(config_file: 
         assert "Traceback" not in ended.stderr
         return ended.returncode, ended.stderr
 
-    code, said = status("--set", "material.nu=0.6")
+    code, message = status("--set", "material.nu=0.6")
     assert code == 2
-    assert "nu" in said
-    code, said = status("--set", "geometry.chambers=1", "--set", "pressures=[1 MPa]", "--jobs", "1")
+    assert "nu" in message
+    code, message = status("--set", "geometry.chambers=1", "--set", "pressures=[1 MPa]", "--jobs", "1")
     assert code == 1
-    assert said.startswith("pneurod: experiment")
+    assert message.startswith("pneurod: experiment")

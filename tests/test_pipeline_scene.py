@@ -109,8 +109,8 @@ def test_parameters_switch_an_effect_on(arm: Path, half: Body) -> None:
     assert isinstance(layer, fem.StrainLimitingLayer)
     assert (layer.thickness, layer.E, layer.nu) == (0.2, 6500.0, 0.2)
     assert len(layer.triangles) == len(half.mesh.plane(1, 0.0)) > 0
-    kept = load_config(arm, [*BISECTED, "effects.gravity={state: auto, acceleration: [0 m/s^2, 0 m/s^2, 1 m/s^2]}"])
-    assert loads(kept, half, 0.04) == [fem.Pressure("cavity", 0.04)]
+    along_z = load_config(arm, [*BISECTED, "effects.gravity={state: auto, acceleration: [0 m/s^2, 0 m/s^2, 1 m/s^2]}"])
+    assert loads(along_z, half, 0.04) == [fem.Pressure("cavity", 0.04)]
 
 
 def test_elements_follow_poissons_ratio(tmp_path: Path, arm: Path) -> None:

@@ -197,20 +197,20 @@ def test_two_runs_do_not_share_a_folder(tmp_path: Path, config: Config) -> None:
 
 def test_a_folder_that_cannot_be_written_is_refused(tmp_path: Path, config: Config) -> None:
     (tmp_path / "file").write_text("")
-    for place in (tmp_path / "file" / "out", Path("/proc/pneurod")):
+    for out in (tmp_path / "file" / "out", Path("/proc/pneurod")):
         with (
             pytest.raises(InputError, match=r"^--out .* cannot be written \(.+\); give a folder you may write to$"),
-            open_store(place, config),
+            open_store(out, config),
         ):
             pass
 
 
 def test_provenance_names_what_the_results_were_made_with() -> None:
-    found = provenance()
-    assert json.loads(json.dumps(found)) == found
+    record = provenance()
+    assert json.loads(json.dumps(record)) == record
     if (Path(__file__).resolve().parent.parent / ".git").exists():
-        assert re.fullmatch(r"[0-9a-f]{40}\+?", found["commit"])
-    assert found["packages"]["numpy"] == np.__version__
+        assert re.fullmatch(r"[0-9a-f]{40}\+?", record["commit"])
+    assert record["packages"]["numpy"] == np.__version__
     assert {"gmsh", "ipctk", "scikit-fem"} <= set(pinned())
     assert "pytest" not in pinned()
-    assert found["machine"]["cores"] == os.cpu_count()
+    assert record["machine"]["cores"] == os.cpu_count()

@@ -39,6 +39,6 @@ def test_a_failed_measurement_loses_no_earlier_result(tmp_path: Path) -> None:
 
 
 def test_missing_cases_are_measured_in_processes(tmp_path: Path) -> None:
-    kept = record(tmp_path)
-    kept.save(2, 5)
-    assert Study([3, 2], square, kept).run_in_processes(1) == [(3, 9), (2, 5)]
+    stored = record(tmp_path)
+    stored.save(2, 5)
+    assert Study([3, 2], square, stored).run_in_processes(1) == [(3, 9), (2, 5)]

@@ -50,8 +50,8 @@ def sweep(file: Path) -> Sweep:
     return read_sweep(file)
 
 
-def solved(sweep: Sweep, out: Path, on: LocalWorkers | RemoteScheduler, said: list[str] | None = None) -> SweepReport:
-    return run_sweep(sweep, out, Course(on, False, False, (said if said is not None else []).append))
+def solved(sweep: Sweep, out: Path, on: LocalWorkers | RemoteScheduler, lines: list[str] | None = None) -> SweepReport:
+    return run_sweep(sweep, out, Course(on, False, False, (lines if lines is not None else []).append))
 
 
 @pytest.fixture(scope="module")
@@ -86,10 +86,10 @@ def test_finished_points_are_not_solved_again(sweep: Sweep, results: Path, monke
     def none_needed(_: object) -> None:
         raise AssertionError("workers were started though nothing was left to do")
 
-    before, said = table(results), []
+    before, lines = table(results), []
     monkeypatch.setattr(study, "connected", none_needed)
-    report = solved(sweep, results, LocalWorkers(2, 1), said)
-    assert said == ["4 points: 1 refused, 3 kept from earlier, 0 to be solved"]
+    report = solved(sweep, results, LocalWorkers(2, 1), lines)
+    assert lines == ["4 points: 1 refused, 3 kept from earlier, 0 to be solved"]
     assert table(results) == before
     with pytest.raises(Exception, match="1 of 4 points did not finish"):
         report.raise_if_failed()
@@ -102,8 +102,8 @@ def test_several_sweeps_share_the_workers_and_each_has_its_table(
     file.with_name("other.yaml").write_text(text, encoding="utf-8")
     other = read_sweep(file.with_name("other.yaml"))
     requests = [RequestedSweep(sweep, tmp_path / "first"), RequestedSweep(other, tmp_path / "second")]
-    said: list[str] = []
-    reports = run_sweeps(requests, Course(LocalWorkers.of(2, "4 GB"), False, False, said.append))
+    lines: list[str] = []
+    reports = run_sweeps(requests, Course(LocalWorkers.of(2, "4 GB"), False, False, lines.append))
     assert table(tmp_path / "first") == table(results)
     assert [[point.record.status for point in report.points] for report in reports] == [
         ["finished", "finished", "refused", "finished"],
@@ -112,10 +112,10 @@ def test_several_sweeps_share_the_workers_and_each_has_its_table(
     rows = (tmp_path / "second" / "sweep.csv").read_text().splitlines()
     first = (tmp_path / "first" / "sweep.csv").read_text().splitlines()
     assert rows == first[:5]
-    assert said[0] == "6 points: 1 refused, 0 kept from earlier, 5 to be solved"
-    assert len([line for line in said if "finished after" in line]) == 5
+    assert lines[0] == "6 points: 1 refused, 0 kept from earlier, 5 to be solved"
+    assert len([line for line in lines if "finished after" in line]) == 5
     with pytest.raises(InputError, match="two sweeps would write into this folder"):
-        run_sweeps([requests[0], requests[0]], Course(LocalWorkers.of(2, "4 GB"), False, False, said.append))
+        run_sweeps([requests[0], requests[0]], Course(LocalWorkers.of(2, "4 GB"), False, False, lines.append))
 
 
 def test_the_folder_of_another_sweep_is_not_written_into(file: Path, results: Path) -> None:
@@ -178,11 +178,11 @@ def until(condition) -> None:
 def test_two_workers_started_by_hand_give_the_same_table_though_one_is_killed(
     sweep: Sweep, results: Path, tmp_path: Path
 ) -> None:
-    place, out = tmp_path / "scheduler.json", tmp_path / "out"
+    scheduler_file, out = tmp_path / "scheduler.json", tmp_path / "out"
     scheduler = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
     worker = ["distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-    worker += ["--local-directory", str(tmp_path), "--scheduler-file", str(place)]
-    with started([*scheduler, "--scheduler-file", str(place)], worker, worker) as (_, doomed, _):
+    worker += ["--local-directory", str(tmp_path), "--scheduler-file", str(scheduler_file)]
+    with started([*scheduler, "--scheduler-file", str(scheduler_file)], worker, worker) as (_, doomed, _):
 
         class KillAtFirst(list[str]):
             def append(self, sentence: str) -> None:
@@ -190,11 +190,11 @@ def test_two_workers_started_by_hand_give_the_same_table_though_one_is_killed(
                     os.kill(doomed.pid, signal.SIGKILL)
                 super().append(sentence)
 
-        until(place.is_file)
-        said = KillAtFirst()
-        solved(sweep, out, RemoteScheduler(json.loads(place.read_text())["address"]), said)
+        until(scheduler_file.is_file)
+        lines = KillAtFirst()
+        solved(sweep, out, RemoteScheduler(json.loads(scheduler_file.read_text())["address"]), lines)
     assert doomed.returncode == -signal.SIGKILL
-    assert said[1].startswith("scheduler tcp://127.0.0.1:")
+    assert lines[1].startswith("scheduler tcp://127.0.0.1:")
     assert table(out) == table(results)
 
 

@@ -105,11 +105,11 @@ UP = np.linspace(0.0, 1.5, 61)
     ids=["unloading", "twice", "cycles", "falling", "compression", "parts", "scatter"],
 )
 def test_strains_that_go_back_are_named(strain: Array, line: int | None, tmp_path: Path) -> None:
-    said = notes(tmp_path, strain, 0.3 * ((1 + strain) - (1 + strain) ** -2))
+    sentences = notes(tmp_path, strain, 0.3 * ((1 + strain) - (1 + strain) ** -2))
     if line is None:
-        assert said == ()
+        assert sentences == ()
     else:
-        [note] = said
+        [note] = sentences
         assert note.startswith(
             f"{tmp_path / 'pull.csv'}: test 'pull': the strain goes back after line {line}: unloading"
         )
@@ -241,11 +241,11 @@ def test_whatever_stands_in_a_file_it_is_read_or_refused(
     tmp_path_factory: pytest.TempPathFactory, parts: list[str]
 ) -> None:
     path = written(tmp_path_factory.mktemp("fuzz"), "".join(parts))
-    said = ""
+    message = ""
     try:
         tests = read_tensile([path])
     except InputError as refused:
-        said, tests = str(refused), ()
-    assert bool(tests) != said.startswith(f"{path}: ")
-    assert len(said.splitlines()) <= 1
+        message, tests = str(refused), ()
+    assert bool(tests) != message.startswith(f"{path}: ")
+    assert len(message.splitlines()) <= 1
     assert all(np.isfinite(test.stress).all() and (test.stretch > 0).all() for test in tests)

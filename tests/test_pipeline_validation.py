@@ -105,9 +105,9 @@ def test_parameters_show_three_estimators_with_intervals(results: Path) -> None:
         assert columns["reason"] == [""] * count
     assert len(parameters["observations"]) == count
     assert [row["quantity"] for row in parameters["straightness"]] == ["alpha1", "alpha2", "kappa_0"]
-    for place, suffices in enumerate(parameters["single_line_suffices"]):
+    for index, suffices in enumerate(parameters["single_line_suffices"]):
         if suffices:
-            assert parameters["alpha1_N_mm2"][place] == parameters["alpha2_N_mm2"][place]
+            assert parameters["alpha1_N_mm2"][index] == parameters["alpha2_N_mm2"][index]
 
 
 def test_the_report_shows_loads_laws_and_estimators(results: Path) -> None:

@@ -103,9 +103,9 @@ def _until(context: TaskContext, flag: Path, go: Path) -> None:
 def test_a_worker_has_one_thread_of_two_cores_keeps_memory_and_what_it_has_made() -> None:
     before = dict(os.environ)
     with workers(2, Silent()) as working:
-        found = working.submit(0, environment).result()
-        assert all(int(found[name]) >= 1 for name in THREADS)
-        assert {name: found[name] for name in KEPT_MEMORY} == KEPT_MEMORY
+        variables = working.submit(0, environment).result()
+        assert all(int(variables[name]) >= 1 for name in THREADS)
+        assert {name: variables[name] for name in KEPT_MEMORY} == KEPT_MEMORY
         assert dict(os.environ) == before
         assert max(working.submit(0, counted).result() for _ in range(4)) >= 2
 

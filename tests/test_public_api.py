@@ -147,9 +147,9 @@ def test_results_can_be_pickled_and_copied(results: pneurod.Results) -> None:
 
 def test_a_pressure_that_is_no_number_is_refused(results: pneurod.Results) -> None:
     text: Any = "12 kPa"
-    for asked in (results.rod, results.law, lambda p: results.interval("d", p)):
+    for method in (results.rod, results.law, lambda p: results.interval("d", p)):
         with pytest.raises(pneurod.InputError, match="The pressure in kPa must be a finite number, not '12 kPa'"):
-            asked(text)
+            method(text)
 
 
 def test_the_record_of_the_run_is_typed(results: pneurod.Results) -> None:
@@ -279,7 +279,7 @@ def test_numbers_of_curves_are_read_exactly() -> None:
 
 
 @pytest.mark.parametrize(
-    ("kept", "rows"),
+    ("files", "rows"),
     [
         (("experiments.json",), {"experiments": 6, "parameters": 0, "curves": 0}),
         (("experiments.json", "effects.json", "parameters.json"), {"experiments": 6, "parameters": 2, "validation": 0}),
@@ -287,12 +287,12 @@ def test_numbers_of_curves_are_read_exactly() -> None:
     ],
     ids=["experiments only", "until the identification", "record only"],
 )
-def test_half_finished_folders_give_what_is_there(kept: tuple[str, ...], rows: dict[str, int], tmp_path: Path) -> None:
-    for name in kept:
+def test_half_finished_folders_give_what_is_there(files: tuple[str, ...], rows: dict[str, int], tmp_path: Path) -> None:
+    for name in files:
         shutil.copy(OLD / name, tmp_path)
     results = pneurod.read_results(tmp_path)
     assert {name: len(getattr(results, name)) for name in rows} == rows
-    assert results.run.finished == ("run.json" in kept)
+    assert results.run.finished == ("run.json" in files)
     columns = {name: list(frame.columns) for name, frame in frames(results)}
     assert all(columns.values())
 

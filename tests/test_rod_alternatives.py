@@ -50,8 +50,8 @@ def test_secants_do_not_predict_other_loads():
 
 
 def test_simplest_prefers_fewer_numbers_when_as_good():
-    one, five = Candidate("one", 2, 0.1, 0.1 * EQUAL_ERROR * 0.99), Candidate("five", 5, 0.05, 0.1)
-    assert simplest([five, one]) is one
+    single, five = Candidate("one", 2, 0.1, 0.1 * EQUAL_ERROR * 0.99), Candidate("five", 5, 0.05, 0.1)
+    assert simplest([five, single]) is single
     assert simplest([five, Candidate("one", 2, 0.1, 0.2)]) is five
 
 

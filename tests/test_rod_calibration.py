@@ -67,9 +67,9 @@ def coverage(estimate, draws):
             noise=0.005,
             force_noise=1e-3,
         )
-        found = estimate(*arm.curves(seed), seed)
-        inside += [getattr(found, n).low <= getattr(arm.law, n) <= getattr(found, n).high for n in PARAMETER_NAMES]
-        near += 0.05 <= found.law.d / arm.length <= 0.15
+        fit = estimate(*arm.curves(seed), seed)
+        inside += [getattr(fit, n).low <= getattr(arm.law, n) <= getattr(fit, n).high for n in PARAMETER_NAMES]
+        near += 0.05 <= fit.law.d / arm.length <= 0.15
     return inside / draws, near / draws
 
 

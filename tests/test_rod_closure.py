@@ -28,13 +28,13 @@ STEP = FiveParameters(200.0, 400.0, 0.0, 0.0, 11.0)
 def test_the_weights_add_the_law_up_to_the_movement_of_the_end():
     """Without ripple and noise: exact for turns of more than a right angle, but for the grid."""
     free, loaded, load = SyntheticArm(STEP, kappa_0=0.025, node_spacing=0.5).curves()
-    found = end_displacement_closure(free, loaded, load)
-    assert found.value == pytest.approx(free.y[-1] - loaded.y[-1], rel=1e-4)  # the force points down
+    closure = end_displacement_closure(free, loaded, load)
+    assert closure.value == pytest.approx(free.y[-1] - loaded.y[-1], rel=1e-4)  # the force points down
     moment = moment_from_load(loaded, load)
     grid = fine_grid(112.0)
     delta = STEP.deviation(grid, CubicSpline(moment.s, moment.value)(grid))
-    assert found.weights @ delta == pytest.approx(found.value, rel=1e-3)
-    assert found.error == pytest.approx(CLOSURE_ERROR * found.value)
+    assert closure.weights @ delta == pytest.approx(closure.value, rel=1e-3)
+    assert closure.error == pytest.approx(CLOSURE_ERROR * closure.value)
 
 
 def test_stretch_does_not_count():

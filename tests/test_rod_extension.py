@@ -45,11 +45,11 @@ def test_agreement_with_scipy_solve_bvp():
     guess = np.vstack(
         [np.vstack([np.interp(part, shape.s, getattr(shape, n)) for n in ("theta", "moment", "x", "y")]) for part in s]
     )
-    found = solve_bvp(rates, ends, t, guess, p=[float(shape.force[1])], tol=1e-9, max_nodes=20000)
-    assert found.success
-    assert shape.force[1] == pytest.approx(found.p[0], rel=1e-7)
+    solution = solve_bvp(rates, ends, t, guess, p=[float(shape.force[1])], tol=1e-9, max_nodes=20000)
+    assert solution.success
+    assert shape.force[1] == pytest.approx(solution.p[0], rel=1e-7)
     assert (shape.x[-1], shape.theta[-1], shape.moment[0]) == pytest.approx(
-        (found.y[6, -1], found.y[4, -1], found.y[1, 0]), rel=1e-7
+        (solution.y[6, -1], solution.y[4, -1], solution.y[1, 0]), rel=1e-7
     )
 
 
@@ -75,10 +75,10 @@ def test_the_moment_of_the_clamp_balances_the_end_force():
 def test_both_are_read_back_from_the_shapes():
     rod = dataclasses.replace(PLAIN, extension=REST)
     free, loaded = curve(rod.solve()), curve(rod.solve(end_y=0.0))
-    found = extension(free, loaded, 10.0)
-    assert found.eccentricity == pytest.approx(ECCENTRICITY, rel=2e-3)
-    assert found.eccentricity_std < 0.01
-    assert found.rest_stretch[5:-5] == pytest.approx(REST.rest_stretch[5:-5], abs=1e-4)
+    identified = extension(free, loaded, 10.0)
+    assert identified.eccentricity == pytest.approx(ECCENTRICITY, rel=2e-3)
+    assert identified.eccentricity_std < 0.01
+    assert identified.rest_stretch[5:-5] == pytest.approx(REST.rest_stretch[5:-5], abs=1e-4)
 
 
 def test_an_end_out_of_reach_of_a_rod_that_does_not_stretch_is_within_it():

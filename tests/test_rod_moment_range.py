@@ -27,17 +27,17 @@ def test_a_curled_arm_under_a_dead_force_is_warned_of_with_place_and_size() -> N
     shape = ARM.solve(force=(0.0, 0.05))
     moments = np.interp(np.linspace(0.0, 112.0, 401), shape.s, shape.moment)
     outside = (moments < SAMPLED.low) | (moments > SAMPLED.high)
-    said = SAMPLED.warning(shape)
-    assert said.startswith(f"The moment leaves the {SAMPLED.low:.3g} to {SAMPLED.high:.3g} N mm")
-    assert f"on {100 * outside.mean():.0f} % of the rod" in said
-    assert "to 112 mm" in said
-    assert f"with {moments.min():.3g} N mm" in said
+    warning = SAMPLED.warning(shape)
+    assert warning.startswith(f"The moment leaves the {SAMPLED.low:.3g} to {SAMPLED.high:.3g} N mm")
+    assert f"on {100 * outside.mean():.0f} % of the rod" in warning
+    assert "to 112 mm" in warning
+    assert f"with {moments.min():.3g} N mm" in warning
 
 
 def test_too_large_a_moment_is_found_at_the_clamp() -> None:
-    said = SAMPLED.warning(ARM.solve(end_y=60.0))
-    assert "from s = 0 to" in said
-    assert "farthest off at s = 0 mm" in said
+    warning = SAMPLED.warning(ARM.solve(end_y=60.0))
+    assert "from s = 0 to" in warning
+    assert "farthest off at s = 0 mm" in warning
 
 
 def test_arms_that_bend_the_other_way_are_the_same() -> None:

@@ -113,12 +113,12 @@ def test_outside_the_range_only_on_request():
     softer = dataclasses.replace(ROD, laws=(ROD.laws[0], dataclasses.replace(ROD.laws[1], alpha1=20.0)))
     with pytest.raises(RodError, match=r"No rod can be extrapolated to 45 kPa: alpha1 is a rigidity and must be"):
         softer.at(45.0, extrapolate=True)
-    one = dataclasses.replace(
+    single = dataclasses.replace(
         ROD, pressures=ROD.pressures[:1], laws=ROD.laws[:1], kappa_0=ROD.kappa_0[:1], theta0=ROD.theta0[:1]
     )
-    assert one.at(17.0).law == ROD.laws[0]
+    assert single.at(17.0).law == ROD.laws[0]
     with pytest.raises(RodError, match="there is no line to extrapolate"):
-        one.at(20.0, extrapolate=True)
+        single.at(20.0, extrapolate=True)
 
 
 def test_below_the_range_the_rest_shape_goes_to_the_straight_arm():

@@ -27,30 +27,30 @@ def off(law, start=1.2):
 
 def test_round_trip():
     """Rod data in, the five numbers back to 1e-4."""
-    found = fit_rod(shape_of(STEP, node_spacing=0.5), [off(STEP)], bootstrap=Bootstrap(2))
+    fit = fit_rod(shape_of(STEP, node_spacing=0.5), [off(STEP)], bootstrap=Bootstrap(2))
     for name in PARAMETER_NAMES:
         scale = 10.0 if name.startswith("m0") else getattr(STEP, name)
-        assert abs(getattr(found.law, name) - getattr(STEP, name)) < 1e-4 * scale, name
-    assert found.distance.max() < 1e-6 * 112.0
-    assert found.force_error < 1e-6
+        assert abs(getattr(fit.law, name) - getattr(STEP, name)) < 1e-4 * scale, name
+    assert fit.distance.max() < 1e-6 * 112.0
+    assert fit.force_error < 1e-6
 
 
 def test_a_ripple_in_the_cells_has_little_influence():
-    found = fit_rod(
+    fit = fit_rod(
         shape_of(GAP, ripple=0.25, compliance_ripple=0.6, phase=1.0), [off(GAP, 1.1)], bootstrap=Bootstrap(40)
     )
-    assert found.law.d == pytest.approx(7.0, abs=0.3)
-    assert found.law.alpha1 == pytest.approx(190.0, rel=0.05)
-    assert found.law.alpha2 == pytest.approx(400.0, rel=1e-3)
+    assert fit.law.d == pytest.approx(7.0, abs=0.3)
+    assert fit.law.alpha1 == pytest.approx(190.0, rel=0.05)
+    assert fit.law.alpha2 == pytest.approx(400.0, rel=1e-3)
 
 
 def test_noise_is_borne_and_widens_the_intervals():
     quiet, loud = (
         fit_rod(shape_of(GAP, ripple=0.2, noise=n, seed=3), [GAP], bootstrap=Bootstrap(100)) for n in (0.001, 0.006)
     )
-    for found in (quiet, loud):
-        assert found.alpha2.value == pytest.approx(400.0, rel=0.01)
-        assert 0.05 < found.law.d / 112.0 < 0.15
+    for fit in (quiet, loud):
+        assert fit.alpha2.value == pytest.approx(400.0, rel=0.01)
+        assert 0.05 < fit.law.d / 112.0 < 0.15
     assert quiet.d.high - quiet.d.low < loud.d.high - loud.d.low
     assert loud.alpha1.low <= 190.0 <= loud.alpha1.high
 

@@ -54,8 +54,8 @@ def identified(every: int = 1, noise: float = 0.0) -> Identification:
     return identify(*curvatures, *known(free, loaded, LOAD), bootstrap=Bootstrap(100))
 
 
-def rod_of(found: Identification) -> Rod:
-    line = found.single_line
+def rod_of(identification: Identification) -> Rod:
+    line = identification.single_line
     law = FiveParameters(line.alpha.value, line.alpha.value, line.m0.value, line.m0.value, 5.6)
     theta0, kappa_0 = rest_curvature(FREE)
     return Rod(FREE.length, kappa_0, law, theta0, (float(FREE.x[0]), float(FREE.y[0])))

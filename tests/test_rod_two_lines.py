@@ -53,43 +53,43 @@ def test_round_trip_from_the_rod_itself(law):
     moment = CubicSpline(shape.s, shape.moment)(s)
     loaded = 0.03 + law.deviation(s, moment)
     free, bent = (exact_curvature(s, k, length=112.0, pitch=10.0) for k in (np.full(len(s), 0.03), loaded))
-    found = identify(free, bent, Moment(shape.s, shape.moment), bootstrap=Bootstrap(20))
+    identified = identify(free, bent, Moment(shape.s, shape.moment), bootstrap=Bootstrap(20))
     for name in PARAMETER_NAMES:
         scale = abs(shape.moment[0]) if name.startswith("m0") else getattr(law, name)
-        assert abs(getattr(found.law, name) - getattr(law, name)) < 1e-4 * scale, name
-    assert found.two_lines
+        assert abs(getattr(identified.law, name) - getattr(law, name)) < 1e-4 * scale, name
+    assert identified.two_lines
 
 
 @pytest.mark.parametrize("law", [MEETING, STEP])
 def test_cells_find_the_parameters_despite_a_ripple(law):
-    found = identify(*by_cells(SyntheticArm(law, ripple=0.25, node_spacing=0.5)), bootstrap=Bootstrap(50))
-    assert found.two_lines
-    assert found.law.d == pytest.approx(law.d, abs=0.05)
-    assert found.law.alpha2 == pytest.approx(law.alpha2, rel=1e-3)
-    assert found.law.alpha1 == pytest.approx(law.alpha1, rel=0.02)
+    identified = identify(*by_cells(SyntheticArm(law, ripple=0.25, node_spacing=0.5)), bootstrap=Bootstrap(50))
+    assert identified.two_lines
+    assert identified.law.d == pytest.approx(law.d, abs=0.05)
+    assert identified.law.alpha2 == pytest.approx(law.alpha2, rel=1e-3)
+    assert identified.law.alpha1 == pytest.approx(law.alpha1, rel=0.02)
 
 
 @pytest.mark.parametrize("data", [by_cells, by_process])
 @pytest.mark.parametrize("law", [MEETING, STEP])
 def test_two_lines_are_found_with_their_break_at_the_soft_cell(data, law):
     arm = SyntheticArm(law, ripple=0.2, compliance_ripple=0.1, phase=0.7, noise=0.003)
-    found = identify(*data(arm), bootstrap=Bootstrap(100))
-    assert found.two_lines
-    assert 0.05 <= found.law.d / arm.length <= 0.15
-    assert found.law.alpha2 == pytest.approx(law.alpha2, rel=0.03)
+    identified = identify(*data(arm), bootstrap=Bootstrap(100))
+    assert identified.two_lines
+    assert 0.05 <= identified.law.d / arm.length <= 0.15
+    assert identified.law.alpha2 == pytest.approx(law.alpha2, rel=0.03)
     for name in PARAMETER_NAMES:
-        number = getattr(found, name)
+        number = getattr(identified, name)
         assert number.low <= number.value <= number.high, name
 
 
 @pytest.mark.parametrize("data", [by_cells, by_process])
 def test_one_line_is_found_where_there_is_one(data):
     arm = SyntheticArm(ONE, ripple=0.2, compliance_ripple=0.15, phase=0.7, noise=0.003)
-    found = identify(*data(arm), bootstrap=Bootstrap(100))
-    assert not found.two_lines
-    assert found.single_line.alpha.value == pytest.approx(200.0, rel=0.02)
+    identified = identify(*data(arm), bootstrap=Bootstrap(100))
+    assert not identified.two_lines
+    assert identified.single_line.alpha.value == pytest.approx(200.0, rel=0.02)
     if data is by_cells:
-        assert found.single_line.alpha.low <= 200.0 <= found.single_line.alpha.high
+        assert identified.single_line.alpha.low <= 200.0 <= identified.single_line.alpha.high
 
 
 def test_nearly_one_line_stays_one_line():
@@ -98,16 +98,16 @@ def test_nearly_one_line_stays_one_line():
     free, loaded, moment = by_cells(arm)
     rising = 1.0 - 0.03 * loaded.s / arm.length
     bent = dataclasses.replace(loaded, kappa=free.kappa + (loaded.kappa - free.kappa) * rising)
-    found = identify(free, bent, moment, bootstrap=Bootstrap(50))
-    assert found.single_line.r2 > 0.999
-    assert not found.two_lines
+    identified = identify(free, bent, moment, bootstrap=Bootstrap(50))
+    assert identified.single_line.r2 > 0.999
+    assert not identified.two_lines
 
 
 def test_profile_over_d_is_kept_and_lowest_at_d():
-    found = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), bootstrap=Bootstrap(20))
-    lowest = found.profile[np.argmin(found.profile[:, 1]), 0]
-    assert lowest == pytest.approx(found.law.d, abs=found.profile[1, 0] - found.profile[0, 0])
-    assert found.profile[0, 0] == pytest.approx(0.05 * 112.0)
+    identified = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), bootstrap=Bootstrap(20))
+    lowest = identified.profile[np.argmin(identified.profile[:, 1]), 0]
+    assert lowest == pytest.approx(identified.law.d, abs=identified.profile[1, 0] - identified.profile[0, 0])
+    assert identified.profile[0, 0] == pytest.approx(0.05 * 112.0)
     narrow = identify(*by_cells(SyntheticArm(STEP, ripple=0.2)), breaks=(0.2, 0.3), bootstrap=Bootstrap(20))
     assert 0.2 <= narrow.law.d / 112.0 <= 0.3
 
@@ -115,15 +115,15 @@ def test_profile_over_d_is_kept_and_lowest_at_d():
 @pytest.mark.parametrize("law", [MEETING, STEP])
 def test_a_given_d_is_that_of_the_law_and_the_other_numbers_are_the_best_with_it(law):
     data = by_cells(SyntheticArm(law))
-    sought, found = (identify(*data, d=d, bootstrap=Bootstrap(20)) for d in (None, law.d))
-    assert found.law.d == law.d
-    assert (found.d.std, found.d.low, found.d.high) == (0.0, law.d, law.d)
-    assert found.law.alpha2 == pytest.approx(law.alpha2, rel=2e-3)
-    assert found.law.alpha1 == pytest.approx(law.alpha1, rel=0.05)
+    sought, given = (identify(*data, d=d, bootstrap=Bootstrap(20)) for d in (None, law.d))
+    assert given.law.d == law.d
+    assert (given.d.std, given.d.low, given.d.high) == (0.0, law.d, law.d)
+    assert given.law.alpha2 == pytest.approx(law.alpha2, rel=2e-3)
+    assert given.law.alpha1 == pytest.approx(law.alpha1, rel=0.05)
     assert not sought.d_given
     elsewhere = identify(*data, d=30.0, bootstrap=Bootstrap(2))
     assert (elsewhere.law.d, elsewhere.two_lines) == (30.0, True)
-    assert elsewhere.r2 < found.r2
+    assert elsewhere.r2 < given.r2
 
 
 def test_two_lines_are_used_where_their_d_is_given_though_one_would_do():
@@ -135,12 +135,12 @@ def test_two_lines_are_used_where_their_d_is_given_though_one_would_do():
 
 
 def test_the_evidence_for_two_lines_is_the_difference_of_the_criteria():
-    found = identify(*by_cells(SyntheticArm(STEP, noise=0.003)), bootstrap=Bootstrap(2))
-    assert found.evidence == found.criterion_single_line - found.criterion_two_lines > CLEAR
-    assert found.two_lines
-    assert found.is_clear
+    identified = identify(*by_cells(SyntheticArm(STEP, noise=0.003)), bootstrap=Bootstrap(2))
+    assert identified.evidence == identified.criterion_single_line - identified.criterion_two_lines > CLEAR
+    assert identified.two_lines
+    assert identified.is_clear
     for difference, two_lines, is_clear in ((-6.1, False, True), (-5.9, False, False), (5.9, True, False)):
-        other = dataclasses.replace(found, criterion_two_lines=found.criterion_single_line - difference)
+        other = dataclasses.replace(identified, criterion_two_lines=identified.criterion_single_line - difference)
         assert (other.two_lines, other.is_clear) == (two_lines, is_clear)
         assert dataclasses.replace(other, d_given=True).is_clear
 
@@ -218,6 +218,6 @@ def test_a_line_that_explains_less_than_the_mean_explains_nothing() -> None:
 
 def test_an_arm_of_seven_cells_gives_its_numbers() -> None:
     arm = SyntheticArm(FiveParameters(190.0, 380.0, 0.0, 0.0, 8.0), length=72.0, ripple=0.2, node_spacing=0.5)
-    found = identify(*by_cells(arm), bootstrap=Bootstrap(50))
-    assert found.law.alpha2 == pytest.approx(380.0, rel=0.02)
-    assert found.two_lines
+    identified = identify(*by_cells(arm), bootstrap=Bootstrap(50))
+    assert identified.law.alpha2 == pytest.approx(380.0, rel=0.02)
+    assert identified.two_lines

@@ -88,19 +88,19 @@ def imported(source: str, module: str) -> Iterator[str]:
 def refusals(module: str, source: str) -> list[str]:
     """Why the imports of `module` ("fem/equations/linear.py") are not allowed, one sentence each."""
     room = module.partition("/")[0]
-    found = []
+    sentences = []
     for name in imported(source, module):
         library = name.partition(".")[0]
         if library == room or library in sys.stdlib_module_names:
             continue
         if library in BELOW:
             if library not in BELOW[room]:
-                found.append(f"{module} imports {name}: {room} must not know {library}")
+                sentences.append(f"{module} imports {name}: {room} must not know {library}")
         elif library not in LIBRARIES[room]:
-            found.append(f"{module} imports {name}: {room} has no use for it")
+            sentences.append(f"{module} imports {name}: {room} has no use for it")
         elif not DOORS.get(library, {module}) & {module, f"{module.rpartition('/')[0]}/"}:
-            found.append(f"{module} imports {name}: its door is {', '.join(sorted(DOORS[library]))}")
-    return found
+            sentences.append(f"{module} imports {name}: its door is {', '.join(sorted(DOORS[library]))}")
+    return sentences
 
 
 def modules() -> list[str]:
@@ -108,10 +108,10 @@ def modules() -> list[str]:
 
 
 def test_imports_look_down_through_one_door() -> None:
-    found = modules()
-    assert len(found) > 30
-    assert {module.partition("/")[0] for module in found} == set(BELOW)
-    sources = {module: (HERE / module).read_text(encoding="utf-8") for module in found}
+    paths = modules()
+    assert len(paths) > 30
+    assert {module.partition("/")[0] for module in paths} == set(BELOW)
+    sources = {module: (HERE / module).read_text(encoding="utf-8") for module in paths}
     assert [refusal for module, source in sources.items() for refusal in refusals(module, source)] == []
     count = sum(len(list(imported(source, module))) for module, source in sources.items())
     assert count > 100

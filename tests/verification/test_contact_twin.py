@@ -40,12 +40,12 @@ def placed(mesh: Mesh, height: float, sign: int, **names: str) -> Mesh:
     return Mesh(points, mesh.tets, {new: mesh.faces[old] for new, old in names.items()})
 
 
-def joined(one: Mesh, other: Mesh) -> Mesh:
+def joined(mesh: Mesh, other: Mesh) -> Mesh:
     """Two bodies in one mesh; faces of the same name become one."""
-    moved = {name: face + len(one.points) for name, face in other.faces.items()}
-    faces = {name: [m[name] for m in (one.faces, moved) if name in m] for name in {*one.faces, *moved}}
-    tets = np.vstack([one.tets, other.tets + len(one.points)])
-    return Mesh(np.vstack([one.points, other.points]), tets, {name: np.vstack(face) for name, face in faces.items()})
+    moved = {name: face + len(mesh.points) for name, face in other.faces.items()}
+    faces = {name: [m[name] for m in (mesh.faces, moved) if name in m] for name in {*mesh.faces, *moved}}
+    tets = np.vstack([mesh.tets, other.tets + len(mesh.points)])
+    return Mesh(np.vstack([mesh.points, other.points]), tets, {name: np.vstack(face) for name, face in faces.items()})
 
 
 Counts, Sides = tuple[int, int, int], tuple[float, float, float]

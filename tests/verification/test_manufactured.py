@@ -187,8 +187,8 @@ def errors(step: Step, case: Case) -> Array:
         return float(np.sqrt(np.vdot(weight, np.sum(field.reshape(*weight.shape, -1) ** 2, axis=-1))))
 
     exact, exact_slope = case.displacement(x), case.gradient(x)
-    found, found_slope = np.einsum("qa,eai->eqi", shape, nodal), np.einsum("eai,eqaj->eqij", nodal, slope)
-    return np.array([norm(found - exact) / norm(exact), norm(found_slope - exact_slope) / norm(exact_slope)])
+    computed, computed_slope = np.einsum("qa,eai->eqi", shape, nodal), np.einsum("eai,eqaj->eqij", nodal, slope)
+    return np.array([norm(computed - exact) / norm(exact), norm(computed_slope - exact_slope) / norm(exact_slope)])
 
 
 def solve(n: int, case: Case, formulation: str) -> Step:

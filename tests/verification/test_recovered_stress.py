@@ -33,8 +33,8 @@ def _green_lagrange(gradient: Array) -> Array:
 def true_energy(step: Step, case: Case) -> float:
     """Energy of the error of the shear stress over that of the computed one, by a rule of degree 6."""
     _, slope, x, weight = tetrahedron_rule(step.space, 6)
-    found = np.einsum("eai,eqaj->eqij", step.displacement[step.space.nodes], slope)
-    error = np.vdot(weight.ravel(), squared(case, case.gradient(x), found))
+    gradient = np.einsum("eai,eqaj->eqij", step.displacement[step.space.nodes], slope)
+    error = np.vdot(weight.ravel(), squared(case, case.gradient(x), gradient))
     strain, _ = strain_at_stress_points(step.space, step.displacement)
     own = np.sum(case.law.shear(strain[:, :4]).stress ** 2 * [1, 1, 1, 2, 2, 2], axis=-1)
     return float(error / np.vdot(step.space.weight[:, :4], own))
@@ -57,12 +57,12 @@ def test_effectivity(name: str, formulation: str, record_property: Callable[[str
     index, indicated = [], []
     for n in SIZES:
         step = solve(n, case, formulation)
-        found = stress_error(step, case.law)
-        assert found.fraction.shape == (len(step.space.nodes),)
-        index.append(np.sqrt(found.energy / true_energy(step, case)))
-        indicated.append(np.sqrt(found.energy))
+        indicator = stress_error(step, case.law)
+        assert indicator.fraction.shape == (len(step.space.nodes),)
+        index.append(np.sqrt(indicator.energy / true_energy(step, case)))
+        indicated.append(np.sqrt(indicator.energy))
     rate = np.log(indicated[1] / indicated[2]) / np.log(SIZES[2] / SIZES[1])
-    measured = f"effectivity {', '.join(f'{one:.2f}' for one in index)}, order {rate:.2f}"
+    measured = f"effectivity {', '.join(f'{value:.2f}' for value in index)}, order {rate:.2f}"
     record_property("measured", measured)
     coarsest, finest, order = LEAST.get(formulation, QUADRATIC)
     assert index[0] > coarsest, measured

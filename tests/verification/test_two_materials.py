@@ -74,17 +74,17 @@ def test_one_law_in_two_disguises_is_one_material(formulation: str) -> None:
     """Ogden's law with alpha = 2 in the base of a neo-Hookean box that is inflated and bent by its weight."""
     mesh = hollow_box(half=True)
     supports, loads = [Fixed("clamp"), Fixed("sym", "z")], [Pressure("cavity", 0.02), Gravity(2e-6)]
-    one = Model(mesh, NeoHooke(0.4, 20.0), supports, loads, formulation)
+    uniform = Model(mesh, NeoHooke(0.4, 20.0), supports, loads, formulation)
     disguised = ByRegion(NeoHooke(0.4, 20.0), {"base": Ogden((0.4,), (2.0,), 20.0)})
-    two = Model(with_base(mesh, 1, 1.0), disguised, supports, loads, formulation)
-    expected, found = (follow(model, [1.0], OPTIONS).steps[0] for model in (one, two))
+    divided = Model(with_base(mesh, 1, 1.0), disguised, supports, loads, formulation)
+    expected, computed = (follow(model, [1.0], OPTIONS).steps[0] for model in (uniform, divided))
     assert np.abs(expected.displacement).max() > 0.05
     if formulation != "mixed":  # whose pressure may jump between two laws
-        np.testing.assert_allclose(found.displacement, expected.displacement, atol=1e-10)
-        np.testing.assert_allclose(found.stress, expected.stress, atol=1e-9)
+        np.testing.assert_allclose(computed.displacement, expected.displacement, atol=1e-10)
+        np.testing.assert_allclose(computed.stress, expected.stress, atol=1e-9)
     else:
-        assert two.system().formulation.unknowns > one.system().formulation.unknowns
-        off = np.linalg.norm(found.displacement - expected.displacement) / np.linalg.norm(expected.displacement)
+        assert divided.system().formulation.unknowns > uniform.system().formulation.unknowns
+        off = np.linalg.norm(computed.displacement - expected.displacement) / np.linalg.norm(expected.displacement)
         assert off < 0.05
     equal = ByRegion(NeoHooke(0.4, 20.0), {"base": NeoHooke(0.4, 20.0)})
     same = follow(Model(with_base(mesh, 1, 1.0), equal, supports, loads, formulation), [1.0], OPTIONS).steps[0]
