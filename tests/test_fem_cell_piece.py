@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from fem import Hencky, Material, StVenantKirchhoff
+from fem import Hencky, Material, StrainLimitingLayer, StVenantKirchhoff
 from fem.cell.axis import axis_of, circle
 from fem.cell.piece import BendingPiece, PieceFailed
 from fem.cell.response import inflated, shear_rigidity, slopes
-from geometry import BisectedCircle, Body, Mesh, PneuNet
+from geometry import BisectedCircle, Body, Mesh, PneuNet, SemicircularSingle
 from geometry.curved import CurvedEdges
 
 SVK = StVenantKirchhoff(E=1.2, nu=0.495)
@@ -70,6 +70,17 @@ def test_the_state_from_rest_under_the_whole_pressure_is_that_of_small_steps(pre
     if pressure:
         assert piece.factorizations - between < between - before
         assert slow.touches
+
+
+def test_a_piece_with_a_stiff_layer_is_at_rest_without_pressure_and_bending() -> None:
+    """Rounding in the layer makes forces there, with nothing to compare them with."""
+    body = SemicircularSingle(length=110.0, radius=7.3).half_cell(6.0)
+    layer = StrainLimitingLayer(body.mesh.plane(1, body.curve_y), 0.05, 2000.0, 0.2)
+    piece = BendingPiece(body, StVenantKirchhoff(E=1.2, nu=0.45), "mirror", "mixed", effects=[layer])
+    at_rest = inflated(piece, 0.0, 0.0)
+    assert (at_rest.moment, at_rest.distance) == (0.0, body.length)
+    bent = inflated(piece, 0.0, 1e-3)
+    assert bent.moment == pytest.approx(1e-3 * slopes(piece, at_rest).moment_by_angle, rel=1e-2)
 
 
 def test_a_pressure_that_is_not_reached_at_once_is_reached_in_increments_that_grow_again(monkeypatch) -> None:

@@ -102,6 +102,8 @@ def inflated(piece: BendingPiece, pressure: float, angle: float) -> PieceState:
     increment and the stress that goes with it to first order, as on a load path (`fem.path.predictor`). Raises
     `PieceFailed`.
     """
+    if pressure == 0.0 and angle == 0.0:  # in the balance at rest there is nothing but rounding, of a stiff layer too
+        return piece.rest()
     last, fraction, increment, failures, spent = piece.rest(), 0.0, 1.0, 0, 0
     rate = _inflation_rate(piece, last, pressure, angle)
     while fraction < 1.0:
