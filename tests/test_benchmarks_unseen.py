@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import fem
 from benchmarks.unseen.__main__ import campaign, sample
 from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_difference
 from benchmarks.unseen.confirm import judged, named_limit, second_law, turned
@@ -43,6 +44,7 @@ from pipeline.context import RunContext
 from pipeline.progress import Silent
 from pipeline.simulation.failure import Failure
 from pipeline.simulation.loadcase import LoadCase, schedule
+from pipeline.simulation.outcome import Record
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
@@ -353,11 +355,17 @@ def test_a_design_is_run_checked_and_kept(tmp_path: Path) -> None:
 def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:
     config = config_of(tmp_path, TINY)
     with open_store(tmp_path / "run", config) as store:
-        states = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II"])["II"].records
-    x, y = states[0].summary.end_mm
-    moved = replace(states[0], summary=replace(states[0].summary, end_mm=(x, y + 1e-4 * config.design.length)))
-    by_name = {check.name: check for check in checks_of(config, [moved], tmp_path)}
+        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["II", "III"])
+
+    def lifted(state: Record) -> Record:
+        (x, y), height, curve = state.summary.end_mm, 1e-4 * config.design.length, state.centreline
+        summary = replace(state.summary, end_mm=(x, y + height))
+        return replace(state, summary=summary, centreline=replace(curve, y=curve.y + height))
+
+    free, held = (lifted(outcomes[name].records[0]) for name in ("II", "III"))
+    by_name = {check.name: check for check in checks_of(config, [free], [held], tmp_path)}
     assert by_name["load steps"].failed
+    assert by_name["load steps of III"].failed
     assert by_name["half and whole"].failed
     assert not by_name["other elements"].failed, "elements differ by more than that"
 
@@ -366,18 +374,29 @@ def test_states_at_other_pressures_than_those_of_the_design_are_checked(tmp_path
     """An arm that bears none of its pressures has states below its limit."""
     config = config_of(tmp_path, TINY)
     with open_store(tmp_path / "run", config) as store:
-        case = LoadCase("II", "II", schedule(config, (4.0,)), config.end)
-        states = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), [case])["II"].records
-    checks = checks_of(config, states, tmp_path)
+        cases = [LoadCase(name, name, schedule(config, (4.0,)), config.end) for name in ("II", "III")]
+        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), cases)
+    checks = checks_of(config, outcomes["II"].records, outcomes["III"].records, tmp_path)
     assert [(check.name, check.pressure_kPa, check.passed) for check in checks] == [
         (name, 4.0, True) for name in ALLOWED
     ]
 
 
-def test_work_and_energy_differ_where_the_state_is_no_equilibrium(tmp_path: Path) -> None:
+def test_the_balance_of_work_is_not_checked_where_a_support_does_work(tmp_path: Path) -> None:
+    config = config_of(tmp_path, {**TINY, "end": {"y": "1 mm"}})
+    with open_store(tmp_path / "run", config) as store:
+        held = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["III"])["III"].records
+    checks = checks_of(config, [], held, tmp_path)
+    assert [check.name for check in checks] == ["load steps of III", "work of III"]
+    assert not any(check.made for check in checks)
+    assert {check.note for check in checks} == {"forces on the end do work"}
+
+
+@pytest.mark.parametrize("name", ["II", "III"])
+def test_work_and_energy_differ_where_the_state_is_no_equilibrium(tmp_path: Path, name: str) -> None:
     config = config_of(tmp_path, TINY)
     scene = Scene.meshed(config)
-    model, steps = followed(scene, [0.01, 0.25, 0.5])
+    model, steps = followed(scene, fem.Experiment.of(name, scene.body, 0.0), [0.01, 0.25, 0.5])
     assert work_difference(model, steps, 0.02, "cavity") < 0.1 * ALLOWED["work"]
     jumped = [*steps[:2], replace(steps[2], displacement=1.02 * steps[2].displacement)]
     assert work_difference(model, jumped, 0.02, "cavity") > ALLOWED["work"]

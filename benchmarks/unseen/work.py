@@ -158,7 +158,8 @@ def _stages_after(record: Record, report: RunReport, folder: Path, limit: float,
     config, outcomes = report.config, report.outcomes
     ended = [outcome for outcome in outcomes if outcome.failure]
     if not record["checks"]:
-        _stage(record, "checks", limit, lambda: [c.record() for c in checks_of(config, outcomes["II"].records, folder)])
+        reached = outcomes["II"].records, outcomes["III"].records
+        _stage(record, "checks", limit, lambda: [c.record() for c in checks_of(config, *reached, folder)])
         _keep(folder, record)
     if ended and not record["limits"]:
         # the limit of II says most about the others (`fem` searches it first), so it is confirmed if there is one
