@@ -91,6 +91,10 @@ class Experiment:
         positions = step.positions[nodes_at(self.curve, step.space)]
         return Centreline(s=self.curve.positions(step.space)[:, 0], x=positions[:, 0], y=positions[:, 1])
 
+    def distance_from_plane(self, step: Step) -> float:
+        """Largest distance (mm) of the material curve from the plane z = 0, in which a planar rod lies."""
+        return float(np.abs(step.positions[nodes_at(self.curve, step.space), 2]).max())
+
     def end(self, step: Step) -> Array:
         """Current position (3,) of the curve's end, mm."""
         return np.asarray(step.positions[nodes_at(self.curve.vertices[-1], step.space)[0]])

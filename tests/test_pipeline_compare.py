@@ -58,6 +58,7 @@ def summary(experiment: str) -> StateSummary:
         clamp_moment_N_mm=0.0,
         cavity_volume_mm3=1.0,
         stretch_of_curve=1.0,
+        curve_z_mm=0.0,
         extremes=Extremes(1.0, 1.0, 1.0, rest, rest, rest),
         min_gap_mm=float("inf"),
         stress_error=0.0,

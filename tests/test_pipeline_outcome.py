@@ -32,6 +32,7 @@ def record(pressure: float, stress_error: float = 0.1, factorizations: int = 3) 
         clamp_moment_N_mm=0.0,
         cavity_volume_mm3=1.0,
         stretch_of_curve=1.0,
+        curve_z_mm=0.0,
         extremes=Extremes(1.0, 1.0, 1.0, REST, REST, REST),
         min_gap_mm=float("inf"),
         stress_error=stress_error,

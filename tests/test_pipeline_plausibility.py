@@ -159,11 +159,14 @@ def solved(
     evidence: float = 20.0,
     on_coarser: bool | None = None,
     one_rigidity: bool = False,
+    curve_z_mm: float = 0.0,
 ) -> Any:
     extremes = SimpleNamespace(
         min_J=min_J, min_J_at=(1.0, 2.0, 3.0), min_stretch=stretches[0], max_stretch=stretches[1]
     )
-    summary = SimpleNamespace(experiment="II", pressure_kPa=20.0, extremes=extremes, contact_check=contact_check)
+    summary = SimpleNamespace(
+        experiment="II", pressure_kPa=20.0, extremes=extremes, contact_check=contact_check, curve_z_mm=curve_z_mm
+    )
     record = SimpleNamespace(summary=summary, centreline=SimpleNamespace(s=np.array([0.0, 100.0])))
     numbers = {"alpha1": Interval(10.0, 0.5, 9.0, 11.0), "alpha2": Interval(10.0, 0.5, *alpha2)}
     lines = SimpleNamespace(
@@ -185,6 +188,12 @@ def solved(
     )
     config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
     return Solved(config, SimpleNamespace(records=(record,)), (parameters,))  # type: ignore[arg-type]
+
+
+def test_an_arm_that_leaves_the_plane_of_the_rod_is_named() -> None:
+    (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, curve_z_mm=1.12))
+    assert "leaves the plane z = 0 by up to 1.1 mm (II, 20 kPa), 1 % of its length; the rods are planar" in note
+    assert after_solving(solved(0.9, (0.95, 1.05), 0.01, curve_z_mm=0.1)) == ()
 
 
 @pytest.mark.parametrize(

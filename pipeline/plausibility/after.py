@@ -15,6 +15,8 @@ from rod import Interval
 KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
 #: largest stretch or its reciprocal up to which the law for small strains is not mentioned
 SMALL_STRAIN = 1.1
+#: distance of the material curve from its plane over the length that is not mentioned: as much as a rod is wrong
+OUT_OF_PLANE = 1e-3
 #: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
 HARDLY_BENT = 0.05
 #: largest ratio of the ends of the 95 % interval of a rigidity that counts as determined
@@ -68,6 +70,19 @@ def _large_strain(solved: Solved) -> str:
         f"{high.extremes.max_stretch:.2f} (at {high.pressure_kPa:g} kPa), and St. Venant-Kirchhoff (svk) is a law for "
         f"small strains: for the silicone Elastosil M 4601 it holds up to a stretch of 1.08{unstable}; fit another law "
         "to a tensile test with pneurod material"
+    )
+
+
+def _out_of_plane(solved: Solved) -> str:
+    """The rod is a planar curve."""
+    worst = max((record.summary for record in solved.outcomes.records), key=lambda summary: summary.curve_z_mm)
+    part = worst.curve_z_mm / solved.config.design.length
+    if part < OUT_OF_PLANE:
+        return ""
+    return (
+        f"the arm leaves the plane z = 0 by up to {worst.curve_z_mm:.2g} mm ({worst.experiment}, "
+        f"{worst.pressure_kPa:g} kPa), {100 * part:.2g} % of its length; the rods are planar, and the errors given for "
+        "them do not contain that"
     )
 
 
@@ -166,6 +181,7 @@ def _largest_stretch(summary: StateSummary) -> float:
 AFTER: tuple[Callable[[Solved], str], ...] = (
     _volume_change,
     _large_strain,
+    _out_of_plane,
     _hardly_bent,
     _not_determined,
     _one_line_or_two,

@@ -27,6 +27,7 @@ class StateSummary:
     clamp_moment_N_mm: float
     cavity_volume_mm3: float
     stretch_of_curve: float  #: current length of the material curve over that at rest
+    curve_z_mm: float  #: largest distance of the material curve from the plane z = 0
     extremes: Extremes
     min_gap_mm: float  #: smallest signed gap between facing walls; infinity without such walls
     stress_error: float  #: energy of the difference to the recovered stress over that of the stress
@@ -51,6 +52,7 @@ class StateSummary:
             "clamp_moment_N_mm": self.clamp_moment_N_mm,
             "cavity_volume_mm3": self.cavity_volume_mm3,
             "stretch_of_curve": self.stretch_of_curve,
+            "curve_z_mm": self.curve_z_mm,
             "min_J": self.extremes.min_J,
             "max_stretch": self.extremes.max_stretch,
             "min_stretch": self.extremes.min_stretch,

@@ -163,6 +163,7 @@ def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, ma
         clamp_moment_N_mm=experiment.clamp_moment(step),
         cavity_volume_mm3=experiment.symmetry_factor * air,
         stretch_of_curve=experiment.centreline(step).stretch,
+        curve_z_mm=experiment.distance_from_plane(step),
         extremes=step.extremes,
         min_gap_mm=step.min_gap,
         stress_error=error.energy,
