@@ -1,6 +1,6 @@
 """The result of a load path: steps as values, their form as plain arrays to be stored, and why a path ended."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import astuple, dataclass, field
 from typing import Any
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from fem.discretisation import Discretisation
 from fem.effects.loads import enclosed_volume
+from fem.effects.tightening import Tightening
 from fem.equations.state import Change
 from fem.supports import Where, nodes_at
 from geometry.arrays import Array, Index
@@ -95,6 +96,8 @@ class Step:
     #: (k,) node pairs that contact has brought into the pattern of the matrix (`fem.equations.storage`), so that a path
     #: that is resumed has the same one
     added_pairs: Index = field(repr=False)
+    #: for each of the model's effects how its contact differs from that of the model; None where it does not
+    contacts: tuple[Tightening | None, ...] = field(repr=False)
     seconds: float  #: wall seconds since the previous step
     spent: Seconds  #: the same by what they were spent on; no set-up
     #: for comparison where nodes in a cavity press beside the triangles of their pairs; None elsewhere
@@ -186,6 +189,7 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
         "effects": np.array(step.effects, dtype=str),
         "active": np.array(step.active, dtype=bool),
         "added_pairs": step.added_pairs,
+        **_contacts_to_arrays(step.contacts),
         "instability": np.array(step.instability),
         **_exact_to_arrays(step.exact),
         "inexact": np.array(step.inexact),
@@ -216,11 +220,23 @@ def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) 
         effects=tuple(arrays["effects"].tolist()),
         active=tuple(arrays["active"].tolist()),
         added_pairs=arrays["added_pairs"],
+        contacts=tuple(Tightening.from_arrays(_contact(k), arrays) for k in range(len(arrays["active"]))),
         seconds=seconds,
         spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
         exact=_exact_from_arrays(arrays),
         inexact=str(arrays.get("inexact", "")),
     )
+
+
+def _contacts_to_arrays(contacts: Sequence[Tightening | None]) -> dict[str, NDArray[Any]]:
+    arrays: dict[str, NDArray[Any]] = {}
+    for number, contact in enumerate(contacts):
+        arrays |= {} if contact is None else contact.arrays(_contact(number))
+    return arrays
+
+
+def _contact(number: int) -> str:
+    return f"contact_{number}"
 
 
 def _exact_to_arrays(exact: ExactContact | None) -> dict[str, NDArray[Any]]:

@@ -6,6 +6,8 @@ from typing import final
 import numpy as np
 
 from fem.effects.effect import NO_BLOCKS, Blocks, InteriorTerm, PenaltyTerm, Term, UnilateralTerm
+from fem.effects.facing_pairs import NO_PAIRS
+from fem.effects.tightening import Tightening
 from fem.path.active_set import ActiveSet
 from geometry.arrays import Array
 
@@ -59,6 +61,9 @@ class Wall(InteriorTerm):
     def step_limit(self, x: Array, dx: Array) -> float:
         return 0.5
 
+    def tightening(self, model: PenaltyTerm) -> Tightening:
+        return Tightening(0.0, 0, True, NO_PAIRS, NO_PAIRS.area)
+
 
 @final
 @dataclass(frozen=True, eq=False)
@@ -99,6 +104,12 @@ class Floor(PenaltyTerm):
 
     def with_exact_distances(self, x: Array) -> UnilateralTerm:
         return Wall() if x[0, 0] > 1.0 else self
+
+    def tightening(self, model: PenaltyTerm) -> Tightening | None:
+        return None if self is model else Tightening(self.stiffness, 0, False, NO_PAIRS, NO_PAIRS.area)
+
+    def with_tightening(self, tightening: Tightening) -> UnilateralTerm:
+        return Wall() if tightening.is_exact else replace(self, stiffness=tightening.stiffness)
 
 
 WEIGHT, PRESENT, LATER = Weight(), Floor(starts_inactive=False), Floor(starts_inactive=True)
@@ -177,3 +188,16 @@ def test_active_contact_that_has_slid_gets_exact_distances() -> None:
     assert [type(term) for term in exact.active] == [Weight, Wall, Wall]
     assert met.active == MODEL
     assert [type(term) for term in ActiveSet.of(MODEL, at(1.0)).with_exact_distances(slid).active] == [Weight, Wall]
+
+
+def test_contact_stands_again_as_it_stood_in_a_stored_state() -> None:
+    soft = ActiveSet.of(MODEL, at(0.05))
+    assert soft.tightenings == (None, None, None)
+    assert soft.with_tightenings(soft.tightenings) is soft
+    stiff = soft.tightened(at(-0.05))
+    again = soft.with_tightenings(stiff.tightenings)
+    assert [term.stiffness for term in again.active if isinstance(term, Floor)] == [4.0, 4.0]
+    hard = stiff.tightened(at(-0.05))
+    again = soft.with_tightenings(hard.tightenings)
+    assert again.needs_admissible_start
+    assert again.restored().active == soft.active

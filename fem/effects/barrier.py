@@ -18,6 +18,7 @@ import numpy as np
 
 from fem.effects.effect import Blocks, CarryingTerm, PenaltyTerm, UnilateralTerm
 from fem.effects.facing_pairs import FacingPairs, LocalPairs
+from fem.effects.tightening import Tightening
 from geometry import position_text
 from geometry.arrays import Array, Index
 
@@ -163,6 +164,20 @@ class FacingTerm(PenaltyTerm, CarryingTerm):
                     self, pairs=joined, dhat=np.append(self._dhats, dhat), crease_searches=left, carried=None
                 )
         return self.exact(self.stiffness) if self.exact else self
+
+    def tightening(self, model: PenaltyTerm) -> Tightening | None:
+        if self is model or not isinstance(model, FacingTerm):
+            return None
+        added = np.arange(model.pairs.nodes.size, self.pairs.nodes.size)
+        return Tightening(self.stiffness, self.stiffenings, False, self.pairs.taken(added), self._dhats[added])
+
+    def with_tightening(self, tightening: Tightening) -> UnilateralTerm:
+        if tightening.is_exact and self.exact:
+            return self.exact(tightening.stiffness)
+        term = replace(self, stiffness=tightening.stiffness, stiffenings=tightening.stiffenings)
+        if not tightening.pairs.nodes.size:
+            return term
+        return replace(term, pairs=self.pairs.joined(tightening.pairs), dhat=np.append(self._dhats, tightening.dhat))
 
     def at_new_increment(self) -> UnilateralTerm:
         if self.crease_searches == MAX_CREASE_SEARCHES:

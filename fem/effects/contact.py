@@ -16,8 +16,9 @@ import numpy as np
 
 from fem.discretisation import Discretisation, Faces
 from fem.effects.barrier import OVERLAP, FacingTerm
-from fem.effects.effect import NO_BLOCKS, Blocks, Effect, InteriorTerm
-from fem.effects.facing_pairs import FARTHEST, FacingPairs
+from fem.effects.effect import NO_BLOCKS, Blocks, Effect, InteriorTerm, PenaltyTerm
+from fem.effects.facing_pairs import FARTHEST, NO_PAIRS, FacingPairs
+from fem.effects.tightening import Tightening
 from fem.materials.material import Material
 from geometry import position_text
 from geometry.arrays import Array, Index, Mask
@@ -228,6 +229,10 @@ class BarrierTerm(InteriorTerm):
         columns = np.asarray(hessian.indices)
         upper = rows <= columns  # the surface's nodes are sorted, so this is the global order as well
         return Blocks(self.nodes[rows[upper]], self.nodes[columns[upper]], np.ascontiguousarray(hessian.data[upper]))
+
+    def tightening(self, model: PenaltyTerm) -> Tightening:
+        of_images = self._images.stiffness if self._images else 0.0
+        return Tightening(of_images, 0, True, NO_PAIRS, NO_PAIRS.area)
 
     def step_limit(self, x: Array, dx: Array) -> float:
         start, end = self._surface(x), self._surface(x + dx)

@@ -13,6 +13,7 @@ from typing import Self, final
 import numpy as np
 
 from fem.discretisation import Discretisation
+from fem.effects.tightening import Tightening
 from fem.materials.material import Material
 from geometry.arrays import Array, Index
 
@@ -131,6 +132,10 @@ class UnilateralTerm(Term):
         """
         return self.gap(x)
 
+    def tightening(self, model: "PenaltyTerm") -> Tightening | None:
+        """How the term differs from that of the model, which it stands for; None where it does not."""
+        return None
+
     @final
     def must_activate(self, x: Array) -> bool:
         """Whether the term must be in the sum once a state without it was reached at x (n, 3)."""
@@ -151,6 +156,10 @@ class PenaltyTerm(UnilateralTerm):
     @abstractmethod
     def with_exact_distances(self, x: Array) -> UnilateralTerm:
         """The term with exact distances if those of this one may be inaccurate at x (n, 3); otherwise itself."""
+
+    @abstractmethod
+    def with_tightening(self, tightening: Tightening) -> UnilateralTerm:
+        """The term of the model as it stood in a state, from what `tightening` gave there."""
 
     def at_new_increment(self) -> UnilateralTerm:
         """The term with as many attempts to keep parts apart as an increment may take; itself where none are spent."""

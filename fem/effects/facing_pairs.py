@@ -165,6 +165,8 @@ class FacingPairs:
         return np.asarray(x[self.nodes] * self._sign)
 
 
+NO_PAIRS = FacingPairs(NO_NODES, np.empty((0, 3), np.int64), np.empty(0), np.empty(0, dtype=bool))
+
 #: pairs by the nodes of the surface and the positions, the oldest first
 _kept: dict[bytes, FacingPairs] = {}
 

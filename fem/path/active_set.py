@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Self, final
 
 from fem.effects.effect import InteriorTerm, PenaltyTerm, Terms, UnilateralTerm
+from fem.effects.tightening import Tightening
 from geometry.arrays import Array
 
 
@@ -46,6 +47,22 @@ class ActiveSet:
         """Names of the effects in the sum, each once."""
         terms = zip(self.model, self.is_active, strict=True)
         return tuple(dict.fromkeys(term.effect for term, active in terms if active))
+
+    @property
+    def tightenings(self) -> tuple[Tightening | None, ...]:
+        """For each term of the model how that in the sum differs from it; None where it does not."""
+        return tuple(
+            term.tightening(model) if isinstance(model, PenaltyTerm) and isinstance(term, UnilateralTerm) else None
+            for term, model in zip(self.stiffened, self.model, strict=True)
+        )
+
+    def with_tightenings(self, tightenings: Sequence[Tightening | None]) -> Self:
+        """With the terms of the model as they stood in a state where `tightenings` was this; itself where all None."""
+        terms = tuple(
+            term.with_tightening(by) if by is not None and isinstance(term, PenaltyTerm) else term
+            for term, by in zip(self.model, tightenings, strict=True)
+        )
+        return replace(self, stiffened=terms) if any(tightenings) else self
 
     @property
     def needs_admissible_start(self) -> bool:

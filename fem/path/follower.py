@@ -88,6 +88,7 @@ class PathFollower:
         point = self._resumed(begin, control.value)
         point = replace(point, rate=control.rate_at_begin(point.state, point.terms))
         self.points, control = [point, point], control.target(1.0, 1.0)
+        self.solver.begin_target()
         converged = self.solver.solve(self._increment(control, increments))
         if converged.negative_pivots:
             raise Unstable(f"the equilibrium is unstable ({converged.negative_pivots} negative pivots)")
@@ -99,7 +100,7 @@ class PathFollower:
     def _resumed(self, step: Step, value: float) -> PathPoint:
         """The point of the path at a finished step; the path goes on with the contacts that are active there."""
         state = self.system.state_at(step.displacement, step.factor)
-        active_set = ActiveSet.resumed(self.system.terms, step.active, step.positions)
+        active_set = ActiveSet.resumed(self.system.terms, step.active, step.positions).with_tightenings(step.contacts)
         self.solver.active_set, self.is_stable = active_set, step.negative_pivots == 0
         terms = at_constant_fraction(active_set.active, 1.0)
         return PathPoint(value, 1.0, state, active_set.touching(step.positions), terms=terms)
@@ -130,6 +131,8 @@ class PathFollower:
                 cause = cause if isinstance(cause, NotAdmissible) > isinstance(failure, NotAdmissible) else failure
                 increments.failed(fraction, isinstance(failure, Unstable), isinstance(failure, Inverted))
                 last = load_step.control(self.control, increments.reached)
+                if not increments.reached:
+                    self.solver.keep_contact()
                 if increments.ended:
                     raise PathEnded(self._end(last, increments, before, cause)) from None
                 continue
@@ -244,6 +247,7 @@ class PathFollower:
             effects=active_set.effects,
             active=active_set.is_active,
             added_pairs=system.storage.added,
+            contacts=active_set.tightenings,
             seconds=costs.wall,
             spent=costs.seconds,
             exact=exact,

@@ -42,13 +42,22 @@ class IncrementSolver:
 
     def __init__(self, system: System, predictor: Predictor, active_set: ActiveSet, options: NewtonOptions) -> None:
         self.system, self.predictor, self.options = system, predictor, options
-        self.active_set = active_set
+        self.active_set = self.of_last_target = active_set
         self.predictor_failed = False  #: whether an extrapolated start has failed on the way to the target
         self.iterations = 0  #: of all solutions of the last increment that converged
 
     def begin_target(self) -> None:
         """Forget what held on the way to the last target alone."""
+        self.of_last_target = self.active_set
         self.predictor_failed, self.active_set = False, self.active_set.restored()
+
+    def keep_contact(self) -> None:
+        """Go on with the contact of the last target where it had become stiffer or had got pairs in creases.
+
+        With the contact of the model the last equilibrium is none, and increments, however small, lead elsewhere.
+        """
+        if any(self.of_last_target.tightenings):
+            self.predictor_failed, self.active_set = False, self.of_last_target
 
     def positions(self, converged: Converged) -> Array:
         """Of all nodes, (n, 3) in mm."""
