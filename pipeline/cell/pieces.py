@@ -8,8 +8,9 @@ from fem import ContactError, SelfContact
 from fem.cell.boundary import Boundary
 from fem.cell.mirror_contact import MirrorContact
 from fem.cell.piece import BendingPiece
-from geometry import GRADINGS, Body, Design, DesignError, MeshError, MeshFile, SurfaceFile
+from geometry import GRADINGS, Body, Design, DesignError, MeshError
 from geometry.meshing.mirror import Repetition
+from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.config import Config
 from pipeline.errors import InputError
 from pipeline.simulation.scene import GAP, Scene, layer_in, material_of
@@ -31,7 +32,8 @@ class ArmPieces:
     _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
-        _check(self.config)
+        if reason := why_no_arm_law(self.config.design, self.config.effects):
+            raise NoArmLaw(reason)
 
     @staticmethod
     def of(scene: Scene) -> "ArmPieces":
@@ -113,28 +115,6 @@ class ArmPieces:
             if meshed == half_cells and other != "mirror" and (other == "clamp") == is_clamp:
                 return piece.body
         return (self.design.end_piece if is_clamp else self.design.tip_piece)(half_cells, size, grading)
-
-
-def _check(config: Config) -> None:
-    """Raise `NoArmLaw` for what the pieces do not describe."""
-    if isinstance(config.design, MeshFile | SurfaceFile):
-        raise NoArmLaw(
-            "the law of a cell needs a drawing that can be cut between its cells; this body is a "
-            f"{'ready mesh' if isinstance(config.design, MeshFile) else 'surface'}"
-        )
-    if not config.design.repeats:
-        raise NoArmLaw(config.design.why_no_cell)
-    effects = config.effects
-    if effects.gravity.on:
-        raise NoArmLaw("the weight loads every cell differently, so there is no law of one cell with effects.gravity")
-    cavities = effects.pressure.cavities
-    if any(cavity.constant_kPa for cavity in cavities.values()):
-        raise NoArmLaw("a cavity has a constant pressure, and the law of a cell has one pressure that all follow")
-    if effects.pressure.off or not any(cavity.fraction for cavity in cavities.values()):
-        raise NoArmLaw("no cavity is pressurised, so the law of a cell has nothing to depend on")
-    several = len(effects.self_contact.faces or ()) > 1
-    if not effects.self_contact.off and (several or _contact_walls(config) in cavities):
-        raise NoArmLaw("the law of a cell has contact on one outer face alone, not on all those the user names")
 
 
 def _contact_walls(config: Config) -> str:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
 from fem.elements import ELEMENTS
-from geometry import FAMILIES, Design, DesignError, MeshFile, SurfaceFile
+from geometry import FAMILIES, Design, DesignError, MeshFile
+from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.automatic_mesh import COARSER, COARSEST, GivenMesh, chosen_mesh
 from pipeline.config.config import (
     AUTO,
@@ -58,7 +59,8 @@ def config_of(document: Document) -> Config:
     mesh = _attempt(refusals, _mesh, document, content, design, materials)
     effects = _attempt(refusals, _effects, document, design, content.effects)
     validation = _attempt(refusals, _validation, document, content, design.length)
-    _attempt(refusals, _check_law, document, content.law, design)
+    if effects is not None:
+        _attempt(refusals, _check_law, document, content.law, design, effects)
     _attempt(refusals, _check_identification, document, content.identification, design.length)
     if mesh is None or effects is None or validation is None or refusals:
         raise InputError(*refusals)
@@ -83,10 +85,10 @@ def config_of(document: Document) -> Config:
     )
 
 
-def _check_law(document: Document, law: str, design: Design) -> None:
+def _check_law(document: Document, law: str, design: Design, effects: Effects) -> None:
     """Refuse the arm's own law alone for an arm that has none."""
-    if law == "cell" and not design.repeats and not isinstance(design, MeshFile | SurfaceFile):
-        raise document.wrong(("law",), f"cell is not possible: {design.why_no_cell}")
+    if law == "cell" and (reason := why_no_arm_law(design, effects)):
+        raise document.wrong(("law",), f"cell is not possible: {reason}")
 
 
 def _attempt(refusals: list[str], check: Callable[..., Result], *values: Any) -> Result | None:
