@@ -106,6 +106,31 @@ def test_errors_are_those_put_in() -> None:
     assert row["distance_at_s_mm"] == LENGTH
 
 
+def test_the_force_on_an_end_that_is_held_along_both_axes_counts_as_a_whole() -> None:
+    """A small force across the arm beside a large one along it is no large error."""
+    solid = replace(record("III", ROD, end_y=1.0), held=(True, True))
+    row = row_of(rods(ROD), solid)
+    across = solid.load.force[1]
+    assert row["force_error"] < 1e-6
+    assert row["force_N"] == pytest.approx(abs(across))
+    pulled = replace(solid, load=Load((3.0 * across, across)))
+    row = row_of(rods(ROD), pulled)
+    assert row["force_error"] == pytest.approx(3.0 / 10.0**0.5, rel=1e-5)
+    assert row["force_N"] == pytest.approx(10.0**0.5 * abs(across))
+    assert row["rod_force_N"] == pytest.approx(abs(across), rel=1e-5)
+
+
+def test_the_force_along_the_axis_that_is_held_is_compared() -> None:
+    """Along x here; across the end is free."""
+    shape = ROD.solve(end_x=100.0)
+    x, y = shape.positions(S).T
+    solid = record("III", ROD, end_y=1.0)
+    solid = replace(solid, centreline=Centreline(S, x, y), load=Load((float(shape.force[0]), 0.0)), held=(True, False))
+    row = row_of(rods(ROD), solid)
+    assert abs(row["force_error"]) < 1e-6
+    assert row["force_N"] == pytest.approx(shape.force[0])
+
+
 def test_a_soft_place_is_found_where_it_is() -> None:
     soft = replace(ROD, law=FiveParameters(40.0, 400.0, 0.0, 0.0, 12.0))
     row = row_of(rods(ROD), record("III", soft, end_y=1.0))

@@ -85,12 +85,9 @@ class Comparison:
         }
 
     def _errors(self, shape: RodSolution) -> dict[str, float]:
-        curve, force = self.record.centreline, self.record.load.force[1]
+        curve = self.record.centreline
         errors = {**_shape_errors(curve, shape), **_curvature_errors(curve, shape, self.pitch)}
-        if force and self.record.held[1]:
-            rod_force = float(shape.force[1])
-            errors |= {"force_N": force, "rod_force_N": rod_force, "force_error": rod_force / force - 1.0}
-        return errors
+        return errors | _force_errors(self.record, shape)
 
 
 def _shape_errors(curve: Centreline, shape: RodSolution) -> dict[str, float]:
@@ -101,6 +98,26 @@ def _shape_errors(curve: Centreline, shape: RodSolution) -> dict[str, float]:
         "distance_at_s_mm": float(curve.s[distances.argmax()] - curve.s[0]),
         "distance_over_length_without_stretch": float(_distances(shape, without_stretch(curve)).max()) / curve.length,
         "end_angle_error_rad": float(ends[1] - ends[0]),
+    }
+
+
+def _force_errors(record: Record, shape: RodSolution) -> dict[str, float]:
+    """The force on the end along the axis where its displacement is prescribed; where both are, the size of both.
+
+    Relative error: of the component with its sign, of both the size of the difference. Empty where the load prescribes
+    the force, and where there is none.
+    """
+    force, rod_force = (np.array(both)[list(record.held)] for both in (record.load.force, shape.force))
+    if not force.any():
+        return {}
+    if len(force) == 2:
+        sizes = float(np.linalg.norm(force)), float(np.linalg.norm(rod_force))
+        error = float(np.linalg.norm(rod_force - force)) / sizes[0]
+        return {"force_N": sizes[0], "rod_force_N": sizes[1], "force_error": error}
+    return {
+        "force_N": float(force[0]),
+        "rod_force_N": float(rod_force[0]),
+        "force_error": float(rod_force[0] / force[0]) - 1.0,
     }
 
 
