@@ -176,6 +176,17 @@ def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path:
     assert rod_to_take(results(tmp_path, validation=[])) == []
 
 
+def test_no_rod_is_recommended_that_is_far_from_the_finite_elements(tmp_path: Path) -> None:
+    """The force may be wrong by more, where it is small itself."""
+    far = [row("in", 0.92, None), row("out", 0.05, 0.06, "end at +10 mm")]
+    assert rod_to_take(results(tmp_path, validation=far))[0] == (
+        "No rod describes this arm: the best, the rod with five parameters (five), is up to 92 % of l away from the "
+        "finite elements."
+    )
+    near = [row("in", 0.09, None), row("out", 0.05, 0.7, "end at +10 mm")]
+    assert rod_to_take(results(tmp_path, validation=near))[0].startswith("Take the rod with five parameters (five)")
+
+
 def test_a_load_beyond_the_identified_moments_is_named(tmp_path: Path) -> None:
     warned = {**row("out", 0.05, None, "dead force 0, 1 N"), "warning": "The moment leaves the range."}
     stored = results(tmp_path, validation=[row("in", 0.01, 0.02), warned])

@@ -13,6 +13,8 @@ from pipeline.config.config import Config
 STRAIGHTENED = 0.5
 #: curvatures that follow from the place of the end are taken this many times, because no arm has constant rigidity
 MARGIN = 1.5
+#: forces are taken this many times, because the arm stretches under pressure and its lever is longer than at rest
+STRETCHED = 1.1
 #: part of the curvature without moment by which a cell is bent further than that, whatever the loads
 FURTHER = 0.5
 #: a law is made for arms that bend by this angle at least, rad
@@ -69,7 +71,7 @@ class Reach:
     """For what loads a law is made."""
 
     length: float  #: mm, of the arm
-    force: float  #: N, the largest one on the end
+    force: float  #: N, the largest one on the end, with a margin
     end_y: float  #: mm, the largest displacement u_y of the end that is prescribed; infinite for any
     bend: float  #: 1/mm, curvature without moment at the highest pressure at which the curve is used
 
@@ -79,7 +81,8 @@ class Reach:
         end, loads = config.end, config.validation
         forces = [hypot(*force) for force in (end.force_N, *loads.forces_N)]
         heights = [abs(height) for height in (end.y_mm or 0.0, *loads.end_y_mm)]
-        return Reach(config.design.length, max(forces), max(heights) if end.x_mm is None else inf, bend)
+        largest = STRETCHED * max(forces)
+        return Reach(config.design.length, largest, max(heights) if end.x_mm is None else inf, bend)
 
     def range_from(self, kappa: float, rigidity: float, outward: int) -> Range:
         """From the cell without moment, its curvature in 1/mm and its rigidity in N mm2, to one side."""

@@ -18,6 +18,8 @@ TITLES = {
 
 #: error of a good rod under other loads: distance over the length, and relative error of the force
 SHAPE_LIMIT, FORCE_LIMIT = 0.03, 0.10
+#: distance over the length beyond which no rod is recommended
+POOR = 0.10
 
 
 @dataclass(frozen=True)
@@ -93,6 +95,11 @@ def rod_to_take(results: Results) -> list[str]:
     if not ordered:
         return []
     best = ordered[0]
+    shape = max((distance for distance in best.distance if distance is not None), default=0.0)
+    if shape > POOR:
+        best_of_them = f"the best, {TITLES[best.rod]} ({best.rod}), is up to {percent(shape)} of l away"
+        first = f"No rod describes this arm: {best_of_them} from the finite elements"
+        return [f"{first}.", *(errors.sentence() for errors in ordered)]
     first = f"Take {TITLES[best.rod]} ({best.rod})"
     if best.largest > min(errors.largest for errors in ordered):
         first += f": the others have no solution for more of the loads; its largest error is {percent(best.largest)}"
