@@ -159,8 +159,8 @@ def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path:
     stored = results(tmp_path, validation=[*five, *law])
     assert rod_to_take(stored) == [
         "Take the rod with the arm's own law (arm_law): its largest error against finite elements on the same mesh, "
-        "0.4 %, is the smallest of 2 rods (distance over the length, or error of the force at the end over that "
-        "force).",
+        "0.4 %, is the smallest of 2 rods (distance over the length, or error of the force at the end over its "
+        "largest value).",
         "The rod with the arm's own law: out of sample (loads that nothing was fitted to) the shape is wrong by at "
         "most 0.2 % of l, the force by at most 0.4 %.",
         "The rod with five parameters: in sample the shape is wrong by at most 2 % of l, the force by at most 2 %; "
@@ -174,6 +174,21 @@ def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path:
     silent = [*five, {**law[0], "distance_over_length": None, "reason": "The moment leaves the law."}]
     assert rod_to_take(results(tmp_path, validation=silent))[0].startswith("Take the rod with five parameters (five)")
     assert rod_to_take(results(tmp_path, validation=[])) == []
+
+
+def test_the_error_of_a_small_force_counts_over_the_largest_one(tmp_path: Path) -> None:
+    five = [{**row("in", 0.02, 0.1), "force_N": 0.001}, {**row("out", 0.03, -0.02, "end at +10 mm"), "force_N": -0.1}]
+    law = [{**r, "rod": "arm_law", "sample": "out", "distance_over_length": 0.001} for r in five]
+    law[0] |= {"force_error": 0.7}
+    law[1] |= {"force_error": 0.01}
+    stored = results(tmp_path, validation=[*five, *law])
+    assert rod_to_take(stored)[:2] == [
+        "Take the rod with the arm's own law (arm_law): its largest error against finite elements on the same mesh, "
+        "1 %, is the smallest of 2 rods (distance over the length, or error of the force at the end over its largest "
+        "value).",
+        "The rod with the arm's own law: out of sample (loads that nothing was fitted to) the shape is wrong by at "
+        "most 0.1 % of l, the force by at most 70 % (1 % of the largest force).",
+    ]
 
 
 def test_no_rod_is_recommended_that_is_far_from_the_finite_elements(tmp_path: Path) -> None:

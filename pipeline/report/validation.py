@@ -18,6 +18,8 @@ TITLES = {
 
 #: error of a good rod under other loads: distance over the length, and relative error of the force
 SHAPE_LIMIT, FORCE_LIMIT = 0.03, 0.10
+#: part of the relative error of the force below which that over the largest force stands beside it
+SMALL_FORCE = 0.5
 #: distance over the length beyond which no rod is recommended
 POOR = 0.10
 
@@ -30,6 +32,7 @@ class RodErrors:
     loads: tuple[int, int]  #: how many in sample and out of sample
     distance: tuple[float | None, float | None]  #: over the length, in sample and out of sample; None without loads
     force: tuple[float | None, float | None]  #: relative, of the end force
+    force_of_largest: tuple[float | None, float | None]  #: the same over the largest force of all loads
     missing: int  #: loads without an equilibrium
 
     @staticmethod
@@ -42,13 +45,18 @@ class RodErrors:
             (len(first), len(second)),
             (_worst(first, "distance_over_length"), _worst(second, "distance_over_length")),
             (_worst(first, "force_error"), _worst(second, "force_error")),
+            (_worst_force(first, results), _worst_force(second, results)),
             sum(bool(row.reason) for row in results.rows_of(rod)),
         )
 
     @property
     def largest(self) -> float:
-        """Largest distance over the length or relative error of the force, of all loads."""
-        return max((value for value in (*self.distance, *self.force) if value is not None), default=math.inf)
+        """Largest distance over the length, or error of the force over the largest force, of all loads.
+
+        Over a force that is small itself no rod has a small error.
+        """
+        errors = (*self.distance, *self.force_of_largest)
+        return max((value for value in errors if value is not None), default=math.inf)
 
     def record(self) -> JsonObject:
         """The largest errors as `pneurod run --json` writes them."""
@@ -68,13 +76,30 @@ class RodErrors:
         """How wrong the rod is, in and out of sample."""
         parts = []
         for k, sample in enumerate(("in sample", "out of sample (loads that nothing was fitted to)")):
-            distance, force = self.distance[k], self.force[k]
+            distance = self.distance[k]
             if distance is not None:
-                of_force = "" if force is None else f", the force by at most {percent(force)}"
-                parts.append(f"{sample} the shape is wrong by at most {percent(distance)} of l{of_force}")
+                parts.append(f"{sample} the shape is wrong by at most {percent(distance)} of l{self._of_force(k)}")
         if self.missing:
             parts.append(f"under {_count(self.missing)} it has no solution")
         return f"{_sentence_case(TITLES[self.rod])}: {'; '.join(parts)}."
+
+    def _of_force(self, sample: int) -> str:
+        force, of_largest = self.force[sample], self.force_of_largest[sample]
+        if force is None or of_largest is None:
+            return ""
+        beside = f" ({percent(of_largest)} of the largest force)" if of_largest < SMALL_FORCE * force else ""
+        return f", the force by at most {percent(force)}{beside}"
+
+
+def _worst_force(rows: Sequence[ValidationRow], results: Results) -> float | None:
+    """Largest error of the force over the largest force; over the force itself where the sizes are not stored."""
+    largest = max((abs(row.force_N) for row in results.validation if row.force_N is not None), default=None)
+    errors = [
+        abs(row.force_error) * (abs(row.force_N) / largest if largest and row.force_N is not None else 1.0)
+        for row in rows
+        if row.force_error is not None
+    ]
+    return max(errors, default=None)
 
 
 def _worst(rows: Sequence[ValidationRow], name: str) -> float | None:
@@ -106,7 +131,8 @@ def rod_to_take(results: Results) -> list[str]:
     elif len(ordered) > 1:
         first += (
             f": its largest error against finite elements on the same mesh, {percent(best.largest)}, is the smallest "
-            f"of {len(ordered)} rods (distance over the length, or error of the force at the end over that force)"
+            f"of {len(ordered)} rods (distance over the length, or error of the force at the end over its largest "
+            "value)"
         )
     return [f"{first}.", *(errors.sentence() for errors in ordered)]
 
