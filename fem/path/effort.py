@@ -13,8 +13,8 @@ RETRY_ITERATIONS, ITERATIONS_NEAR_LIMIT = 12, 8
 #: largest number of iterations with an indefinite tangent from a stable equilibrium to the next; those that led
 #: anywhere on the hard cases had at most 5
 MAX_UNSTABLE = 7
-#: the same with walls in contact near a limit that the path announces, and where a smaller increment follows one that
-#: failed: 121 stable equilibria of benchmarks/limits.py took at most 2, before all iterations with a definite tangent
+#: the same where a smaller increment follows one that failed, and with walls in contact near a limit that the path
+#: announces: 121 stable equilibria of benchmarks/limits.py took at most 2, before all those with a definite tangent
 MAX_UNSTABLE_RETRY = 2
 #: length of an increment over the last one from which on a smaller one costs less than other starts
 FAR = 1.2
@@ -33,19 +33,19 @@ class Effort:
 def effort_of(control: Control, increments: Increments, points: Sequence[PathPoint], is_stable: bool) -> Effort:
     """What the next increment may cost; points: the last two of the path, is_stable: whether the last one is.
 
-    No longer than until the tangent is indefinite where no unstable equilibrium would be accepted: near an announced
-    limit, and in large increments after one that failed. Contact makes the tangent indefinite on the way to stable
-    equilibria as well.
+    Near an announced limit no longer than until the tangent is indefinite, because no unstable equilibrium would be
+    accepted. Contact makes the tangent indefinite on the way to stable equilibria as well, and so do large rotations,
+    of an arm that hangs under its weight for example.
     """
     before, last = points[0], points[-1]
-    most = MAX_UNSTABLE_RETRY if last.touching else 0
     if increments.passes_limit or (increments.cutbacks and increments.nears_limit):
+        most = MAX_UNSTABLE_RETRY if last.touching else 0
         return Effort(ITERATIONS_NEAR_LIMIT, most if is_stable else None, is_stable, True)
     iterations = RETRY_ITERATIONS if increments.cutbacks else None
     if not (control.gives_load and is_stable):
         return Effort(iterations)
     if increments.cutbacks and not increments.is_small:
-        return Effort(iterations, most, True)
+        return Effort(iterations, MAX_UNSTABLE_RETRY, True)
     if len(points) > 1 and abs(control.value - last.value) > FAR * abs(last.value - before.value):
         return Effort(iterations, MAX_UNSTABLE_RETRY, True)
     return Effort(iterations, MAX_UNSTABLE)
