@@ -12,6 +12,7 @@ import pneurod
 from fem.cell.piece import BendingPiece, PieceFailed
 from pipeline.cell import curves, mesh_error, refinement
 from pipeline.cell.build import BETWEEN
+from pipeline.cell.deviation import is_not_reduced
 from pipeline.cell.mesh_error import NUMBERS
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.refinement import refined_mesh
@@ -49,6 +50,21 @@ def test_the_law_goes_through_rest_and_every_pressure_of_the_configuration(repor
     assert np.all(np.diff(kappa_0) < 0.0)  # negative, as in experiment II
     assert report.measured.error_between <= BETWEEN
     assert report.measured.error_along < 0.01
+
+
+@pytest.mark.parametrize(
+    ("errors", "expected"),
+    [
+        ((1.9, 1.8, 1.7), True),
+        ((9.0, 1.8, 1.7), False),  # halved until now
+        ((1.9, 1.8, 0.9), False),
+        ((1.8, 1.7), False),
+        ((2.9, 2.8, 2.7), False),  # too far from what is allowed
+        ((8.0, 1.9, 1.8, 1.7), True),
+    ],
+)
+def test_intervals_of_the_pressure_are_not_divided_in_vain(errors: tuple[float, ...], expected: bool) -> None:
+    assert is_not_reduced(errors, 1.0) is expected
 
 
 def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport) -> None:

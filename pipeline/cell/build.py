@@ -11,7 +11,7 @@ import numpy as np
 from fem.cell.piece import PieceFailed
 from pipeline.cell import tasks
 from pipeline.cell.decay import Decay
-from pipeline.cell.deviation import Deviation
+from pipeline.cell.deviation import Deviation, is_not_reduced
 from pipeline.cell.kept import Measured
 from pipeline.cell.mesh_error import MeshError, mesh_error
 from pipeline.cell.pieces import ArmPieces
@@ -75,6 +75,8 @@ class _Builder:
         self.factorizations = dict.fromkeys(("cell", "between", "ends"), 0)
         self.seconds = dict.fromkeys(self.factorizations, 0.0)
         self.errors: dict[tuple[float, float], float] = {}  #: 1/mm, in the middle between two pressures in kPa
+        #: by interval of pressures: the errors of those that it is a part of, the largest interval first
+        self.errors_above: dict[tuple[float, float], tuple[float, ...]] = {}
         self.not_borne: set[float] = set()  #: kPa, between those of the configuration
         self.bends: dict[float, Bend] = {}  #: by pressure, kPa
         self.error_between = 0.0
@@ -210,7 +212,7 @@ class _Builder:
             errors = self._errors_between(cells)
             self.error_between = max(errors.values()) / allowed * BETWEEN
             worst = sorted((pair for pair in errors if errors[pair] > allowed), key=lambda pair: -errors[pair])
-            middles = [0.5 * (lower.curve.pressure + upper.curve.pressure) for lower, upper in worst]
+            middles = [middle for lower, upper in worst if (middle := self._divided(lower, upper, allowed))]
             more = sorted(p for p in middles[: MOST_ADDED - len(added)] if p not in self.not_borne)
             if not more:
                 break
@@ -224,9 +226,19 @@ class _Builder:
         if self.error_between > BETWEEN:
             self.limits.append(
                 f"between two pressures the curvature is interpolated to {100 * self.error_between:.2g} % of the "
-                f"largest one; at most {MOST_ADDED} pressures are added"
+                f"largest one; at most {MOST_ADDED} pressures are added, and none where that does not help"
             )
         return cells
+
+    def _divided(self, lower: Measured[CellCurve], upper: Measured[CellCurve], allowed: float) -> float | None:
+        """The pressure in kPa in the middle of two neighbours; None where dividing their interval does not help."""
+        low, high = lower.curve.pressure, upper.curve.pressure
+        errors = (*self.errors_above.get((low, high), ()), self.errors[low, high])
+        if is_not_reduced(errors, allowed):
+            return None
+        middle = 0.5 * (low + high)
+        self.errors_above[low, middle] = self.errors_above[middle, high] = errors
+        return middle
 
     def _errors_between(
         self, cells: Sequence[Measured[CellCurve]]

@@ -1,6 +1,8 @@
 """How far the law interpolated halfway between two pressures is from the cell itself."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -13,6 +15,10 @@ from rod.arm_law.section import SectionLaw, section_at
 
 #: states of the cell that are solved
 CHECKS = 5
+#: an interval whose error is more than this part of that of the interval it is a half of, and so was that one's, is not
+#: divided further while the error is at most this many times the allowed one: it does not come from the interpolation
+#: in the pressure, but from where the curves of neighbouring pressures end
+NOT_REDUCED, NEARLY_ALLOWED = 0.8, 2.0
 
 
 @dataclass(frozen=True)
@@ -53,3 +59,10 @@ def _doubtful(section: SectionLaw, lower: CellCurve, upper: CellCurve) -> Index:
     difference = np.interp(section.kappa, *doubts(lower, upper))
     ranges = np.array_split(np.arange(len(section.moment)), CHECKS)
     return np.array([own[int(np.argmax(difference[own]))] for own in ranges])
+
+
+def is_not_reduced(errors: Sequence[float], allowed: float) -> bool:
+    """Whether dividing has not reduced the error of the last of these intervals, each a half of the one before."""
+    if len(errors) < 3 or errors[-1] > NEARLY_ALLOWED * allowed:
+        return False
+    return all(part > NOT_REDUCED * whole for whole, part in pairwise(errors[-3:]))
