@@ -29,7 +29,7 @@ _CURVES = (
 _FIRST: dict[str, tuple[str, ...]] = {
     "experiments": (
         *("experiment", "pressure_kPa", "end_x_mm", "end_y_mm", "reaction_x_N", "reaction_y_N", "cavity_volume_mm3"),
-        *("stretch_of_curve", "min_J", "max_stretch", "min_stretch", "min_gap_mm"),
+        *("stretch_of_curve", "curve_z_mm", "min_J", "max_stretch", "min_stretch", "min_gap_mm"),
         *("contact_error_mm", "contact_error_N", "seconds", "status", "reason"),
     ),
     "validation": (

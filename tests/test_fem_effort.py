@@ -11,11 +11,20 @@ AT_REST = SimpleNamespace(value=0.0, touching=False)
 
 
 def effort(
-    *, cutbacks: int = 0, small: bool = False, nears: bool = False, stable: bool = True, load: bool = True, **last: Any
+    *,
+    cutbacks: int = 0,
+    small: bool = False,
+    nears: bool = False,
+    stable: bool = True,
+    load: bool = True,
+    from_rest: bool = False,
+    **last: Any,
 ) -> Effort:
     """Of the increment to 1 from the last point, by default at 0.5."""
     increments: Any = SimpleNamespace(cutbacks=cutbacks, is_small=small, nears_limit=nears, passes_limit=False)
-    points: Any = [AT_REST, SimpleNamespace(**{"value": 0.5, "touching": False, **last})]
+    points: Any = [AT_REST]
+    if not from_rest:
+        points.append(SimpleNamespace(**{"value": 0.5, "touching": False, **last}))
     control: Any = SimpleNamespace(value=1.0, gives_load=load)
     return effort_of(control, increments, points, stable)
 
@@ -33,6 +42,7 @@ def test_an_increment_much_longer_than_the_last_one_is_given_up_early() -> None:
 def test_a_smaller_increment_may_begin_with_an_indefinite_tangent(touching: bool) -> None:
     """As that of an arm that turns far under its weight; contact is not needed for it."""
     assert effort(cutbacks=1, touching=touching) == Effort(RETRY_ITERATIONS, MAX_UNSTABLE_RETRY, True)
+    assert effort(cutbacks=1, from_rest=True) == Effort(RETRY_ITERATIONS, 0, True)
     assert effort(cutbacks=1, small=True) == Effort(RETRY_ITERATIONS, MAX_UNSTABLE)
 
 

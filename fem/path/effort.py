@@ -38,14 +38,15 @@ def effort_of(control: Control, increments: Increments, points: Sequence[PathPoi
     of an arm that hangs under its weight for example.
     """
     before, last = points[0], points[-1]
+    most = MAX_UNSTABLE_RETRY if last.touching else 0
     if increments.passes_limit or (increments.cutbacks and increments.nears_limit):
-        most = MAX_UNSTABLE_RETRY if last.touching else 0
         return Effort(ITERATIONS_NEAR_LIMIT, most if is_stable else None, is_stable, True)
     iterations = RETRY_ITERATIONS if increments.cutbacks else None
     if not (control.gives_load and is_stable):
         return Effort(iterations)
     if increments.cutbacks and not increments.is_small:
-        return Effort(iterations, MAX_UNSTABLE_RETRY, True)
+        # from rest nothing is known of the path, and as a rule the load is too large
+        return Effort(iterations, MAX_UNSTABLE_RETRY if len(points) > 1 else most, True)
     if len(points) > 1 and abs(control.value - last.value) > FAR * abs(last.value - before.value):
         return Effort(iterations, MAX_UNSTABLE_RETRY, True)
     return Effort(iterations, MAX_UNSTABLE)
