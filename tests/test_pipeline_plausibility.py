@@ -192,7 +192,7 @@ def solved(
 
 def test_an_arm_that_leaves_the_plane_of_the_rod_is_named() -> None:
     (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, curve_z_mm=1.12))
-    assert "leaves the plane z = 0 by up to 1.1 mm (II, 20 kPa), 1 % of its length; the rods are planar" in note
+    assert "leaves the plane z = 0 by up to 1.12 mm (II, 20 kPa), 1 % of its length; the rods are planar" in note
     assert after_solving(solved(0.9, (0.95, 1.05), 0.01, curve_z_mm=0.1)) == ()
 
 

@@ -21,6 +21,7 @@ from pipeline.report.validation import (
     beyond_identified,
     law_rows,
     out_of_sample,
+    recommended_rod,
     rod_table,
     rod_to_take,
     simplest_laws,
@@ -187,7 +188,7 @@ def test_the_error_of_a_small_force_counts_over_the_largest_one(tmp_path: Path) 
         "1 %, is the smallest of 2 rods (distance over the length, or error of the force at the end over its largest "
         "value).",
         "The rod with the arm's own law: out of sample (loads that nothing was fitted to) the shape is wrong by at "
-        "most 0.1 % of l, the force by at most 70 % (1 % of the largest force).",
+        "most 0.1 % of l, the force by at most 70 % (over the largest force of all loads at most 1 %).",
     ]
 
 
@@ -195,9 +196,22 @@ def test_no_rod_is_recommended_that_is_far_from_the_finite_elements(tmp_path: Pa
     """The force may be wrong by more, where it is small itself."""
     far = [row("in", 0.92, None), row("out", 0.05, 0.06, "end at +10 mm")]
     assert rod_to_take(results(tmp_path, validation=far))[0] == (
-        "No rod describes this arm: the best, the rod with five parameters (five), is up to 92 % of l away from the "
+        "No rod describes this arm: the nearest, the rod with five parameters (five), is up to 92 % of l away from the "
         "finite elements."
     )
+    assert recommended_rod(results(tmp_path, validation=far)) == ""
+    law = [
+        {**row("out", 0.004, None), "rod": "arm_law"},
+        {**row("out", 0.004, None), "rod": "arm_law", "reason": "No."},
+    ]
+    both = results(tmp_path, validation=[*far, *law])
+    assert recommended_rod(both) == "arm_law"
+    assert rod_to_take(both)[0] == (
+        "Take the rod with the arm's own law (arm_law): every other one is more than 10 % of l away from the finite "
+        "elements."
+    )
+    none = results(tmp_path, validation=[{**far[0], "distance_over_length": None, "reason": "No."}])
+    assert rod_to_take(none)[0] == "No rod describes this arm: none has a solution under any of the loads."
     near = [row("in", 0.09, None), row("out", 0.05, 0.7, "end at +10 mm")]
     assert rod_to_take(results(tmp_path, validation=near))[0].startswith("Take the rod with five parameters (five)")
 

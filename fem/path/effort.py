@@ -13,8 +13,9 @@ RETRY_ITERATIONS, ITERATIONS_NEAR_LIMIT = 12, 8
 #: largest number of iterations with an indefinite tangent from a stable equilibrium to the next; those that led
 #: anywhere on the hard cases had at most 5
 MAX_UNSTABLE = 7
-#: the same where a smaller increment follows one that failed, and with walls in contact near a limit that the path
-#: announces: 121 stable equilibria of benchmarks/limits.py took at most 2, before all those with a definite tangent
+#: the same where a smaller increment follows one that failed, but for those from rest, and with walls in contact near a
+#: limit that the path announces: 121 stable equilibria of benchmarks/limits.py took at most 2, before all those with a
+#: definite tangent
 MAX_UNSTABLE_RETRY = 2
 #: length of an increment over the last one from which on a smaller one costs less than other starts
 FAR = 1.2
@@ -33,9 +34,9 @@ class Effort:
 def effort_of(control: Control, increments: Increments, points: Sequence[PathPoint], is_stable: bool) -> Effort:
     """What the next increment may cost; points: the last two of the path, is_stable: whether the last one is.
 
-    Near an announced limit no longer than until the tangent is indefinite, because no unstable equilibrium would be
-    accepted. Contact makes the tangent indefinite on the way to stable equilibria as well, and so do large rotations,
-    of an arm that hangs under its weight for example.
+    Near an announced limit, without contact, no longer than until the tangent is indefinite, because no unstable
+    equilibrium would be accepted. Contact makes the tangent indefinite on the way to stable equilibria as well, and so
+    do large rotations, of an arm that hangs under its weight for example.
     """
     before, last = points[0], points[-1]
     most = MAX_UNSTABLE_RETRY if last.touching else 0

@@ -1,7 +1,7 @@
 """Comparison of a state in contact with the equilibrium near it that has exact distances between walls.
 
 A path is followed with pairs of nodes and triangles that face each other at rest: few factorizations lead along it, and
-its states do not depend on the number of targets. Where a cavity collapses, its walls slide along each other and turn,
+its states depend little on the targets. Where a cavity collapses, its walls slide along each other and turn,
 and a node then rests on the plane of a triangle that it is no longer opposite to. Such a state is solved once more with
 the distances between all triangles, and both are compared. The path goes on from the state with pairs.
 """

@@ -131,9 +131,9 @@ class PathFollower:
                 cause = cause if isinstance(cause, NotAdmissible) > isinstance(failure, NotAdmissible) else failure
                 increments.failed(fraction, isinstance(failure, Unstable), isinstance(failure, Inverted))
                 last = load_step.control(self.control, increments.reached)
-                if not increments.reached:
-                    self.solver.keep_contact()
-                if increments.ended:
+                if not increments.reached and self.solver.keep_contact():
+                    cause = StepFailed("no increment was tried")  # softer contact tells nothing of the end of the path
+                elif increments.ended:
                     raise PathEnded(self._end(last, increments, before, cause)) from None
                 continue
             iterations += self.solver.iterations

@@ -1,7 +1,7 @@
 """Solves one increment of a path: an equilibrium with the contact that its states demand.
 
 Within an increment contact is activated and stiffened (`fem.path.active_set`), and stays so for the rest of the way to
-the target.
+the target; beyond it only where an increment from there fails with the contact of the model.
 """
 
 from collections.abc import Sequence
@@ -43,21 +43,25 @@ class IncrementSolver:
     def __init__(self, system: System, predictor: Predictor, active_set: ActiveSet, options: NewtonOptions) -> None:
         self.system, self.predictor, self.options = system, predictor, options
         self.active_set = self.of_last_target = active_set
+        self.contact_is_kept = False  #: whether the contact of the last target is used on the way to the next one
         self.predictor_failed = False  #: whether an extrapolated start has failed on the way to the target
         self.iterations = 0  #: of all solutions of the last increment that converged
 
     def begin_target(self) -> None:
         """Forget what held on the way to the last target alone."""
-        self.of_last_target = self.active_set
+        self.of_last_target, self.contact_is_kept = self.active_set, False
         self.predictor_failed, self.active_set = False, self.active_set.restored()
 
-    def keep_contact(self) -> None:
+    def keep_contact(self) -> bool:
         """Go on with the contact of the last target where it had become stiffer or had got pairs in creases.
 
-        With the contact of the model the last equilibrium is none, and increments, however small, lead elsewhere.
+        With the contact of the model the last state is no equilibrium, and increments, however small, lead elsewhere.
+        Whether this changes the contact; it does so once on the way to a target.
         """
-        if any(self.of_last_target.tightenings):
-            self.predictor_failed, self.active_set = False, self.of_last_target
+        if self.contact_is_kept or not any(self.of_last_target.tightenings):
+            return False
+        self.predictor_failed, self.active_set, self.contact_is_kept = False, self.of_last_target, True
+        return True
 
     def positions(self, converged: Converged) -> Array:
         """Of all nodes, (n, 3) in mm."""

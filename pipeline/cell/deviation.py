@@ -15,9 +15,9 @@ from rod.arm_law.section import SectionLaw, section_at
 
 #: states of the cell that are solved
 CHECKS = 5
-#: an interval whose error is more than this part of that of the interval it is a half of, and so was that one's, is not
-#: divided further while the error is at most this many times the allowed one: it does not come from the interpolation
-#: in the pressure, but from where the curves of neighbouring pressures end
+#: An interval is not divided further where two halvings in a row have left more than the first part of the error, which
+#: is at most the second number times the allowed one. As a rule such an error comes from curves of neighbouring
+#: pressures that end at different moments, and not from the interpolation in the pressure.
 NOT_REDUCED, NEARLY_ALLOWED = 0.8, 2.0
 
 

@@ -80,8 +80,8 @@ def _out_of_plane(solved: Solved) -> str:
     if part < OUT_OF_PLANE:
         return ""
     return (
-        f"the arm leaves the plane z = 0 by up to {worst.curve_z_mm:.2g} mm ({worst.experiment}, "
-        f"{worst.pressure_kPa:g} kPa), {100 * part:.2g} % of its length; the rods are planar, and the errors given for "
+        f"the arm leaves the plane z = 0 by up to {worst.curve_z_mm:.3g} mm ({worst.experiment}, "
+        f"{worst.pressure_kPa:g} kPa), {100 * part:.3g} % of its length; the rods are planar, and the errors given for "
         "them do not contain that"
     )
 

@@ -50,6 +50,11 @@ class RodErrors:
         )
 
     @property
+    def shape(self) -> float:
+        """Largest distance over the length, of all loads; infinite where it has no solution under any."""
+        return max((value for value in self.distance if value is not None), default=math.inf)
+
+    @property
     def largest(self) -> float:
         """Largest distance over the length, or error of the force over the largest force, of all loads.
 
@@ -69,6 +74,8 @@ class RodErrors:
             "distance_over_length_out_of_sample": outside,
             "force_error_in_sample": force_inside,
             "force_error_out_of_sample": force_outside,
+            "force_error_over_largest_in_sample": self.force_of_largest[0],
+            "force_error_over_largest_out_of_sample": self.force_of_largest[1],
             "loads_without_solution": self.missing,
         }
 
@@ -87,7 +94,8 @@ class RodErrors:
         force, of_largest = self.force[sample], self.force_of_largest[sample]
         if force is None or of_largest is None:
             return ""
-        beside = f" ({percent(of_largest)} of the largest force)" if of_largest < SMALL_FORCE * force else ""
+        over_largest = f" (over the largest force of all loads at most {percent(of_largest)})"
+        beside = over_largest if of_largest < SMALL_FORCE * force else ""
         return f", the force by at most {percent(force)}{beside}"
 
 
@@ -108,10 +116,19 @@ def _worst(rows: Sequence[ValidationRow], name: str) -> float | None:
 
 
 def rod_errors(results: Results) -> list[RodErrors]:
-    """The errors of every rod, that with the smallest first; a rod with loads it has no answer to comes behind."""
+    """The errors of every rod, that with the smallest first.
+
+    A rod with loads it has no answer to comes behind, and one that is far from the finite elements behind those.
+    """
     return sorted(
-        (RodErrors.of(results, rod) for rod in results.rods), key=lambda errors: (errors.missing, errors.largest)
+        (RodErrors.of(results, rod) for rod in results.rods),
+        key=lambda errors: (errors.shape > POOR, errors.missing, errors.largest),
     )
+
+
+def recommended_rod(results: Results) -> str:
+    """The name of the rod to take; empty where none was compared, and where all are far from the finite elements."""
+    return next((errors.rod for errors in rod_errors(results)[:1] if errors.shape <= POOR), "")
 
 
 def rod_to_take(results: Results) -> list[str]:
@@ -119,22 +136,31 @@ def rod_to_take(results: Results) -> list[str]:
     ordered = rod_errors(results)
     if not ordered:
         return []
-    best = ordered[0]
-    shape = max((distance for distance in best.distance if distance is not None), default=0.0)
-    if shape > POOR:
-        best_of_them = f"the best, {TITLES[best.rod]} ({best.rod}), is up to {percent(shape)} of l away"
-        first = f"No rod describes this arm: {best_of_them} from the finite elements"
-        return [f"{first}.", *(errors.sentence() for errors in ordered)]
+    sentences = [errors.sentence() for errors in ordered]
+    near = [errors for errors in ordered if errors.shape <= POOR]
+    if not near:
+        return [f"No rod describes this arm{_least_far(ordered)}.", *sentences]
+    best, number_of_near = near[0], len(near)
     first = f"Take {TITLES[best.rod]} ({best.rod})"
-    if best.largest > min(errors.largest for errors in ordered):
+    if best.largest > min(errors.largest for errors in near):
         first += f": the others have no solution for more of the loads; its largest error is {percent(best.largest)}"
-    elif len(ordered) > 1:
+    elif number_of_near > 1:
         first += (
             f": its largest error against finite elements on the same mesh, {percent(best.largest)}, is the smallest "
-            f"of {len(ordered)} rods (distance over the length, or error of the force at the end over its largest "
+            f"of {number_of_near} rods (distance over the length, or error of the force at the end over its largest "
             "value)"
         )
-    return [f"{first}.", *(errors.sentence() for errors in ordered)]
+    elif len(ordered) > 1:
+        first += f": every other one is more than {percent(POOR)} of l away from the finite elements"
+    return [f"{first}.", *sentences]
+
+
+def _least_far(ordered: Sequence[RodErrors]) -> str:
+    least = min(ordered, key=lambda errors: errors.shape)
+    if math.isinf(least.shape):
+        return ": none has a solution under any of the loads"
+    distance = f"up to {percent(least.shape)} of l away from the finite elements"
+    return f": the nearest, {TITLES[least.rod]} ({least.rod}), is {distance}"
 
 
 def rod_table(results: Results) -> list[list[str]]:

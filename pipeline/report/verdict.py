@@ -14,7 +14,7 @@ from pipeline.report.numbers import NUMBERS, Cell, five_parameters, law_mesh_err
 from pipeline.report.results import EffectRow, Results
 from pipeline.report.sentences import in_short, lines_needed
 from pipeline.report.untested import untested
-from pipeline.report.validation import RodErrors, rod_errors, rod_to_take
+from pipeline.report.validation import RodErrors, recommended_rod, rod_errors, rod_to_take
 from pipeline.store.json_values import JsonObject
 
 #: the topic of what was not reached
@@ -44,7 +44,7 @@ class Verdict:
     design: str  #: its name
     length_mm: float  #: NaN where the body was not meshed
     five: tuple[FiveNumbers, ...]  #: by pressure; empty where the parameters were not identified
-    rod: str  #: the rod to take: one of the names in `pipeline.validation.rods`; empty where none was compared
+    rod: str  #: the rod to take: one of the names in `pipeline.validation.rods`; empty where none is recommended
     errors: tuple[RodErrors, ...]  #: of every rod, that to take first
     statements: tuple[Statement, ...]
     parameters: tuple[JsonObject, ...]  #: by pressure: the five parameters unrounded, with _std and _95
@@ -81,7 +81,7 @@ class Verdict:
 
 def verdict_of(results: Results) -> Verdict:
     """The verdict on the result files of a run."""
-    errors = rod_errors(results)
+    errors, rod = rod_errors(results), recommended_rod(results)
     topics = {
         FAILURE: _failure(results),
         "rod": _rod(results),
@@ -92,13 +92,13 @@ def verdict_of(results: Results) -> Verdict:
         "mesh": mesh_sentences(results),
         "mesh error": _mesh_error(results),
         "not tested": untested(results),
-        "next": next_steps(results, errors[0].rod if errors else ""),
+        "next": next_steps(results, rod),
     }
     return Verdict(
         design=str(results.run.get("config", {}).get("name", results.directory.name)),
         length_mm=results.length,
         five=tuple(FiveNumbers(pressure, tuple(cells)) for pressure, cells in five_parameters(results)),
-        rod=errors[0].rod if errors else "",
+        rod=rod,
         errors=tuple(errors),
         statements=tuple(Statement(topic, tuple(sentences)) for topic, sentences in topics.items() if sentences),
         parameters=tuple(_parameters(results, index) for index in range(len(results.identified_pressures))),
