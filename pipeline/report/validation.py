@@ -18,7 +18,7 @@ TITLES = {
 
 #: error of a good rod under other loads: distance over the length, and relative error of the force
 SHAPE_LIMIT, FORCE_LIMIT = 0.03, 0.10
-#: part of the relative error of the force below which that over the largest force stands beside it
+#: part of a relative error of the force above that limit below which the error over the largest force stands beside it
 SMALL_FORCE = 0.5
 #: distance over the length beyond which no rod is recommended
 POOR = 0.10
@@ -95,7 +95,7 @@ class RodErrors:
         if force is None or of_largest is None:
             return ""
         over_largest = f" (over the largest force of all loads at most {percent(of_largest)})"
-        beside = over_largest if of_largest < SMALL_FORCE * force else ""
+        beside = over_largest if force > FORCE_LIMIT and of_largest < SMALL_FORCE * force else ""
         return f", the force by at most {percent(force)}{beside}"
 
 
