@@ -143,6 +143,14 @@ def test_no_activation_distance_is_compared_where_none_is_given_or_nothing_meets
         assert of_contact(Scene.meshed(load_config(CONFIGS / f"{config}_coarse.yaml", short))) == ""
 
 
+def test_pressures_that_no_cavity_follows_are_named() -> None:
+    constant = "effects.pressure={cavities: {cavity: 4 kPa}}"
+    assert "the states at all pressures are the same" in (note := notes_before(PRESSURES, constant))
+    assert note.endswith("effects.pressure: {cavities: {cavity: 1}}")
+    assert notes_before(PRESSURES, "effects.pressure={cavities: {cavity: 0.5}}") == ""
+    assert "follows" not in notes_before(PRESSURES, "effects.pressure=off")
+
+
 def test_nothing_is_said_of_a_usual_design() -> None:
     assert notes_before(PRESSURES) == ""
     assert notes_before(PRESSURES, "geometry.chambers=6", "law=cell") == ""

@@ -84,6 +84,17 @@ def _unequal_cells(config: Config) -> str:
     )
 
 
+def _pressure_of_run_unused(config: Config) -> str:
+    pressure = config.effects.pressure
+    if pressure.off or any(cavity.fraction for cavity in pressure.cavities.values()):
+        return ""
+    name = next(iter(pressure.cavities), "cavity")
+    return (
+        "no cavity follows the pressure of the run, because each has a constant pressure or none, so that the states "
+        f"at all pressures are the same; give one a fraction, for example effects.pressure: {{cavities: {{{name}: 1}}}}"
+    )
+
+
 def _few_pressures(config: Config, end_kPa: float) -> str:
     count = len(config.pressures_kPa) + config.added_pressures
     if count > 2 or config.law == "cell":
@@ -107,4 +118,4 @@ def _two_digits(value: float) -> float:
 
 #: the rules on the pressures, given where an experiment has ended, and those on the rest of the configuration
 ON_PRESSURES: tuple[Callable[[Config, float], str], ...] = (_strong_pressure, _weak_pressure, _few_pressures)
-ON_DESIGN: tuple[Callable[[Config], str], ...] = (_few_cells, _unequal_cells, of_edges)
+ON_DESIGN: tuple[Callable[[Config], str], ...] = (_few_cells, _unequal_cells, _pressure_of_run_unused, of_edges)
