@@ -22,6 +22,7 @@ from pipeline.report.validation import (
     law_rows,
     out_of_sample,
     recommended_rod,
+    rod_errors,
     rod_table,
     rod_to_take,
     simplest_laws,
@@ -199,13 +200,13 @@ def test_no_rod_is_recommended_that_is_far_from_the_finite_elements(tmp_path: Pa
         "No rod describes this arm: the nearest, the rod with five parameters (five), is up to 92 % of l away from the "
         "finite elements."
     )
-    assert recommended_rod(results(tmp_path, validation=far)) == ""
+    assert recommended_rod(rod_errors(results(tmp_path, validation=far))) == ""
     law = [
         {**row("out", 0.004, None), "rod": "arm_law"},
         {**row("out", 0.004, None), "rod": "arm_law", "reason": "No."},
     ]
     both = results(tmp_path, validation=[*far, *law])
-    assert recommended_rod(both) == "arm_law"
+    assert recommended_rod(rod_errors(both)) == "arm_law"
     assert rod_to_take(both)[0] == (
         "Take the rod with the arm's own law (arm_law): every other one is more than 10 % of l away from the finite "
         "elements."

@@ -22,7 +22,7 @@ from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
-from pipeline.simulation.loadcase import LoadCase, schedule
+from pipeline.simulation.loadcase import LoadCase, has_height_alone, schedule
 from pipeline.simulation.outcome import Record
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
@@ -122,6 +122,7 @@ def _steps_and_work(config: Config, state: Record, folder: Path) -> tuple[float,
     Where the work differs from the energy, it is integrated along twice as many steps, because thin walls bulge at a
     fraction of the lowest pressure; `HALVINGS` times at most.
     """
+    has_rest_height_alone = has_height_alone(config.end) and config.end.y_mm == 0.0
     scene = Scene.meshed(config)
     below = [*(p for p in config.pressures_kPa if p < state.pressure_kPa), state.pressure_kPa]
     experiment, differences = _experiment(scene, state.experiment), []
@@ -136,12 +137,7 @@ def _steps_and_work(config: Config, state: Record, folder: Path) -> tuple[float,
         work = work_difference(model, steps, top / 1000.0, scene.body.cavities[0])
         if work <= ALLOWED["work"]:
             break
-    return max(differences), nan if state.experiment == "III" and _end_does_work(config) else work
-
-
-def _end_does_work(config: Config) -> bool:
-    end = config.end
-    return end.x_mm is not None or end.y_mm != 0.0 or any(end.force_N)
+    return max(differences), work if state.experiment == "II" or has_rest_height_alone else nan
 
 
 def _experiment(scene: Scene, name: str) -> fem.Experiment:
@@ -174,7 +170,7 @@ def work_difference(model: fem.Model, steps: Sequence[fem.Step], pressure_MPa: f
             volumes.append([step.cavity_volume(cavity), *slope])
         below = float(BPoly.from_derivatives(pressures, volumes).integrate(0.0, last.factor))
         work = pressure_MPa * (last.factor * volumes[-1][0] - below)
-        active_set = ActiveSet.resumed(system.terms, last.active, last.positions).with_tightenings(last.contacts)
+        active_set = ActiveSet.of_step(system.terms, last)
         # without a load factor the pressure has no potential, and what is left is stored in the body
         stored = system.energy(last.displacement, 0.0, active_set.active)
         return abs(stored - work) / abs(work)

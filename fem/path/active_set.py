@@ -6,6 +6,7 @@ from typing import Self, final
 
 from fem.effects.effect import InteriorTerm, PenaltyTerm, Terms, UnilateralTerm
 from fem.effects.tightening import Tightening
+from fem.solution import Step
 from geometry.arrays import Array
 
 
@@ -30,6 +31,11 @@ class ActiveSet:
         Both are needed: a contact may have been activated at an intermediate increment that is not stored.
         """
         return cls(model, tuple(was_active), model).activated(x)
+
+    @classmethod
+    def of_step(cls, model: Terms, step: Step) -> Self:
+        """The terms that were active in a finished step, as they stood there, and those that its positions activate."""
+        return cls.resumed(model, step.active, step.positions).with_tightenings(step.contacts)
 
     @property
     def active(self) -> Terms:

@@ -100,7 +100,7 @@ class PathFollower:
     def _resumed(self, step: Step, value: float) -> PathPoint:
         """The point of the path at a finished step; the path goes on with the contacts that are active there."""
         state = self.system.state_at(step.displacement, step.factor)
-        active_set = ActiveSet.resumed(self.system.terms, step.active, step.positions).with_tightenings(step.contacts)
+        active_set = ActiveSet.of_step(self.system.terms, step)
         self.solver.active_set, self.is_stable = active_set, step.negative_pivots == 0
         terms = at_constant_fraction(active_set.active, 1.0)
         return PathPoint(value, 1.0, state, active_set.touching(step.positions), terms=terms)

@@ -40,6 +40,11 @@ class PressureEffect(Effect):
 
     cavities: Mapping[str, CavityPressure]  #: in the order of the design
 
+    @property
+    def follows_run(self) -> bool:
+        """Whether a cavity has a fraction of the pressure of the run."""
+        return any(cavity.fraction for cavity in self.cavities.values())
+
 
 @dataclass(frozen=True)
 class SelfContact(Effect):

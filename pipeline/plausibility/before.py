@@ -86,7 +86,7 @@ def _unequal_cells(config: Config) -> str:
 
 def _pressure_of_run_unused(config: Config) -> str:
     pressure = config.effects.pressure
-    if pressure.off or any(cavity.fraction for cavity in pressure.cavities.values()):
+    if pressure.off or pressure.follows_run:
         return ""
     name = next(iter(pressure.cavities), "cavity")
     return (

@@ -126,9 +126,9 @@ def rod_errors(results: Results) -> list[RodErrors]:
     )
 
 
-def recommended_rod(results: Results) -> str:
-    """The name of the rod to take; empty where none was compared, and where all are far from the finite elements."""
-    return next((errors.rod for errors in rod_errors(results)[:1] if errors.shape <= POOR), "")
+def recommended_rod(ordered: Sequence[RodErrors]) -> str:
+    """The name of the rod to take, of those of `rod_errors`; empty where all are far from the finite elements."""
+    return ordered[0].rod if ordered and ordered[0].shape <= POOR else ""
 
 
 def rod_to_take(results: Results) -> list[str]:

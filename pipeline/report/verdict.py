@@ -81,7 +81,8 @@ class Verdict:
 
 def verdict_of(results: Results) -> Verdict:
     """The verdict on the result files of a run."""
-    errors, rod = rod_errors(results), recommended_rod(results)
+    errors = rod_errors(results)
+    rod = recommended_rod(errors)
     topics = {
         FAILURE: _failure(results),
         "rod": _rod(results),
