@@ -50,6 +50,16 @@ class RodSolution:
         return float(x), float(y)
 
     @property
+    def clamp_moment(self) -> float:
+        """Moment at s = 0 about the clamped end of the material curve, N mm, positive where it raises the curvature.
+
+        moment[0] is that about the axis, which begins beside the clamped end where the rod follows the arm's own law.
+        The clamp exerts its negative on the body (`clamp_moment_N_mm` of the finite elements).
+        """
+        x, y = self.x[0] - self.curve[0, 0], self.y[0] - self.curve[0, 1]
+        return float(self.moment[0] + x * self.force[1] - y * self.force[0])
+
+    @property
     def end_angle(self) -> float:
         """Angle of the end of the material curve from the x axis, rad: that of its chord over the last 2 % of its rest
         length.

@@ -119,7 +119,7 @@ def test_a_failed_run_says_so_first(folder: Path) -> None:
     change(folder, "run", failure="experiment II stopped before 45 kPa: a limit point")
     verdict = verdict_of(read_results(folder))
     assert verdict.sentences[0] == "Not everything was reached: experiment II stopped before 45 kPa: a limit point."
-    assert verdict.on("next")[0].startswith("Next: the sentence above names the pressure")
+    assert verdict.on("next")[0].startswith("Next: the first sentence names what was not reached")
 
 
 LIMIT = (
@@ -148,6 +148,15 @@ def test_a_terminal_shows_failures_in_short(folder: Path) -> None:
 def test_a_place_at_the_end_of_a_reason_has_no_remark_on_the_elements() -> None:
     (sentence,) = in_short(["experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm (p2p0 is soft)"])
     assert sentence == "experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm"
+
+
+def test_a_reason_of_many_clauses_is_shortened(folder: Path) -> None:
+    path = folder / "effects.json"
+    clauses = [f"the law ends at {k} kPa" for k in range(9)]
+    for count, shown in ((6, "; ".join(clauses[:6])), (9, "; ".join(clauses[:5]) + "; 4 more clauses are in ")):
+        row = {"effect": "arm_law", "state": "on", "reason": "; ".join(clauses[:count]), "share_of_time": None}
+        path.write_text(json.dumps([row]), encoding="utf-8")
+        assert shown in verdict_of(read_results(folder)).on("simulated")[0]
 
 
 def test_without_a_failure_a_terminal_shows_the_same_sentences(folder: Path) -> None:

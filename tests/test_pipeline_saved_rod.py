@@ -98,6 +98,14 @@ def test_the_extensible_rod_has_a_longer_curve(results: Path) -> None:
     assert "at 27 kPa." in out
 
 
+def test_an_end_beyond_the_reach_of_a_rod_that_stretches_is_named(tmp_path: Path) -> None:
+    file = tmp_path / "law.json"
+    file.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(20.0)))))
+    status, _, error = call("rod", str(file), "--pressure", "10 kPa", "--end-y", "300 mm")
+    assert status == 1
+    assert "The end is to be 300 mm away from the clamped end, but the arm is 110 mm long at rest." in error
+
+
 def test_an_arm_that_hardly_stretches_has_the_inextensible_rod(results: Path) -> None:
     file = results / "parameters.json"
     content = json.loads(file.read_text())
@@ -128,6 +136,11 @@ def test_the_command_prints_the_end_and_writes_the_shape(results: Path) -> None:
         (("--pressure", "27 kPa", "--force", "0.1 N"), 2, "is not a pair"),
         (("--pressure", "27 kPa", "--end", "[130 mm, 0 mm]"), 1, "inextensible"),
         (("--pressure", "27 kPa", "--end-y", "0 mm", "--force", "[0 N, 1 N]"), 1, "not both"),
+        (
+            ("--pressure", "27 kPa", "--end-y", "-300 mm"),
+            1,
+            "cannot be 300 mm from the clamp: the rod of 112 mm is inex",
+        ),
     ],
 )
 def test_bad_loads_give_one_sentence(results: Path, arguments: tuple[str, ...], code: int, sentence: str) -> None:

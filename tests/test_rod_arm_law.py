@@ -150,6 +150,20 @@ def test_a_dead_force_acts_in_the_middle_of_the_edge() -> None:
     np.testing.assert_allclose(shape.positions(shape.s[-1:])[0], [shape.x[-1], shape.y[-1]])
 
 
+def test_the_moment_at_the_clamp_is_that_about_the_clamped_end_of_the_curve() -> None:
+    """Where the axis runs 4 mm below the material curve; the force acts on the end of the curve."""
+    cell, clamp, tip = straight_law(0.0)
+    above = np.array([0.0, 4.0])
+    cell = replace(cell, ripple=np.broadcast_to(above, (9, 3, 2)))
+    clamp = replace(clamp, offset=np.broadcast_to(-above, (9, 2)), beside=np.broadcast_to(above, (9, 2, 2)))
+    tip = replace(tip, edge=above, beside=np.broadcast_to(above, (2, 2)))
+    shape = law_of((cell, clamp, tip)).at(0.0).solve((0.05, 0.02))
+    assert shape.curve[0] == pytest.approx([0.0, 0.0], abs=1e-12)
+    x, y = shape.end
+    assert shape.clamp_moment == pytest.approx(x * 0.02 - y * 0.05, rel=1e-6)
+    assert shape.moment[0] == pytest.approx(shape.clamp_moment - 4.0 * 0.05, rel=1e-6)
+
+
 def test_a_couple_bends_a_rod_with_an_eccentric_axis_to_a_circle() -> None:
     eccentricity, moment = 1.5, 4.0
     shape = law_of(straight_law(0.0, eccentricity=eccentricity)).at(0.0).solve(moment=moment)

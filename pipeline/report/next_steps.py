@@ -24,7 +24,7 @@ def _after_failure(results: Results) -> list[str]:
             "was reached is kept and is not solved again."
         ]
     return [
-        "Next: the sentence above names the pressure that was not reached and its cause; leave this pressure out, or "
+        "Next: the first sentence names what was not reached and its cause; leave this pressure or load out, or "
         "change the wall, the material or the mesh there. What was reached is kept and is not solved again."
     ]
 

@@ -19,6 +19,8 @@ from pipeline.store.json_values import JsonObject
 
 #: the topic of what was not reached
 FAILURE = "failure"
+#: clauses of the reason of an effect that are shown; an own law that ends early at every pressure has fifteen
+CLAUSES = 5
 
 
 @dataclass(frozen=True)
@@ -144,10 +146,19 @@ def _simulated(effects: Sequence[EffectRow]) -> list[str]:
     """Which effects were simulated and which were not, each with its reason."""
     sentences = []
     for state, beginning in (("on", "Simulated"), ("off", "Not simulated")):
-        parts = [f"{row.effect.replace('_', ' ')} ({row.reason})" for row in effects if row.state == state]
+        parts = [f"{row.effect.replace('_', ' ')} ({_beginning(row.reason)})" for row in effects if row.state == state]
         if parts:
             sentences.append(f"{beginning}: {'; '.join(parts)}.")
     return sentences
+
+
+def _beginning(reason: str) -> str:
+    """A reason, or its first clauses and how many more effects.json has."""
+    clauses = reason.split("; ")
+    if len(clauses) <= CLAUSES + 1:
+        return reason
+    left_out = f"{len(clauses) - CLAUSES} more clauses are in effects.json and in the report's table of effects"
+    return "; ".join((*clauses[:CLAUSES], left_out))
 
 
 def _mesh_error(results: Results) -> list[str]:

@@ -64,10 +64,11 @@ def stretch_left_out(folder: Path, options: ExportOptions) -> list[str]:
         return []
     pair = [SavedRod.read(path, extensible=extensible) for extensible in (False, True)]
     pressure = options.pressure or f"{pair[0].rods.pressures[-1]:.12g} kPa"
+    shown = options.pressure or f"{pair[0].rods.pressures[-1]:g} kPa"
     ends = [saved.at(pressure, options.extrapolate).rod.solve().end for saved in pair]
     return [
         "The exported rod is inextensible (five). Without load its end is "
-        f"{math.dist(*ends):.3g} mm from that of the rod that stretches (five_extensible) at {pressure}."
+        f"{math.dist(*ends):.3g} mm from that of the rod that stretches (five_extensible) at {shown}."
     ]
 
 

@@ -1,6 +1,7 @@
 """The rod alone: from parameters.json or law.json to shapes under loads."""
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -188,7 +189,18 @@ class EndLoads:
         try:
             return rod.solve(force=self.force, moment=self.moment, end_y=self.end_y, end=self.end)
         except RodError as failure:
-            raise RunFailed(str(failure)) from None
+            raise RunFailed(f"{failure}{self._beyond_reach(rod)}") from None
+
+    def _beyond_reach(self, rod: Rod) -> str:
+        """A sentence where the end of a rod that stretches is to be farther from the clamped end than the arm is long;
+        empty elsewhere: an inextensible rod says so itself."""
+        away = abs(self.end_y or 0.0) if self.end is None else math.hypot(*self.end)
+        inextensible = rod.extension is None and not isinstance(rod.law, LawRod)
+        if away <= rod.length or inextensible:
+            return ""
+        return (
+            f" The end is to be {away:g} mm away from the clamped end, but the arm is {rod.length:g} mm long at rest."
+        )
 
 
 def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> PressurisedRod:
@@ -230,7 +242,7 @@ def end_lines(selected: RodAtPressure, shape: RodSolution) -> list[str]:
         "end": f"x = {x:.3f} mm, y = {y:.3f} mm from the clamped end of the curve",
         "end angle": f"{shape.end_angle:.4f} rad",
         "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
-        "moment at the clamp": f"{shape.moment[0]:.5g} N mm",
+        "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
     }
     width = max(map(len, lines))
     return [f"{name:<{width}}  {value}" for name, value in lines.items()]
