@@ -161,6 +161,20 @@ def test_the_search_does_not_creep_on() -> None:
     assert moving.cutbacks > MAX_NEAR_FAILURES
 
 
+def test_a_target_far_beyond_the_load_does_not_end_the_search() -> None:
+    """Increments of 2 kPa fail and those of 0.5 kPa converge, on the way from 20 to 2000 kPa as from 20 to 40 kPa."""
+    for target in (40.0, 2000.0):
+        way = Increments(20.0, target, 1 / 256)
+        way.accepted(1.0 / (target - 20.0), 4, None)
+        while way.next * (target - 20.0) > 1.5 and not way.ended:
+            way.failed(way.next, unstable=False)
+        assert not way.ended
+    hopeless = Increments(0.0, 2000.0, 1 / 256)
+    while not hopeless.ended:
+        hopeless.failed(hopeless.next, unstable=False)
+    assert hopeless.cutbacks == 9  # from rest nothing but the way gives a measure
+
+
 def failures_of_long_increments() -> int:
     """How many fail on a way on which those of a thirtieth of it do, and half as long ones converge at once."""
     way = Increments(0.0, 1.0, 1e-9)

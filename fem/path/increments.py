@@ -49,7 +49,7 @@ class Increments:
 
     start: float  #: value of the driven quantity where the way begins
     target: float
-    smallest: float
+    smallest: float  #: increment that is tried, as a fraction of the way and, beyond rest, of the load
     reached: float = 0.0
     cutbacks: int = 0
     limit: float | None = None  #: value at which the path announces its end
@@ -160,7 +160,8 @@ class Increments:
             return True
         if self._inverted and self.cutbacks > 1 and self._distance <= self._load_fraction(LIMIT_ACCURACY):
             return True
-        smallest = self.smallest
+        # where the target is many times the load that is reached, a part of the way alone would be too large
+        smallest = self.smallest * min(1.0, self._load_fraction(1.0) or 1.0)
         if self._limit_fraction is not None:
             smallest = min(smallest, self._accuracy * SMALLEST_NEAR_LIMIT)
         return self._increment < smallest

@@ -13,7 +13,9 @@ class PathOptions:
     """How the path is followed."""
 
     newton: NewtonOptions = field(default_factory=NewtonOptions)
-    min_increment: float = 1 / 256  #: smallest increment that is tried, as a fraction of the way to the next target
+    #: smallest increment that is tried, as a fraction of the way to the next target or, where that is less, of the load
+    #: that is reached
+    min_increment: float = 1 / 256
     #: why a target is not worth the search; empty where it is. Asked before a target is tried; the first one is tried
     #: at once, and this is asked before smaller increments
     give_up: Callable[[float], str] = lambda target: ""

@@ -94,8 +94,8 @@ def _values(entry: Value) -> list[Value]:
             "{from: 8 mm, to: 16 mm, number: 5}"
         )
     number = entry["number"]
-    if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= MOST_POINTS:
-        raise ValueError(f"number: {quoted(number)} is not allowed; allowed: a whole number from 1 to {MOST_POINTS}")
+    if isinstance(number, bool) or not isinstance(number, int) or not 2 <= number <= MOST_POINTS:
+        raise ValueError(f"number: {quoted(number)} is not allowed; allowed: a whole number from 2 to {MOST_POINTS}")
     return _Ends.of(entry).values(np.linspace(0.0, 1.0, number))
 
 
