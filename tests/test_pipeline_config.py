@@ -512,6 +512,8 @@ def test_the_load_that_the_program_chooses_is_among_reached_pressures(
     assert chosen.end_y_mm == ((11.2,) if pressures else ())
     given = load_config(coarse, ["validation={pressures: [20 kPa], end_y: [5 mm]}"]).validation
     assert given.among(reached) == given
+    highest = max(reached, default=0.0)
+    assert given.up_to(highest) == (given if highest >= 20.0 else Validation((), (), ()))
 
 
 @pytest.mark.parametrize(

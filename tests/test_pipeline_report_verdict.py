@@ -10,6 +10,7 @@ import pneurod
 from pipeline.report.next_steps import next_steps
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import in_short, not_reached
+from pipeline.report.untested import untested
 from pipeline.report.verdict import Verdict, verdict_of
 
 OLD = Path(__file__).parent / "data" / "results_format_1"
@@ -148,6 +149,11 @@ def test_a_terminal_shows_failures_in_short(folder: Path) -> None:
 def test_a_place_at_the_end_of_a_reason_has_no_remark_on_the_elements() -> None:
     (sentence,) = in_short(["experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm (p2p0 is soft)"])
     assert sentence == "experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm"
+
+
+def test_of_a_single_pressure_all_others_are_not_tested(folder: Path) -> None:
+    change(folder, "parameters", pressures_kPa=[17.0])
+    assert "Not tested: other pressures than 17 kPa." in untested(read_results(folder))
 
 
 def test_a_reason_of_many_clauses_is_shortened(folder: Path) -> None:

@@ -105,6 +105,11 @@ class Validation:
             return Validation((), (), ())
         return replace(self, pressures_kPa=(middle_of_widest(reached_kPa),))
 
+    def up_to(self, highest_kPa: float) -> "Validation":
+        """The same loads at the pressures up to this one; empty where there is none."""
+        pressures = tuple(pressure for pressure in self.pressures_kPa if pressure <= highest_kPa)
+        return replace(self, pressures_kPa=pressures) if pressures else Validation((), (), ())
+
 
 def middle_of_widest(pressures_kPa: Sequence[float]) -> float:
     """The middle of the widest interval between pressures (ascending), or the only one, kPa."""

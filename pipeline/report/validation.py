@@ -143,7 +143,11 @@ def rod_to_take(results: Results) -> list[str]:
     best, number_of_near = near[0], len(near)
     first = f"Take {TITLES[best.rod]} ({best.rod})"
     if best.largest > min(errors.largest for errors in near):
-        first += f": the others have no solution for more of the loads; its largest error is {percent(best.largest)}"
+        loads = "more" if best.missing else "some"
+        first += (
+            f": every rod with a smaller error has no solution under {loads} of the loads; its own largest error is "
+            f"{percent(best.largest)}"
+        )
     elif number_of_near > 1:
         first += (
             f": its largest error against finite elements on the same mesh, {percent(best.largest)}, is the smallest "

@@ -51,11 +51,13 @@ class Validated:
 
 
 def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
-    """The scene with the validation load that the program chooses among the pressures that II and III have reached.
+    """The scene with the validation load that the program chooses among the pressures that II and III have reached, or
+    with those of the configuration up to the highest pressure that II has reached.
 
-    Behind a limit it would take long to end without a result.
+    Behind a limit they would take long to end without a result, and there is no rod to compare them with.
     """
-    validation = scene.config.validation.among(outcomes.reached_kPa)
+    highest = max((record.pressure_kPa for record in outcomes["II"].records), default=0.0)
+    validation = scene.config.validation.among(outcomes.reached_kPa).up_to(highest)
     return replace(scene, config=replace(scene.config, validation=validation))
 
 
