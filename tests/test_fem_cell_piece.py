@@ -101,6 +101,27 @@ def test_a_pressure_that_is_not_reached_at_once_is_reached_in_increments_that_gr
     assert reached.distance == pytest.approx(at_once.distance, rel=1e-7)
 
 
+def test_no_increment_is_tried_twice_and_the_cubic_follows_a_failure(monkeypatch) -> None:
+    piece = BendingPiece(DESIGN.half_cell(4.0), SVK, "mirror")
+    at_once = inflated(piece, 0.02, -0.08)
+    solved, tried, starts = BendingPiece.solve_near, [], []
+
+    def reaching(piece, pressure, angle, predicted, start, *options):  # an eighth of the way behind three quarters
+        tried.append(pressure / 0.02)
+        longest = 0.125 if start.pressure > 0.74 * 0.02 else 0.25
+        if pressure - start.pressure > longest * 0.02 * 1.01:
+            raise PieceFailed("too far")
+        reached = solved(piece, pressure, angle, predicted, start, *options)
+        starts.append(np.abs(predicted.displacement - reached.state.displacement).max())
+        return reached
+
+    monkeypatch.setattr(BendingPiece, "solve_near", reaching)
+    reached = inflated(piece, 0.02, -0.08)
+    np.testing.assert_allclose(tried, [1.0, 0.5, 0.25, 0.75, 0.5, 1.0, 0.75, 1.0, 0.875, 1.0])
+    assert max(starts[1:]) < 0.15 * starts[0]  # from rest there is no cubic
+    assert reached.moment == pytest.approx(at_once.moment, rel=1e-5)
+
+
 def test_a_pressure_that_is_not_reached_is_named_with_that_of_the_last_attempt() -> None:
     piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
     with pytest.raises(PieceFailed, match=r"half cell at .* kPa and .* on the way to 5000 kPa: ") as failure:

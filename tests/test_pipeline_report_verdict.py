@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import pneurod
+from fem.path.diagnosis import EARLY_LIMITS
 from pipeline.report.next_steps import next_steps
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import in_short, not_reached
@@ -147,7 +148,8 @@ def test_a_terminal_shows_failures_in_short(folder: Path) -> None:
 
 
 def test_a_place_at_the_end_of_a_reason_has_no_remark_on_the_elements() -> None:
-    (sentence,) = in_short(["experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm (p2p0 is soft)"])
+    remark = EARLY_LIMITS["p2p0"]
+    (sentence,) = in_short([f"experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm{remark}"])
     assert sentence == "experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm"
 
 

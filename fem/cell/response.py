@@ -17,6 +17,7 @@ only the normal displacement is free. The energy of one pitch P = 2 h then gives
     U = P^3 / (24 EI) + P / (2 GA)        for Q = 1.
 """
 
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import final
@@ -29,7 +30,7 @@ from fem.equations.constraints import Constraints
 from fem.equations.linear import SingularMatrix
 from fem.equations.linearised import Linearised
 from fem.equations.state import Change, State
-from fem.path.predictor import PathPoint, small_step_under_load, weighted_sum
+from fem.path.predictor import PathPoint, extrapolate, small_step_under_load, weighted_sum
 from fem.supports import Fixed, Prescribed, SharedPlane, Support
 from geometry.arrays import Array, Index
 
@@ -99,39 +100,51 @@ def inflated(piece: BendingPiece, pressure: float, angle: float) -> PieceState:
 
     Both grow together, at once where that converges: an increment that fails is halved, and one that converges is
     doubled. Newton's method starts a small step along the slopes of the last state, but under the whole pressure of the
-    increment and the stress that goes with it to first order, as on a load path (`fem.path.predictor`). Raises
+    increment and the stress that goes with it to first order, as on a load path (`fem.path.predictor`). Where this has
+    failed beyond the first state, it starts on the cubic through the last two states with their slopes. Raises
     `PieceFailed`.
     """
     if pressure == 0.0 and angle == 0.0:  # in the balance at rest there is nothing but rounding, of a stiff layer too
         return piece.rest()
-    last, fraction, increment, failures, spent = piece.rest(), 0.0, 1.0, 0, 0
-    rate = _inflation_rate(piece, last, pressure, angle)
-    while fraction < 1.0:
+    last, increment, failures, spent = piece.rest(), 1.0, 0, 0
+    extrapolates = False  #: whether Newton's method starts on the cubic
+    points = [_inflation_point(piece, last, 0.0, pressure, angle)]
+    while (fraction := points[-1].value) < 1.0:
         target = min(1.0, fraction + increment)
-        point = PathPoint(fraction, 1.0, last.state, last.touches, rate)
-        start = small_step_under_load(point, target) or last.state
+        start = _inflation_start(points, target, extrapolates)
         try:
             last = piece.solve_near(target * pressure, target * angle, start, last, fraction > 0.0, pressure)
         except PieceFailed:
-            failures, increment = failures + 1, increment / 2.0
+            failures, increment, extrapolates = failures + 1, (target - fraction) / 2.0, fraction > 0.0
             if failures > MAX_FAILURES or increment < SMALLEST_INCREMENT:
                 raise
             continue
-        fraction, increment, spent = target, 2.0 * increment, spent + last.factorizations
-        if fraction < 1.0:
-            rate = _inflation_rate(piece, last, pressure, angle)
+        increment, spent = 2.0 * increment, spent + last.factorizations
+        points = [points[-1], _inflation_point(piece, last, target, pressure, angle)]
     return replace(last, factorizations=spent)
 
 
-def _inflation_rate(piece: BendingPiece, at: PieceState, pressure: float, angle: float) -> State | None:
-    """Change of a state while pressure in MPa and angle in rad grow from 0, per part of both; one factorization.
+def _inflation_start(points: Sequence[PathPoint], target: float, extrapolates: bool) -> State:
+    """Where Newton's method starts; points: the last two, or the one at rest. Walls that touch make kinks."""
+    before, last = points[0], points[-1]
+    if extrapolates and not last.touching and last.rate is not None:
+        extrapolated = extrapolate(before, last, target)
+        if extrapolated is not None:
+            return extrapolated
+    return small_step_under_load(last, target) or last.state
 
-    None where the tangent is singular.
+
+def _inflation_point(piece: BendingPiece, at: PieceState, part: float, pressure: float, angle: float) -> PathPoint:
+    """A state at a part of pressure in MPa and angle in rad, with its change per part of both; one factorization.
+
+    Without this change where the tangent is singular, and at the end of the way, where it is not needed.
     """
-    with suppress(SingularMatrix):
-        known = slopes(piece, at)
-        return weighted_sum([(pressure, known.pressure_rate), (angle, known.angle_rate)])
-    return None
+    rate: State | None = None
+    if part < 1.0:
+        with suppress(SingularMatrix):
+            known = slopes(piece, at)
+            rate = weighted_sum([(pressure, known.pressure_rate), (angle, known.angle_rate)])
+    return PathPoint(part, 1.0, at.state, at.touches, rate)
 
 
 def shear_rigidity(piece: BendingPiece, at: PieceState, known: Slopes) -> float:

@@ -9,6 +9,8 @@ from pipeline.report.formatting import listed, number, percent, seconds
 from pipeline.report.results import Results, ValidationRow
 from pipeline.validation.rods import EXTENSIBLE, FIVE
 
+#: what a reason remarks on the elements, as `fem.path.diagnosis` writes it
+_REMARK = re.compile(r" \(p2p0 [^()]*\)")
 #: the sentence on an experiment that stopped early: its name, and the rest
 _OF_EXPERIMENT = re.compile(r"experiment (\w+) (.*)")
 
@@ -36,9 +38,9 @@ def in_short(failures: Iterable[str]) -> list[str]:
 
 
 def _limit_and_position(failure: str) -> str:
-    first, *others = failure.split("; ")
+    first, *others = _REMARK.sub("", failure).split("; ")
     position = next((clause for clause in others if ") mm" in clause), "")
-    return "; ".join(filter(None, (first, re.sub(r" \([^()]*\)$", "", position))))
+    return "; ".join(filter(None, (first, position)))
 
 
 def _together(sentences: Iterable[str]) -> list[str]:
