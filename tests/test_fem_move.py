@@ -156,15 +156,23 @@ def test_a_path_may_begin_nowhere_but_at_rest() -> None:
 
 
 def test_a_load_that_no_way_leads_to_ends_with_the_reason_of_the_path_from_rest() -> None:
-    bar = Model(box((4, 1, 1), (8.0, 1.0, 1.0)), LAW, [Fixed("left"), Prescribed("right", "x", -0.1, ramp=False)], [])
-    near = follow(bar, [1.0]).steps[0]
-    crushed = replace(bar, supports=[Fixed("left"), Prescribed("right", "x", -7.9, ramp=False)])
+    block = Model(box((2, 1, 1), (1.0, 1.0, 1.0)), LAW, [Fixed("left"), Prescribed("right", "x", -0.1, ramp=False)], [])
+    near = follow(block, [1.0]).steps[0]
+    crushed = replace(block, supports=[Fixed("left"), Prescribed("right", "x", -1.2, ramp=False)])
     with pytest.raises(NotConverged) as direct:
         follow(crushed, [1.0])
     with pytest.raises(NotConverged) as moved:
         follow(crushed, [1.0], begin=[near])
     assert moved.value.end.reached == direct.value.end.reached
     assert str(moved.value) == str(direct.value)
+
+
+def test_a_slender_bar_is_followed_beyond_its_buckling() -> None:
+    """It buckles after 0.8 % of the way; the smallest increment is then a part of what is reached."""
+    ends = [Fixed("left"), Prescribed("right", "x", -7.9, ramp=False)]
+    (step,) = follow(Model(box((4, 1, 1), (8.0, 1.0, 1.0)), LAW, ends, []), [1.0]).steps
+    assert step.negative_pivots == 0
+    assert np.abs(step.displacement[:, 1:]).max() > 1.0
 
 
 def observed_path(
