@@ -126,6 +126,22 @@ def test_a_held_end_of_an_arm_that_curls_by_five_radians_is_reached_as_in_experi
         np.testing.assert_allclose(first.positions(second.s), np.column_stack([second.x, second.y]), atol=2e-4)
 
 
+@pytest.mark.parametrize("force", [(-0.12, 0.004), (-0.2, 0.004), (0.0, 0.3), (0.8, 0.0)])
+def test_a_force_leads_to_the_stable_equilibrium(force: tuple[float, float]) -> None:
+    """Beyond the buckling load of 0.082 N, and where the arm is bent back: a single step led to unstable ones."""
+    kappa_0 = -0.0002 if force[0] < 0.0 else -0.03
+    own = law_of(straight_law(0.0, kappa_0, reach=150.0)).at(0.0).solve(force)
+    five = Rod(LENGTH, kappa_0, FiveParameters(EI, EI, 0.0, 0.0, LENGTH / 2)).solve(force)
+    assert own.end == pytest.approx(five.end, abs=2e-3)
+
+
+def test_a_straight_rod_buckles_under_a_force_along_it() -> None:
+    """Euler's load, pi^2 EI / (4 l^2)."""
+    force = 1.5 * np.pi**2 * EI / (4.0 * LENGTH**2)
+    with pytest.raises(RodError, match=r"The rod buckles at 66\.[4-7] % of the load: beyond it"):
+        law_of(straight_law(0.0)).at(0.0).solve((-force, 0.0))
+
+
 def test_the_support_of_a_turned_tip_is_a_couple_on_the_end() -> None:
     """Its couple and the point in which its force acts follow the turn; also where the end turns by more than pi."""
     for kappa_0 in (-0.3 / LENGTH, -5.0 / LENGTH):

@@ -191,13 +191,14 @@ def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, st
 
 def _converge(
     law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, size: Array, states: Array
-) -> tuple[bool, float]:
+) -> tuple[bool, float, float]:
     """Newton's method with difference quotients for unknowns (3,), changed in place; fills states (n + 1, 4).
 
-    size (3,): changes of the unknowns that count as one. Returns whether it converged, and by how much a moment leaves
-    the law, N mm.
+    size (3,): changes of the unknowns that count as one. Returns whether it converged, by how much a moment leaves the
+    law, N mm, and the determinant of the last matrix: its sign changes where the path becomes unstable.
     """
     missed, moved, matrix = np.empty(3), np.empty(3), np.eye(3)
+    determinant = 0.0
     trial = np.empty(3)
     for _ in range(MAX_ITERATIONS):
         outside = residual(law, ends, load, unknowns, states, missed)
@@ -214,16 +215,17 @@ def _converge(
                 matrix[1 + k, :] = 0.0
                 matrix[:, 1 + k] = 0.0
                 matrix[1 + k, 1 + k] = 1.0
-        if abs(np.linalg.det(matrix)) < 1e-300:
-            return False, outside
+        determinant = float(np.linalg.det(matrix))
+        if abs(determinant) < 1e-300:
+            return False, outside, determinant
         correction = np.linalg.solve(matrix, -missed)
         largest = np.abs(correction).max()
         if not largest < 10.0:
-            return False, outside
+            return False, outside, determinant
         unknowns += correction * size
         if largest < TOLERANCE:
-            return True, residual(law, ends, load, unknowns, states, missed)
-    return False, outside
+            return True, residual(law, ends, load, unknowns, states, missed), determinant
+    return False, outside, determinant
 
 
 #: `_converge`, in plain Python for a few rods and compiled for many

@@ -88,7 +88,7 @@ class _Shooting:
         slope = pieces.section.kappa_slope[len(pieces.section.kappa_slope) // 2]
         # a force that turns the end by about one radian
         self.size = np.array([1.0, *([1.0 / (pieces.length**2 * slope)] * 2)])
-        self.outside = 0.0
+        self.outside = self.determinant = 0.0  #: of the last solution
 
     def converge(self, guess: Array, factor: float, target: Array, grown: float = 1.0) -> Array | None:
         """(3,) angle of the axis at the end and the force on it, at a part of the loads; None without convergence.
@@ -101,7 +101,7 @@ class _Shooting:
         force = factor * np.array(self.load.force)
         load = EndLoad(self.pieces.length, force, factor * self.load.couple, self.held, target)
         unknowns = guess.copy()
-        converged, self.outside = converge(arrays, self.ends, load, unknowns, self.size, self.states)
+        converged, self.outside, self.determinant = converge(arrays, self.ends, load, unknowns, self.size, self.states)
         unknowns[1:] = np.where(self.held, unknowns[1:], force)
         return unknowns if converged else None
 
@@ -115,9 +115,10 @@ def equilibrium(pieces: Pieces, conditions: EndConditions) -> RodSolution:
     """The equilibrium on the path from the inflated arm without load to the full load; `beside` is not set.
 
     Where the height of the end alone is prescribed the path is that of experiment III: the curvature without moment and
-    the height grow together from the straight arm, which selects among several equilibria.
+    the height grow together from the straight arm, which selects among several equilibria. A step of the load that
+    leads to an unstable equilibrium is shortened.
 
-    Raises `RodError` where the path ends, and where a moment leaves the law.
+    Raises `RodError` where the path ends or becomes unstable, and where a moment leaves the law.
     """
     position = conditions.position
     together = position[0] is None and position[1] is not None
@@ -129,20 +130,33 @@ def equilibrium(pieces: Pieces, conditions: EndConditions) -> RodSolution:
         raise RodError(f"The inflated arm has no equilibrium at {pieces.section.pressure:g} kPa.")
     begin = free.end(start)
     goal = np.array([begin[k] if position[k] is None else position[k] for k in range(2)], float)
+    grown = 0.0 if together else 1.0
+    is_solved = shooting.converge(start, 0.0, begin, grown) is not None
+    sign = math.copysign(1.0, shooting.determinant) if is_solved else 0.0
     before, behind, here, reached, count = start, 0.0, start, 0.0, 0
     step = 1.0 / max(1.0, abs(turn)) if together else 1.0
     while reached < 1.0:
         factor = min(1.0, reached + step)
         ahead = here if reached == 0.0 else here + (factor - reached) / (reached - behind) * (here - before)
         there = shooting.converge(ahead, factor, begin + factor * (goal - begin), factor if together else 1.0)
-        if there is None or abs(there[0] - here[0]) > LARGEST_TURN:
+        is_near = there is not None and abs(there[0] - here[0]) <= LARGEST_TURN
+        if there is None or not is_near or shooting.determinant * sign < 0.0:
             step = 0.4 * (factor - reached)
             if step < SMALLEST_STEP:
-                raise RodError(f"No equilibrium was found beyond {100 * reached:.3g} % of the load.")
+                raise RodError(_end_of_path(reached, is_near))
             continue
         before, behind, here, reached, count = here, reached, there, factor, count + 1
         step = 2.0 * (reached - behind)
     return _solution(shooting, here, count)
+
+
+def _end_of_path(reached: float, is_unstable: bool) -> str:
+    if is_unstable:
+        return (
+            f"The rod buckles at {100 * reached:.3g} % of the load: beyond it the path from the unloaded rod is "
+            "unstable or ends."
+        )
+    return f"No equilibrium was found beyond {100 * reached:.3g} % of the load."
 
 
 def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:
