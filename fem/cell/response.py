@@ -127,11 +127,9 @@ def inflated(piece: BendingPiece, pressure: float, angle: float) -> PieceState:
 def _inflation_start(points: Sequence[PathPoint], target: float, extrapolates: bool) -> State:
     """Where Newton's method starts; points: the last two, or the one at rest. Walls that touch make kinks."""
     before, last = points[0], points[-1]
-    if extrapolates and not last.touching and last.rate is not None:
-        extrapolated = extrapolate(before, last, target)
-        if extrapolated is not None:
-            return extrapolated
-    return small_step_under_load(last, target) or last.state
+    is_smooth = extrapolates and not last.touching and last.rate is not None
+    cubic = extrapolate(before, last, target) if is_smooth else None
+    return cubic or small_step_under_load(last, target) or last.state
 
 
 def _inflation_point(piece: BendingPiece, at: PieceState, part: float, pressure: float, angle: float) -> PathPoint:

@@ -11,7 +11,7 @@ from geometry.arrays import Array
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.integration import EndArrays, EndLoad, LawArrays, converge, tip_levers
 from rod.arm_law.section import SectionLaw
-from rod.law import RodError
+from rod.law import RodError, buckles_at
 from rod.load import Load
 from rod.solution import RodSolution
 
@@ -143,20 +143,12 @@ def equilibrium(pieces: Pieces, conditions: EndConditions) -> RodSolution:
         if there is None or not is_near or shooting.determinant * sign < 0.0:
             step = 0.4 * (factor - reached)
             if step < SMALLEST_STEP:
-                raise RodError(_end_of_path(reached, is_near))
+                nowhere = f"No equilibrium was found beyond {100 * reached:.3g} % of the load."
+                raise RodError(buckles_at(reached) if is_near else nowhere)
             continue
         before, behind, here, reached, count = here, reached, there, factor, count + 1
         step = 2.0 * (reached - behind)
     return _solution(shooting, here, count)
-
-
-def _end_of_path(reached: float, is_unstable: bool) -> str:
-    if is_unstable:
-        return (
-            f"The rod buckles at {100 * reached:.3g} % of the load: beyond it the path from the unloaded rod is "
-            "unstable or ends."
-        )
-    return f"No equilibrium was found beyond {100 * reached:.3g} % of the load."
 
 
 def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from geometry.arrays import Array, Mask
-from rod.law import RodError
+from rod.law import RodError, buckles_at
 from rod.mechanics.profile import Steps
 from rod.mechanics.shooting import RodArrays, converge, sweep
 
@@ -119,7 +119,7 @@ def _end_of_path(problem: Problem, point: LoadPoint, split: bool) -> str:
     size = float(np.hypot(*point.unknowns[1:]) / problem.alpha.min())
     if size > MAX_FORCE:
         return f"The end force has grown to {size:.0f} alpha/l^2; this solver follows the rod to about {MAX_FORCE:.0f}."
-    reached = f"{100 * point.factor:.3g} % of the load"
     if split:
-        return f"The rod buckles at {reached}: beyond it the path from the unloaded rod is unstable or ends."
+        return buckles_at(point.factor)
+    reached = f"{100 * point.factor:.3g} % of the load"
     return f"No equilibrium was found beyond {reached}: the path from the unloaded rod ends there."
