@@ -256,7 +256,7 @@ def test_a_surface_is_filled_and_recorded(tmp_path: Path) -> None:
     assert (record["file"], record["axes"], len(record["sha256"])) == ("bar.stl", ["x", "y", "z"], 64)
     assert (config.mesh.grading, config.mesh.coarser) == ("off", 1.5)
     assert config.design.thinnest_wall == pytest.approx(2.0, abs=0.15)
-    assert config.mesh.size_mm == pytest.approx(0.22 * 12.0, abs=0.1)
+    assert config.mesh.size_mm == pytest.approx(0.18 * 12.0, abs=0.1)
     assert Scene.meshed(config).body.mesh.volume == pytest.approx(config.design.solid_volume, rel=1e-4)
     assert "mesh.grading: unknown key; allowed here: size, formulation, coarser" in refusal(
         path, *right, "mesh.grading=walls"

@@ -22,7 +22,7 @@ WITHOUT_GRADING = 0.75
 COARSEST = 0.4
 #: the same of other bodies: without gaps an arm bends by the small difference of what its two sides stretch, and where
 #: the walls are thick the error of the mesh is a large part of that
-COARSEST_WITHOUT_GAPS = 0.22
+COARSEST_WITHOUT_GAPS = 0.18
 #: most elements of a chosen mesh, about 500 000 unknowns: minutes per pressure
 MOST_CHOSEN_TETS = 100_000
 #: size of the second mesh over that of the first, by which the error of a chosen mesh is estimated
