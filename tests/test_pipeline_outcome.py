@@ -107,6 +107,14 @@ def test_a_first_pressure_at_which_the_body_passes_through_itself_is_no_lower_th
     assert outcomes.first_to_end == ("III", 128.0)
 
 
+def test_an_end_before_the_end_of_the_arm_is_where_it_is_held_is_no_limit_of_the_pressure() -> None:
+    """II bears 20 kPa; III ends at 1.4 kPa, with 7 % of a displacement that the arm is too short for."""
+    too_far = Failure(20.0, "no equilibrium", 0, 0, reached_kPa=1.4, with_part_of_end=True)
+    assert too_far.end_kPa == 0.0
+    outcomes = Outcomes({"II": outcome("II", record(20.0)), "III": outcome("III", failure=too_far)})
+    assert outcomes.first_to_end is None
+
+
 def test_the_indicator_is_that_of_the_worst_state() -> None:
     outcomes = Outcomes({"II": outcome("II", record(10.0, 0.1), record(20.0, 0.3), record(30.0, 0.2))})
     worst = outcomes.largest_indicator

@@ -120,7 +120,7 @@ class PathFollower:
                 give_up_checked = True
                 if reason := self.options.give_up(target):
                     last = load_step.control(self.control, increments.reached)
-                    raise PathEnded(self._given_up(last, increments, before, reason))
+                    raise PathEnded(self._end(last, increments, before, reason))
             control = load_step.control(self.control, fraction)
             try:
                 converged = self.solver.solve(self._increment(control, increments))
@@ -134,7 +134,7 @@ class PathFollower:
                 if not increments.reached and self.solver.keep_contact():
                     cause = StepFailed("no increment was tried")  # softer contact tells nothing of the end of the path
                 elif increments.ended:
-                    raise PathEnded(self._end(last, increments, before, cause)) from None
+                    raise PathEnded(self._end_after(cause, last, increments, before)) from None
                 continue
             iterations += self.solver.iterations
             if self.is_stable and converged.negative_pivots and fraction < 1.0:
@@ -147,7 +147,7 @@ class PathFollower:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
                 return self._step(control, converged, iterations, increments, before)
             if increments.is_confirmed_or_exhausted:
-                raise PathEnded(self._end(control, increments, before, cause))
+                raise PathEnded(self._end_after(cause, control, increments, before))
 
     def _increment(self, control: Control, increments: Increments) -> Increment:
         """The next one."""
@@ -200,7 +200,15 @@ class PathFollower:
         rate = self.predictor.rate(control, converged, terms)
         return PathPoint(control.value, control.constant_fraction, converged.state, touching, rate, terms)
 
-    def _end(self, reached: Control, increments: Increments, before: Costs, failure: StepFailed) -> End:
+    def _end(
+        self, reached: Control, increments: Increments, before: Costs, cause: str, limit: float | None = None
+    ) -> End:
+        factorizations = (Costs.of(self.system) - before).factorizations
+        ways = reached.value, reached.constant_fraction, increments.cutbacks
+        return End(self.control.name, increments.target, *ways, factorizations, cause, limit)
+
+    def _end_after(self, failure: StepFailed, reached: Control, increments: Increments, before: Costs) -> End:
+        """The end of the path where increments fail, with what is known of the limit."""
         last, law = self.points[-1], law_limit_clause(self.system, self.points[-1].state)
         limit = increments.limit if increments.limit_is_confirmed else None
         if limit is not None and limit > increments.lowest_failed > reached.value:
@@ -211,14 +219,7 @@ class PathFollower:
             cause = f"{failed}; the last one: {cause}"
         if increments.is_exhausted:
             cause = f"the search ended after {increments.tried} increments; the last one that failed: {cause}"
-        factorizations = (Costs.of(self.system) - before).factorizations
-        ways = reached.value, reached.constant_fraction, increments.cutbacks
-        return End(self.control.name, increments.target, *ways, factorizations, cause, limit)
-
-    def _given_up(self, last: Control, increments: Increments, before: Costs, reason: str) -> End:
-        factorizations = (Costs.of(self.system) - before).factorizations
-        ways = last.value, last.constant_fraction, increments.cutbacks
-        return End(self.control.name, increments.target, *ways, factorizations, reason)
+        return self._end(reached, increments, before, cause, limit)
 
     def _step(
         self, control: Control, converged: Converged, iterations: int, increments: Increments, before: Costs

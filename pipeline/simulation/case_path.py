@@ -123,6 +123,7 @@ class CasePath:
             limit_kPa=at(end.limit) if end.limit else 0.0,
             reached_kPa=at(end.reached),
             not_followed=self.is_given_up,
+            with_part_of_end=_has_part_of_end(end, self.case),
         )
 
     def _iteration(self, factor: float, iteration: int, residual: float) -> None:
@@ -142,7 +143,7 @@ class CasePath:
 def failure_in_kPa(end: fem.End, case: LoadCase) -> str:
     """Why a path ended, in the units of the configuration."""
     reached, target = _reached(end, case), f"{case.schedule.pressure_at(end.target):.4g} kPa"
-    if end.constant_fraction < 1.0 and case.on_end:
+    if _has_part_of_end(end, case):
         target += " with all of it"
     limit = f"the limit is at {case.schedule.pressure_at(end.limit):.4g} kPa; " if end.limit else ""
     return f"no equilibrium found beyond {reached} on the way to {target}: {limit}{end.cause}"
@@ -156,6 +157,11 @@ def given_up_in_kPa(end: fem.End, case: LoadCase) -> str:
 
 def _reached(end: fem.End, case: LoadCase) -> str:
     reached = f"{case.schedule.pressure_at(end.reached):.4g} kPa"
-    if end.constant_fraction < 1.0 and (acting := case.on_end):
-        reached += f" with {100 * end.constant_fraction:.3g} % of {acting} at the end"
+    if _has_part_of_end(end, case):
+        reached += f" with {100 * end.constant_fraction:.3g} % of {case.on_end} at the end"
     return reached
+
+
+def _has_part_of_end(end: fem.End, case: LoadCase) -> bool:
+    """Whether only a part of the displacement of the end, or of the force on it, was reached."""
+    return end.constant_fraction < 1.0 and bool(case.on_end)

@@ -14,13 +14,18 @@ class Failure:
     limit_kPa: float = 0.0  #: of a limit point that was found; 0 where none was
     reached_kPa: float = 0.0  #: of the last equilibrium on the way to it
     not_followed: bool = False  #: whether the path was left because of the end of another experiment
+    #: whether the path ended before all of the displacement of the end, or of the force on it, was reached
+    with_part_of_end: bool = False
     #: whether there is an equilibrium at the pressure, and the body passes through itself in it
     passes_through_itself: bool = False
 
     @property
     def end_kPa(self) -> float:
         """The limit point, else the last equilibrium. Where there is none below a first pressure at which the body
-        passes through itself, that pressure, which is an upper bound then. 0 where there is nothing to tell."""
+        passes through itself, that pressure, which is an upper bound then. 0 where there is nothing to tell, also where
+        the path ended with a part of the displacement or force of the end, which the body may not bear in full."""
+        if self.with_part_of_end:
+            return 0.0
         first_kPa = self.pressure_kPa if self.passes_through_itself else 0.0
         return self.limit_kPa or self.reached_kPa or first_kPa
 
