@@ -180,6 +180,7 @@ SPOILT = [
     ("[17 kPa, 37 kPa]", "[37 kPa, 17 kPa]", "pressures", "is not in ascending order"),
     ("[17 kPa, 37 kPa]", "[17 kPa, 17 kPa]", "pressures", "is not in ascending order"),
     ("[17 kPa, 37 kPa]", "[-17 kPa, 37 kPa]", "pressures", "-17 kPa is not above zero"),
+    ("[17 kPa, 37 kPa]", "[-17 kPa, -5 kPa]", "pressures", "for a vacuum give a cavity a negative fraction of them"),
     ("[17 kPa, 37 kPa]", "[0 kPa, 37 kPa]", "pressures", "0 kPa is not above zero"),
     ("[17 kPa, 37 kPa]", "[]", "pressures", "is empty"),
     ("[17 kPa, 37 kPa]", "17 kPa", "pressures", "must be a list, for example [17 kPa, 37 kPa]"),

@@ -75,7 +75,14 @@ def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
     if not values:
         raise ValueError("is empty; give at least one pressure, for example [17 kPa, 37 kPa]")
     if min(values) <= 0.0:
-        raise ValueError(f"{min(values):g} kPa is not above zero; give pressures above 0 kPa in ascending order")
+        vacuum = (
+            "; for a vacuum give a cavity a negative fraction of them, for example "
+            "effects.pressure: {cavities: {cavity: -1}}"
+        )
+        raise ValueError(
+            f"{min(values):g} kPa is not above zero; give pressures above 0 kPa in ascending order"
+            f"{vacuum if min(values) < 0.0 else ''}"
+        )
     if any(later <= earlier for earlier, later in pairwise(values)):
         listed = ", ".join(f"{value:g} kPa" for value in values)
         raise ValueError(f"[{listed}] is not in ascending order; list every pressure once, the lowest first")

@@ -122,8 +122,8 @@ def too_few_pitches(length: float, pitch: float) -> str:
     if length >= (FEWEST_PITCHES - 1e-9) * pitch:
         return ""
     return (
-        f"Five parameters need a length of at least {FEWEST_PITCHES:g} pitches; this arm of {length:g} mm has "
-        f"{length / pitch:.3g} of {pitch:g} mm."
+        f"Five parameters need a length of at least {FEWEST_PITCHES:g} pitches; this arm of {length:.4g} mm has "
+        f"{length / pitch:.3g} of {pitch:.4g} mm."
     )
 
 
