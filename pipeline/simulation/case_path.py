@@ -46,7 +46,7 @@ class CasePath:
         if self.known is not None and self._is_first:
             self.known.ended(failure.end_kPa, is_limit=failure.limit_kPa > 0.0)
         # on the way to a first pressure the loads on the end grow as well, and at a lower one less of them would act
-        if self.known is not None and self._is_three_given_up and (solution.steps or not self.case.on_end):
+        if self.known is not None and self._is_three_given_up and not failure.with_part_of_end:
             failure = self._below_end_of_II(self.known, failure, solution.steps)
         return solution, failure
 
