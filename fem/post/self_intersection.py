@@ -3,7 +3,7 @@
 import numpy as np
 
 from fem.discretisation import Discretisation
-from fem.effects.contact import triangles_cross
+from fem.effects.contact import crossings, triangles_cross
 from geometry import Mesh, position_text
 from geometry.arrays import Array
 
@@ -17,7 +17,8 @@ def self_intersection_clause(space: Discretisation, x: Array, half: bool) -> str
     """Where the body at the positions x (n, 3) passes through itself, or, being `half`, through its mirror image.
 
     A clause; empty where it does not. Walls that are closer at rest than two edges of the mesh are not examined here:
-    where they face each other, their contact term does so.
+    where they face each other, their contact term does so, and where they meet in a re-entrant edge that closes, the
+    body only overlaps beside that edge, by less than an element.
     """
     faces = [surface for name, surface in space.surfaces.items() if name != "sym"]
     triangles = np.concatenate([surface.triangles for surface in faces])
@@ -32,11 +33,16 @@ def self_intersection_clause(space: Discretisation, x: Array, half: bool) -> str
 
     pairs = cKDTree(current).query_pairs(radius, output_type="ndarray")
     distance_at_rest = np.linalg.norm(rest[pairs[:, 0]] - rest[pairs[:, 1]], axis=1)
-    pairs = pairs[distance_at_rest > MIN_DISTANCE_AT_REST * radius]
-    if pairs.shape[0] == 0 or not triangles_cross(rest, current, triangles):
+    if not (distance_at_rest > MIN_DISTANCE_AT_REST * radius).any():
         return ""
-    distance = np.linalg.norm(current[pairs[:, 0]] - current[pairs[:, 1]], axis=1)
-    return f"passes through itself near {position_text(current[pairs[int(np.argmin(distance)), 0]])}"
+    edges, crossed = crossings(current, triangles)
+    between = rest[edges][:, :, None] - rest[crossed][:, None, :]
+    distance_at_rest = np.linalg.norm(between, axis=3).min(axis=(1, 2))
+    apart = np.flatnonzero(distance_at_rest > MIN_DISTANCE_AT_REST * radius)
+    if apart.size == 0:
+        return ""
+    farthest = int(apart[np.argmax(distance_at_rest[apart])])
+    return f"passes through itself near {position_text(current[edges[farthest]].mean(axis=0))}"
 
 
 def crossing_at_rest(mesh: Mesh) -> tuple[float, float, float] | None:
