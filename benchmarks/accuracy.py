@@ -17,7 +17,7 @@ HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
 from pipeline.accuracy.record import ConvergenceStudy  # noqa: E402
-from pipeline.accuracy.table import COLUMNS, cells, reference_sentences  # noqa: E402
+from pipeline.accuracy.table import COLUMNS, cells, order_sentences, reference_sentences  # noqa: E402
 from pipeline.store.formats import with_present_keys  # noqa: E402
 
 DOCS = HERE / "docs" / "accuracy.md"
@@ -33,7 +33,9 @@ def with_tables(text: str, results: Path) -> str:
         if not file.is_file():
             return mark.group(0)
         study = ConvergenceStudy.read(with_present_keys(json.loads(file.read_text(encoding="utf-8"))))
-        sentences = "".join(f"{_item(sentence)}\n" for sentence in reference_sentences(study))
+        sentences = "".join(
+            f"{_item(sentence)}\n" for sentence in (*reference_sentences(study), *order_sentences(study))
+        )
         picture = f"![error over CPU seconds](pictures/accuracy_{name}.svg)"
         return f"<!-- {name} -->\n\n### {name}\n\n{picture}\n\n{sentences}\n{markdown(study)}\n<!-- end of {name} -->"
 

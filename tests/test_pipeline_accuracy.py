@@ -13,6 +13,7 @@ from pipeline.accuracy import ladder as rungs
 from pipeline.accuracy import study as study_module
 from pipeline.accuracy.figure import html_page, svg_picture
 from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, ladder, mesh_series
+from pipeline.accuracy.orders import MeshNumbers, SeriesOrders
 from pipeline.accuracy.record import ConvergenceStudy, convergence_study
 from pipeline.accuracy.reference import (
     Errors,
@@ -23,9 +24,9 @@ from pipeline.accuracy.reference import (
     pareto_front,
     without_contact_distance,
 )
-from pipeline.accuracy.result import Cost, RodNumbers, RungResult
+from pipeline.accuracy.result import HEADLINE, Cost, RodNumbers, RungResult
 from pipeline.accuracy.study import run_study
-from pipeline.accuracy.table import COLUMNS, reference_sentences
+from pipeline.accuracy.table import COLUMNS, order_sentences, reference_sentences
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.errors import RunFailed
@@ -206,6 +207,31 @@ def test_failed_rungs_have_a_reason_and_no_error(config: Config) -> None:
         convergence_study(config, [(rung, RungResult("no", (), None)) for rung, _ in results], CONTACT_MM)
 
 
+def test_orders_are_those_of_the_errors(study: ConvergenceStudy) -> None:
+    """Errors of 1000/n fall with the third power of the mesh size n^(-1/3)."""
+    by_series = {(orders.series, orders.pressure_kPa): orders.orders for orders in study.orders}
+    for pressure in (17.0, 37.0):
+        for name in HEADLINE:
+            order = by_series["mixed, graded to walls", pressure][name]
+            assert order.meshes == 7
+            assert order.std < 0.5
+            assert order.value == pytest.approx(3.0, abs=2.0 * order.std)
+    assert by_series["mixed", 17.0][HEADLINE[0]].meshes == 5
+
+
+def test_orders_belong_to_the_law_of_the_finest_mesh(config: Config) -> None:
+    rungs = [rung for rung in ladder(config, CONTACT_MM) if rung.series == "mixed"]
+    coarsest = max(rung.value for rung in rungs)
+    meshes = []
+    for rung in rungs:
+        result = single_line(made_up(rung)) if rung.value == coarsest else made_up(rung)
+        assert result.cost is not None
+        meshes.append(MeshNumbers(result.cost.degrees_of_freedom, result.numbers[0]))
+    orders = SeriesOrders.of("mixed", 17.0, meshes).orders
+    assert {name: order.meshes for name, order in orders.items()} == dict(zip(HEADLINE, (5, 4, 5), strict=True))
+    assert SeriesOrders.of("mixed", 17.0, meshes[:2]).orders == {}
+
+
 def test_table_and_pictures(study: ConvergenceStudy) -> None:
     lines = markdown(study).splitlines()
     assert len(lines) == 2 + len(study.rows)
@@ -213,6 +239,9 @@ def test_table_and_pictures(study: ConvergenceStudy) -> None:
     assert sum("**" in line for line in lines) == sum(row.on_front for row in study.rows)
     assert len(reference_sentences(study)) == 2
     assert "κ₀(l/2) = -0.016 " in reference_sentences(study)[0]
+    plain, graded = order_sentences(study)
+    assert plain.startswith("orders of convergence, mixed: 17 kPa: κ₀(l/2) ")
+    assert graded.count("(7 meshes)") == 6
     page, picture = html_page(study), svg_picture(study)
     assert "Pareto front" in page
     assert picture.startswith("<?xml")

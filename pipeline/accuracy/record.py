@@ -6,6 +6,7 @@ from typing import Any
 
 from fem.elements import MOST_ACCURATE
 from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE, Rung, mesh_series
+from pipeline.accuracy.orders import MeshNumbers, SeriesOrders
 from pipeline.accuracy.reference import (
     SCALARS,
     Errors,
@@ -27,6 +28,8 @@ from pipeline.store.provenance import provenance
 OF_THE_LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm")
 #: the element whose limit is the reference
 REFERENCE_ELEMENT = MOST_ACCURATE
+#: keys of accuracy.json that follow from the results of the rungs
+COMPUTED = ("reference", "reference_error", "orders", "rungs")
 
 #: numbers of a mesh with its degrees of freedom, or with its contact distance (mm)
 Located = tuple[float, RodNumbers]
@@ -90,12 +93,27 @@ class ConvergenceStudy:
         """The largest relative standard deviation of the reference."""
         return max(references.relative_std for references in self.references)
 
+    @property
+    def orders(self) -> tuple[SeriesOrders, ...]:
+        """The orders of convergence along every series of meshes, at every pressure with enough meshes."""
+        series: dict[str, list[StudyRow]] = {}
+        for row in self.rows:
+            if row.series not in (TOLERANCE, CONTACT, POINTS):
+                series.setdefault(row.series, []).append(row)
+        orders = (
+            SeriesOrders.of(name, references.pressure_kPa, _meshes(rows, references.pressure_kPa))
+            for name, rows in series.items()
+            for references in self.references
+        )
+        return tuple(at_pressure for at_pressure in orders if at_pressure.orders)
+
     def record(self) -> JsonObject:
         """The content of accuracy.json."""
         return {
             **self.about,
             "reference": [references.record() for references in self.references],
             "reference_error": self.reference_error,
+            "orders": [orders.record() for orders in self.orders],
             "rungs": [row.record() for row in self.rows],
         }
 
@@ -107,8 +125,17 @@ class ConvergenceStudy:
             record["config_hash"],
             tuple(References.read(row) for row in record["reference"]),
             tuple(StudyRow.read(row) for row in record["rungs"]),
-            {name: value for name, value in record.items() if name not in ("reference", "reference_error", "rungs")},
+            {name: value for name, value in record.items() if name not in COMPUTED},
         )
+
+
+def _meshes(rows: Sequence[StudyRow], pressure_kPa: float) -> list[MeshNumbers]:
+    """The meshes of a series that reached a pressure."""
+    return [
+        MeshNumbers(row.result.cost.degrees_of_freedom, numbers)
+        for row in rows
+        if row.result.cost is not None and (numbers := row.result.at(pressure_kPa)) is not None
+    ]
 
 
 def convergence_study(

@@ -1,7 +1,8 @@
 """The convergence study as cells of a table, for the terminal and for the docs."""
 
 from pipeline.accuracy.ladder import CONTACT, POINTS, TOLERANCE
-from pipeline.accuracy.record import ConvergenceStudy, StudyRow
+from pipeline.accuracy.orders import Order, SeriesOrders
+from pipeline.accuracy.record import REFERENCE_ELEMENT, ConvergenceStudy, StudyRow
 from pipeline.accuracy.reference import END, NUMBERS, SCALARS
 
 #: stages of a measurement, in the order of its column
@@ -52,3 +53,25 @@ def reference_sentences(study: ConvergenceStudy) -> list[str]:
             f"{references.pressure_kPa:g} kPa: {'; '.join(parts)} (1/mm, N mm², mm, N; ± two standard deviations)"
         )
     return sentences
+
+
+def order_sentences(study: ConvergenceStudy) -> list[str]:
+    """The orders of convergence of the series with the most accurate elements, one sentence per series."""
+    by_series: dict[str, list[SeriesOrders]] = {}
+    for orders in study.orders:
+        if orders.series.split(",")[0] == REFERENCE_ELEMENT:
+            by_series.setdefault(orders.series, []).append(orders)
+    return [
+        f"orders of convergence, {series}: "
+        + "; ".join(f"{at_pressure.pressure_kPa:g} kPa: {_orders(at_pressure)}" for at_pressure in pressures)
+        for series, pressures in by_series.items()
+    ]
+
+
+def _orders(orders: SeriesOrders) -> str:
+    return ", ".join(f"{NUMBERS[name]} {_order(order)}" for name, order in orders.orders.items())
+
+
+def _order(order: Order) -> str:
+    """With one standard deviation and the number of meshes."""
+    return f"{order.value:.1f} ± {order.std:.1f} ({order.meshes} meshes)"

@@ -128,11 +128,11 @@ def accuracy(
         design, folder = _design(config, settings, out, "_accuracy")
 
         from pipeline.accuracy.study import run_study
-        from pipeline.accuracy.table import reference_sentences
+        from pipeline.accuracy.table import order_sentences, reference_sentences
         from pipeline.terminal import study_table
 
         study = _solve(run_study, design, folder, jobs or min(2, available_cores()), fresh)
-        print_lines(study_table(study), *reference_sentences(study))
+        print_lines(study_table(study), *reference_sentences(study), *order_sentences(study))
         print_lines(f"picture: {folder / 'accuracy.html'}")
 
 

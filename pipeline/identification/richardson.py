@@ -41,6 +41,7 @@ class Extrapolated:
     limit: float  #: extrapolated to mesh size zero
     limit_std: float  #: standard deviation of limit
     order: float  #: weighted mean of the orders
+    order_std: float  #: standard deviation of the order
 
     @property
     def error(self) -> float:
@@ -75,13 +76,14 @@ def extrapolated(
     finest = float(v[np.argmin(h)])
     candidates = np.linspace(low, high, _ORDERS if low < high else 1)
     if not np.ptp(v) > 0.0:
-        return Extrapolated(finest, finest, 0.0, float(candidates.mean()))
+        return Extrapolated(finest, finest, 0.0, float(candidates.mean()), float(candidates.std()))
     fits = np.array([_fit(h / h.min(), v, order) for order in candidates])
     limits, variances, squares = fits.T
     weights = _weights(squares, len(h))
     limit, order = float(weights @ limits), float(weights @ candidates)
     spread = float(weights @ ((limits - limit) ** 2 + variances))
-    return Extrapolated(finest, limit, math.sqrt(spread), order)
+    order_std = math.sqrt(float(weights @ (candidates - order) ** 2))
+    return Extrapolated(finest, limit, math.sqrt(spread), order, order_std)
 
 
 def _fit(h: Array, v: Array, order: float) -> tuple[float, float, float]:
