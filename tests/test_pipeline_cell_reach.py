@@ -1,11 +1,15 @@
 """The range of a law against the moments and curvatures of a rod of constant rigidity under the same loads."""
 
+from collections.abc import Callable
 from itertools import product
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import fsolve
 
+from geometry.arrays import Array
 from pipeline.cell.reach import LARGEST, LEAST_TURN, STRETCHED, Reach
 from pipeline.config.load import load_config
 from rod import FiveParameters, Rod, RodSolution
@@ -46,7 +50,7 @@ def test_an_arm_that_hardly_bends_is_measured_over_a_small_range() -> None:
     for side in (1, -1):
         held = small.range_from(small.bend, RIGIDITY, side)
         assert held.turn < LEAST_TURN / LENGTH
-        assert abs(held.first_moment) < 0.05 * held.largest
+        assert abs(held.first_moment) < 0.05 * held.farthest * RIGIDITY
 
 
 def test_curves_of_all_pressures_are_straightened_equally_far() -> None:
@@ -68,6 +72,50 @@ def test_a_cell_that_becomes_stiff_beyond_the_straight_one_is_followed_to_a_mome
     assert until.turn == pytest.approx(1.75 * turn)
     assert until.left(moments[:3], turns[:3]) == pytest.approx(0.75 * turn * mean)
     assert until.left(moments, turns) == pytest.approx(-0.25 * turn * mean)
+
+
+def stiffening(meets: float, ratio: float) -> Callable[[Array], Array]:
+    """Moment over the change of the curvature (1/mm) of a cell; from the change `meets` on stiffer by `ratio`."""
+    return lambda turns: RIGIDITY * (turns + (ratio - 1.0) * np.maximum(turns - meets, 0.0))
+
+
+def moment_at_clamp(kappa_0: float, law: Callable[[Array], Array]) -> float:
+    """Of a rod with this law that a force along y at its end holds at the height of its clamp, N mm.
+
+    With the angle a and M(s) = F (x(l) - x(s)) from the clamp on: M' = -F cos a, a' = kappa(M), integrated as an
+    initial value problem, and M and F at the clamp such that M and y vanish at the end.
+    """
+    moments = law(turns := np.linspace(-0.1, 0.2, 60_001))
+
+    def at_end(unknown: Array) -> Array:
+        moment, force = unknown
+
+        def slopes(_: float, state: Array) -> list[float]:
+            angle, _, bending = state
+            kappa = kappa_0 + float(np.interp(bending, moments, turns))
+            return [kappa, np.sin(angle), -force * np.cos(angle)]
+
+        solved = solve_ivp(slopes, (0.0, LENGTH), [0.0, 0.0, moment], rtol=1e-9, atol=1e-10)
+        return np.array([solved.y[2, -1] / RIGIDITY * LENGTH, solved.y[1, -1] / LENGTH])
+
+    unknown, lacking, _, said = fsolve(
+        at_end, [-1.5 * RIGIDITY * kappa_0, -1.5 * RIGIDITY * kappa_0 / LENGTH], full_output=True
+    )
+    assert np.abs(at_end(unknown)).max() < 1e-6, (lacking, said)
+    return float(unknown[0])
+
+
+@pytest.mark.parametrize(("part", "ratio"), [*product((0.05, 0.3, 0.6, 0.9), (4.0, 20.0))])
+def test_a_cell_that_becomes_stiff_before_it_is_straight_is_followed_to_what_the_rod_needs(
+    part: float, ratio: float
+) -> None:
+    """Walls meet at a part of the way to the straight cell."""
+    bend = 1.0 / LENGTH
+    law = stiffening(part * bend, ratio)
+    until = Reach(LENGTH, 0.0, 0.0, -bend).range_from(-bend, RIGIDITY, 1)
+    turns = np.linspace(0.0, 2.0 * bend, 401)
+    followed = next(n for n in range(1, 402) if until.left(law(turns[:n]), turns[:n]) <= 0.0)
+    assert law(turns[:followed])[-1] > moment_at_clamp(-bend, law)
 
 
 def test_no_range_is_larger_than_a_stated_moment() -> None:

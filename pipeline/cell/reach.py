@@ -19,7 +19,7 @@ STRETCHED = 1.1
 FURTHER = 0.5
 #: a law is made for arms that bend by this angle at least, rad
 LEAST_TURN = 0.1
-#: no moment goes beyond zero, and beyond the one that straightens the arm, by more than this many times EI/l
+#: no moment goes beyond the one that straightens the arm, or zero, by more than this many times EI/l
 LARGEST = 3.0
 
 
@@ -42,7 +42,7 @@ class Range:
     turn: float  #: 1/mm, change of the curvature, positive, by loads that prescribe the place of the end
     straight: float  #: 1/mm, the part of it that straightens the cell
     force: float  #: N mm, moment of forces on the end, positive
-    largest: float  #: N mm, where the range ends in any case, positive
+    farthest: float  #: 1/mm, change of the curvature whose moment ends the range in any case, positive
     rigidity: float  #: N mm2, of the cell without moment
 
     @property
@@ -55,15 +55,16 @@ class Range:
 
         moments: (n,) N mm, from the state without moment outwards; turns: (n,) 1/mm, changes of the curvature.
 
-        Where walls meet beyond the straight cell and make it stiff, the arm bends elsewhere, so that the moment does
-        not exceed the one at the mean rigidity up to there.
+        Changes of the curvature are turned into moments with the secant rigidity up to the outermost state, at most up
+        to the straight cell, and not less than that without moment: where walls meet on the way, the arm needs a larger
+        moment for the same change; where they meet beyond the straight cell, the arm bends elsewhere instead.
         """
         moments, turns = self.outward * moments, self.outward * turns
-        rigidity = self.rigidity
-        if turns[-1] >= self.straight > 0.0:
-            rigidity = max(rigidity, float(np.interp(self.straight, turns, moments)) / self.straight)
+        rigidity, secant_to = self.rigidity, min(float(turns[-1]), self.straight)
+        if secant_to > 0.0:
+            rigidity = max(rigidity, float(np.interp(secant_to, turns, moments)) / secant_to)
         by_turn = min((self.turn - turns[-1]) * rigidity, self.turn * rigidity - moments[-1])
-        return float(min(max(by_turn, self.force - moments[-1]), self.largest - moments[-1]))
+        return float(min(max(by_turn, self.force - moments[-1]), self.farthest * rigidity - moments[-1]))
 
 
 @dataclass(frozen=True)
@@ -90,5 +91,5 @@ class Reach:
         part = MARGIN * STRAIGHTENED if outward * self.bend < 0.0 else FURTHER
         straight = max(-outward * kappa, 0.0)
         turn = straight + part * bend + MARGIN * 3.0 * self.end_y / self.length**2
-        largest = (straight + LARGEST / self.length) * rigidity
-        return Range(outward, turn, straight, self.force * self.length, largest, rigidity)
+        farthest = straight + LARGEST / self.length
+        return Range(outward, turn, straight, self.force * self.length, farthest, rigidity)
