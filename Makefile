@@ -9,9 +9,10 @@ READY := .venv/.ready
 PEERS := .venv-peers
 # those with the longest points first
 paper_sweeps := lengths cells heights arms pneunet contact forces
-# designs drawn at random: their seed, how many, and the law of the rod
+# designs drawn at random: their seed, how many in all and at the same time, and the law of the rod
 SEED := 7
 N := 40
+JOBS := $(shell nproc)
 LAW := both
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy foreign scaling
@@ -96,8 +97,8 @@ fuzz: $(READY)  ## two thousand valid and invalid configurations: each is meshed
 kills: $(READY)  ## fifty runs killed at random times and continued, compared with uninterrupted runs
 	@$(BIN)/python benchmarks/kills.py
 
-unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run, checked and sorted by their outcome; a table of the outcomes
-	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --law $(LAW) --page docs
+unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
+	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --jobs $(JOBS) --law $(LAW) --page docs
 
 wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
 	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py

@@ -35,7 +35,7 @@ from benchmarks.unseen.sorting import (
     within_mesh_error,
 )
 from benchmarks.unseen.summary import largest_share
-from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, outcome_of
+from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, outcome_of, outcomes_of
 from fem.materials import LAWS
 from geometry import FAMILIES
 from pipeline.config.config import Config
@@ -350,6 +350,29 @@ def test_a_design_is_run_checked_and_kept(tmp_path: Path) -> None:
         outcome_of(Drawn(0, 0, {**TINY, "pressures": ["0 kPa"]}, 0.01), tmp_path, 200.0, finer=False)["ended"]
         == REFUSED
     )
+
+
+def test_designs_are_worked_on_at_the_same_time_and_kept(tmp_path: Path) -> None:
+    """Three designs that are refused, two at a time; what is stored is not worked on again."""
+    designs = [Drawn(0, number, {**TINY, "pressures": ["0 kPa"]}, 0.01) for number in range(3)]
+    works = [Work(design, tmp_path / design.name, 200.0, False) for design in designs]
+    records = sorted(outcomes_of(works, 2), key=lambda record: record["number"])
+    assert [(record["number"], record["ended"]) for record in records] == [(k, REFUSED) for k in range(3)]
+    times = [(work.folder / "outcome.json").stat().st_mtime_ns for work in works]
+    assert list(outcomes_of(works, 2)) == records
+    assert [(work.folder / "outcome.json").stat().st_mtime_ns for work in works] == times
+
+
+def test_a_process_that_dies_leaves_an_error_of_the_program(tmp_path: Path) -> None:
+    work = Work(Drawn(0, 0, {**TINY, "pressures": ["8 kPa"]}, 0.01), tmp_path, 200.0, False)
+    process = work.started()
+    process.kill()
+    process.join()
+    assert not work.is_done
+    record = work.record({"ended": ERROR, "reason": f"its process ended with status {process.exitcode}"})
+    assert outcome(record) == TRACEBACK
+    assert work.is_done
+    assert record["reason"] == "its process ended with status -9"
 
 
 def test_checks_notice_a_state_that_is_slightly_wrong(tmp_path: Path) -> None:

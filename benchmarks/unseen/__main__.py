@@ -1,15 +1,16 @@
 """A campaign over designs drawn at random: each is run as users run theirs, checked, and sorted by its outcome.
 
     make unseen SEED=1 N=4
-    python -m benchmarks.unseen --seed 1 --count 4 [--first 2] [--finer 8] [--limit 600] [--law both] [--page docs] \\
-        [--with FOLDER ...]
+    python -m benchmarks.unseen --seed 1 --count 4 [--first 2] [--jobs 2] [--finer 8] [--limit 600] [--law both] \\
+        [--page docs] [--with FOLDER ...]
 
 Each design has a folder below results/unseen with its configuration, its results and outcome.json; what is
-finished is kept, so that the same command continues an interrupted campaign. A stage of a design that needs more CPU
-seconds than the limit is recorded as too slow. After each design the pages are written into the folder of the campaign,
-and at the end into that of --page with their histogram; --stored writes them from what is there, and --with adds the
-designs of other campaigns, given by their folders, in front, or those of this one that were run elsewhere, which are
-not run again. Seeds 1 to 3, 23, 31, 37 and 47 are for finding and mending defects, so they are not reported: --page is
+finished is kept, so that the same command continues an interrupted campaign. As many designs are worked on at the same
+time as --jobs says, by default one for each core, each with one thread. A stage of a design that needs more CPU seconds
+than the limit is recorded as too slow. After each design the pages are written into the folder of the campaign, and at
+the end into that of --page with their histogram; --stored writes them from what is there, and --with adds the designs
+of other campaigns, given by their folders, in front, or those of this one that were run elsewhere, which are not run
+again. Seeds 1 to 3, 23, 31, 37 and 47 are for finding and mending defects, so they are not reported: --page is
 not for them.
 """
 
@@ -25,8 +26,9 @@ from benchmarks.unseen.designs import Drawn, drawn
 from benchmarks.unseen.histogram import draw
 from benchmarks.unseen.page import joined, write_pages
 from benchmarks.unseen.sorting import ERROR, NO_LIMIT, TRACEBACK, WRONG, outcome, rod_errors
-from benchmarks.unseen.work import LIMIT, kept, outcome_of
+from benchmarks.unseen.work import LIMIT, Record, Work, kept, outcomes_of
 from pipeline.config.config import LAW_CHOICES
+from pipeline.processes import available_cores
 
 #: seeds with which the program was mended
 MENDING = (1, 2, 3, 23, 31, 37, 47)
@@ -57,6 +59,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--count", type=int, required=True, help="designs to draw")
     parser.add_argument("--first", type=int, help="run only so many of them, in their order")
+    parser.add_argument("--jobs", type=int, default=available_cores(), help="designs worked on at the same time")
     parser.add_argument("--results", type=Path, default=Path("results/unseen"))
     parser.add_argument("--limit", type=float, default=LIMIT, help="CPU seconds of a stage of a design")
     parser.add_argument("--finer", type=int, default=8, help="how many designs are solved on a finer mesh too")
@@ -80,23 +83,28 @@ def main() -> int:
     folder = given.results / f"{given.seed}_of_{given.count}_{given.law}"
     finer = sample(given.first or given.count, given.finer)
     elsewhere = {record["number"] for other in others for record in other["records"] if record["seed"] == given.seed}
-    records: list[dict[str, Any]] = []
-    for design in with_law(drawn(given.seed, given.count)[: given.first], given.law):
-        if design.number in elsewhere:
-            continue
-        path = folder / design.name
-        record = kept(path) if given.stored else outcome_of(design, path, given.limit, design.number in finer)
-        if record is None or not record["finished"]:
-            continue
-        records.append(record)
-        spent = sum(record["seconds"].values())
-        sys.stdout.write(f"{design.number:3d} {outcome(record)}, {spent:.0f} s: {design.words} {record['reason']}\n")
+    works = [
+        Work(design, folder / design.name, given.limit, design.number in finer)
+        for design in with_law(drawn(given.seed, given.count)[: given.first], given.law)
+        if design.number not in elsewhere
+    ]
+    records: list[Record] = []
+    for record in _stored_records(works) if given.stored else outcomes_of(works, given.jobs):
+        records = sorted([*records, record], key=lambda record: record["number"])
+        spent, number = sum(record["seconds"].values()), record["number"]
+        sys.stdout.write(f"{number:3d} {outcome(record)}, {spent:.0f} s: {record['words']} {record['reason']}\n")
         sys.stdout.flush()
         _write(folder, campaign(given, records))
     if given.page and (records or elsewhere):
         _write(given.page, joined([*others, campaign(given, records)]))
     results = {outcome(record) for record in records}
     return int(bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records))
+
+
+def _stored_records(works: Sequence[Work]) -> list[Record]:
+    """The complete records of designs in their folders, whatever sources they are from."""
+    records = [kept(work.folder) for work in works]
+    return [record for record in records if record is not None and record["finished"]]
 
 
 def _stored(folder: Path) -> dict[str, Any]:

@@ -9,10 +9,14 @@ import resource
 import signal
 import subprocess
 import traceback
-from collections.abc import Callable, Iterator, Mapping
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict, dataclass, replace
+from multiprocessing.connection import wait
+from multiprocessing.context import SpawnProcess
 from pathlib import Path
+from time import monotonic
 from types import FrameType
 from typing import Any
 
@@ -41,6 +45,8 @@ Record = dict[str, Any]
 LIMIT = 600.0
 #: wall seconds over all CPU seconds after which a process is ended that does not use any
 PATIENCE = 15.0
+#: seconds after which processes are looked at that have not ended
+PAUSE = 1.0
 #: size of the default mesh over that of the finer one
 FINER = 1.5
 FILE = "outcome.json"
@@ -59,25 +65,80 @@ def outcome_of(design: Drawn, folder: Path, limit: float, finer: bool) -> Record
 
     limit: CPU seconds of each stage.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / "design.yaml"
-    path.write_text(json.dumps(design.document, indent=1) + "\n", encoding="utf-8")  # JSON is YAML
-    record = kept(folder, key_of(design))
-    if record is not None and record["finished"] and (not finer or "finer" in record or record["ended"] != RAN):
+    return next(outcomes_of([Work(design, folder, limit, finer)], 1))
+
+
+@dataclass(frozen=True)
+class Work:
+    """What is to be done for a design."""
+
+    design: Drawn
+    folder: Path
+    limit: float  #: CPU seconds of each stage
+    finer: bool  #: whether it is solved on a finer mesh too
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the record in its folder is complete."""
+        record = kept(self.folder, key_of(self.design))
+        if record is None or not record["finished"]:
+            return False
+        return not self.finer or "finer" in record or record["ended"] != RAN
+
+    def started(self) -> SpawnProcess:
+        """The process that does it."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        path = self.folder / "design.yaml"
+        path.write_text(json.dumps(self.design.document, indent=1) + "\n", encoding="utf-8")  # JSON is YAML
+        process = SPAWN.Process(target=_work, args=(self.design, self.folder, self.limit, self.finer))
+        process.start()
+        return process
+
+    def record(self, ended_badly: Mapping[str, str]) -> Record:
+        """That in its folder; where its process left none that is complete, one with how the process ended."""
+        record = kept(self.folder, key_of(self.design)) or _begun(self.design)
+        if not record["finished"]:
+            record |= {**ended_badly, "finished": True}
+            _keep(self.folder, record)
         return record
-    process = SPAWN.Process(target=_work, args=(design, folder, limit, finer))
-    process.start()
-    process.join(PATIENCE * limit)
-    hung = process.is_alive()
-    if hung:
-        process.kill()
-        process.join()
-    record = kept(folder, key_of(design)) or _begun(design)
-    if not record["finished"]:
-        ending = "did not end" if hung else f"its process ended with status {process.exitcode}"
-        record |= {"ended": SLOW if hung else ERROR, "reason": ending, "finished": True}
-        _keep(folder, record)
-    return record
+
+
+@dataclass(frozen=True)
+class _Running:
+    work: Work
+    process: SpawnProcess
+    deadline: float  #: of `monotonic`
+
+    @property
+    def is_over(self) -> bool:
+        return not self.process.is_alive() or monotonic() > self.deadline
+
+    def ended(self) -> Record:
+        """The record after its process has ended, which is killed where it has not."""
+        hung = self.process.is_alive()
+        if hung:
+            self.process.kill()
+        self.process.join()
+        if hung:
+            return self.work.record({"ended": SLOW, "reason": "did not end"})
+        return self.work.record({"ended": ERROR, "reason": f"its process ended with status {self.process.exitcode}"})
+
+
+def outcomes_of(works: Sequence[Work], jobs: int) -> Iterator[Record]:
+    """The records of designs, each as soon as it is complete; `jobs` are worked on at the same time, each in a process
+    of its own with one thread. Those that are complete in their folders are not worked on."""
+    waiting, running = deque(works), list[_Running]()
+    while waiting or running:
+        while waiting and len(running) < jobs:
+            work = waiting.popleft()
+            if work.is_done:
+                yield work.record({})
+            else:
+                running.append(_Running(work, work.started(), monotonic() + PATIENCE * work.limit))
+        wait([entry.process.sentinel for entry in running], PAUSE)
+        for entry in [entry for entry in running if entry.is_over]:
+            running.remove(entry)
+            yield entry.ended()
 
 
 def key_of(design: Drawn) -> str:
