@@ -9,9 +9,10 @@ READY := .venv/.ready
 PEERS := .venv-peers
 # those with the longest points first
 paper_sweeps := lengths cells heights arms pneunet contact forces
-# designs drawn at random: their seed, how many in all and at the same time, and the law of the rod
+# designs drawn at random: their seed, how many in all, on a finer mesh too and at the same time, and the law of the rod
 SEED := 7
 N := 40
+FINER := 8
 JOBS := $(shell nproc)
 LAW := both
 
@@ -98,7 +99,7 @@ kills: $(READY)  ## fifty runs killed at random times and continued, compared wi
 	@$(BIN)/python benchmarks/kills.py
 
 unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
-	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --jobs $(JOBS) --law $(LAW) --page docs
+	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) --jobs $(JOBS) --law $(LAW) --page docs
 
 wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
 	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py
