@@ -72,10 +72,18 @@ def test_sizes_end_where_memory_does() -> None:
 
 def test_given_keys_are_kept_and_have_no_reason(written: Path) -> None:
     mesh = load_config(written, ["mesh={size: 4 mm, formulation: p2p0, grading: off}"]).mesh
-    assert (mesh.size_mm, mesh.formulation, mesh.grading, mesh.coarser, mesh.chosen) == (4.0, "p2p0", "off", None, {})
+    assert (mesh.size_mm, mesh.formulation, mesh.grading, mesh.chosen) == (4.0, "p2p0", "off", {})
     mesh = load_config(written, ["mesh={size: 4 mm}"]).mesh
-    assert (mesh.size_mm, mesh.formulation, mesh.grading, mesh.coarser) == (4.0, "mixed", "walls", None)
+    assert (mesh.size_mm, mesh.formulation, mesh.grading) == (4.0, "mixed", "walls")
     assert set(mesh.chosen) == {"formulation", "grading"}
+
+
+def test_the_error_of_a_given_mesh_is_estimated_unless_it_is_switched_off(written: Path) -> None:
+    assert load_config(written, ["mesh={size: 4 mm}"]).mesh.coarser == 1.5
+    assert load_config(written, ["mesh={size: 4 mm, coarser: off}"]).mesh.coarser is None
+    assert load_config(written, ["mesh={size: 4 mm, coarser: 2}"]).mesh.coarser == 2.0
+    # a requested accuracy has estimates of its own
+    assert load_config(written, ["mesh={size: 4 mm}", "accuracy=2%"]).mesh.coarser is None
 
 
 @pytest.mark.parametrize("override", [(), ("mesh={size: auto, formulation: auto, grading: auto, coarser: auto}",)])

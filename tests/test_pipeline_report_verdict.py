@@ -19,6 +19,17 @@ OUT = {"sample": "out", "pressure_kPa": 17.0, "distance_over_length": 0.01}
 HEIGHT = {**OUT, "experiment": "III", "load": "end at +10 mm", "force_error": 0.02}
 FORCE = {**OUT, "experiment": "dead", "load": "dead force 0, 1 N"}
 BETWEEN = {**OUT, "experiment": "II", "pressure_kPa": 27.0}
+MESH = {
+    "size_mm": 6.0,
+    "from_file": False,
+    "formulation": "mixed",
+    "grading": "off",
+    "chosen": {},
+    "elements": 9000,
+    "mean_edge_mm": 3.1,
+    "longest_edge_mm": 7.2,
+    "volume_over_drawing": 1.0,
+}
 
 
 @pytest.fixture
@@ -108,6 +119,39 @@ def test_the_error_of_the_mesh_is_a_number_or_not_estimated(folder: Path) -> Non
     assert not any("mesh.coarser" in text for text in after.on("next"))
 
 
+@pytest.mark.parametrize(("largest", "suggested"), [(0.7, True), (0.02, False)])
+def test_a_large_error_of_the_mesh_is_followed_by_a_smaller_size(folder: Path, largest: float, suggested: bool) -> None:
+    names = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+    error = {"sizes_mm": [6.0, 9.0], **{f"{name}_std": [1.0, 2.6] for name in names}}
+    change(
+        folder, "parameters", mesh_error=error | {"kappa_0_relative": [0.01, largest], "force_relative": [0.01, 0.01]}
+    )
+    change(folder, "run", mesh=MESH)
+    expected = (
+        "Next: take smaller elements, in another --out, because the error of the mesh is about 70 %: for example "
+        "--set mesh.size='4 mm'."
+    )
+    assert (expected in verdict_of(read_results(folder)).on("next")) is suggested
+
+
+def test_a_mesh_from_a_file_has_no_size_to_change(folder: Path) -> None:
+    change(folder, "run", mesh=MESH | {"from_file": True})
+    verdict = verdict_of(read_results(folder))
+    assert verdict.on("mesh")[0].startswith("Mesh: 9000 mixed elements, those of the file; the edges are 3")
+    assert "this one is from a file" in verdict.on("mesh error")[0]
+    assert "Next: run the body with a finer mesh in its file too" in " ".join(verdict.on("next"))
+    assert not any("mesh.size" in text or "mesh.coarser" in text for text in verdict.sentences)
+
+
+def test_a_requested_accuracy_is_not_called_missing(folder: Path) -> None:
+    change(folder, "run", accuracy={"sentence": "errors estimated: 2 %"})
+    verdict = verdict_of(read_results(folder))
+    assert "Mesh error: that of the requested accuracy, which the standard deviations do not contain." in verdict.on(
+        "mesh error"
+    )
+    assert not any("not estimated" in text for text in (*verdict.on("rod"), *verdict.on("mesh error")))
+
+
 def test_the_error_of_the_mesh_in_the_law_is_relative(folder: Path) -> None:
     assert len(verdict_of(read_results(folder)).on("mesh error")) == 1
     error = {"kappa_0_per_mm": [-0.01, -0.02], "kappa_0_per_mm_std": [1e-4, 4e-4], "reason": ""}
@@ -155,7 +199,7 @@ def test_a_place_at_the_end_of_a_reason_has_no_remark_on_the_elements() -> None:
 
 def test_of_a_single_pressure_all_others_are_not_tested(folder: Path) -> None:
     change(folder, "parameters", pressures_kPa=[17.0])
-    assert "Not tested: other pressures than 17 kPa." in untested(read_results(folder))
+    assert "Not tested: pressures other than 17 kPa." in untested(read_results(folder))
 
 
 def test_a_reason_of_many_clauses_is_shortened(folder: Path) -> None:

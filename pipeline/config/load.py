@@ -246,8 +246,7 @@ def _mesh(document: Document, content: Any, design: Design, materials: Mapping[s
             design.check_size(size)
     except DesignError as refused:
         raise _refused(document, refused) from None
-    by_program = "size" in chosen.reasons and not accuracy
-    usual = COARSER if by_program and coarser == "auto" else None
+    usual = COARSER if coarser == "auto" and not accuracy else None  # a requested accuracy has estimates of its own
     return MeshSettings(
         size_mm=AUTO if planned else size,
         formulation=chosen.formulation,

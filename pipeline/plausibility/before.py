@@ -11,6 +11,8 @@ from rod import too_few_pitches
 #: p V_air / (E V_solid), about half the strain of a wall under the pressure p: the arms of the paper have 0.003 to
 #: 0.03, arms in the hard cases reach a limit between 0.02 and 0.06
 LARGEST_LOAD, SMALLEST_LOAD = 0.1, 3e-4
+#: the same at the highest pressure that is suggested where the given ones hardly bend the arm
+USUAL_LOAD = 30.0 * SMALLEST_LOAD
 #: the highest pressure that is suggested, over the one at which an experiment has ended: the others may end earlier
 #: (III of the coarse pneu-net at 0.69 times the limit of II), and I is not followed beyond the end of II
 WELL_BELOW = 0.6
@@ -62,7 +64,7 @@ def _weak_pressure(config: Config, end_kPa: float) -> str:
     pressure = config.pressures_kPa[-1]
     return (
         f"{beginning} will hardly bend the arm; check the units (kPa, MPa, GPa), or give pressures up to "
-        f"{_suggested(30.0 * pressure * SMALLEST_LOAD / load, end_kPa):g} kPa"
+        f"{_suggested(pressure * USUAL_LOAD / load, end_kPa):g} kPa"
     )
 
 
@@ -101,7 +103,9 @@ def _few_pressures(config: Config, end_kPa: float) -> str:
         return ""
     untested = "how the parameters change" if count == 1 else "whether the parameters are linear in the pressure"
     load, _ = _load(config)
-    high = _suggested(config.pressures_kPa[-1] * min(1.0, LARGEST_LOAD / load), end_kPa)
+    is_weak = load < SMALLEST_LOAD and not config.effects.pressure.off
+    part = USUAL_LOAD / load if is_weak else min(1.0, LARGEST_LOAD / load)
+    high = _suggested(config.pressures_kPa[-1] * part, end_kPa)
     suggested = ", ".join(f"{_two_digits(fraction * high):g} kPa" for fraction in (0.25, 0.5, 0.75, 1.0))
     number = "one pressure" if count == 1 else "two pressures"
     return f"{number} cannot tell {untested}; give three or more, for example pressures: [{suggested}]"

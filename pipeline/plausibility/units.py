@@ -64,7 +64,7 @@ def _density(key: str, material: Material, heaviest: float, substances: str) -> 
     if LIGHTEST <= density <= heaviest:
         return
     likely = {f"{density:g} g/cm^3": 1e3 * density, f"{1e-3 * density:g} kg/m^3": 1e-3 * density}
-    meant = [f"did you mean {text}?" for text, value in likely.items() if LIGHTEST <= value <= heaviest]
+    meant = [f"perhaps {text} is meant" for text, value in likely.items() if LIGHTEST <= value <= heaviest]
     yield (
         f"{key}.density is {density:.4g} kg/m^3, and {substances} have {LIGHTEST:g} to {heaviest:g} kg/m^3; "
         f"{' '.join(meant) or 'check its unit (kg/m^3, g/cm^3)'}"

@@ -14,10 +14,11 @@ def mesh_sentences(results: Results) -> list[str]:
     mesh = results.run.get("mesh")
     if not mesh:
         return []
+    of_program = f"{_graded(mesh['grading'])}; mesh.size is {number(mesh['size_mm'])} mm, the"
     sentences = [
-        f"Mesh: {mesh['elements']} {mesh['formulation']} elements, {_graded(mesh['grading'])}; mesh.size is "
-        f"{number(mesh['size_mm'])} mm, the edges are {mesh['mean_edge_mm']:.2g} mm long on average and "
-        f"{mesh['longest_edge_mm']:.2g} mm at most."
+        f"Mesh: {mesh['elements']} {mesh['formulation']} elements, "
+        f"{'those of the file; the' if from_file(results) else of_program} edges are {mesh['mean_edge_mm']:.2g} mm "
+        f"long on average and {mesh['longest_edge_mm']:.2g} mm at most."
     ]
     values = {"formulation": mesh["formulation"], "grading": mesh["grading"], "size": f"{number(mesh['size_mm'])} mm"}
     sentences += [
@@ -29,6 +30,11 @@ def mesh_sentences(results: Results) -> list[str]:
     if abs(differs) > VOLUME_DIFFERS:
         sentences.append(f"The volume of the mesh differs from that of the drawing by {percent(differs)}.")
     return sentences
+
+
+def from_file(results: Results) -> bool:
+    """Whether the mesh was read from a file, so that it has no size that a configuration could change."""
+    return bool((results.run.get("mesh") or {}).get("from_file"))
 
 
 def _graded(grading: str) -> str:

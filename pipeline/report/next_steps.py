@@ -2,8 +2,14 @@
 
 from math import inf
 
+from pipeline.report.formatting import number, percent
+from pipeline.report.mesh import from_file
+from pipeline.report.numbers import largest_mesh_error
 from pipeline.report.results import Results
 from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
+
+#: relative error of the mesh from which a finer one is suggested, and its size over the present one
+LARGE_MESH_ERROR, SMALLER = 0.1, 2 / 3
 
 
 def next_steps(results: Results, rod: str) -> list[str]:
@@ -30,12 +36,21 @@ def _after_failure(results: Results) -> list[str]:
 
 
 def _mesh(results: Results) -> list[str]:
-    estimated = results.parameters.get("mesh_error") or results.run.get("accuracy")
-    if not results.identified_pressures or estimated:
+    if not results.identified_pressures or results.run.get("accuracy"):
+        return []
+    if from_file(results):
+        return ["Next: run the body with a finer mesh in its file too; the difference shows the error of the mesh."]
+    if not results.parameters.get("mesh_error"):
+        return [
+            "Next: have the error of the mesh estimated, in another --out, with --set mesh.coarser=1.5 (II and III "
+            "once more on a coarser mesh) or with --set mesh.size=auto --accuracy 5%."
+        ]
+    error, mesh = largest_mesh_error(results), results.run.get("mesh")
+    if error < LARGE_MESH_ERROR or not mesh:
         return []
     return [
-        "Next: have the error of the mesh estimated, in another --out, with --set mesh.coarser=1.5 (II and III once "
-        "more on a coarser mesh) or with --set mesh.size=auto --accuracy 5%."
+        f"Next: take smaller elements, in another --out, because the error of the mesh is about {percent(error)}: for "
+        f"example --set mesh.size='{number(SMALLER * mesh['size_mm'])} mm'."
     ]
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pipeline.report.formatting import decimals_of, fixed, interval, listed, percent, with_spread
+from pipeline.report.mesh import from_file
 from pipeline.report.results import Results
 from pipeline.rods.saved import pressurised_rod
 from rod.pressurised_rod import STRETCHES
@@ -98,11 +99,15 @@ def mesh_error(results: Results) -> str:
     if not results.parameters:
         return ""
     error = results.parameters.get("mesh_error")
+    if not error and results.run.get("accuracy"):
+        return "Mesh error: that of the requested accuracy, which the standard deviations do not contain."
     if not error:
         coarser = (results.run.get("config", {}).get("mesh") or {}).get("coarser")
         why = results.parameters.get("mesh_error_reason") or (
             f"a mesh {coarser:g} times as coarse gave no parameters"
             if coarser
+            else "this needs another mesh, and this one is from a file"
+            if from_file(results)
             else "mesh.coarser in the configuration adds it"
         )
         return f"Mesh error: not estimated. The standard deviations do not contain the error of the mesh: {why}."
@@ -119,11 +124,21 @@ def mesh_error(results: Results) -> str:
     )
 
 
+def largest_mesh_error(results: Results) -> float:
+    """The largest relative error of κ₀(l/2), α₂ and F due to the mesh, over the pressures; 0 where none is known."""
+    return max(_largest(results.parameters.get("mesh_error") or {}).values(), default=0.0)
+
+
+def _largest(error: Mapping[str, Any]) -> dict[str, float]:
+    """The largest relative errors over the pressures that are known, by symbol."""
+    symbols = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
+    known = {s: [e for e in error.get(f"{name}_relative") or () if e is not None] for name, s in symbols.items()}
+    return {symbol: max(errors) for symbol, errors in known.items() if errors}
+
+
 def _relative(error: Mapping[str, Any]) -> str:
     """The largest relative errors over the pressures; empty where they are not known."""
-    symbols = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
-    largest = {name: [e for e in error.get(f"{name}_relative") or () if e is not None] for name in symbols}
-    parts = [f"{100 * max(errors):.1f} % in {symbols[name]}" for name, errors in largest.items() if errors]
+    parts = [f"{100 * largest:.1f} % in {symbol}" for symbol, largest in _largest(error).items()]
     return f"at most {listed(parts)}" if parts else ""
 
 
@@ -155,6 +170,8 @@ def mesh_besides(results: Results) -> str:
     """The sentence on the error of the mesh beside that of the rods, which are compared on the same mesh."""
     of_five = _relative(results.parameters.get("mesh_error") or {}) if results.parameters else ""
     largest = of_five or _relative_of_law(results)
+    if not largest and results.run.get("accuracy"):
+        return "The error of the mesh comes on top of that; it was estimated for the requested accuracy."
     if not largest:
         return "The error of the mesh comes on top of that; it was not estimated."
     return f"The error of the mesh comes on top of that: {largest}."

@@ -34,7 +34,7 @@ def _range(results: Results) -> list[str]:
     tested = results.identified_pressures or results.reached_pressures
     low, high = tested[0], tested[-1]
     if low == high:
-        return [f"Not tested: other pressures than {number(low)} kPa."]
+        return [f"Not tested: pressures other than {number(low)} kPa."]
     below = f"below {number(low)} kPa and " if low > 0.0 else ""
     return [f"Not tested: pressures {below}above {number(high)} kPa."]
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from geometry import MeshFile
 from pipeline.simulation.scene import Scene
 from pipeline.store.json_values import JsonObject
 
@@ -20,6 +21,7 @@ class MeshRecord:
         return MeshRecord(
             {
                 "size_mm": settings.element_size_mm,
+                "from_file": isinstance(design, MeshFile),
                 "formulation": settings.formulation,
                 "grading": settings.grading,
                 "chosen": dict(settings.chosen),
