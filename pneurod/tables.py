@@ -17,7 +17,7 @@ Row = Mapping[str, Any]
 
 #: per pressure in parameters.json, besides the five parameters; booleans last
 _FIT = ("single_line_alpha_N_mm2", "single_line_alpha_N_mm2_std", "single_line_m0_N_mm")
-_QUALITY = ("r2_two_lines", "r2_single_line", "observations", "evidence_for_two_lines")
+_QUALITY = ("r2_two_lines", "r2_single_line", "observations", "evidence_for_two_lines", "evidence_of_choice")
 _BOOLEANS = ("d_is_at_most", "d_is_at_least", "single_line_suffices", "two_lines_on_coarser_mesh")
 
 _CURVES = (
@@ -104,7 +104,12 @@ def _by_pressure(pressures: Sequence[float], content: Mapping[str, Any]) -> pd.D
     if "d_is_at_most" in content:  # files of the first version do not say whether d is at its upper end
         content = {"d_is_at_least": [None] * count, **content}
     if "r2_two_lines" in content:  # nor do they say how clearly the data decide between a single line and two
-        content = {"evidence_for_two_lines": None, "two_lines_on_coarser_mesh": [None] * count, **content}
+        content = {
+            "evidence_for_two_lines": None,
+            "evidence_of_choice": None,
+            "two_lines_on_coarser_mesh": [None] * count,
+            **content,
+        }
     columns: dict[str, Any] = {"pressure_kPa": _numbers(pressures, count)}
     for column in COLUMNS:
         columns[column] = _numbers(content.get(column), count)

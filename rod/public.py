@@ -17,7 +17,7 @@ from rod.identification.observed import too_few_pitches
 from rod.identification.paper import FreeLines, TestedCurves, paper_cells, paper_process, single_rigidity_control
 from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, rest_curvature
 from rod.identification.single_line import LineFit
-from rod.identification.two_lines import Identification, identify, longest_break, shortest_break
+from rod.identification.two_lines import Identification, identify, is_clear, longest_break, shortest_break
 from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, RodError, TwoSlopes
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
@@ -71,6 +71,7 @@ __all__ = [
     "fit_rod",
     "gaussian_process",
     "identify",
+    "is_clear",
     "law_from_record",
     "law_record",
     "linear_range",

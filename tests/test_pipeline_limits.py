@@ -7,10 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from test_pipeline_plausibility import CONFIGS
 
 import fem
+from fem.path import follower
+from fem.path.options import PathEnded
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
@@ -55,16 +58,43 @@ def test_small_and_large_steps_end_at_the_same_limit_point(model: fem.Model, pre
     assert end.factorizations < (50 if len(pressures_kPa) == 1 else 20)
 
 
-@pytest.mark.parametrize("pressure_kPa", [1.5, 2.0])
-def test_no_jump_on_the_way_to_the_first_pressure_with_a_constant_load(pressure_kPa: float) -> None:
+def under_a_constant_load(setting: str, experiment: str) -> fem.Model:
+    config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, setting])
+    scene = Scene.meshed(config)
+    loaded = fem.Experiment.of(experiment, scene.body, config.end.y_mm, config.end.force_N, config.end.x_mm)
+    return loaded.model(scene.material, scene.effects(1e-3), scene.config.mesh.formulation)
+
+
+@pytest.mark.parametrize(
+    ("setting", "experiment", "limit"),
+    [("effects.gravity=on", "II", 1.0422), ("end={x: 0.02 N, y: 0 mm}", "III", 1.0373)],
+)
+@pytest.mark.parametrize("pressure_kPa", [1.5, 3.0, 5.0, 37.0])
+def test_no_jump_on_the_way_to_the_first_pressure_with_a_constant_load(
+    setting: str, experiment: str, limit: float, pressure_kPa: float
+) -> None:
     """Under its weight the half disc ended in states beyond its limit, with a wall that had moved by 4 mm."""
-    settings = [*THIN, VACUUM, "effects.gravity=on"]
-    scene = Scene.meshed(load_config(CONFIGS / "semicircular_single_coarse.yaml", settings))
-    experiment = fem.Experiment.of("II", scene.body, 0.0)
-    heavy = experiment.model(scene.material, scene.effects(1e-3), scene.config.mesh.formulation)
-    end, partial = end_of(heavy, pressure_kPa)
+    end, partial = end_of(under_a_constant_load(setting, experiment), pressure_kPa)
     assert partial.steps == ()
-    assert end.reached == pytest.approx(LIMIT_KPA, rel=0.02)
+    assert end.limit == pytest.approx(limit, rel=2e-3)
+    assert 0.99 * limit < end.reached < limit
+    assert end.factorizations < 60
+
+
+def test_the_constant_load_first_leads_to_the_same_state(monkeypatch: pytest.MonkeyPatch) -> None:
+    heavy = under_a_constant_load("effects.gravity=on", "II")
+    (first,) = fem.follow(heavy, [1.0]).steps
+    followed = follower.PathFollower._advance
+
+    def fails_at_the_constant_load(self: Any, target: float, announced: float, before: Any) -> fem.Step:
+        if target != announced:
+            raise PathEnded(fem.End("load factor", target, 0.0, 0.0, 0, 0, "the body does not bear it alone"))
+        return followed(self, target, announced, before)
+
+    monkeypatch.setattr(follower.PathFollower, "_advance", fails_at_the_constant_load)
+    (both,) = fem.follow(heavy, [1.0]).steps
+    assert np.abs(first.displacement - both.displacement).max() < 1e-8 * np.abs(first.displacement).max()
+    assert first.factorizations > both.factorizations  # without it one state less is solved
 
 
 @pytest.mark.parametrize("relative", [1e-9, -1e-9, 3e-9])

@@ -7,26 +7,41 @@ import pytest
 
 from pipeline.identification import mesh_error
 from pipeline.identification import parameters as identification
+from pipeline.identification.lines import evidence_together
 from pipeline.identification.parameters import Parameters, identify_all
 
 
-def lines(two_lines: bool, d_given: bool = False) -> Any:
-    return SimpleNamespace(two_lines=two_lines or d_given, d_given=d_given)
+@pytest.mark.parametrize(
+    ("evidence", "one_rigidity", "given_d", "two_lines", "is_clear"),
+    [
+        (20.0, False, None, True, True),
+        (-20.0, False, None, False, True),
+        (3.0, False, None, True, False),
+        (20.0, True, None, False, True),
+        (3.0, True, None, False, True),
+        (-20.0, True, 12.0, True, True),
+    ],
+)
+def test_two_lines_need_a_cause_or_a_given_break(
+    evidence: float, one_rigidity: bool, given_d: float | None, two_lines: bool, is_clear: bool
+) -> None:
+    owner: Any = SimpleNamespace(evidence=evidence, one_rigidity=one_rigidity, given_d=given_d)
+    assert Parameters.two_lines.fget(owner) is two_lines  # type: ignore[attr-defined]
+    assert Parameters.choice_is_clear.fget(owner) is is_clear  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize(
-    ("one_rigidity", "identified", "two_lines"),
+    ("evidence", "one_rigidity", "together"),
     [
-        (False, lines(True), True),
-        (False, lines(False), False),
-        (True, lines(True), False),
-        (True, lines(False), False),
-        (True, lines(False, d_given=True), True),
+        ([-2.9, 49.8], [False, False], [46.9, 46.9]),
+        ([-9.0, 4.0, 20.0], [True, False, False], [-9.0, 24.0, 24.0]),
+        ([8.0, -3.0], [True, False], [8.0, -3.0]),
     ],
 )
-def test_two_lines_need_a_cause_or_a_given_break(one_rigidity: bool, identified: Any, two_lines: bool) -> None:
-    owner: Any = SimpleNamespace(one_rigidity=one_rigidity)
-    assert Parameters.has_two_lines(owner, identified) is two_lines
+def test_the_pressures_at_which_walls_touch_decide_together(
+    evidence: list[float], one_rigidity: list[bool], together: list[float]
+) -> None:
+    assert evidence_together(evidence, one_rigidity) == pytest.approx(together)
 
 
 @pytest.mark.parametrize("touching", ["", "II", "III"])
@@ -35,7 +50,8 @@ def test_one_rigidity_holds_along_equal_cells_that_do_not_touch(
     touching: str, equal_cells: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # the numbers themselves do not matter here
-    for name in ("cell_averaged", "shared_smoothing", "gaussian_process", "identify", "moment_from_load", "extension"):
+    monkeypatch.setattr(identification, "identify", lambda *given, **keys: SimpleNamespace(evidence=4.0))
+    for name in ("cell_averaged", "shared_smoothing", "gaussian_process", "moment_from_load", "extension"):
         monkeypatch.setattr(identification, name, lambda *given, **keys: None)
     monkeypatch.setattr(identification, "_moment_and_closure", lambda *given: (None, None))
     monkeypatch.setattr(identification, "_closest_rod", lambda *given: None)
@@ -54,6 +70,7 @@ def test_one_rigidity_holds_along_equal_cells_that_do_not_touch(
     ((identified,), refused) = identify_all(outcomes, 10.0, equal_cells=equal_cells)
     assert refused == ()
     assert identified.one_rigidity is (equal_cells and not touching)
+    assert identified.evidence == 4.0
 
 
 @pytest.mark.parametrize("touching", [False, True])
@@ -62,14 +79,21 @@ def test_a_coarser_mesh_decides_by_the_contact_of_its_own_states(
     touching: bool, equal_cells: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     line = SimpleNamespace(alpha=SimpleNamespace(value=1.0), m0=SimpleNamespace(value=0.0))
-    identified = SimpleNamespace(single_line=line, law=None, two_lines=True, d_given=False)
-    monkeypatch.setattr(mesh_error, "numbers_of_cells", lambda *given: identified)
+    identified = iter([SimpleNamespace(single_line=line, law=None, evidence=evidence) for evidence in (-3.0, 20.0)])
+    monkeypatch.setattr(mesh_error, "numbers_of_cells", lambda *given: next(identified))
     monkeypatch.setattr(mesh_error, "_measured", lambda *given: {})
     monkeypatch.setattr(mesh_error, "PARAMETER_NAMES", ())
     record: Any = SimpleNamespace(effects=("self_contact",) if touching else ())
     fine: Any = SimpleNamespace(
-        kappa=SimpleNamespace(pitch=10.0), given_d=None, shortest_break=5.0, two_lines=False, equal_cells=equal_cells
+        pressure_kPa=10.0,
+        kappa=SimpleNamespace(pitch=10.0),
+        given_d=None,
+        shortest_break=5.0,
+        two_lines=False,
+        equal_cells=equal_cells,
     )
-    coarser = mesh_error._on_coarser(fine, record, record)
-    assert coarser is not None
-    assert coarser.two_lines is (touching or not equal_cells)
+    outcome = SimpleNamespace(at=lambda pressure: record)
+    outcomes: Any = {"coarser_II": outcome, "coarser_III": outcome}
+    coarser, refused = mesh_error._on_coarser((fine, fine), outcomes)
+    assert refused == ()
+    assert [at_pressure and at_pressure.two_lines for at_pressure in coarser] == [touching or not equal_cells] * 2

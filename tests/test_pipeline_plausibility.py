@@ -181,7 +181,6 @@ def solved(
     lines = SimpleNamespace(
         evidence=evidence,
         two_lines=evidence > 0.0,
-        is_clear=abs(evidence) >= CLEAR,
         alpha2=Interval(13.61, 0.1, 13.4, 13.8),
         single_line=SimpleNamespace(alpha=Interval(10.94, 0.5, 10.0, 12.0)),
     )
@@ -192,6 +191,8 @@ def solved(
         numbers=numbers,
         by_cells=lines,
         two_lines=lines.two_lines and not one_rigidity,
+        evidence=evidence,
+        choice_is_clear=one_rigidity or abs(evidence) >= CLEAR,
         two_lines_on_coarser=on_coarser,
         one_rigidity=one_rigidity,
     )

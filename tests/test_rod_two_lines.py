@@ -18,6 +18,7 @@ from rod import (
     cell_averaged,
     gaussian_process,
     identify,
+    is_clear,
     moment_from_load,
     shared_smoothing,
     shortest_break,
@@ -138,11 +139,11 @@ def test_the_evidence_for_two_lines_is_the_difference_of_the_criteria():
     identified = identify(*by_cells(SyntheticArm(STEP, noise=0.003)), bootstrap=Bootstrap(2))
     assert identified.evidence == identified.criterion_single_line - identified.criterion_two_lines > CLEAR
     assert identified.two_lines
-    assert identified.is_clear
-    for difference, two_lines, is_clear in ((-6.1, False, True), (-5.9, False, False), (5.9, True, False)):
+    assert is_clear(identified.evidence)
+    for difference, two_lines, clear in ((-6.1, False, True), (-5.9, False, False), (5.9, True, False)):
         other = dataclasses.replace(identified, criterion_two_lines=identified.criterion_single_line - difference)
-        assert (other.two_lines, other.is_clear) == (two_lines, is_clear)
-        assert dataclasses.replace(other, d_given=True).is_clear
+        assert (other.two_lines, is_clear(other.evidence)) == (two_lines, clear)
+        assert dataclasses.replace(other, d_given=True).two_lines
 
 
 def test_same_seed_same_intervals():

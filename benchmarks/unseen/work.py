@@ -12,7 +12,7 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from multiprocessing.connection import wait
 from multiprocessing.context import SpawnProcess
 from pathlib import Path
@@ -23,13 +23,9 @@ from typing import Any
 from benchmarks.unseen.checks import checks_of
 from benchmarks.unseen.confirm import confirmed
 from benchmarks.unseen.designs import Drawn
-from pipeline.accuracy.ladder import Rung
-from pipeline.accuracy.measure import measure, numbers_of
-from pipeline.accuracy.result import RodNumbers
-from pipeline.config.config import Config
+from benchmarks.unseen.finer import against_finer_mesh
 from pipeline.config.load import load_config
 from pipeline.errors import InputError, RunFailed
-from pipeline.identification.richardson import extrapolated
 from pipeline.processes import SPAWN, end_with_main_process
 from pipeline.progress import Silent
 from pipeline.report.results import read_results
@@ -47,8 +43,6 @@ LIMIT = 600.0
 PATIENCE = 15.0
 #: seconds after which processes are looked at that have not ended
 PAUSE = 1.0
-#: size of the default mesh over that of the finer one
-FINER = 1.5
 FILE = "outcome.json"
 #: the folder of the rooms
 ROOMS = Path(__file__).resolve().parents[2]
@@ -292,44 +286,4 @@ def _of_report(report: RunReport) -> Record:
         "rod": errors[0].record() if errors else None,
         "turn_rad": first.kappa_0_middle * config.design.length if first else None,
         "estimated": dict(first.mesh_errors) if first else {},
-    }
-
-
-def against_finer_mesh(report: RunReport) -> Record:
-    """kappa_0(l/2), alpha2 and F at the lowest pressure on the default mesh against the limit of this and a finer one.
-
-    The error is the difference from the extrapolated limit over that limit, with the standard deviation of the limit.
-    """
-    if not report.parameters:
-        return {"failure": "no five parameters on the default mesh"}
-    config, first = report.config, report.parameters[0]
-    size = config.mesh.element_size_mm
-    finer = _finer(config, first.pressure_kPa, size / FINER)
-    result = measure(Rung("finer", size / FINER, finer))
-    if not result.numbers:
-        return {"failure": result.failure}
-    errors = {}
-    coarse, fine = _three(numbers_of(first)), _three(result.numbers[0])
-    for name, value in coarse.items():
-        extrapolation = extrapolated((size, size / FINER), (value, fine[name]))
-        errors[name] = {
-            "error": extrapolation.error / extrapolation.limit,  # above zero where the number is too large
-            "std": extrapolation.limit_std / abs(extrapolation.limit),
-            "estimated": first.mesh_errors.get(name),
-            "values": [value, fine[name]],
-        }
-    return {"pressure_kPa": first.pressure_kPa, "sizes_mm": [size, size / FINER], "errors": errors}
-
-
-def _finer(config: Config, pressure_kPa: float, size: float) -> Config:
-    return replace(config.with_mesh_size(size), pressures_kPa=(pressure_kPa,))
-
-
-def _three(numbers: RodNumbers) -> dict[str, float]:
-    """The names are those of `Parameters.mesh_errors`."""
-    values = asdict(numbers)
-    return {
-        "kappa_0": values["kappa_0_per_mm"],
-        "alpha2": values["alpha2_N_mm2"],
-        "force": abs(values["force_N"]),
     }

@@ -27,6 +27,9 @@ from fem.path.solver import Increment, IncrementSolver
 from fem.post.extremes import extremes_of
 from fem.solution import End, Seconds, Solution, Step
 
+#: part of the way to the first target on which constant loads are brought up, before the rest of the driven one
+CONSTANTS_FIRST = 1e-3
+
 
 @dataclass(frozen=True)
 class _LoadStep:
@@ -89,7 +92,7 @@ class PathFollower:
         point = replace(point, rate=control.rate_at_begin(point.state, point.terms))
         self.points, control = [point, point], control.target(1.0, 1.0)
         self.solver.begin_target()
-        converged = self.solver.solve(self._increment(control, increments))
+        converged = self.solver.solve(self._increment(control, increments, increments.target))
         if converged.negative_pivots:
             raise Unstable(f"the equilibrium is unstable ({converged.negative_pivots} negative pivots)")
         point = self._point(control, converged)
@@ -106,8 +109,30 @@ class PathFollower:
         return PathPoint(value, 1.0, state, active_set.touching(step.positions), terms=terms)
 
     def advance(self, target: float) -> Step:
-        """Equilibrium at `target`, in as few increments as converge; raises `PathEnded`."""
-        before, load_step = Costs.of(self.system), _LoadStep(self.points[-1], target)
+        """Equilibrium at `target`, in as few increments as converge; raises `PathEnded`.
+
+        On the way to the first target constant loads are brought up before the driven one: while both grow, the rates
+        of their motions hide how far an increment leads behind a limit of the driven load.
+        """
+        before = Costs.of(self.system)
+        if len(self.points) == 1 and self.control.gives_load and self.predictor.has_constant_loads:
+            return self._advance_with_constant_loads(target, before)
+        return self._advance(target, target, before)
+
+    def _advance_with_constant_loads(self, target: float, before: Costs) -> Step:
+        rest, first = self.points[0], None
+        try:
+            first = self._advance(rest.value + CONSTANTS_FIRST * (target - rest.value), target, before)
+        except PathEnded:  # without the driven load the body may bear less of them than with it
+            self.predictor.forget_rate_at_rest()
+        step = self._advance(target, target, before)
+        self.points = [rest, self.points[-1]]  # as where the path is resumed
+        iterations = step.newton_iterations + (first.newton_iterations if first else 0)
+        return replace(step, newton_iterations=iterations, cutbacks=step.cutbacks + (first.cutbacks if first else 0))
+
+    def _advance(self, target: float, announced: float, before: Costs) -> Step:
+        """announced: the target that the observer is told."""
+        load_step = _LoadStep(self.points[-1], target)
         increments = Increments(load_step.origin.value, target, self.options.min_increment)
         increments.limit = self._announced_limit(self.points[0], self.points[-1])
         iterations, cause = 0, StepFailed("no increment was tried")
@@ -123,7 +148,7 @@ class PathFollower:
                     raise PathEnded(self._end(last, increments, before, reason))
             control = load_step.control(self.control, fraction)
             try:
-                converged = self.solver.solve(self._increment(control, increments))
+                converged = self.solver.solve(self._increment(control, increments, announced))
                 point = self._point(control, converged)
                 arrival = self._check_continuation(control, converged, point, increments)
             except StepFailed as failure:
@@ -149,14 +174,14 @@ class PathFollower:
             if increments.is_confirmed_or_exhausted:
                 raise PathEnded(self._end_after(cause, control, increments, before))
 
-    def _increment(self, control: Control, increments: Increments) -> Increment:
+    def _increment(self, control: Control, increments: Increments, announced: float) -> Increment:
         """The next one."""
         effort = effort_of(control, increments, self.points, self.is_stable)
-        return Increment(self.points, control, increments.limit, effort, self._watch(increments))
+        return Increment(self.points, control, increments.limit, effort, self._watch(announced))
 
-    def _watch(self, increments: Increments) -> Watch:
+    def _watch(self, announced: float) -> Watch:
         """Tells the observer of every iteration."""
-        return lambda iteration, residual: self.observer.iteration(increments.target, iteration, residual)
+        return lambda iteration, residual: self.observer.iteration(announced, iteration, residual)
 
     def _check_continuation(
         self, control: Control, converged: Converged, point: PathPoint, increments: Increments
@@ -229,7 +254,8 @@ class PathFollower:
         unstable = instability(system, converged, self.points[-1].terms)  # factorizes where it is unstable
         exact, inexact = None, ""
         if self.control.gives_load:  # under a prescribed volume the pressure would differ as well
-            exact, inexact = with_exact_distances(control, converged, active_set, options, self._watch(increments))
+            watch = self._watch(increments.target)
+            exact, inexact = with_exact_distances(control, converged, active_set, options, watch)
         costs = Costs.of(system) - before
         return Step(
             space=system.space,

@@ -66,9 +66,10 @@ class Predictor:
         self._rate_at_rest: State | None = None
         self._has_rate_at_rest = False  #: whether it was computed, with or without success
         constraints, terms = control.system.constraints, control.system.terms
+        self.has_constant_loads = at_constant_fraction(terms, 0.5) != terms
         #: True if any load is applied in full from the first target: the path is not smooth there and is not
         #: extrapolated across it
-        self.nonsmooth_start = bool(constraints.constant.any() or at_constant_fraction(terms, 0.5) != terms)
+        self.nonsmooth_start = bool(constraints.constant.any() or self.has_constant_loads)
 
     def starts(
         self, points: Sequence[PathPoint], target: Control, terms: Terms, limit: float | None = None
@@ -108,6 +109,10 @@ class Predictor:
                 fraction = target.constant_fraction / (target.value - self.rest.value)
                 self._rate_at_rest = target.rate_at_rest(self.rest.terms, fraction)
         return self._rate_at_rest
+
+    def forget_rate_at_rest(self) -> None:
+        """Compute it anew for another way from rest, on which constant loads grow by another fraction."""
+        self._rate_at_rest, self._has_rate_at_rest = None, False
 
     @property
     def rate_at_rest(self) -> State | None:

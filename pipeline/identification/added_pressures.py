@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.context import RunContext
-from pipeline.identification.parameters import Parameters, identify_in_tasks
+from pipeline.identification.parameters import Parameters, decided_together, identify_in_tasks
 from pipeline.simulation.loadcase import up_to
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
@@ -93,5 +93,5 @@ def with_added_pressures(
         new, refused = _identified(scene, context, newest)
         if refused:
             return outcomes, parameters, refused
-        parameters = tuple(sorted((*parameters, *new), key=lambda p: p.pressure_kPa))
+        parameters = decided_together(sorted((*parameters, *new), key=lambda p: p.pressure_kPa))
     return outcomes, parameters, ()

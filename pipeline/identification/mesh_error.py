@@ -9,14 +9,15 @@ import numpy as np
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.parameters import Parameters, has_one_rigidity, numbers_of_cells, takes_two_lines
+from pipeline.identification.lines import evidence_together, has_one_rigidity, takes_two_lines
+from pipeline.identification.parameters import Parameters, numbers_of_cells
 from pipeline.identification.richardson import extrapolated
 from pipeline.parallel.worker import TaskContext
 from pipeline.simulation.loadcase import LoadCase, schedule
-from pipeline.simulation.outcome import Record
+from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
-from rod import PARAMETER_NAMES, RodError, cell_averaged
+from rod import PARAMETER_NAMES, Identification, RodError, cell_averaged
 
 #: numbers whose error is given as a fraction: kappa_0(l/2), alpha2 and the end force of III
 RELATIVE = ("kappa_0", "alpha2", "force")
@@ -42,15 +43,8 @@ def with_mesh_error(
     pressures = schedule(config, tuple(p.pressure_kPa for p in parameters))
     cases = [LoadCase(f"coarser_{name}", name, pressures, config.end) for name in ("III", "II")]
     outcomes = simulate(scene, context, cases)
-    free, loaded = outcomes["coarser_II"], outcomes["coarser_III"]
-    coarse: list[_OnCoarser | None] = []
-    refused = list(outcomes.failures)
-    for p in parameters:
-        try:
-            coarse.append(_on_coarser(p, free.at(p.pressure_kPa), loaded.at(p.pressure_kPa)))
-        except RodError as failure:
-            coarse.append(None)
-            refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
+    coarse, refused = _on_coarser(parameters, outcomes)
+    refused = (*outcomes.failures, *refused)
     fine = [
         {name: number.value for name, number in p.numbers_without_mesh.items()}
         | _measured(p.free, p.loaded, p.kappa.pitch)
@@ -124,14 +118,37 @@ class _OnCoarser:
     two_lines: bool  #: whether two lines would be chosen there
 
 
-def _on_coarser(fine: Parameters, free: Record | None, loaded: Record | None) -> _OnCoarser | None:
-    """None where the pressure was not reached. Raises RodError."""
-    if free is None or loaded is None:
-        return None
-    coarse = numbers_of_cells(free, loaded, fine.kappa.pitch, fine.given_d)
-    alpha, m0 = coarse.single_line.alpha.value, coarse.single_line.m0.value
+def _on_coarser(
+    parameters: Sequence[Parameters], outcomes: Outcomes
+) -> tuple[list[_OnCoarser | None], tuple[str, ...]]:
+    """What each pressure gives there, None where it was not reached or no numbers follow from it, and why."""
+    states = [[outcomes[f"coarser_{name}"].at(p.pressure_kPa) for name in ("II", "III")] for p in parameters]
+    identified: dict[int, tuple[Record, Record, Identification]] = {}
+    refused = []
+    for k, (p, (free, loaded)) in enumerate(zip(parameters, states, strict=True)):
+        if free is None or loaded is None:
+            continue
+        try:
+            identified[k] = free, loaded, numbers_of_cells(free, loaded, p.kappa.pitch, p.given_d)
+        except RodError as failure:
+            refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
+    one = {k: has_one_rigidity(parameters[k].equal_cells, *pair) for k, (*pair, _) in identified.items()}
+    evidence = evidence_together([lines.evidence for *_, lines in identified.values()], list(one.values()))
+    coarse: list[_OnCoarser | None] = [None] * len(parameters)
+    for (k, (free, loaded, lines)), together in zip(identified.items(), evidence, strict=True):
+        two_lines = takes_two_lines(together, one[k], parameters[k].given_d is not None)
+        coarse[k] = _OnCoarser(_with_lines_of(parameters[k], free, loaded, lines), two_lines)
+    return coarse, tuple(refused)
+
+
+def numbers_on_mesh(fine: Parameters, free: Record, loaded: Record) -> dict[str, float]:
+    """The five numbers, kappa_0(l/2) and F of the same pressure on another mesh, with as many lines as on the first,
+    because the rigidity of a single line and the second one of two are different numbers. Raises RodError."""
+    return _with_lines_of(fine, free, loaded, numbers_of_cells(free, loaded, fine.kappa.pitch, fine.given_d))
+
+
+def _with_lines_of(fine: Parameters, free: Record, loaded: Record, lines: Identification) -> dict[str, float]:
+    alpha, m0 = lines.single_line.alpha.value, lines.single_line.m0.value
     single = {"alpha1": alpha, "alpha2": alpha, "m01": m0, "m02": m0, "d": fine.shortest_break}
-    two = {name: getattr(coarse.law, name) for name in PARAMETER_NAMES}
-    lines = two if fine.two_lines else single
-    two_lines = takes_two_lines(coarse, has_one_rigidity(fine.equal_cells, free, loaded))
-    return _OnCoarser(lines | _measured(free, loaded, fine.kappa.pitch), two_lines)
+    two = {name: getattr(lines.law, name) for name in PARAMETER_NAMES}
+    return (two if fine.two_lines else single) | _measured(free, loaded, fine.kappa.pitch)

@@ -4,14 +4,15 @@ Cell averages, a Gaussian process, and the rod that comes closest to shape and f
 the cell averages, or those of a single line where it suffices (docs/identification.md gives the reasons).
 """
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 
 from geometry import Centreline
 from pipeline.context import RunContext
+from pipeline.identification.lines import evidence_together, has_one_rigidity, takes_two_lines
 from pipeline.parallel.worker import TaskContext
 from pipeline.simulation.outcome import Outcomes, Record
 from rod import (
@@ -37,6 +38,7 @@ from rod import (
     fit_rod,
     gaussian_process,
     identify,
+    is_clear,
     longest_break,
     moment_from_load,
     rest_curvature,
@@ -76,6 +78,8 @@ class Parameters:
     mesh_std: Mapping[str, float] = field(default_factory=dict)
     #: relative errors of kappa_0(l/2), alpha2 and F due to the mesh, by name; empty where they were not estimated
     mesh_errors: Mapping[str, float] = field(default_factory=dict)
+    #: for two lines, by the criterion, of all pressures that are decided together (`pipeline.identification.lines`)
+    evidence: float = 0.0
     #: whether two lines were chosen on the coarser mesh; None where there is none
     two_lines_on_coarser: bool | None = None
     #: whether the arm consists of equal cells; two lines then need walls that touch, or a given d
@@ -94,11 +98,12 @@ class Parameters:
     @property
     def two_lines(self) -> bool:
         """Whether the rod has two lines, and not a single one."""
-        return self.has_two_lines(self.by_cells)
+        return takes_two_lines(self.evidence, self.one_rigidity, self.given_d is not None)
 
-    def has_two_lines(self, identification: Identification) -> bool:
-        """Whether an estimate from II and III has two lines, and not a single one."""
-        return takes_two_lines(identification, self.one_rigidity)
+    @property
+    def choice_is_clear(self) -> bool:
+        """Whether the data decide between a single line and two, or need not."""
+        return self.given_d is not None or self.one_rigidity or is_clear(self.evidence)
 
     @property
     def kappa_0_middle(self) -> float:
@@ -142,7 +147,7 @@ class Parameters:
         """
         line = identification.single_line
         d = Interval(self.shortest_break, 0.0, self.shortest_break, self.shortest_break)
-        if self.has_two_lines(identification):
+        if self.two_lines:
             return {name: getattr(identification, name) for name in PARAMETER_NAMES}
         return {"alpha1": line.alpha, "alpha2": line.alpha, "m01": line.m0, "m02": line.m0, "d": d}
 
@@ -172,15 +177,12 @@ class Parameters:
         return MomentRange.of(self.moment)
 
 
-def has_one_rigidity(equal_cells: bool, free: Record, loaded: Record) -> bool:
-    """Whether nothing but its ends makes one part of the arm different from another: equal cells, and in II and III no
-    walls came within the activation distance of contact up to that pressure."""
-    return equal_cells and not any("self_contact" in record.effects for record in (free, loaded))
-
-
-def takes_two_lines(identification: Identification, one_rigidity: bool) -> bool:
-    """Whether two lines are wanted, or worth their parameters by the criterion and not excluded by one rigidity."""
-    return identification.d_given or (identification.two_lines and not one_rigidity)
+def decided_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]:
+    """The same at every pressure of a run, with a single line or two by the evidence of all of them."""
+    parameters = tuple(parameters)
+    own = [p.by_cells.evidence for p in parameters]
+    together = evidence_together(own, [p.one_rigidity for p in parameters])
+    return tuple(replace(p, evidence=evidence) for p, evidence in zip(parameters, together, strict=True))
 
 
 def observed(parameters: Parameters, record: Record) -> Observation:
@@ -217,7 +219,7 @@ def _gathered(by_pressure: Mapping[float, Callable[[], Parameters]]) -> tuple[tu
             parameters.append(identified())
         except RodError as failure:
             refused.append(f"no five parameters at {pressure:g} kPa: {str(failure).removesuffix('.')}")
-    return tuple(parameters), tuple(refused)
+    return decided_together(parameters), tuple(refused)
 
 
 def _task(

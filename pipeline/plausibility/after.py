@@ -124,7 +124,7 @@ def _one_line_or_two(solved: Solved) -> str:
 
 
 def _is_open(p: Parameters) -> bool:
-    return (not p.one_rigidity and not p.by_cells.is_clear) or _is_other_on_coarser(p)
+    return not p.choice_is_clear or _is_other_on_coarser(p)
 
 
 def _choice(p: Parameters) -> str:
@@ -134,7 +134,7 @@ def _choice(p: Parameters) -> str:
     elsewhere = f"; on the coarser mesh {other} would be taken" if _is_other_on_coarser(p) else ""
     return (
         f"at {p.pressure_kPa:g} kPa {alpha2[chosen]:.3g} N mm² with {chosen}, as reported, and {alpha2[other]:.3g} "
-        f"N mm² with {other} (difference of the Bayesian information criterion {abs(lines.evidence):.2g}{elsewhere})"
+        f"N mm² with {other} (difference of the Bayesian information criterion {abs(p.evidence):.2g}{elsewhere})"
     )
 
 

@@ -102,14 +102,17 @@ def lines_needed(results: Results) -> str:
     verdicts = results.parameters.get("single_line_suffices")
     if not verdicts:
         return ""
-    evidence = results.parameters.get("evidence_for_two_lines") or [0.0] * len(verdicts)
+    own = results.parameters.get("evidence_for_two_lines") or [0.0] * len(verdicts)
+    evidence = results.parameters.get("evidence_of_choice") or own  # results of earlier versions decided by pressure
     single = [
         (f"{pressure:g}", for_two > 0.0)
         for pressure, is_single, for_two in zip(results.identified_pressures, verdicts, evidence, strict=True)
         if is_single
     ]
     if not single:
-        return "At every pressure two lines describe the data better than a single one."
+        better = "At every pressure two lines describe the data better than a single one."
+        together = "Two lines describe the data of all pressures together better than a single one."
+        return better if min(own) > 0.0 else together
     as_well, worse = (", ".join(p for p, is_worse in single if is_worse is kind) for kind in (False, True))
     reasons = [f"At {as_well} kPa a single line describes the data as well as two"] if as_well else []
     if worse:

@@ -143,6 +143,8 @@ def fit_rod(
     )
 
 
+#: place of the break among the unknowns
+BREAK = 4
 #: residual where there is no equilibrium
 _NO_ROD = 1e6
 
@@ -251,7 +253,21 @@ class _ShapeFit:
         )
         jac = np.zeros((len(fit.fun), len(z)))
         jac[:, free] = fit.jac
+        if free[BREAK]:
+            jac[:, BREAK] = self._change_with_break(all_unknowns(fit.x))
         return OptimizeResult(x=all_unknowns(fit.x), cost=fit.cost, fun=fit.fun, jac=jac)
+
+    def _change_with_break(self, z: Array) -> Array:
+        """Derivative of the residual by the break, from differences over the nodes next to it.
+
+        The residual has kinks where the break passes a node, and minima are often there: rounding then decides on which
+        side a derivative is taken, and that of one side says nothing of the other.
+        """
+        step = float(np.diff(self.shape.s).max()) / self.shape.length
+        ends = np.array([z, z])
+        ends[:, BREAK] = np.clip(z[BREAK] + np.array([-step, step]), *self.breaks)
+        before, behind = (self.residual(end) for end in ends)
+        return (behind - before) / (ends[1, BREAK] - ends[0, BREAK])
 
     def weighted(self, fit: OptimizeResult) -> "_ShapeFit":
         """The same task with the weights that the residual of a fit suggests."""

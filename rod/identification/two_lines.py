@@ -65,10 +65,10 @@ class Identification(ParameterEstimate):
         """For two lines, by the criterion: above zero they are worth their additional parameters."""
         return self.criterion_single_line - self.criterion_two_lines
 
-    @property
-    def is_clear(self) -> bool:
-        """Whether the data decide between one line and two, or need not, because d was given."""
-        return self.d_given or abs(self.evidence) >= CLEAR
+
+def is_clear(evidence: float) -> bool:
+    """Whether a difference of the criteria speaks clearly for a single line or for two, or the data leave it open."""
+    return abs(evidence) >= CLEAR
 
 
 def identify(

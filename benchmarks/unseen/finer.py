@@ -1,0 +1,62 @@
+"""The error of the default mesh: kappa_0(l/2), alpha2 and F against the limit of this and of a finer mesh."""
+
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from pipeline.config.config import Config
+from pipeline.context import RunContext
+from pipeline.errors import InputError, RunFailed
+from pipeline.identification.mesh_error import RELATIVE, numbers_on_mesh
+from pipeline.identification.richardson import extrapolated
+from pipeline.progress import Silent
+from pipeline.run_report import RunReport
+from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import simulate
+from pipeline.store.store import open_store
+from rod import RodError
+
+#: size of the default mesh over that of the finer one
+FINER = 1.5
+
+
+def against_finer_mesh(report: RunReport) -> dict[str, Any]:
+    """At the lowest pressure, with as many lines of the rod on the finer mesh as the run chose.
+
+    The error is the difference from the extrapolated limit over that limit, with the standard deviation of the limit.
+    """
+    if not report.parameters:
+        return {"failure": "no five parameters on the default mesh"}
+    first, size = report.parameters[0], report.config.mesh.element_size_mm
+    config = replace(report.config.with_mesh_size(size / FINER), pressures_kPa=(first.pressure_kPa,))
+    try:
+        outcomes = _solved(config)
+    except (InputError, RunFailed) as failure:
+        return {"failure": str(failure)}
+    free, loaded = (outcomes[name].at(first.pressure_kPa) for name in ("II", "III"))
+    if free is None or loaded is None:
+        return {"failure": "; ".join(outcomes.failures)}
+    try:
+        on_default = numbers_on_mesh(first, first.free, first.loaded)
+        on_finer = numbers_on_mesh(first, free, loaded)
+    except RodError as failure:
+        return {"failure": str(failure)}
+    errors = {}
+    for name in RELATIVE:
+        values = [on_default[name], on_finer[name]]
+        limit = extrapolated((size, size / FINER), values)
+        errors[name] = {
+            "error": limit.error / limit.limit,  # above zero where the number is too large
+            "std": limit.limit_std / abs(limit.limit),
+            "estimated": first.mesh_errors.get(name),
+            "values": values,
+        }
+    return {"pressure_kPa": first.pressure_kPa, "sizes_mm": [size, size / FINER], "errors": errors}
+
+
+def _solved(config: Config) -> Outcomes:
+    """Raises InputError and RunFailed."""
+    with TemporaryDirectory() as folder, open_store(Path(folder), config) as store:
+        return simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ("III", "II"))

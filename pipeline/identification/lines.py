@@ -1,0 +1,27 @@
+"""Whether the rod has a single line or two, decided once for all pressures at which two are possible.
+
+The criterion of one pressure depends on the mesh where the two are close to each other. Numbers that change from a
+single line to two between two pressures are no functions of the pressure either. So the criteria are added over the
+pressures at which walls touch: with independent errors that is the criterion of one law for all of them.
+"""
+
+from collections.abc import Sequence
+
+from pipeline.simulation.outcome import Record
+
+
+def has_one_rigidity(equal_cells: bool, free: Record, loaded: Record) -> bool:
+    """Whether nothing but its ends makes one part of the arm different from another: equal cells, and in II and III no
+    walls came within the activation distance of contact up to that pressure."""
+    return equal_cells and not any("self_contact" in record.effects for record in (free, loaded))
+
+
+def evidence_together(evidence: Sequence[float], one_rigidity: Sequence[bool]) -> list[float]:
+    """For two lines, by pressure: the sum over all pressures without one rigidity, and at the others their own."""
+    together = sum(own for own, is_one in zip(evidence, one_rigidity, strict=True) if not is_one)
+    return [own if is_one else together for own, is_one in zip(evidence, one_rigidity, strict=True)]
+
+
+def takes_two_lines(evidence: float, one_rigidity: bool, d_given: bool) -> bool:
+    """Whether two lines are wanted, or worth their parameters by the criterion and not excluded by one rigidity."""
+    return d_given or (evidence > 0.0 and not one_rigidity)
