@@ -16,7 +16,7 @@ from pipeline.identification.record import parameters_record
 from pipeline.parallel.loading import loaded
 from pipeline.plausibility.after import Solved, after_solving
 from pipeline.plausibility.before import before_solving
-from pipeline.plausibility.body import of_half, of_mesh
+from pipeline.plausibility.body import of_body
 from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Progress
 from pipeline.report.saved import save_report
@@ -59,7 +59,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
     loading = loaded(context, config.mesh.formulation, material_of(config))
     with stages.timed("mesh"):
         scene = meshed_with_progress(config, progress)
-    unusual = tuple(filter(None, (*of_mesh(scene.body.mesh, config.design), of_half(scene.body), of_contact(scene))))
+    unusual = tuple(filter(None, (*of_body(scene.body, config), of_contact(scene))))
     for sentence in unusual:
         progress.remark(sentence)
     with stages.timed("kernels (compiled once)"):
@@ -109,6 +109,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
         of_design = (*before_solving(config, outcomes.lowest_end_kPa()), *of_units(config))
         of_states = after_solving(Solved(config, outcomes, parameters))
         remarks = (*of_design, *unusual, *identified.remarks(other_rod), *arm.remarks(outcomes), *of_states)
+        remarks = tuple(dict.fromkeys(remarks))  # why there are no five parameters is known before and after
         reviewed = review(plan, outcomes, parameters, outcomes.largest_indicator) if plan else None
         report = RunReport(
             directory=store.directory,

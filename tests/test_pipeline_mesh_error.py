@@ -68,13 +68,14 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
         assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], record[key], strict=True)), key
     sentence = mesh_error(read_results(tmp_path / "out"))
-    assert "estimated from mesh sizes of 6 and 9 mm and contained" in sentence
+    assert "estimated from mesh sizes of 6 and 9 mm, the largest of all pressures. The standard" in sentence
     largest = max(contribution["kappa_0_relative"])
-    assert sentence.startswith(f"Mesh error: at most {100 * largest:.1f} % in κ₀(l/2), ")
+    assert sentence.startswith(f"Mesh error: about {100 * largest:.1f} % in κ₀(l/2), ")
     assert all(error > 0.0 for name in ("alpha2", "force") for error in contribution[f"{name}_relative"])
     assert "N mm² of α₁" in sentence
-    (evidence,), (is_single,) = record["evidence_for_two_lines"], record["single_line_suffices"]
+    (evidence,), (is_single,) = record["evidence_of_choice"], record["single_line_suffices"]
     assert (evidence <= 0.0) == is_single
+    assert record["evidence_for_two_lines"] == [evidence]  # a single pressure
     assert all(isinstance(two_lines, bool) for two_lines in record["two_lines_on_coarser_mesh"])
 
 

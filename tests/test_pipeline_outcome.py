@@ -156,3 +156,13 @@ def test_a_smallest_gap_is_named_where_there_is_one(gaps: tuple[float, ...], rea
     scene = Scene(load_config(configs / "pneunet_coarse.yaml"), body)
     rows = {state.effect: state for state in effect_states(scene, Outcomes({"II": outcome("II", *states)}))}
     assert (rows["self_contact"].state, rows["self_contact"].reason) == ("off", reason)
+
+
+def test_the_first_reason_is_not_that_another_experiment_has_ended() -> None:
+    ends = {
+        "I": Failure(150.0, "it was not solved, because II has its limit there", 0, 0, not_followed=True),
+        "II": Failure(150.0, "a limit", 0, 0, limit_kPa=64.7, reached_kPa=64.6),
+        "III": Failure(150.0, "no luck", 0, 0, reached_kPa=40.0),
+    }
+    outcomes = Outcomes({name: outcome(name, record(5.0), failure=failure) for name, failure in ends.items()})
+    assert [sentence.split()[1] for sentence in outcomes.failures] == ["II", "III", "I"]

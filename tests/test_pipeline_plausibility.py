@@ -10,15 +10,17 @@ from typing import Any
 import numpy as np
 import pytest
 from bodies import bricks, named, on_plane
+from typer.testing import CliRunner
 
 from geometry import Body, Mesh, PneuNet, position_text
+from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
 from pipeline.plausibility.after import Solved, after_solving
 from pipeline.plausibility.before import WELL_BELOW, before_solving
-from pipeline.plausibility.body import FLAT_ELEMENT, of_half, of_mesh
+from pipeline.plausibility.body import FLAT_ELEMENT, of_half, of_mesh, of_volume
 from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
@@ -339,16 +341,18 @@ def test_a_pressure_without_parameters_fails_a_run_only_where_it_leaves_no_rod(
 
 
 def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scene, tmp_path: Path) -> None:
-    body: Any = SimpleNamespace(length=62.0, pitch=10.0)
-    (reason,) = identify_run(replace(arm, body=body), CONTEXT, NONE).failures(other_rod=False)
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", [PRESSURES, "geometry.chambers=6"])
+    (reason,) = identify_run(replace(arm, config=config), CONTEXT, NONE).failures(other_rod=False)
     assert reason == (
-        "no five parameters: Five parameters need a length of at least 6.5 pitches; this arm of 62 mm has 6.2 of 10 mm"
+        "no five parameters: five parameters need a length of at least 6.5 pitches; this arm of 62 mm has 6.2 of 10 mm;"
+        " give more geometry.chambers, or law: cell for the arm's own law alone"
     )
-    assert reason.partition(": ")[2] in notes_before(PRESSURES, "geometry.chambers=6")
+    assert notes_before(PRESSURES, "geometry.chambers=6") == reason
+    assert notes_before("pressures=[5 kPa, 10 kPa]", "geometry.chambers=6") == reason  # nothing on linearity
     (tmp_path / "run.json").write_text(f'{{"remarks": ["{reason}"]}}', encoding="utf-8")
     page = render_report(tmp_path)
-    assert f"They were not identified: {reason}." in page
-    assert f"Note: {reason}." in page
+    assert "They were not identified: five parameters need a length of at least 6.5 pitches; this arm of 62 mm" in page
+    assert f"Note: {reason.partition(' for the arm')[0]} for the arm" in page
 
 
 def test_a_flat_element_is_named_before_solving() -> None:
@@ -401,3 +405,58 @@ def test_long_calls_are_told_of() -> None:
     count = len(slow)
     sleep(0.1)
     assert len(slow) == count, "nothing is told after the end"
+
+
+@pytest.mark.parametrize(("size", "differs"), [("4 mm", True), ("2.8 mm", False)])
+def test_a_mesh_that_does_not_follow_round_walls_is_named(size: str, differs: bool) -> None:
+    """The suggested size is enough: curved edges tangle no element there."""
+    config = load_config(CONFIGS / "bisected_circle.yaml", ["geometry.wall=0.3 mm", f"mesh.size={size}"])
+    note = of_volume(Scene.meshed(config).body, config)
+    assert bool(note) is differs
+    if differs:
+        assert note == (
+            "the mesh has 4.7 % more material than the drawing, because elements of 4 mm cannot follow its round walls;"
+            " give a smaller mesh.size, for example 2.8 mm, or leave it out"
+        )
+
+
+@pytest.mark.parametrize(
+    ("law", "stretches", "sentence"),
+    [
+        ("{law: hencky, E: 1.2 MPa, nu: 0.495}", (0.95, 1.35), "Hencky's law describes rubber between stretches"),
+        (
+            "{law: neo_hooke, mu: 0.4 MPa, nu: 0.495}",
+            (0.6, 1.2),
+            "the law of neo-Hooke describes rubber up to a stretch",
+        ),
+        ("{law: neo_hooke, mu: 0.4 MPa, nu: 0.495}", (0.7, 1.45), ""),
+        ("{law: yeoh, c10: 0.2 MPa, c20: 0.01 MPa, c30: 0 MPa, nu: 0.495}", (0.5, 2.0), ""),
+    ],
+)
+def test_strains_beyond_those_for_which_a_law_describes_rubber(
+    law: str, stretches: tuple[float, float], sentence: str
+) -> None:
+    notes = after_solving(solved(0.9, stretches, 0.01, f"material={law}"))
+    assert len(notes) == bool(sentence)
+    assert all(sentence in note for note in notes)
+
+
+@pytest.mark.parametrize("command", ["mesh", "effects", "accuracy", "cell"])
+def test_every_command_that_solves_tells_of_pressures_in_another_unit(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Begun(Exception):
+        """The notes come before anything is solved."""
+
+    def begins(*given: Any) -> None:
+        raise Begun
+
+    for name in ("effects_study.compare_effects", "accuracy.study.run_study", "cell.study.measure_law"):
+        monkeypatch.setattr(f"pipeline.{name}", begins)
+    result = CliRunner().invoke(
+        app, [command, str(CONFIGS / "pneunet_coarse.yaml"), "--set", "pressures=[0.37 MPa]", "--out", str(tmp_path)]
+    )
+    assert isinstance(result.exception, Begun) is (command != "mesh")
+    text = " ".join(result.output.split())
+    assert "370 kPa on walls with a Young's modulus of 1.2 MPa" in text
+    assert "check the units (kPa, MPa), or stay well below" in text

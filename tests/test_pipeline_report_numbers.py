@@ -73,7 +73,7 @@ def test_a_single_line_has_no_break(tmp_path: Path) -> None:
             {},
             "4.4 % in κ₀(l/2) and 3.5 % in α₂.",
         ),
-        (None, {"kappa_0_per_mm": [-0.01, -0.02], "kappa_0_per_mm_std": [0.0005, 0.0004]}, "at most 5 % of κ₀."),
+        (None, {"kappa_0_per_mm": [-0.01, -0.02], "kappa_0_per_mm_std": [0.0005, 0.0004]}, "about 5 % of κ₀."),
         (None, {}, "it was not estimated."),
     ],
     ids=["of the five parameters", "of the arm's own law alone", "of none"],

@@ -157,7 +157,7 @@ def test_the_error_of_the_mesh_in_the_law_is_relative(folder: Path) -> None:
     error = {"kappa_0_per_mm": [-0.01, -0.02], "kappa_0_per_mm_std": [1e-4, 4e-4], "reason": ""}
     (folder / "law.json").write_text(json.dumps({"format": 1, "mesh_error": error}))
     assert verdict_of(read_results(folder)).on("mesh error")[1] == (
-        "Mesh error of the arm's own law: at most 2 % of κ₀, one standard deviation."
+        "Mesh error of the arm's own law: about 2 % of κ₀, one standard deviation."
     )
 
 

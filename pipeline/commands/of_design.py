@@ -75,7 +75,8 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_mesh")
 
-        from pipeline.plausibility.body import of_edges, of_half, of_mesh
+        from pipeline.plausibility.before import of_load
+        from pipeline.plausibility.body import of_body, of_edges
         from pipeline.plausibility.units import of_contact, of_units
         from pipeline.progress import progress_for
         from pipeline.simulation.waiting import meshed_with_progress
@@ -98,7 +99,7 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
         with replacing(file) as part:
             body.mesh.write(part)
         print_lines(body_table(file, design.design, body))
-        notes = (*of_units(design), *of_mesh(body.mesh, design.design), of_half(body), of_contact(scene))
+        notes = (*of_load(design), *of_units(design), *of_body(body, design), of_contact(scene))
         print_sentences(*(f"Note: {sentence}." for sentence in notes if sentence))
 
 
@@ -112,7 +113,7 @@ def effects(
         from pipeline.effects_study import compare_effects, contact_sentences
         from pipeline.terminal import effects_comparison
 
-        table = _solve(compare_effects, design, folder, jobs or min(2, available_cores()), fresh)
+        table = _solve(_noted(compare_effects), design, folder, jobs or min(2, available_cores()), fresh)
         print_lines(effects_comparison(table.rows), *contact_sentences(table.rows))
         print_lines(f"table: {folder / 'effects_table.json'}")
         if table.failures:
@@ -131,7 +132,7 @@ def accuracy(
         from pipeline.accuracy.table import order_sentences, reference_sentences
         from pipeline.terminal import study_table
 
-        study = _solve(run_study, design, folder, jobs or min(2, available_cores()), fresh)
+        study = _solve(_noted(run_study), design, folder, jobs or min(2, available_cores()), fresh)
         print_lines(study_table(study), *reference_sentences(study), *order_sentences(study))
         print_lines(f"picture: {folder / 'accuracy.html'}")
 
@@ -155,10 +156,24 @@ def cell(
         from pipeline.cell.table import law_sentences
         from pipeline.terminal import cell_table
 
-        report = _solve(measure_law, design, folder, jobs or 1, fresh)
+        report = _solve(_noted(measure_law), design, folder, jobs or 1, fresh)
         print_lines(cell_table(report.measured), *law_sentences(report))
         print_lines(f"law: {folder / 'law.json'}, picture: {folder / 'law.html'}")
         report.raise_if_failed()
+
+
+def _noted(task: "Task[Result]") -> "Task[Result]":
+    """A task that begins with the notes on the configuration."""
+    from pipeline.plausibility.before import of_load
+    from pipeline.plausibility.body import of_edges
+    from pipeline.plausibility.units import of_units
+
+    def noted(config: "Config", out: Path, jobs: int, fresh: bool, progress: "Progress") -> "Result":
+        for sentence in filter(None, (*of_load(config), *of_units(config), of_edges(config))):
+            progress.remark(sentence)
+        return task(config, out, jobs, fresh, progress)
+
+    return noted
 
 
 def _with_accuracy(settings: list[str] | None, accuracy: str | None) -> list[str]:

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, decided_together, identify_in_tasks
+from pipeline.identification.too_short import too_short
 from pipeline.simulation.loadcase import up_to
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import experiments_of, simulate
-from rod import LinearRange, Quantity, linear_range, next_pressure, too_few_pitches
+from rod import LinearRange, Quantity, linear_range, next_pressure
 
 
 @dataclass(frozen=True)
@@ -37,8 +38,8 @@ def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Ident
     """
     if scene.config.law == "cell":
         return Identified(outcomes, ())
-    if sentence := too_few_pitches(scene.body.length, scene.body.pitch):
-        return Identified(outcomes, (), (f"no five parameters: {sentence.removesuffix('.')}",))
+    if sentence := too_short(scene.config):
+        return Identified(outcomes, (), (sentence,))
     parameters, refused = _identified(scene, context, outcomes)
     outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)
     return Identified(outcomes, parameters, refused, not_added)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from fem.elements import ELEMENTS, Volumetric
 from geometry import position_text
@@ -13,14 +14,32 @@ from rod import Interval
 
 #: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
 KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
-#: largest stretch or its reciprocal up to which the law for small strains is not mentioned
-SMALL_STRAIN = 1.1
 #: distance of the material curve from its plane over the length that is not mentioned: as much as a rod is wrong
 OUT_OF_PLANE = 1e-3
 #: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
 HARDLY_BENT = 0.05
 #: largest ratio of the ends of the 95 % interval of a rigidity that counts as determined
 DETERMINED = 4.0
+
+
+class Valid(NamedTuple):
+    """Up to where a law describes rubber."""
+
+    stretch: float  #: largest stretch or its reciprocal that is not mentioned
+    sentence: str
+
+
+#: St. Venant-Kirchhoff: the tensile test of examples/; Hencky: L. Anand, J. Appl. Mech. 46 (1979) 78; neo-Hooke:
+#: L. R. G. Treloar, Trans. Faraday Soc. 40 (1944) 59. Laws of more parameters are as good as their fit
+VALID_TO = {
+    "svk": Valid(
+        1.1,
+        "St. Venant-Kirchhoff (svk) is a law for small strains: for the silicone Elastosil M 4601 it holds up to a "
+        "stretch of 1.08",
+    ),
+    "hencky": Valid(1.3, "Hencky's law describes rubber between stretches of about 0.7 and 1.3"),
+    "neo_hooke": Valid(1.5, "the law of neo-Hooke describes rubber up to a stretch of about 1.5"),
+}
 
 
 @dataclass(frozen=True)
@@ -54,12 +73,14 @@ def _volume_change(solved: Solved) -> str:
 
 
 def _large_strain(solved: Solved) -> str:
-    """St. Venant-Kirchhoff is a law for small strains."""
-    if solved.config.material.law != "svk":
+    """Strains beyond those for which a law describes rubber."""
+    name = solved.config.material.law
+    if name not in VALID_TO:
         return ""
     states = [record.summary for record in solved.outcomes.records]
     low, high = (choose(states, key=key) for choose, key in ((min, _smallest_stretch), (max, _largest_stretch)))
-    if max(high.extremes.max_stretch, 1.0 / low.extremes.min_stretch) <= SMALL_STRAIN:
+    valid = VALID_TO[name]
+    if max(high.extremes.max_stretch, 1.0 / low.extremes.min_stretch) <= valid.stretch:
         return ""
     stable = solved.config.material.built().stretch_limits[0]
     unstable = (
@@ -67,9 +88,8 @@ def _large_strain(solved: Solved) -> str:
     )
     return (
         f"stretches in the walls go from {low.extremes.min_stretch:.2f} (compressed) to "
-        f"{high.extremes.max_stretch:.2f} (at {high.pressure_kPa:g} kPa), and St. Venant-Kirchhoff (svk) is a law for "
-        f"small strains: for the silicone Elastosil M 4601 it holds up to a stretch of 1.08{unstable}; fit another law "
-        "to a tensile test with pneurod material"
+        f"{high.extremes.max_stretch:.2f} (at {high.pressure_kPa:g} kPa), and {valid.sentence}{unstable}; fit another "
+        "law to a tensile test with pneurod material"
     )
 
 

@@ -5,8 +5,8 @@ from math import inf
 
 from geometry import PneuNet
 from pipeline.config.config import Config, Material
+from pipeline.identification.too_short import too_short
 from pipeline.plausibility.body import of_edges
-from rod import too_few_pitches
 
 #: p V_air / (E V_solid), about half the strain of a wall under the pressure p: the arms of the paper have 0.003 to
 #: 0.03, arms in the hard cases reach a limit between 0.02 and 0.06
@@ -68,14 +68,6 @@ def _weak_pressure(config: Config, end_kPa: float) -> str:
     )
 
 
-def _few_cells(config: Config) -> str:
-    if config.law == "cell" or not (sentence := too_few_pitches(config.design.length, config.design.pitch)):
-        return ""
-    remedies = {"chambers": "more geometry.chambers", "cell": "a smaller geometry.cell"}
-    remedy = next((text for key, text in remedies.items() if hasattr(config.design, key)), "a larger geometry.length")
-    return f"{sentence.removesuffix('.')}; give {remedy}, or law: cell for the arm's own law alone"
-
-
 def _unequal_cells(config: Config) -> str:
     design = config.design
     if config.law == "cell" or not isinstance(design, PneuNet) or design.equal:
@@ -99,7 +91,7 @@ def _pressure_of_run_unused(config: Config) -> str:
 
 def _few_pressures(config: Config, end_kPa: float) -> str:
     count = len(config.pressures_kPa) + config.added_pressures
-    if count > 2 or config.law == "cell":
+    if count > 2 or config.law == "cell" or too_short(config):
         return ""
     untested = "how the parameters change" if count == 1 else "whether the parameters are linear in the pressure"
     load, _ = _load(config)
@@ -120,6 +112,12 @@ def _two_digits(value: float) -> float:
     return float(f"{value:.2g}")
 
 
+def of_load(config: Config) -> tuple[str, ...]:
+    """The sentences on pressures, known from the configuration, that hold without a run too."""
+    rules = (_strong_pressure(config, inf), _weak_pressure(config, inf), _pressure_of_run_unused(config))
+    return tuple(filter(None, rules))
+
+
 #: the rules on the pressures, given where an experiment has ended, and those on the rest of the configuration
 ON_PRESSURES: tuple[Callable[[Config, float], str], ...] = (_strong_pressure, _weak_pressure, _few_pressures)
-ON_DESIGN: tuple[Callable[[Config], str], ...] = (_few_cells, _unequal_cells, _pressure_of_run_unused, of_edges)
+ON_DESIGN: tuple[Callable[[Config], str], ...] = (too_short, _unequal_cells, _pressure_of_run_unused, of_edges)

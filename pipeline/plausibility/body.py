@@ -8,6 +8,9 @@ from pipeline.config.config import AUTO, Config
 FLAT_ELEMENT = 0.05
 #: length of an edge of a CAD file, over the size of the elements, below which it is mentioned
 SMALL_EDGE = 1 / 3
+#: volume of the mesh over that of the drawing, minus 1, from which it is mentioned, and the size that is suggested then
+#: over the given one. Curved edges follow round walls to 1e-5; where they would tangle an element, edges are straight
+VOLUME_DIFFERS, SMALLER_SIZE = 0.01, 0.7
 #: distance of a cavity from the plane of symmetry, over the length of the arm, that is more than rounding
 APART = 1e-5
 
@@ -45,6 +48,19 @@ def of_edges(config: Config) -> str:
     )
 
 
+def of_volume(body: Body, config: Config) -> str:
+    """The sentence on a mesh that does not follow the round walls of a drawing; else empty."""
+    differs = (2.0 if body.half else 1.0) * body.mesh.volume / config.design.solid_volume - 1.0
+    if abs(differs) < VOLUME_DIFFERS:
+        return ""
+    size = config.mesh.element_size_mm
+    return (
+        f"the mesh has {100 * abs(differs):.2g} % {'more' if differs > 0 else 'less'} material than the drawing, "
+        f"because elements of {size:.3g} mm cannot follow its round walls; give a smaller mesh.size, for example "
+        f"{SMALLER_SIZE * size:.2g} mm, or leave it out"
+    )
+
+
 def of_mesh(mesh: Mesh, design: Design) -> tuple[str, ...]:
     """The sentences on the mesh of a design, known before anything is solved."""
     quality = mesh.quality
@@ -56,3 +72,8 @@ def of_mesh(mesh: Mesh, design: Design) -> tuple[str, ...]:
         f"has 1), near {where}, where stresses may be inaccurate and large deformation may end early; "
         f"{design.against_flat_elements}",
     )
+
+
+def of_body(body: Body, config: Config) -> tuple[str, ...]:
+    """All sentences on the body that was meshed."""
+    return tuple(filter(None, (*of_mesh(body.mesh, config.design), of_volume(body, config), of_half(body))))

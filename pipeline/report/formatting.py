@@ -8,6 +8,8 @@ import numpy as np
 
 #: digits that a number without a standard deviation is written with
 DIGITS = 4
+#: the smallest number of per cent that is written
+LEAST_PERCENT = 0.001
 
 
 def number(value: Any) -> str:
@@ -22,8 +24,12 @@ def number(value: Any) -> str:
 
 
 def percent(value: float | None) -> str:
-    """A fraction in per cent with two digits."""
-    return "-" if value is None else f"{number(float(f'{100 * value:.2g}'))} %"
+    """A fraction in per cent with two digits; what is smaller than LEAST_PERCENT is not told from zero."""
+    if value is None:
+        return "-"
+    if 0.0 < abs(100.0 * value) < LEAST_PERCENT:
+        return f"< {LEAST_PERCENT:g} %"
+    return f"{number(float(f'{100 * value:.2g}'))} %"
 
 
 def seconds(value: float) -> str:

@@ -2,7 +2,7 @@
 
 from math import inf
 
-from pipeline.report.formatting import number, percent
+from pipeline.report.formatting import percent
 from pipeline.report.mesh import from_file
 from pipeline.report.numbers import largest_mesh_error
 from pipeline.report.results import Results
@@ -50,7 +50,7 @@ def _mesh(results: Results) -> list[str]:
         return []
     return [
         f"Next: take smaller elements, in another --out, because the error of the mesh is about {percent(error)}: for "
-        f"example --set mesh.size='{number(SMALLER * mesh['size_mm'])} mm'."
+        f"example --set mesh.size='{SMALLER * mesh['size_mm']:.2g} mm'."
     ]
 
 

@@ -96,7 +96,7 @@ def stretch_of_rod(results: Results) -> str:
 
 def mesh_error(results: Results) -> str:
     """Whether the standard deviations contain the error of the mesh, and how large that is."""
-    if not results.parameters:
+    if not results.identified_pressures:
         return ""
     error = results.parameters.get("mesh_error")
     if not error and results.run.get("accuracy"):
@@ -119,8 +119,8 @@ def mesh_error(results: Results) -> str:
             parts.append(f"{fixed(max(stds), decimals_of([], [max(stds)]))} {unit} of {symbol}")
     relative = f"{_relative(error)}, " if _relative(error) else ""
     return (
-        f"Mesh error: {relative}estimated from mesh sizes of {sizes} mm and contained in the standard "
-        f"deviations: at most {', '.join(parts)}."
+        f"Mesh error: {relative}estimated from mesh sizes of {sizes} mm, the largest of all pressures. The standard "
+        f"deviations contain it, up to {listed(parts)}."
     )
 
 
@@ -139,7 +139,7 @@ def _largest(error: Mapping[str, Any]) -> dict[str, float]:
 def _relative(error: Mapping[str, Any]) -> str:
     """The largest relative errors over the pressures; empty where they are not known."""
     parts = [f"{100 * largest:.1f} % in {symbol}" for symbol, largest in _largest(error).items()]
-    return f"at most {listed(parts)}" if parts else ""
+    return f"about {listed(parts)}" if parts else ""
 
 
 def law_mesh_error(results: Results) -> str:
@@ -163,7 +163,7 @@ def _relative_of_law(results: Results) -> str:
         errors = [abs(std / value) for value, std in pairs if value and std is not None]
         if errors:
             parts.append(f"{percent(max(errors))} of {symbol}")
-    return f"at most {listed(parts)}" if parts else ""
+    return f"about {listed(parts)}" if parts else ""
 
 
 def mesh_besides(results: Results) -> str:

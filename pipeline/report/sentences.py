@@ -59,7 +59,8 @@ def _together(sentences: Iterable[str]) -> list[str]:
 def not_identified(results: Results) -> str:
     """Why there are no five parameters, for the same reason as at the end of the run."""
     sentences = [*(results.run.get("failures") or ()), *(results.run.get("remarks") or ())]
-    reasons = [sentence for sentence in sentences if sentence.startswith("no five parameters")]
+    named = (sentence for sentence in sentences if sentence.startswith("no five parameters"))
+    reasons = [sentence.removeprefix("no five parameters: ") for sentence in named]
     why = "; ".join(reasons) if reasons else "the identification needs II and III at the same pressure"
     return f"They were not identified: {why}."
 

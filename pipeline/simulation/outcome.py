@@ -203,8 +203,9 @@ class Outcomes:
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """A sentence for every experiment that stopped early."""
-        return tuple(outcome.failure_sentence() for outcome in self if outcome.failure)
+        """A sentence for every experiment that stopped early, first those with a reason of their own."""
+        ended = sorted((o for o in self if o.failure), key=lambda o: bool(o.failure and o.failure.not_followed))
+        return tuple(outcome.failure_sentence() for outcome in ended)
 
     @property
     def first_to_end(self) -> tuple[str, float] | None:
