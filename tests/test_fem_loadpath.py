@@ -29,8 +29,9 @@ from fem import (
 )
 from fem.path import newton
 from fem.path.control import LoadControl
-from fem.path.newton import Start, StepFailed
+from fem.path.newton import Converged, Start, StepFailed
 from fem.path.predictor import PathPoint, extrapolate
+from fem.path.solver import Increment, IncrementSolver
 from geometry import Body, PneuNet
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.495)
@@ -255,3 +256,32 @@ def test_an_extrapolated_equilibrium_is_iterated_once_because_its_stability_is_n
     assert (unchecked.iterations, checked.iterations) == (0, 1)
     assert checked.negative_pivots == known.negative_pivots == 2
     np.testing.assert_allclose(checked.state.displacement, known.displacement, atol=1e-6)
+
+
+def test_a_path_that_loses_its_stability_on_the_way_says_that_it_was_not_followed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A straight bar pressed with three times its Euler load stays straight; half of that is too much already."""
+    euler = np.pi**2 / 12.0 / (4.0 * 8.0**2)
+
+    def pressed(x: np.ndarray) -> np.ndarray:
+        return np.stack([np.full(x.shape[:-1], -3.0 * euler), 0.0 * x[..., 1], 0.0 * x[..., 2]], axis=-1)
+
+    ends = [Fixed("left")]
+    bar = Model(box((8, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 1e-5), ends, [Traction("right", pressed)], "p2")
+    (at_once,) = follow(bar, [1.0]).steps
+    solve, tried = IncrementSolver.solve, []
+
+    def fails_at_first(self: IncrementSolver, increment: Increment) -> Converged:
+        tried.append(increment)
+        if len(tried) == 1:
+            raise StepFailed("the whole way is too long")
+        return solve(self, increment)
+
+    monkeypatch.setattr(IncrementSolver, "solve", fails_at_first)
+    (halved,) = follow(bar, [1.0]).steps
+    np.testing.assert_allclose(halved.displacement, at_once.displacement, atol=1e-6)
+    assert (at_once.negative_pivots, halved.negative_pivots) == (2, 2)
+    assert "not followed" not in at_once.instability
+    assert "the path was not followed: it lost its stability between 0.0 and 50.0 % of the way" in halved.instability
+    assert halved.instability.startswith("unstable in 2 directions")

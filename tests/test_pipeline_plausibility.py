@@ -52,6 +52,9 @@ def test_the_shipped_designs_are_plausible(config: str) -> None:
         ("pressures=[0.1 MPa, 0.2 MPa, 0.4 MPa]", "inflate like balloons; check the units (kPa, MPa), or stay well"),
         ("pressures=[10 Pa, 20 Pa, 30 Pa]", "will hardly bend the arm; check the units (kPa, MPa, GPa), or give"),
         ("pressures=[10 Pa, 20 Pa]", "for example pressures: [4 kPa, 8 kPa, 12 kPa, 16 kPa]"),
+        ("pressures=[17.3 kPa, 37.1 kPa]", "give three or more, for example pressures: [17.3 kPa, 27 kPa, 37.1 kPa]"),
+        ("pressures=[37.1 kPa]", "give three or more, for example pressures: [9.2 kPa, 18 kPa, 28 kPa, 37.1 kPa]"),
+        ("material.E=1200 MPa", "check the units of the material (kPa, MPa, GPa), because rubbers have a Young's"),
         ("material.E=300 MPa", "will hardly bend the arm"),
         (
             "geometry.chambers=6",
@@ -76,7 +79,7 @@ def test_pressures_that_are_suggested_lie_below_the_lowest_end_of_an_experiment(
     assert len(without) == len(sentences)
     suggested = re.findall(r"well below ([\d.]+) kPa|([\d.]+) kPa(?=[,\]])", "; ".join(sentences))
     numbers = [float(number) for pair in suggested for number in pair if number]
-    assert len(numbers) >= 4
+    assert len(numbers) >= 3
     assert max(numbers) <= 1.01 * WELL_BELOW * end
     assert (without == sentences) == (end == 1e3)
 

@@ -13,6 +13,9 @@ from pipeline.plausibility.body import of_edges
 LARGEST_LOAD, SMALLEST_LOAD = 0.1, 3e-4
 #: the same at the highest pressure that is suggested where the given ones hardly bend the arm
 USUAL_LOAD = 30.0 * SMALLEST_LOAD
+#: kPa; no higher pressure is suggested, because no arm of rubber needs it
+HIGHEST_PRESSURE = 1000.0
+RUBBERS = "because rubbers have a Young's modulus of 0.05 to 10 MPa"
 #: the highest pressure that is suggested, over the one at which an experiment has ended: the others may end earlier
 #: (III of the coarse pneu-net at 0.69 times the limit of II), and I is not followed beyond the end of II
 WELL_BELOW = 0.6
@@ -61,11 +64,13 @@ def _weak_pressure(config: Config, end_kPa: float) -> str:
     load, beginning = _load(config)
     if config.effects.pressure.off or load >= SMALLEST_LOAD:
         return ""
-    pressure = config.pressures_kPa[-1]
-    return (
-        f"{beginning} will hardly bend the arm; check the units (kPa, MPa, GPa), or give pressures up to "
-        f"{_suggested(pressure * USUAL_LOAD / load, end_kPa):g} kPa"
+    suggested = _suggested(config.pressures_kPa[-1] * USUAL_LOAD / load, end_kPa)
+    remedy = (
+        f"; check the units (kPa, MPa, GPa), or give pressures up to {suggested:g} kPa"
+        if suggested <= HIGHEST_PRESSURE
+        else f"; check the units of the material (kPa, MPa, GPa), {RUBBERS}, and of the pressures"
     )
+    return f"{beginning} will hardly bend the arm{remedy}"
 
 
 def _unequal_cells(config: Config) -> str:
@@ -97,8 +102,12 @@ def _few_pressures(config: Config, end_kPa: float) -> str:
     load, _ = _load(config)
     is_weak = load < SMALLEST_LOAD and not config.effects.pressure.off
     part = USUAL_LOAD / load if is_weak else min(1.0, LARGEST_LOAD / load)
-    high = _suggested(config.pressures_kPa[-1] * part, end_kPa)
-    suggested = ", ".join(f"{_two_digits(fraction * high):g} kPa" for fraction in (0.25, 0.5, 0.75, 1.0))
+    given, high = config.pressures_kPa, _suggested(config.pressures_kPa[-1] * part, end_kPa)
+    values = [_two_digits(fraction * high) for fraction in (0.25, 0.5, 0.75, 1.0)]
+    if high == _two_digits(given[-1]):  # the given ones stay
+        between = [_two_digits((given[0] + given[-1]) / 2)] if len(given) == 2 else values[:-1]
+        values = sorted({*between, *given})
+    suggested = ", ".join(f"{value:g} kPa" for value in values)
     number = "one pressure" if count == 1 else "two pressures"
     return f"{number} cannot tell {untested}; give three or more, for example pressures: [{suggested}]"
 

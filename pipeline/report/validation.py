@@ -63,6 +63,12 @@ class RodErrors:
         errors = (*self.distance, *self.force_of_largest)
         return max((value for value in errors if value is not None), default=math.inf)
 
+    @property
+    def largest_of(self) -> str:
+        """What the largest error is one of."""
+        distances = [value for value in self.distance if value is not None]
+        return "length" if self.largest in distances else "largest force at the end"
+
     def record(self) -> JsonObject:
         """The largest errors as `pneurod run --json` writes them."""
         (inside, outside), (force_inside, force_outside) = self.distance, self.force
@@ -146,13 +152,13 @@ def rod_to_take(results: Results) -> list[str]:
         loads = "more" if best.missing else "some"
         first += (
             f": every rod with a smaller error has no solution under {loads} of the loads; its own largest error is "
-            f"{percent(best.largest)}"
+            f"{percent(best.largest)} of the {best.largest_of}"
         )
     elif number_of_near > 1:
         first += (
-            f": its largest error against finite elements on the same mesh, {percent(best.largest)}, is the smallest "
-            f"of {number_of_near} rods (distance over the length, or error of the force at the end over its largest "
-            "value)"
+            f": its largest error against finite elements on the same mesh, {percent(best.largest)} of the "
+            f"{best.largest_of}, is the smallest of {number_of_near} rods (distances are compared with the length, "
+            "errors of the force at the end with the largest one)"
         )
     elif len(ordered) > 1:
         first += f": every other one is more than {percent(POOR)} of l away from the finite elements"
