@@ -10,7 +10,7 @@ import pytest
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.mesh_error import mesh_deviations, with_mesh_error
+from pipeline.identification.mesh_error import mesh_deviations, with_mesh_error, with_others
 from pipeline.identification.parameters import Parameters
 from pipeline.identification.richardson import extrapolated
 from pipeline.progress import Silent
@@ -50,6 +50,15 @@ def test_a_pressure_that_the_coarser_mesh_did_not_reach_gets_the_usual() -> None
     assert mesh_deviations(fine, [None, None], 4.0, 1.5) == ({}, {})
 
 
+def test_the_difference_from_other_elements_is_the_least_error_at_every_pressure() -> None:
+    fine = [{"alpha1": 200.0, "d": 6.0}, {"alpha1": 300.0, "d": 7.0}]
+    others = {"alpha1": 0.05, "d": 0.2}  # the first over the value, the second in mm
+    first, second = with_others([{"alpha1": 20.0, "d": 0.1}, {}], fine, others)
+    assert first == pytest.approx({"alpha1": 20.0, "d": 0.2})
+    assert second == pytest.approx({"alpha1": 15.0, "d": 0.2})
+    assert with_others([{"alpha1": 20.0}], fine[:1], {}) == ({"alpha1": 20.0},)
+
+
 def test_a_further_error_widens_an_interval_to_both_sides() -> None:
     wide = Interval(10.0, 3.0, 4.0, 18.0).widened(4.0)
     assert (wide.value, wide.std) == (10.0, pytest.approx(5.0))
@@ -65,10 +74,13 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     record = json.loads((tmp_path / "out" / "parameters.json").read_text(encoding="utf-8"))
     contribution = record["mesh_error"]
     assert contribution["sizes_mm"] == [6.0, 9.0]
+    assert contribution["with_mixed"]
     for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
         assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], record[key], strict=True)), key
     sentence = mesh_error(read_results(tmp_path / "out"))
-    assert "estimated from mesh sizes of 6 and 9 mm, the largest of all pressures. The standard" in sentence
+    assert (
+        "all pressures, estimated from mesh sizes of 6 and 9 mm and from mixed elements at a" in sentence
+    )
     largest = max(contribution["kappa_0_relative"])
     assert sentence.startswith(f"Mesh error: about {100 * largest:.1f} % in κ₀(l/2), ")
     assert all(error > 0.0 for name in ("alpha2", "force") for error in contribution[f"{name}_relative"])
