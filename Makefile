@@ -9,15 +9,16 @@ READY := .venv/.ready
 PEERS := .venv-peers
 # those with the longest points first
 paper_sweeps := lengths cells heights arms pneunet contact forces
-# designs drawn at random: their seed, how many in all, on a finer mesh too and at the same time, and the law of the rod
+# designs drawn at random: their seed, how many in all, on a finer mesh too, at the same time (all cores unless given),
+# and the law of the rod
 SEED := 7
 N := 40
 FINER := 8
-JOBS := $(shell nproc)
+JOBS :=
 LAW := both
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy foreign scaling
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen wheel examples lint types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen nightly wheel examples lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -99,7 +100,12 @@ kills: $(READY)  ## fifty runs killed at random times and continued, compared wi
 	@$(BIN)/python benchmarks/kills.py
 
 unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
-	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) --jobs $(JOBS) --law $(LAW) --page docs
+	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --page docs
+
+nightly: $(READY)  ## for a scheduler: hard cases, slow tests, and 40 designs of a seed that nobody has seen, the date
+	@$(MAKE) hard
+	$(MAKE) slow
+	$(BIN)/python -m benchmarks.unseen --seed $$(date +%Y%m%d) --count 40 --finer 40 --law both
 
 wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
 	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py
