@@ -78,9 +78,7 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
         assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], record[key], strict=True)), key
     sentence = mesh_error(read_results(tmp_path / "out"))
-    assert (
-        "all pressures, estimated from mesh sizes of 6 and 9 mm and from mixed elements at a" in sentence
-    )
+    assert "all pressures, estimated from mesh sizes of 6 and 9 mm and from mixed elements at a" in sentence
     largest = max(contribution["kappa_0_relative"])
     assert sentence.startswith(f"Mesh error: about {100 * largest:.1f} % in κ₀(l/2), ")
     assert all(error > 0.0 for name in ("alpha2", "force") for error in contribution[f"{name}_relative"])

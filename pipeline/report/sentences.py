@@ -50,9 +50,10 @@ def _together(sentences: Iterable[str]) -> list[str]:
         named = _OF_EXPERIMENT.fullmatch(sentence)
         name, text = named.groups() if named else ("", sentence)
         names.setdefault(text, []).append(name)
+    ended = {text: sorted(filter(None, experiments)) for text, experiments in names.items()}
     return [
-        f"experiment{'s' if len(experiments) > 1 else ''} {listed(experiments)} {text}" if any(experiments) else text
-        for text, experiments in names.items()
+        f"experiment{'s' if len(experiments) > 1 else ''} {listed(experiments)} {text}" if experiments else text
+        for text, experiments in ended.items()
     ]
 
 
