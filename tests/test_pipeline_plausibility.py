@@ -433,6 +433,7 @@ def test_a_mesh_that_does_not_follow_round_walls_is_named(size: str, differs: bo
             "the law of neo-Hooke describes rubber up to a stretch",
         ),
         ("{law: neo_hooke, mu: 0.4 MPa, nu: 0.495}", (0.7, 1.45), ""),
+        ("{law: mooney_rivlin, c10: 0.2 MPa, c01: 0.02 MPa, nu: 0.495}", (0.7, 1.8), "of Mooney and Rivlin describes"),
         ("{law: yeoh, c10: 0.2 MPa, c20: 0.01 MPa, c30: 0 MPa, nu: 0.495}", (0.5, 2.0), ""),
     ],
 )

@@ -29,8 +29,8 @@ class Valid(NamedTuple):
     sentence: str
 
 
-#: St. Venant-Kirchhoff: the tensile test of examples/; Hencky: L. Anand, J. Appl. Mech. 46 (1979) 78; neo-Hooke:
-#: L. R. G. Treloar, Trans. Faraday Soc. 40 (1944) 59. Laws of more parameters are as good as their fit
+#: for the rubber of the tensile test in examples/ (docs/how_to/choose_law.md); Hencky between 0.7 and 1.3 also by
+#: L. Anand, J. Appl. Mech. 46 (1979) 78. The other laws are as good as their fit
 VALID_TO = {
     "svk": Valid(
         1.1,
@@ -39,6 +39,7 @@ VALID_TO = {
     ),
     "hencky": Valid(1.3, "Hencky's law describes rubber between stretches of about 0.7 and 1.3"),
     "neo_hooke": Valid(1.5, "the law of neo-Hooke describes rubber up to a stretch of about 1.5"),
+    "mooney_rivlin": Valid(1.7, "the law of Mooney and Rivlin describes rubber up to a stretch of about 1.7"),
 }
 
 
