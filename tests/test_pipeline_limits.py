@@ -13,7 +13,8 @@ from test_pipeline_plausibility import CONFIGS
 
 import fem
 from fem.path import follower
-from fem.path.options import PathEnded
+from fem.path.newton import Converged, StepFailed
+from fem.path.solver import Increment, IncrementSolver
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
@@ -81,20 +82,46 @@ def test_no_jump_on_the_way_to_the_first_pressure_with_a_constant_load(
     assert end.factorizations < 60
 
 
-def test_the_constant_load_first_leads_to_the_same_state(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("bears", [False, True])
+def test_where_the_constant_load_is_not_borne_alone_both_grow_together(
+    bears: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """bears: a half of it, so that the way together begins at rest again."""
     heavy = under_a_constant_load("effects.gravity=on", "II")
     (first,) = fem.follow(heavy, [1.0]).steps
-    followed = follower.PathFollower._advance
+    solve = IncrementSolver.solve
 
-    def fails_at_the_constant_load(self: Any, target: float, announced: float, before: Any) -> fem.Step:
-        if target != announced:
-            raise PathEnded(fem.End("load factor", target, 0.0, 0.0, 0, 0, "the body does not bear it alone"))
-        return followed(self, target, announced, before)
+    def without_all_of_the_load(self: IncrementSolver, increment: Increment) -> Converged:
+        control = increment.control
+        if control.value <= follower.CONSTANTS_FIRST and not (bears and control.constant_fraction == 0.5):
+            raise StepFailed("the body does not bear it alone")
+        return solve(self, increment)
 
-    monkeypatch.setattr(follower.PathFollower, "_advance", fails_at_the_constant_load)
+    monkeypatch.setattr(IncrementSolver, "solve", without_all_of_the_load)
     (both,) = fem.follow(heavy, [1.0]).steps
     assert np.abs(first.displacement - both.displacement).max() < 1e-8 * np.abs(first.displacement).max()
-    assert first.factorizations > both.factorizations  # without it one state less is solved
+    assert both.cutbacks == 0
+
+
+def test_a_constant_load_alone_is_nothing_of_the_pressure(monkeypatch: pytest.MonkeyPatch) -> None:
+    solve = IncrementSolver.solve
+
+    def without_pressure(self: IncrementSolver, increment: Increment) -> Converged:
+        if increment.control.value > follower.CONSTANTS_FIRST:
+            raise StepFailed("no pressure is borne")
+        return solve(self, increment)
+
+    monkeypatch.setattr(IncrementSolver, "solve", without_pressure)
+    end, partial = end_of(under_a_constant_load("effects.gravity=on", "II"), 1.0)
+    assert (end.reached, end.constant_fraction, partial.steps) == (0.0, 1.0, ())
+
+
+def test_before_the_first_pressure_nobody_is_asked_whether_it_is_worth_the_search() -> None:
+    asked: list[float] = []
+    options = fem.PathOptions(give_up=lambda target: asked.append(target) or "")
+    heavy = under_a_constant_load("effects.gravity=on", "II")
+    fem.follow(heavy, [0.8, 0.9], options)
+    assert asked == [0.9]
 
 
 @pytest.mark.parametrize("relative", [1e-9, -1e-9, 3e-9])

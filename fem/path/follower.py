@@ -29,6 +29,8 @@ from fem.solution import End, Seconds, Solution, Step
 
 #: part of the way to the first target on which constant loads are brought up, before the rest of the driven one
 CONSTANTS_FIRST = 1e-3
+#: smallest increment that is tried there, as a part of it; where it takes more the loads grow together
+CONSTANTS_INCREMENT = 1 / 16
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,26 @@ class _LoadStep:
         return control.target(value, applied + fraction * (1.0 - applied))
 
 
+@dataclass(frozen=True)
+class _Target:
+    """A value of the driven quantity that is to be reached."""
+
+    value: float
+    announced: float  #: the target on whose way it lies, for the observer
+    min_increment: float  #: smallest increment that is tried, as a fraction of the way and, beyond rest, of the load
+    is_first: bool  #: whether it lies on the way to the first target
+
+
+@dataclass(frozen=True, eq=False)
+class _Reached:
+    """An equilibrium at a target, and what it took."""
+
+    control: Control
+    converged: Converged
+    iterations: int
+    cutbacks: int
+
+
 @final
 class PathFollower:
     """A path that is being followed."""
@@ -54,11 +76,15 @@ class PathFollower:
         self.control = control
         self.options = options
         self.observer = observer
+        self._begin_at_rest()
+
+    def _begin_at_rest(self) -> None:
+        control = self.control
         active_set = ActiveSet.of(self.system.terms, self.system.space.points)
         terms = at_constant_fraction(active_set.active, 0.0)
         self.points = [PathPoint(control.value, 0.0, self.system.rest_state(), terms=terms)]  #: the last two
         self.predictor = Predictor(self.points[0], control)
-        self.solver = IncrementSolver(self.system, self.predictor, active_set, options.newton)
+        self.solver = IncrementSolver(self.system, self.predictor, active_set, self.options.newton)
         #: the last point on the way to the first target, with its rate while constant loads grow as well
         self.arrival: PathPoint | None = None
         self.is_stable = True  #: whether the last equilibrium is
@@ -98,7 +124,7 @@ class PathFollower:
         point = self._point(control, converged)
         self._check_continuation(control, converged, point, increments)
         self.points = [self.points[-1], point]
-        return self._step(control, converged, self.solver.iterations, increments, before)
+        return self._step(_Reached(control, converged, self.solver.iterations, increments.cutbacks), 1.0, before)
 
     def _resumed(self, step: Step, value: float) -> PathPoint:
         """The point of the path at a finished step; the path goes on with the contacts that are active there."""
@@ -112,43 +138,58 @@ class PathFollower:
         """Equilibrium at `target`, in as few increments as converge; raises `PathEnded`.
 
         On the way to the first target constant loads are brought up before the driven one: while both grow, the rates
-        of their motions hide how far an increment leads behind a limit of the driven load.
+        of their motions hide a step that jumps past a limit of the driven load.
         """
-        before = Costs.of(self.system)
-        if len(self.points) == 1 and self.control.gives_load and self.predictor.has_constant_loads:
-            return self._advance_with_constant_loads(target, before)
-        return self._advance(target, target, before)
-
-    def _advance_with_constant_loads(self, target: float, before: Costs) -> Step:
-        rest, first = self.points[0], None
+        before, is_first, rest = Costs.of(self.system), len(self.points) == 1, self.points[0]
+        self.not_followed = ""
+        constant = None
+        if is_first and self.control.gives_load and self.predictor.has_constant_loads:
+            constant = self._with_constant_loads(target, before)
         try:
-            first = self._advance(rest.value + CONSTANTS_FIRST * (target - rest.value), target, before)
-        except PathEnded:  # without the driven load the body may bear less of them than with it
-            self.predictor.forget_rate_at_rest()
-        step = self._advance(target, target, before)
-        self.points = [rest, self.points[-1]]  # as where the path is resumed
-        iterations = step.newton_iterations + (first.newton_iterations if first else 0)
-        return replace(step, newton_iterations=iterations, cutbacks=step.cutbacks + (first.cutbacks if first else 0))
+            reached = self._reach(_Target(target, target, self.options.min_increment, is_first), before)
+        except PathEnded as ended:
+            if constant and ended.end.reached == constant.control.value:  # nothing of the driven load
+                raise PathEnded(replace(ended.end, reached=rest.value)) from None
+            raise
+        if constant:
+            self.points = [rest, self.points[-1]]  # as where the path is resumed
+            iterations, cutbacks = reached.iterations + constant.iterations, reached.cutbacks + constant.cutbacks
+            reached = replace(reached, iterations=iterations, cutbacks=cutbacks)
+        return self._step(reached, target, before)
 
-    def _advance(self, target: float, announced: float, before: Costs) -> Step:
-        """announced: the target that the observer is told."""
-        load_step = _LoadStep(self.points[-1], target)
-        increments = Increments(load_step.origin.value, target, self.options.min_increment)
+    def _with_constant_loads(self, target: float, before: Costs) -> _Reached | None:
+        """The equilibrium with all constant loads and hardly anything of the driven one; None, and at rest again, where
+        there is no stable one: with more of the driven load the body may bear them."""
+        rest = self.points[0].value
+        way = _Target(rest + CONSTANTS_FIRST * (target - rest), target, CONSTANTS_INCREMENT, is_first=True)
+        try:
+            reached = self._reach(way, before)
+        except PathEnded:
+            self._begin_at_rest()
+            return None
+        if reached.converged.negative_pivots:
+            self._begin_at_rest()
+            return None
+        return reached
+
+    def _reach(self, target: _Target, before: Costs) -> _Reached:
+        """Raises `PathEnded`."""
+        load_step = _LoadStep(self.points[-1], target.value)
+        increments = Increments(load_step.origin.value, target.value, target.min_increment)
         increments.limit = self._announced_limit(self.points[0], self.points[-1])
         iterations, cause = 0, StepFailed("no increment was tried")
-        self.not_followed = ""
         self.solver.begin_target()
         give_up_checked = False
         while True:
             fraction = increments.next
-            if not give_up_checked and (fraction < 1.0 or len(self.points) > 1):
+            if not give_up_checked and (fraction < 1.0 or not target.is_first):
                 give_up_checked = True
-                if reason := self.options.give_up(target):
+                if reason := self.options.give_up(target.announced):
                     last = load_step.control(self.control, increments.reached)
                     raise PathEnded(self._end(last, increments, before, reason))
             control = load_step.control(self.control, fraction)
             try:
-                converged = self.solver.solve(self._increment(control, increments, announced))
+                converged = self.solver.solve(self._increment(control, increments, target.announced))
                 point = self._point(control, converged)
                 arrival = self._check_continuation(control, converged, point, increments)
             except StepFailed as failure:
@@ -170,7 +211,7 @@ class PathFollower:
             increments.accepted(fraction, converged.iterations, limit)
             if fraction == 1.0:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
-                return self._step(control, converged, iterations, increments, before)
+                return _Reached(control, converged, iterations, increments.cutbacks)
             if increments.is_confirmed_or_exhausted:
                 raise PathEnded(self._end_after(cause, control, increments, before))
 
@@ -246,15 +287,14 @@ class PathFollower:
             cause = f"the search ended after {increments.tried} increments; the last one that failed: {cause}"
         return self._end(reached, increments, before, cause, limit)
 
-    def _step(
-        self, control: Control, converged: Converged, iterations: int, increments: Increments, before: Costs
-    ) -> Step:
+    def _step(self, reached: _Reached, target: float, before: Costs) -> Step:
+        control, converged = reached.control, reached.converged
         system, state, rate = self.system, converged.state, self.points[-1].rate
         active_set, options = self.solver.active_set, self.options.newton
         unstable = instability(system, converged, self.points[-1].terms)  # factorizes where it is unstable
         exact, inexact = None, ""
         if self.control.gives_load:  # under a prescribed volume the pressure would differ as well
-            watch = self._watch(increments.target)
+            watch = self._watch(target)
             exact, inexact = with_exact_distances(control, converged, active_set, options, watch)
         costs = Costs.of(system) - before
         return Step(
@@ -268,9 +308,9 @@ class PathFollower:
             min_gap=smallest_gap(active_set.stiffened, self.solver.positions(converged)),
             negative_pivots=converged.negative_pivots,
             instability="; ".join(filter(None, (unstable, self.not_followed))),
-            newton_iterations=iterations,
+            newton_iterations=reached.iterations,
             factorizations=costs.factorizations,
-            cutbacks=increments.cutbacks,
+            cutbacks=reached.cutbacks,
             effects=active_set.effects,
             active=active_set.is_active,
             added_pairs=system.storage.added,

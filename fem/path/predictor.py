@@ -110,10 +110,6 @@ class Predictor:
                 self._rate_at_rest = target.rate_at_rest(self.rest.terms, fraction)
         return self._rate_at_rest
 
-    def forget_rate_at_rest(self) -> None:
-        """Compute it anew for another way from rest, on which constant loads grow by another fraction."""
-        self._rate_at_rest, self._has_rate_at_rest = None, False
-
     @property
     def rate_at_rest(self) -> State | None:
         """d(state)/d(value) at rest; None before the first start was asked for, and where there is none."""
