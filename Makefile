@@ -102,10 +102,12 @@ kills: $(READY)  ## fifty runs killed at random times and continued, compared wi
 unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
 	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --page docs
 
-nightly: $(READY)  ## for a scheduler: hard cases, slow tests, and 40 designs of a seed that nobody has seen, the date
-	@$(MAKE) hard
-	$(MAKE) slow
-	$(BIN)/python -m benchmarks.unseen --seed $$(date +%Y%m%d) --count 40 --finer 40 --law both
+nightly: $(READY)  ## for a scheduler: hard cases, slow tests, and 40 designs drawn with today's date as the seed
+	@status=0
+	$(BIN)/python tests/hard_cases/run_all.py || status=1
+	$(BIN)/python -m pytest -m slow || status=1
+	$(BIN)/python -m benchmarks.unseen --seed $$(date +%Y%m%d) --count 40 --finer 40 --law both || status=1
+	exit $$status
 
 wheel: $(READY)  ## the wheel, built, installed into a fresh environment outside the checkout and run there
 	@$(BIN)/python -m pytest -m "slow or not slow" tests/test_packaging.py

@@ -107,8 +107,10 @@ def test_the_report_tells_what_was_chosen_and_how_long_the_edges_are(written: Pa
     assert "Chosen by the program: elements mixed, because it does not lock at a Poisson ratio of 0.495" in text
     assert "Chosen by the program: size" not in text
     assert "volume" not in text
-    (tmp_path / "run.json").write_text(json.dumps({"mesh": {**record, "volume_over_drawing": 0.99}}), encoding="utf-8")
-    assert "The volume of the mesh differs from that of the drawing by -1 %." in mesh_sentences(read_results(tmp_path))
+    (tmp_path / "run.json").write_text(json.dumps({"mesh": {**record, "volume_over_drawing": 0.995}}), encoding="utf-8")
+    assert "The volume of the mesh differs from that of the drawing by -0.5 %." in mesh_sentences(
+        read_results(tmp_path)
+    )
 
 
 def test_the_thinnest_wall_of_a_drawing_is_measured_in_a_cad_file(configs: Path) -> None:

@@ -614,5 +614,5 @@ def test_the_key_against_small_edges_of_a_surface_says_what_other_bodies_need(co
     path = Path(__file__).resolve().parent.parent / "configs" / f"{config}.yaml"
     sentence = refusal(path, "geometry.defeature=0.2 mm")
     assert (
-        "unknown key; it removes small edges of an STL or OBJ surface; remove those of another body in the" in sentence
+        "unknown key; it removes small edges of an STL or OBJ surface; for other bodies remove small edges" in sentence
     )

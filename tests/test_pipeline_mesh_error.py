@@ -74,11 +74,14 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     record = json.loads((tmp_path / "out" / "parameters.json").read_text(encoding="utf-8"))
     contribution = record["mesh_error"]
     assert contribution["sizes_mm"] == [6.0, 9.0]
-    assert contribution["with_mixed"]
+    assert contribution["mixed_at_kPa"] == 8.0
     for key in ("alpha1_N_mm2_std", "alpha2_N_mm2_std", "m02_N_mm_std"):
         assert all(0.0 < of_mesh <= whole for of_mesh, whole in zip(contribution[key], record[key], strict=True)), key
     sentence = mesh_error(read_results(tmp_path / "out"))
-    assert "all pressures, estimated from mesh sizes of 6 and 9 mm and from mixed elements at a" in sentence
+    assert (
+        "at the worst pressure, estimated from mesh sizes of 6 and 9 mm and from mixed elements at 8 kPa. It"
+        in sentence
+    )
     largest = max(contribution["kappa_0_relative"])
     assert sentence.startswith(f"Mesh error: about {100 * largest:.1f} % in κ₀(l/2), ")
     assert all(error > 0.0 for name in ("alpha2", "force") for error in contribution[f"{name}_relative"])

@@ -161,8 +161,8 @@ def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path:
     stored = results(tmp_path, validation=[*five, *law])
     assert rod_to_take(stored) == [
         "Take the rod with the arm's own law (arm_law): its largest error against finite elements on the same mesh, "
-        "0.4 % of the largest force at the end, is the smallest of 2 rods (distances are compared with the length, "
-        "errors of the force at the end with the largest one).",
+        "0.4 % of the largest force at the end, is the smallest of 2 rods (errors of the shape relative to the length, "
+        "errors of the force at the end relative to the largest one).",
         "The rod with the arm's own law: out of sample (loads that nothing was fitted to) the shape is wrong by at "
         "most 0.2 % of l, the force by at most 0.4 %.",
         "The rod with five parameters: in sample the shape is wrong by at most 2 % of l, the force by at most 2 %; "
@@ -190,8 +190,8 @@ def test_the_error_of_a_small_force_counts_over_the_largest_one(tmp_path: Path) 
     stored = results(tmp_path, validation=[*five, *law])
     assert rod_to_take(stored)[:2] == [
         "Take the rod with the arm's own law (arm_law): its largest error against finite elements on the same mesh, "
-        "1 % of the largest force at the end, is the smallest of 2 rods (distances are compared with the length, "
-        "errors of the force at the end with the largest one).",
+        "1 % of the largest force at the end, is the smallest of 2 rods (errors of the shape relative to the length, "
+        "errors of the force at the end relative to the largest one).",
         "The rod with the arm's own law: out of sample (loads that nothing was fitted to) the shape is wrong by at "
         "most 0.1 % of l, the force by at most 70 % (over the largest force of all loads at most 1 %).",
     ]

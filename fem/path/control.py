@@ -38,7 +38,7 @@ class Control(ABC):
     system: System = field(repr=False)
     scale: float  #: what the residual is relative to, in the unit of the quantity
     value: float  #: prescribed value of the quantity
-    constant_fraction: float  #: of constant loads and prescribed displacements: 0 at rest, 1 from the first target on
+    constant_fraction: float  #: of constant loads and prescribed displacements: 0 at rest, 1 at the first target
 
     @final
     def target(self, value: float, constant_fraction: float) -> Self:

@@ -50,7 +50,7 @@ class PathPoint:
     """An equilibrium on the path: the value of the driven quantity, and the state there."""
 
     value: float  #: of the load factor, of the volume in mm3, or of the part of the way
-    constant_fraction: float  #: of constant loads and displacements, 0 at rest and 1 from the first target on
+    constant_fraction: float  #: of constant loads and displacements, 0 at rest and 1 at the first target
     state: State
     touching: bool = False  #: whether walls are in contact there
     rate: State | None = None  #: tangent of the path, d(state)/d(value); None where it is not available

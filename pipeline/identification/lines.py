@@ -1,8 +1,8 @@
 """Whether the rod has a single line or two, decided once for all pressures at which two are possible.
 
-The criterion of one pressure depends on the mesh where the two are close to each other. Numbers that change from a
-single line to two between two pressures are no functions of the pressure either. So the criteria are added over the
-pressures at which walls touch: with independent errors that is the criterion of one law for all of them.
+The criterion of one pressure depends on the mesh where the two are close to each other, and alpha2 would jump where the
+number of lines changes between two pressures. So the criteria are added over the pressures at which two lines are
+possible: with independent errors, and as many observations at each, that is the criterion of one law for all of them.
 """
 
 from collections.abc import Sequence

@@ -54,17 +54,20 @@ def with_mesh_error(
     deviations = mesh_deviations(fine, numbers_on_coarser, config.mesh.element_size_mm, factor)
     reasons = [f"on the mesh {factor:g} times as coarse: {'; '.join(refused)}"] if refused else []
     others: dict[str, float] = {}
-    if config.mesh.formulation == UNSTEADY:
-        others, reason = _from_mixed(second, context, _of_half_the_highest(parameters))
+    compared = _of_half_the_highest(parameters)
+    if config.mesh.formulation == UNSTEADY and any(deviations):
+        others, reason = _from_mixed(second, context, compared)
         reasons += [reason] if reason else []
     every = zip(parameters, fine, with_others(deviations, fine, others), coarse, strict=True)
     improved = (_with_errors(*of_pressure) for of_pressure in every)
-    return tuple(replace(p, mixed_for_mesh_error=bool(others)) for p in improved), "; ".join(reasons)
+    mixed_at_kPa = compared.pressure_kPa if others else None
+    return tuple(replace(p, mixed_at_kPa=mixed_at_kPa) for p in improved), "; ".join(reasons)
 
 
 def _of_half_the_highest(parameters: Sequence[Parameters]) -> Parameters:
-    """Those of the highest pressure up to half of the highest one, or of the lowest: mixed elements of the law of St.
-    Venant-Kirchhoff end early at the bottom of gaps."""
+    """Those of the highest pressure that is at most half of the maximum, or of the lowest: mixed elements of St.
+    Venant-Kirchhoff's law meet the limit of that law at the bottom of gaps (28 kPa in III of `pneunet`), which p2p0,
+    coarser there, pass over."""
     lower = [p for p in parameters if p.pressure_kPa <= parameters[-1].pressure_kPa / 2]
     return lower[-1] if lower else parameters[0]
 
@@ -79,7 +82,7 @@ def _from_mixed(second: Config, context: RunContext, own: Parameters) -> tuple[d
         outcomes = _solved(context.submit(_meshed, mixed).result(), context, MOST_ACCURATE, (pressure,))
         free, loaded = (outcomes[f"{MOST_ACCURATE}_{name}"].at(pressure) for name in ("II", "III"))
         if free is None or loaded is None:
-            raise RodError("; ".join(outcomes.failures))
+            raise RodError("; ".join(outcomes.failures).replace(f"{MOST_ACCURATE}_", ""))
         numbers = numbers_on_mesh(own, free, loaded)
     except (InputError, RodError) as failure:
         return {}, f"{UNSTEADY} elements could not be compared with {MOST_ACCURATE} ones: {failure}"
@@ -168,7 +171,7 @@ class _OnCoarser:
     """What the coarser mesh gives at one pressure."""
 
     numbers: Mapping[str, float]  #: of as many lines as on the fine mesh
-    two_lines: bool  #: whether two lines would be chosen there
+    two_lines: bool | None  #: whether two lines would be chosen there; None where it lacks pressures to decide with
 
 
 def _on_coarser(
@@ -189,7 +192,8 @@ def _on_coarser(
     evidence = evidence_together([lines.evidence for *_, lines in identified.values()], list(one.values()))
     coarse: list[_OnCoarser | None] = [None] * len(parameters)
     for (k, (free, loaded, lines)), together in zip(identified.items(), evidence, strict=True):
-        two_lines = takes_two_lines(together, one[k], parameters[k].given_d is not None)
+        decides = len(identified) == len(parameters)
+        two_lines = takes_two_lines(together, one[k], parameters[k].given_d is not None) if decides else None
         coarse[k] = _OnCoarser(_with_lines_of(parameters[k], free, loaded, lines), two_lines)
     return coarse, tuple(refused)
 

@@ -78,9 +78,10 @@ class Parameters:
     mesh_std: Mapping[str, float] = field(default_factory=dict)
     #: relative errors of kappa_0(l/2), alpha2 and F due to the mesh, by name; empty where they were not estimated
     mesh_errors: Mapping[str, float] = field(default_factory=dict)
-    #: whether those errors contain the difference from mixed elements
-    mixed_for_mesh_error: bool = False
-    #: for two lines, by the criterion, of all pressures that are decided together (`pipeline.identification.lines`)
+    #: kPa, the pressure at which those errors contain the difference from mixed elements; None where they do not
+    mixed_at_kPa: float | None = None
+    #: criterion of a single line minus that of two, summed over the pressures that are decided together; above zero it
+    #: speaks for two (`pipeline.identification.lines`)
     evidence: float = 0.0
     #: whether two lines were chosen on the coarser mesh; None where there is none
     two_lines_on_coarser: bool | None = None

@@ -86,7 +86,7 @@ def _mesh_error(config: Config, parameters: Sequence[Parameters]) -> JsonObject 
     columns = {f"{name}_{unit}_std": [p.mesh_std.get(name) for p in parameters] for name, unit in _NUMBERS.items()}
     relative = {f"{name}_relative": [p.mesh_errors.get(name) for p in parameters] for name in RELATIVE}
     sizes = [config.mesh.element_size_mm, config.mesh.coarser * config.mesh.element_size_mm]
-    return {"sizes_mm": sizes, "with_mixed": parameters[0].mixed_for_mesh_error, **columns, **relative}
+    return {"sizes_mm": sizes, "mixed_at_kPa": parameters[0].mixed_at_kPa, **columns, **relative}
 
 
 def _eccentricity(parameters: Sequence[Parameters]) -> JsonObject:

@@ -25,21 +25,21 @@ DETERMINED = 4.0
 class Valid(NamedTuple):
     """Up to where a law describes rubber."""
 
-    stretch: float  #: largest stretch or its reciprocal that is not mentioned
+    stretches: tuple[float, float]  #: the smallest and the largest that are not mentioned
     sentence: str
 
 
 #: for the rubber of the tensile test in examples/ (docs/how_to/choose_law.md); Hencky between 0.7 and 1.3 also by
 #: L. Anand, J. Appl. Mech. 46 (1979) 78. The other laws are as good as their fit
-VALID_TO = {
+VALID = {
     "svk": Valid(
-        1.1,
+        (1 / 1.1, 1.1),
         "St. Venant-Kirchhoff (svk) is a law for small strains: for the silicone Elastosil M 4601 it holds up to a "
         "stretch of 1.08",
     ),
-    "hencky": Valid(1.3, "Hencky's law describes rubber between stretches of about 0.7 and 1.3"),
-    "neo_hooke": Valid(1.5, "the law of neo-Hooke describes rubber up to a stretch of about 1.5"),
-    "mooney_rivlin": Valid(1.7, "the law of Mooney and Rivlin describes rubber up to a stretch of about 1.7"),
+    "hencky": Valid((0.7, 1.3), "Hencky's law describes rubber between stretches of about 0.7 and 1.3"),
+    "neo_hooke": Valid((0.0, 1.5), "the law of neo-Hooke describes rubber up to a stretch of about 1.5"),
+    "mooney_rivlin": Valid((0.0, 1.7), "the law of Mooney and Rivlin describes rubber up to a stretch of about 1.7"),
 }
 
 
@@ -76,12 +76,12 @@ def _volume_change(solved: Solved) -> str:
 def _large_strain(solved: Solved) -> str:
     """Strains beyond those for which a law describes rubber."""
     name = solved.config.material.law
-    if name not in VALID_TO:
+    if name not in VALID:
         return ""
     states = [record.summary for record in solved.outcomes.records]
     low, high = (choose(states, key=key) for choose, key in ((min, _smallest_stretch), (max, _largest_stretch)))
-    valid = VALID_TO[name]
-    if max(high.extremes.max_stretch, 1.0 / low.extremes.min_stretch) <= valid.stretch:
+    valid = VALID[name]
+    if low.extremes.min_stretch >= valid.stretches[0] and high.extremes.max_stretch <= valid.stretches[1]:
         return ""
     stable = solved.config.material.built().stretch_limits[0]
     unstable = (
@@ -155,7 +155,8 @@ def _choice(p: Parameters) -> str:
     elsewhere = f"; on the coarser mesh {other} would be taken" if _is_other_on_coarser(p) else ""
     return (
         f"at {p.pressure_kPa:g} kPa {alpha2[chosen]:.3g} N mm² with {chosen}, as reported, and {alpha2[other]:.3g} "
-        f"N mm² with {other} (difference of the Bayesian information criterion {abs(p.evidence):.2g}{elsewhere})"
+        f"N mm² with {other} (difference of the Bayesian information criterion {abs(p.evidence):.2g}"
+        f"{elsewhere})"
     )
 
 

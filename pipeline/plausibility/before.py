@@ -15,7 +15,7 @@ LARGEST_LOAD, SMALLEST_LOAD = 0.1, 3e-4
 USUAL_LOAD = 30.0 * SMALLEST_LOAD
 #: kPa; no higher pressure is suggested, because no arm of rubber needs it
 HIGHEST_PRESSURE = 1000.0
-RUBBERS = "because rubbers have a Young's modulus of 0.05 to 10 MPa"
+RUBBERS = "rubbers have a Young's modulus of 0.05 to 10 MPa"
 #: the highest pressure that is suggested, over the one at which an experiment has ended: the others may end earlier
 #: (III of the coarse pneu-net at 0.69 times the limit of II), and I is not followed beyond the end of II
 WELL_BELOW = 0.6
@@ -68,7 +68,7 @@ def _weak_pressure(config: Config, end_kPa: float) -> str:
     remedy = (
         f"; check the units (kPa, MPa, GPa), or give pressures up to {suggested:g} kPa"
         if suggested <= HIGHEST_PRESSURE
-        else f"; check the units of the material (kPa, MPa, GPa), {RUBBERS}, and of the pressures"
+        else f"; check the units of material and pressures (kPa, MPa, GPa): {RUBBERS}"
     )
     return f"{beginning} will hardly bend the arm{remedy}"
 
@@ -102,14 +102,23 @@ def _few_pressures(config: Config, end_kPa: float) -> str:
     load, _ = _load(config)
     is_weak = load < SMALLEST_LOAD and not config.effects.pressure.off
     part = USUAL_LOAD / load if is_weak else min(1.0, LARGEST_LOAD / load)
+    number = "one pressure" if count == 1 else "two pressures"
+    sentence = f"{number} cannot tell {untested}; give three or more"
     given, high = config.pressures_kPa, _suggested(config.pressures_kPa[-1] * part, end_kPa)
+    if is_weak and high > HIGHEST_PRESSURE:
+        return sentence
     values = [_two_digits(fraction * high) for fraction in (0.25, 0.5, 0.75, 1.0)]
     if high == _two_digits(given[-1]):  # the given ones stay
-        between = [_two_digits((given[0] + given[-1]) / 2)] if len(given) == 2 else values[:-1]
+        between = [_between(*given)] if len(given) == 2 else values[:-1]
         values = sorted({*between, *given})
     suggested = ", ".join(f"{value:g} kPa" for value in values)
-    number = "one pressure" if count == 1 else "two pressures"
-    return f"{number} cannot tell {untested}; give three or more, for example pressures: [{suggested}]"
+    return f"{sentence}, for example pressures: [{suggested}]"
+
+
+def _between(low: float, high: float) -> float:
+    """The middle in as few digits, from two on, as keep it between the two."""
+    middle = (low + high) / 2
+    return next(value for digits in range(2, 18) if low < (value := float(f"{middle:.{digits}g}")) < high)
 
 
 def _suggested(pressure_kPa: float, end_kPa: float) -> float:

@@ -54,10 +54,11 @@ def of_volume(body: Body, config: Config) -> str:
     if abs(differs) < VOLUME_DIFFERS:
         return ""
     size = config.mesh.element_size_mm
+    or_none = "" if "size" in config.mesh.chosen else ", or leave it out"
     return (
         f"the mesh has {100 * abs(differs):.2g} % {'more' if differs > 0 else 'less'} material than the drawing, "
         f"because elements of {size:.3g} mm cannot follow its round walls; give a smaller mesh.size, for example "
-        f"{SMALLER_SIZE * size:.2g} mm, or leave it out"
+        f"{SMALLER_SIZE * size:.2g} mm{or_none}"
     )
 
 

@@ -1,5 +1,6 @@
 """What the report says about the mesh: what was chosen and why, and how long its edges are."""
 
+from pipeline.plausibility.body import VOLUME_DIFFERS as NAMED_IN_A_NOTE
 from pipeline.report.formatting import number, percent
 from pipeline.report.results import Results
 
@@ -27,7 +28,7 @@ def mesh_sentences(results: Results) -> list[str]:
         if key in mesh["chosen"]
     ]
     differs = mesh["volume_over_drawing"] - 1.0
-    if abs(differs) > VOLUME_DIFFERS:
+    if VOLUME_DIFFERS < abs(differs) < NAMED_IN_A_NOTE:
         sentences.append(f"The volume of the mesh differs from that of the drawing by {percent(differs)}.")
     return sentences
 

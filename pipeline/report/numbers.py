@@ -112,16 +112,17 @@ def mesh_error(results: Results) -> str:
         )
         return f"Mesh error: not estimated. The standard deviations do not contain the error of the mesh: {why}."
     sizes = listed([f"{size:g}" for size in error["sizes_mm"]])
-    mixed = " and from mixed elements at a pressure up to half of the highest" if error.get("with_mixed") else ""
+    mixed_at = error.get("mixed_at_kPa")
+    mixed = "" if mixed_at is None else f" and from mixed elements at {mixed_at:g} kPa"
     parts = []
     for key, symbol, unit in NUMBERS:
         stds = [std for std in error[f"{key}_std"] if std]
         if stds:
             parts.append(f"{fixed(max(stds), decimals_of([], [max(stds)]))} {unit} of {symbol}")
-    relative = f"{_relative(error)}, " if _relative(error) else ""
+    relative = f"{_relative(error)} at the worst pressure, " if _relative(error) else ""
     return (
-        f"Mesh error: {relative}the largest of all pressures, estimated from mesh sizes of {sizes} mm{mixed}. The "
-        f"standard deviations contain it, up to {listed(parts)}."
+        f"Mesh error: {relative}estimated from mesh sizes of {sizes} mm{mixed}. It is included in the standard "
+        f"deviations, with up to {listed(parts)}."
     )
 
 

@@ -62,7 +62,7 @@ def not_identified(results: Results) -> str:
     sentences = [*(results.run.get("failures") or ()), *(results.run.get("remarks") or ())]
     named = (sentence for sentence in sentences if sentence.startswith("no five parameters"))
     reasons = [sentence.removeprefix("no five parameters: ") for sentence in named]
-    why = "; ".join(reasons) if reasons else "the identification needs II and III at the same pressure"
+    why = "; ".join(dict.fromkeys(reasons)) if reasons else "the identification needs II and III at the same pressure"
     return f"They were not identified: {why}."
 
 
@@ -111,10 +111,12 @@ def lines_needed(results: Results) -> str:
         for pressure, is_single, for_two in zip(results.identified_pressures, verdicts, evidence, strict=True)
         if is_single
     ]
+    if not single and results.parameters.get("d_given_mm") is not None:
+        return "At every pressure the rod has two lines, because d is given."
     if not single:
         better = "At every pressure two lines describe the data better than a single one."
         together = "Two lines describe the data of all pressures together better than a single one."
-        return better if min(own) > 0.0 else together
+        return together if "evidence_of_choice" in results.parameters and min(own) <= 0.0 else better
     as_well, worse = (", ".join(p for p, is_worse in single if is_worse is kind) for kind in (False, True))
     reasons = [f"At {as_well} kPa a single line describes the data as well as two"] if as_well else []
     if worse:

@@ -157,8 +157,8 @@ def rod_to_take(results: Results) -> list[str]:
     elif number_of_near > 1:
         first += (
             f": its largest error against finite elements on the same mesh, {percent(best.largest)} of the "
-            f"{best.largest_of}, is the smallest of {number_of_near} rods (distances are compared with the length, "
-            "errors of the force at the end with the largest one)"
+            f"{best.largest_of}, is the smallest of {number_of_near} rods (errors of the shape relative to the length, "
+            "errors of the force at the end relative to the largest one)"
         )
     elif len(ordered) > 1:
         first += f": every other one is more than {percent(POOR)} of l away from the finite elements"

@@ -45,7 +45,7 @@ class CasePath:
         failure = self._failure(end, end.factorizations)
         if self.known is not None and self._is_first:
             self.known.ended(failure.end_kPa, is_limit=failure.limit_kPa > 0.0)
-        # on the way to a first pressure the loads on the end grow as well, and at a lower one less of them would act
+        # on the way to a first pressure a moved end moves as well, and at a lower one less of it
         if self.known is not None and self._is_three_given_up and not failure.with_part_of_end:
             failure = self._below_end_of_II(self.known, failure, solution.steps)
         return solution, failure

@@ -253,12 +253,13 @@ class _ShapeFit:
         )
         jac = np.zeros((len(fit.fun), len(z)))
         jac[:, free] = fit.jac
-        if free[BREAK]:
-            jac[:, BREAK] = self._change_with_break(all_unknowns(fit.x))
+        if free[BREAK] and (change := self._change_with_break(all_unknowns(fit.x))) is not None:
+            jac[:, BREAK] = change
         return OptimizeResult(x=all_unknowns(fit.x), cost=fit.cost, fun=fit.fun, jac=jac)
 
-    def _change_with_break(self, z: Array) -> Array:
-        """Derivative of the residual by the break, from differences over the nodes next to it.
+    def _change_with_break(self, z: Array) -> Array | None:
+        """Derivative of the residual by the break, from differences over the nodes next to it; None where there is no
+        rod with a break there.
 
         The residual has kinks where the break passes a node, and minima are often there: rounding then decides on which
         side a derivative is taken, and that of one side says nothing of the other.
@@ -267,6 +268,8 @@ class _ShapeFit:
         ends = np.array([z, z])
         ends[:, BREAK] = np.clip(z[BREAK] + np.array([-step, step]), *self.breaks)
         before, behind = (self.residual(end) for end in ends)
+        if _NO_ROD in (before[0], behind[0]):
+            return None
         return (behind - before) / (ends[1, BREAK] - ends[0, BREAK])
 
     def weighted(self, fit: OptimizeResult) -> "_ShapeFit":
