@@ -613,6 +613,4 @@ def test_a_number_with_an_exponent_needs_no_decimal_point(written: Path, number:
 def test_the_key_against_small_edges_of_a_surface_says_what_other_bodies_need(config: str) -> None:
     path = Path(__file__).resolve().parent.parent / "configs" / f"{config}.yaml"
     sentence = refusal(path, "geometry.defeature=0.2 mm")
-    assert (
-        "unknown key; it removes small edges of an STL or OBJ surface; for other bodies remove small edges" in sentence
-    )
+    assert "it removes small edges of an STL or OBJ surface; for other bodies remove them in the CAD" in sentence
