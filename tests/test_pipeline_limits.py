@@ -116,6 +116,24 @@ def test_a_constant_load_alone_is_nothing_of_the_pressure(monkeypatch: pytest.Mo
     assert (end.reached, end.constant_fraction, partial.steps) == (0.0, 1.0, ())
 
 
+def test_a_constant_load_that_bends_the_arm_far_grows_with_the_pressure(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the force first, `pneunet` of 2.5 mm took 54 factorizations instead of 16."""
+    asked: list[float] = []
+    reach = follower.PathFollower._reach
+
+    def recorded(self: Any, target: Any, before: Any) -> Any:
+        asked.append(target.value)
+        return reach(self, target, before)
+
+    monkeypatch.setattr(follower.PathFollower, "_reach", recorded)
+    scene = Scene.meshed(load_config(CONFIGS / "pneunet_coarse.yaml"))
+    for force, first in ((0.05, [1.0]), (0.01, [follower.CONSTANTS_FIRST, 1.0])):
+        asked.clear()
+        dead = fem.Experiment.of("dead", scene.body, None, (0.0, force))
+        fem.follow(dead.model(scene.material, scene.effects(0.024), scene.config.mesh.formulation), [1.0])
+        assert asked == first
+
+
 def test_before_the_first_pressure_nobody_is_asked_whether_it_is_worth_the_search() -> None:
     asked: list[float] = []
     options = fem.PathOptions(give_up=lambda target: asked.append(target) or "")
