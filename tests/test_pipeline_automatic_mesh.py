@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from geometry import GRADINGS, PneuNet, Semicircular
+from geometry import GRADINGS, PneuNet, Rectangular, Semicircular
 from geometry.design import expected_tets
 from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, GivenMesh, chosen_mesh
 from pipeline.config.load import load_config
@@ -59,6 +59,15 @@ def test_without_gaps_sizes_follow_from_the_body_where_walls_are_thick() -> None
     assert "walls of 0.25 mm" in thin.reasons["size"]
     gapped = PneuNet(wall=1.5)
     assert chosen_mesh(gapped, "hencky", 0.495, None, NOTHING).size_mm > 0.25 * min(gapped.extent)
+
+
+def test_flat_walls_without_gaps_have_smaller_elements() -> None:
+    flat = chosen_mesh(Rectangular(), "svk", 0.495, None, NOTHING)
+    assert flat.size_mm == pytest.approx(0.12 * min(Rectangular().extent), rel=0.05)
+    assert flat.reasons["size"] == (
+        "that is 0.12 times the smallest side, the most for a body without gaps whose walls are all flat"
+    )
+    assert "walls of 0.1 mm" in chosen_mesh(Rectangular(roof=0.1), "svk", 0.495, None, NOTHING).reasons["size"]
 
 
 def test_sizes_end_where_memory_does() -> None:

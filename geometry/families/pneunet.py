@@ -181,6 +181,10 @@ class PneuNet(SymmetricDesign):
         return self.base
 
     @property
+    def flat_walls(self) -> bool:
+        return True
+
+    @property
     def outer_corners(self) -> bool:
         return True
 

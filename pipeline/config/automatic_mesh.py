@@ -23,6 +23,8 @@ COARSEST = 0.4
 #: the same of other bodies: without gaps an arm bends by the small difference of what its two sides stretch, and where
 #: the walls are thick the error of the mesh is a large part of that
 COARSEST_WITHOUT_GAPS = 0.18
+#: the same where all walls are flat as well: the stress is singular at the edges in which they meet
+COARSEST_FLAT = 0.12
 #: most elements of a chosen mesh, about 500 000 unknowns: minutes per pressure
 MOST_CHOSEN_TETS = 100_000
 #: size of the second mesh over that of the first, by which the error of a chosen mesh is estimated
@@ -85,18 +87,27 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     """The size (mm) and why."""
     wall, side = design.thinnest_wall, min(design.extent)
     factor = SIZE_FACTOR * (WITHOUT_GRADING if grading == "off" else 1.0)
-    part = COARSEST if design.outer_corners else COARSEST_WITHOUT_GAPS
+    part, bodies = _coarsest(design)
     suits = factor * sqrt(wall * side / 2)
     reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need it"
     if suits > part * side:
         suits = part * side
-        reason = f"that is {part:g} times the smallest side, the most for a body without gaps or from a file"
+        reason = f"that is {part:g} times the smallest side, the most for {bodies}"
     size = suits
     while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
         size *= 1.05
     if size > suits:
         reason = f"{suits:.2g} mm would be right, but the body would then have more than {MOST_CHOSEN_TETS} elements"
     return _two_digits(size), reason
+
+
+def _coarsest(design: Design) -> tuple[float, str]:
+    """Largest size over the smallest side, and the bodies that it holds for."""
+    if design.outer_corners:
+        return COARSEST, "a body with gaps"
+    if design.flat_walls:
+        return COARSEST_FLAT, "a body without gaps whose walls are all flat"
+    return COARSEST_WITHOUT_GAPS, "a body without gaps or from a file"
 
 
 def _two_digits(value: float) -> float:
