@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.identification import mesh_error
 from pipeline.identification import parameters as identification
-from pipeline.identification.lines import evidence_together
+from pipeline.identification.lines import choices
 from pipeline.identification.parameters import Parameters, identify_all
 
 
@@ -31,17 +31,20 @@ def test_two_lines_need_a_cause_or_a_given_break(
 
 
 @pytest.mark.parametrize(
-    ("evidence", "one_rigidity", "together"),
+    ("evidence", "one_rigidity", "together", "two_lines"),
     [
-        ([-2.9, 49.8], [False, False], [46.9, 46.9]),
-        ([-9.0, 4.0, 20.0], [True, False, False], [-9.0, 24.0, 24.0]),
-        ([8.0, -3.0], [True, False], [8.0, -3.0]),
+        ([-2.9, 49.8], [False, False], [46.9, 46.9], [True, True]),
+        ([-9.0, 4.0, 20.0], [True, False, False], [-9.0, 24.0, 24.0], [False, True, True]),
+        ([8.0, -3.0], [True, False], [8.0, -3.0], [False, False]),
     ],
 )
 def test_the_pressures_at_which_walls_touch_decide_together(
-    evidence: list[float], one_rigidity: list[bool], together: list[float]
+    evidence: list[float], one_rigidity: list[bool], together: list[float], two_lines: list[bool]
 ) -> None:
-    assert evidence_together(evidence, one_rigidity) == pytest.approx(together)
+    chosen = choices(evidence, one_rigidity, d_given=False)
+    assert [choice.evidence for choice in chosen] == pytest.approx(together)
+    assert [choice.two_lines for choice in chosen] == two_lines
+    assert all(choice.two_lines for choice in choices(evidence, one_rigidity, d_given=True))
 
 
 @pytest.mark.parametrize("touching", ["", "II", "III"])

@@ -6,8 +6,17 @@ possible: with independent errors, and as many observations at each, that is the
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from pipeline.simulation.outcome import Record
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Of a single line or two, at a pressure."""
+
+    evidence: float  #: for two lines, that decides
+    two_lines: bool
 
 
 def has_one_rigidity(equal_cells: bool, free: Record, loaded: Record) -> bool:
@@ -16,10 +25,15 @@ def has_one_rigidity(equal_cells: bool, free: Record, loaded: Record) -> bool:
     return equal_cells and not any("self_contact" in record.effects for record in (free, loaded))
 
 
-def evidence_together(evidence: Sequence[float], one_rigidity: Sequence[bool]) -> list[float]:
-    """For two lines, by pressure: the sum over all pressures without one rigidity, and at the others their own."""
+def choices(evidence: Sequence[float], one_rigidity: Sequence[bool], d_given: bool) -> list[Choice]:
+    """By pressure, from the evidence for two lines that each has alone.
+
+    The sum over all pressures without one rigidity decides at these; at the others it is their own, which does not
+    decide.
+    """
     together = sum(own for own, is_one in zip(evidence, one_rigidity, strict=True) if not is_one)
-    return [own if is_one else together for own, is_one in zip(evidence, one_rigidity, strict=True)]
+    deciding = [(own if is_one else together, is_one) for own, is_one in zip(evidence, one_rigidity, strict=True)]
+    return [Choice(sum_or_own, takes_two_lines(sum_or_own, is_one, d_given)) for sum_or_own, is_one in deciding]
 
 
 def takes_two_lines(evidence: float, one_rigidity: bool, d_given: bool) -> bool:

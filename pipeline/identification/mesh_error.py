@@ -11,7 +11,7 @@ from geometry import SurfaceFile
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.lines import evidence_together, has_one_rigidity, takes_two_lines
+from pipeline.identification.lines import choices, has_one_rigidity
 from pipeline.identification.parameters import Parameters, numbers_of_cells
 from pipeline.identification.richardson import extrapolated
 from pipeline.parallel.worker import TaskContext
@@ -188,13 +188,14 @@ def _on_coarser(
             identified[k] = free, loaded, numbers_of_cells(free, loaded, p.kappa.pitch, p.given_d)
         except RodError as failure:
             refused.append(f"no numbers at {p.pressure_kPa:g} kPa: {failure}")
-    one = {k: has_one_rigidity(parameters[k].equal_cells, *pair) for k, (*pair, _) in identified.items()}
-    evidence = evidence_together([lines.evidence for *_, lines in identified.values()], list(one.values()))
+    one_rigidity = [has_one_rigidity(parameters[k].equal_cells, *pair) for k, (*pair, _) in identified.items()]
+    d_given = any(p.given_d is not None for p in parameters)  # at all pressures or at none
+    chosen = choices([lines.evidence for *_, lines in identified.values()], one_rigidity, d_given)
+    decides = len(identified) == len(parameters)
     coarse: list[_OnCoarser | None] = [None] * len(parameters)
-    for (k, (free, loaded, lines)), together in zip(identified.items(), evidence, strict=True):
-        decides = len(identified) == len(parameters)
-        two_lines = takes_two_lines(together, one[k], parameters[k].given_d is not None) if decides else None
-        coarse[k] = _OnCoarser(_with_lines_of(parameters[k], free, loaded, lines), two_lines)
+    for (k, (free, loaded, lines)), choice in zip(identified.items(), chosen, strict=True):
+        numbers = _with_lines_of(parameters[k], free, loaded, lines)
+        coarse[k] = _OnCoarser(numbers, choice.two_lines if decides else None)
     return coarse, tuple(refused)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry import Centreline
 from pipeline.context import RunContext
-from pipeline.identification.lines import evidence_together, has_one_rigidity, takes_two_lines
+from pipeline.identification.lines import Choice, choices, has_one_rigidity, takes_two_lines
 from pipeline.parallel.worker import TaskContext
 from pipeline.simulation.outcome import Outcomes, Record
 from rod import (
@@ -183,9 +183,14 @@ class Parameters:
 def decided_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]:
     """The same at every pressure of a run, with a single line or two by the evidence of all of them."""
     parameters = tuple(parameters)
-    own = [p.by_cells.evidence for p in parameters]
-    together = evidence_together(own, [p.one_rigidity for p in parameters])
-    return tuple(replace(p, evidence=evidence) for p, evidence in zip(parameters, together, strict=True))
+    chosen = choices_of([p.by_cells for p in parameters], parameters)
+    return tuple(replace(p, evidence=choice.evidence) for p, choice in zip(parameters, chosen, strict=True))
+
+
+def choices_of(identified: Sequence[Identification], parameters: Sequence[Parameters]) -> list[Choice]:
+    """By pressure, for an estimator, decided as for the one whose numbers the rod has."""
+    d_given = any(p.given_d is not None for p in parameters)  # at all pressures or at none
+    return choices([e.evidence for e in identified], [p.one_rigidity for p in parameters], d_given)
 
 
 def observed(parameters: Parameters, record: Record) -> Observation:

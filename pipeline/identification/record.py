@@ -4,9 +4,8 @@ from collections.abc import Mapping, Sequence
 
 from pipeline.config.config import Config
 from pipeline.identification.added_pressures import covered_range, quantities_of
-from pipeline.identification.lines import evidence_together, takes_two_lines
 from pipeline.identification.mesh_error import RELATIVE
-from pipeline.identification.parameters import DEFAULT, NoFit, Parameters
+from pipeline.identification.parameters import DEFAULT, NoFit, Parameters, choices_of
 from pipeline.identification.predicted import predicted_numbers
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import Json, JsonObject
@@ -131,17 +130,10 @@ def _identified(estimates: Sequence[ParameterEstimate | NoFit], parameters: Sequ
     columns["reason"] = [e.reason if isinstance(e, NoFit) else "" for e in estimates]
     identified = [e for e in estimates if isinstance(e, Identification)]
     if len(identified) == len(parameters):
-        columns["single_line_suffices"] = _single_line_suffices(identified, parameters)
+        columns["single_line_suffices"] = [not choice.two_lines for choice in choices_of(identified, parameters)]
         columns["single_line_alpha_N_mm2"] = [e.single_line.alpha.value for e in identified]
         columns["observations"] = [e.observations for e in identified]
     return columns
-
-
-def _single_line_suffices(identified: Sequence[Identification], parameters: Sequence[Parameters]) -> list[Json]:
-    """By pressure, decided for an estimator as for the one whose numbers the rod has."""
-    evidence = evidence_together([e.evidence for e in identified], [p.one_rigidity for p in parameters])
-    every = zip(evidence, parameters, strict=True)
-    return [not takes_two_lines(together, p.one_rigidity, p.given_d is not None) for together, p in every]
 
 
 def _linear(parameters: Sequence[Parameters]) -> JsonObject:
