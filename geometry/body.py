@@ -33,6 +33,11 @@ class Body:
             raise MeshError(f"the body {self.name} has no face named {missing[0]}; it has {', '.join(self.mesh.faces)}")
         _ = self.curve_vertices
 
+    @property
+    def volume(self) -> float:
+        """Volume of the material (both halves), mm3."""
+        return (2 if self.half else 1) * self.mesh.volume
+
     @cached_property
     def curve_vertices(self) -> Index:
         """Indices (k,) of the mesh vertices on the material curve, by increasing x; read-only."""

@@ -27,9 +27,7 @@ def body_table(file: Path, design: Design, body: Body) -> Table:
     table = Table.grid(padding=(0, 2))
     table.add_row("mesh", f"{file}, {'the half z >= 0' if body.half else 'the full body'}")
     table.add_row("length", f"{body.length:g} mm")
-    table.add_row(
-        "solid", f"{halves * body.mesh.volume:.7g} mm3 in the full body; from the drawing {design.solid_volume:.7g}"
-    )
+    table.add_row("solid", f"{body.volume:.7g} mm3 in the full body; from the drawing {design.solid_volume:.7g}")
     for name, tets in body.mesh.regions.items():
         meshed, drawn = halves * float(body.mesh.volumes[tets].sum()), design.region_volumes[name]
         table.add_row(f"of it {name}", f"{meshed:.7g} mm3; from the drawing {drawn:.7g}")

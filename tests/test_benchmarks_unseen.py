@@ -368,10 +368,10 @@ def test_a_process_that_dies_leaves_an_error_of_the_program(tmp_path: Path) -> N
     process = work.started()
     process.kill()
     process.join()
-    assert not work.is_done
+    assert work.complete_record() is None
     record = work.record({"ended": ERROR, "reason": f"its process ended with status {process.exitcode}"})
     assert outcome(record) == TRACEBACK
-    assert work.is_done
+    assert work.complete_record() is not None
     assert record["reason"] == "its process ended with status -9"
 
 

@@ -71,13 +71,12 @@ class Work:
     limit: float  #: CPU seconds of each stage
     finer: bool  #: whether it is solved on a finer mesh too
 
-    @property
-    def is_done(self) -> bool:
-        """Whether the record in its folder is complete."""
+    def complete_record(self) -> Record | None:
+        """That in its folder, where nothing is left to do."""
         record = kept(self.folder, key_of(self.design))
         if record is None or not record["finished"]:
-            return False
-        return not self.finer or "finer" in record or record["ended"] != RAN
+            return None
+        return None if self.finer and "finer" not in record and record["ended"] == RAN else record
 
     def started(self) -> SpawnProcess:
         """The process that does it."""
@@ -125,8 +124,8 @@ def outcomes_of(works: Sequence[Work], jobs: int) -> Iterator[Record]:
     while waiting or running:
         while waiting and len(running) < jobs:
             work = waiting.popleft()
-            if work.is_done:
-                yield work.record({})
+            if (record := work.complete_record()) is not None:
+                yield record
             else:
                 running.append(_Running(work, work.started(), monotonic() + PATIENCE * work.limit))
         wait([entry.process.sentinel for entry in running], PAUSE)

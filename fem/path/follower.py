@@ -149,6 +149,8 @@ class PathFollower:
         constant = None
         if is_first and self.control.gives_load and self.predictor.has_constant_loads:
             constant = self._with_constant_loads(target, before)
+            if constant is None:
+                self._begin_at_rest()
         try:
             reached = self._reach(_Target(target, target, self.options.min_increment, is_first), before)
         except PathEnded as ended:
@@ -162,23 +164,18 @@ class PathFollower:
         return self._step(reached, target, before)
 
     def _with_constant_loads(self, target: float, before: Costs) -> _Reached | None:
-        """The equilibrium with all constant loads and hardly anything of the driven one; None, and at rest again, where
-        they strain the body much or there is no stable one: with more of the driven load it may bear them."""
+        """The equilibrium with all constant loads and hardly anything of the driven one; None where they strain the
+        body much or there is no stable one: with more of the driven load it may bear them."""
         rest = self.points[0].value
         way = _Target(rest + CONSTANTS_FIRST * (target - rest), target, CONSTANTS_INCREMENT, is_first=True)
         rate = self.predictor.rate_from_rest(self.control.target(way.value, 1.0))
         if rate is None or float(np.abs(rate.strain).max()) * abs(way.value - rest) > CONSTANTS_STRAIN:
-            self._begin_at_rest()
             return None
         try:
             reached = self._reach(way, before)
         except PathEnded:
-            self._begin_at_rest()
             return None
-        if reached.converged.negative_pivots:
-            self._begin_at_rest()
-            return None
-        return reached
+        return None if reached.converged.negative_pivots else reached
 
     def _reach(self, target: _Target, before: Costs) -> _Reached:
         """Raises `PathEnded`."""

@@ -89,7 +89,7 @@ class MeshFile(FileDesign):
 
     @property
     def solid_volume(self) -> float:
-        return self._halves * self.fixed_body.mesh.volume
+        return self.fixed_body.volume
 
     @cached_property
     def cavity_volumes(self) -> Mapping[str, float]:

@@ -50,7 +50,7 @@ def of_edges(config: Config) -> str:
 
 def of_volume(body: Body, config: Config) -> str:
     """The sentence on a mesh that does not follow the round walls of a drawing; else empty."""
-    differs = (2.0 if body.half else 1.0) * body.mesh.volume / config.design.solid_volume - 1.0
+    differs = body.volume / config.design.solid_volume - 1.0
     if abs(differs) < VOLUME_DIFFERS:
         return ""
     size = config.mesh.element_size_mm

@@ -17,7 +17,6 @@ class MeshRecord:
     def of(scene: Scene) -> "MeshRecord":
         """The record of a scene's mesh."""
         mesh, settings, design = scene.body.mesh, scene.config.mesh, scene.config.design
-        halves = 2 if scene.body.half else 1
         return MeshRecord(
             {
                 "size_mm": settings.element_size_mm,
@@ -29,6 +28,6 @@ class MeshRecord:
                 "mean_edge_mm": mesh.quality.mean_edge,
                 "longest_edge_mm": mesh.quality.longest_edge,
                 "smallest_radius_ratio": mesh.quality.minimum,
-                "volume_over_drawing": halves * mesh.volume / design.solid_volume,
+                "volume_over_drawing": scene.body.volume / design.solid_volume,
             }
         )

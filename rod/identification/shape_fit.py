@@ -119,11 +119,13 @@ def fit_rod(
         raise RodError("Fitting a rod needs a law to start from.")
     unstretched = replace(shape, free=without_stretch(shape.free), loaded=without_stretch(shape.loaded))
     task = _ShapeFit.of(unstretched, breaks, starts)
-    rough = min((task.minimised(task.unknowns(start)) for start in starts), key=lambda fit: float(fit.cost))
+    rough = task.across_break(
+        min((task.minimised(task.unknowns(start)) for start in starts), key=lambda fit: float(fit.cost))
+    )
     if rough.cost >= 0.5 * _NO_ROD**2:
         raise RodError("No rod near the laws to start from is in equilibrium under these loads.")
     task = task.weighted(rough)
-    fit = task.minimised(rough.x)
+    fit = task.across_break(task.minimised(rough.x))
     law = task.law(fit.x)
     sampled = task.resampled(fit, bootstrap)
     rod = task.solved(fit.x)
@@ -230,9 +232,10 @@ class _ShapeFit:
         return np.concatenate([off.T.ravel(), force, prior])
 
     def minimised(self, z: Array) -> OptimizeResult:
+        """The fit from z, with the derivative by the break on the side that rounding chose (`across_break`)."""
         low = np.array([COMPLIANCES[0], -np.inf, COMPLIANCES[0], -np.inf, self.breaks[0], *[-np.inf] * (2 * HARMONICS)])
         high = np.array([COMPLIANCES[1], np.inf, COMPLIANCES[1], np.inf, self.breaks[1], *[np.inf] * (2 * HARMONICS)])
-        free = np.array([True] * 4 + [self.breaks[0] < self.breaks[1]] + [True] * (2 * HARMONICS))
+        free = np.array([True] * 4 + [self.seeks_break] + [True] * (2 * HARMONICS))
         fixed = np.where(free, z, low)
 
         def all_unknowns(part: Array) -> Array:
@@ -253,24 +256,31 @@ class _ShapeFit:
         )
         jac = np.zeros((len(fit.fun), len(z)))
         jac[:, free] = fit.jac
-        if free[BREAK] and (change := self._change_with_break(all_unknowns(fit.x))) is not None:
-            jac[:, BREAK] = change
         return OptimizeResult(x=all_unknowns(fit.x), cost=fit.cost, fun=fit.fun, jac=jac)
 
-    def _change_with_break(self, z: Array) -> Array | None:
-        """Derivative of the residual by the break, from differences over the nodes next to it; None where there is no
-        rod with a break there.
+    @property
+    def seeks_break(self) -> bool:
+        """Whether d is an unknown, and not given."""
+        return self.breaks[0] < self.breaks[1]
+
+    def across_break(self, fit: OptimizeResult) -> OptimizeResult:
+        """The same fit with its derivative by the break from differences over the nodes next to it, where d is sought
+        and there is a rod with a break at both.
 
         The residual has kinks where the break passes a node, and minima are often there: rounding then decides on which
         side a derivative is taken, and that of one side says nothing of the other.
         """
+        if not self.seeks_break:
+            return fit
         step = float(np.diff(self.shape.s).max()) / self.shape.length
-        ends = np.array([z, z])
-        ends[:, BREAK] = np.clip(z[BREAK] + np.array([-step, step]), *self.breaks)
+        ends = np.array([fit.x, fit.x])
+        ends[:, BREAK] = np.clip(fit.x[BREAK] + np.array([-step, step]), *self.breaks)
         before, behind = (self.residual(end) for end in ends)
         if _NO_ROD in (before[0], behind[0]):
-            return None
-        return (behind - before) / (ends[1, BREAK] - ends[0, BREAK])
+            return fit
+        jac = fit.jac.copy()
+        jac[:, BREAK] = (behind - before) / (ends[1, BREAK] - ends[0, BREAK])
+        return OptimizeResult(x=fit.x, cost=fit.cost, fun=fit.fun, jac=jac)
 
     def weighted(self, fit: OptimizeResult) -> "_ShapeFit":
         """The same task with the weights that the residual of a fit suggests."""
