@@ -609,8 +609,7 @@ def test_a_number_with_an_exponent_needs_no_decimal_point(written: Path, number:
     assert load_config(written).newton.tolerance == 1e-6
 
 
-@pytest.mark.parametrize("config", ["finger", "pneunet_coarse"])
-def test_the_key_against_small_edges_of_a_surface_says_what_other_bodies_need(config: str) -> None:
-    path = Path(__file__).resolve().parent.parent / "configs" / f"{config}.yaml"
+def test_the_key_against_small_faces_says_for_which_bodies_it_is() -> None:
+    path = Path(__file__).resolve().parent.parent / "configs" / "pneunet_coarse.yaml"
     sentence = refusal(path, "geometry.defeature=0.2 mm")
-    assert "it removes small edges of an STL or OBJ surface; for other bodies remove them in the CAD" in sentence
+    assert "it removes small faces and edges of a body from a CAD file or a surface (STL, OBJ)" in sentence

@@ -17,7 +17,7 @@ from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_thinnest_wall, mesh_cad
-from geometry.meshing.cad_import import SUFFIXES, CadBody, CadSource, Point, file_bounds
+from geometry.meshing.cad_import import SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
 from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
 from geometry.meshing.mirror import Repetition
 
@@ -48,6 +48,7 @@ class CadFile(FileDesign):
     unite: bool = False  #: whether several solids that touch become one
     parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
+    defeature: float | None = None  #: faces narrower than this are removed: small fillets, holes and steps
 
     def __post_init__(self) -> None:
         path = Path(self.file)
@@ -59,7 +60,9 @@ class CadFile(FileDesign):
             )
         if not path.is_file():
             raise DesignError("file", f"{path} does not exist")
-        raise_together((*self._wrong_lengths(), *self._contradictions()))
+        raise_together(
+            (*self._wrong_lengths(), *self._not_positive("defeature", self.defeature), *self._contradictions())
+        )
         self._keep_own_copies()
         object.__setattr__(self, "parts", dict(self.parts))
         clamp, tip = self._ends
@@ -83,6 +86,11 @@ class CadFile(FileDesign):
         if self.parts and isinstance(self.cell, CellPlanes):
             yield DesignError(
                 "cell", "must be a length where the body has parts: an arm of several solids has no law of its own"
+            )
+
+        if self.parts and self.defeature is not None:
+            yield DesignError(
+                ("parts", "defeature"), "narrow faces are removed from one solid only; give one of the two"
             )
 
     @cached_property
@@ -113,7 +121,16 @@ class CadFile(FileDesign):
     def _source(self, turn: Array) -> CadSource:
         first, second, third = (tuple(float(x) for x in row) for row in turn)
         turned = (first, second, third)
-        return CadSource(Path(self.file), self.unit, turned, self.unite, bool(self.parts))  # type: ignore[arg-type]
+        path, apart = Path(self.file), bool(self.parts)
+        return CadSource(path, self.unit, turned, self.unite, apart, self._defeatured)  # type: ignore[arg-type]
+
+    @cached_property
+    def _defeatured(self) -> bytes | None:
+        """Kept, because it takes seconds where many faces are removed."""
+        if self.defeature is None:
+            return None
+        as_in_file = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+        return defeatured(CadSource(Path(self.file), self.unit, as_in_file, self.unite), self.defeature)
 
     @cached_property
     def _cad(self) -> CadBody:
@@ -153,10 +170,7 @@ class CadFile(FileDesign):
 
     @property
     def against_flat_elements(self) -> str:
-        return (
-            f"{super().against_flat_elements}, or save it as STL and remove small edges with geometry.defeature, for "
-            "example 0.1 mm"
-        )
+        return f"{super().against_flat_elements}, or remove narrow faces with geometry.defeature, for example 0.1 mm"
 
     @cached_property
     def thinnest_wall(self) -> float:

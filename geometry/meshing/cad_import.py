@@ -3,12 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.design import DesignError
+from geometry.meshing.cad_defeature import without_narrow_faces
+from geometry.meshing.size_field import thinnest_wall
 from geometry.meshing.solid import Volume, session
 
 Point: TypeAlias = tuple[float, float, float]
@@ -16,6 +19,8 @@ Point: TypeAlias = tuple[float, float, float]
 SUFFIXES = (".step", ".stp", ".brep", ".brp")
 #: part of the volume of several solids that two of them may have in common, which is rounding
 OVERLAP = 1e-6
+#: largest change of the volume of the material where narrow faces are removed
+MOST_CHANGE = 0.01
 
 
 @dataclass(frozen=True)
@@ -29,6 +34,7 @@ class CadSource:
     apart: bool = (
         False  #: whether they stay several that have their faces in common, because they are of other materials
     )
+    defeatured: bytes | None = None  #: its one solid in mm, as BREP, where narrow faces were removed
 
 
 @dataclass(frozen=True)
@@ -63,6 +69,26 @@ class CadBody:
 
 def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
     """The solids of the file, in mm: one, or several that touch where they stay apart. Raises `DesignError`."""
+    occ = gmsh.model.occ
+    solids = _of_file(gmsh, source) if source.defeatured is None else _of_brep(gmsh, source.defeatured)
+    axis, angle = _axis_and_angle(np.array(source.turn))
+    if angle:
+        occ.rotate(solids, 0, 0, 0, *axis, angle)
+    occ.synchronize()
+    return solids
+
+
+def _of_brep(gmsh: Any, brep: bytes) -> list[Volume]:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "body.brep"
+        path.write_bytes(brep)
+        gmsh.model.occ.importShapes(str(path), format="brep")
+    gmsh.model.occ.synchronize()
+    return [(int(dim), int(tag)) for dim, tag in gmsh.model.getEntities(3)]
+
+
+def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
+    """In mm, in the directions of the file."""
     occ, path = gmsh.model.occ, source.path
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
     try:
@@ -83,11 +109,33 @@ def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
         solids = _touching(gmsh, solids) if source.apart else _united(gmsh, solids)
     if source.unit != 1:
         occ.dilate(solids, 0, 0, 0, source.unit, source.unit, source.unit)
-    axis, angle = _axis_and_angle(np.array(source.turn))
-    if angle:
-        occ.rotate(solids, 0, 0, 0, *axis, angle)
-    occ.synchronize()
+        occ.synchronize()
     return solids
+
+
+def defeatured(source: CadSource, length: float) -> bytes:
+    """The one solid of the file without faces narrower than `length` mm, as BREP, in mm and in the directions of the
+    file. Raises `DesignError`."""
+    with session() as gmsh, TemporaryDirectory() as folder:
+        solids = _of_file(gmsh, source)
+        before = float(gmsh.model.occ.getMass(*solids[0]))
+        solids = without_narrow_faces(gmsh, solids, length)
+        wall = thinnest_wall(gmsh, half=False)
+        if length > wall / 2:
+            raise DesignError(
+                "defeature",
+                f"{length:g} mm is more than half of the thinnest wall, {wall:.3g} mm; give a smaller length",
+            )
+        change = float(gmsh.model.occ.getMass(*solids[0])) / before - 1
+        if abs(change) > MOST_CHANGE:
+            raise DesignError(
+                "defeature",
+                f"without faces narrower than {length:g} mm the volume of the material changes by "
+                f"{100 * change:.2g} %, and at most {100 * MOST_CHANGE:g} % are allowed; give a smaller length",
+            )
+        path = Path(folder) / "body.brep"
+        gmsh.write(str(path))
+        return path.read_bytes()
 
 
 def _touching(gmsh: Any, solids: list[Volume]) -> list[Volume]:

@@ -16,8 +16,8 @@ _AFTER_COMMA = re.compile(r"\d+(\s*[A-Za-z%].*)?")
 _INSTEAD: dict[tuple[str, ...], str] = {
     ("material", "E"): "the law has no E; its initial shear modulus is E / (2 (1 + nu)); ",
     ("material", "mu"): "the law has no mu; E = 2 mu (1 + nu); ",
-    ("geometry", "defeature"): "it removes small edges of an STL or OBJ surface; for other bodies remove them in the "
-    "CAD program, or save the body as STL; ",
+    ("geometry", "defeature"): "it removes small faces and edges of a body from a CAD file or a surface (STL, OBJ); "
+    "a mesh of tetrahedra has to be made again without them; ",
 }
 
 

@@ -8,6 +8,8 @@ from pipeline.config.config import AUTO, Config
 FLAT_ELEMENT = 0.05
 #: length of an edge of a CAD file, over the size of the elements, below which it is mentioned
 SMALL_EDGE = 1 / 3
+#: width of the faces whose removal is suggested then, over the length of the shortest edge
+WIDER = 1.2
 #: volume of the mesh over that of the drawing, minus 1, from which it is mentioned, and the size that is suggested then
 #: over the given one. Curved edges follow round walls to 1e-5; where they would tangle an element, edges are straight
 VOLUME_DIFFERS, SMALLER_SIZE = 0.01, 0.7
@@ -41,10 +43,15 @@ def of_edges(config: Config) -> str:
     if not small:
         return ""
     length, where = small[0]
+    how = (
+        "in the CAD program: they are left after geometry.defeature"
+        if design.defeature
+        else f"with geometry.defeature, for example {WIDER * length:.2g} mm, or in the CAD program"
+    )
     return (
         f"{len(small)} of the {len(design.edges)} edges in the CAD file are shorter than a third of mesh.size, "
         f"{size:g} mm, the shortest {length:.2g} mm near {where}: elements there are as small, and meshing may take "
-        "minutes; remove small fillets, steps and letters in the CAD program if they do not matter"
+        f"minutes; if small fillets, holes and steps do not matter remove them, {how}"
     )
 
 
