@@ -63,6 +63,24 @@ def test_brp_is_a_brep_file(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("symmetric", [True, False])
+def test_a_small_body_may_be_in_another_unit(folder: Path, symmetric: bool) -> None:
+    def in_inches(occ: Any) -> Any:
+        solids = bar(occ)
+        occ.dilate(solids, 0, 0, 0, 1 / 25.4, 1 / 25.4, 1 / 25.4)
+        return solids
+
+    path = save(folder / "inches.brep", in_inches)
+    small = (
+        r"curve: y = 1.5 mm lies outside the body, .*; the body measures 2.362 x 0.4724 x 0.5906 mm: is its"
+    )
+    with pytest.raises(DesignError, match=small):
+        CadFile(str(path), 1.5, symmetric=symmetric)
+    check_bar(CadFile(str(path), 1.5, unit=25.4, symmetric=symmetric))
+    with pytest.raises(DesignError, match=r"curve: y = 15 mm lies outside the body, .* to 12 mm$"):
+        CadFile(str(path), 15.0, unit=25.4, symmetric=symmetric)
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
 def test_other_directions(folder: Path, symmetric: bool) -> None:
     """The file's z is along the arm, its -y up."""
     path = save(folder / "standing.step", standing_bar)

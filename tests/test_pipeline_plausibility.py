@@ -12,7 +12,7 @@ import pytest
 from bodies import bricks, named, on_plane
 from typer.testing import CliRunner
 
-from geometry import Body, Mesh, PneuNet, position_text
+from geometry import Body, CadFile, Mesh, PneuNet, position_text
 from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
@@ -20,7 +20,7 @@ from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
 from pipeline.plausibility.after import Solved, after_solving
 from pipeline.plausibility.before import WELL_BELOW, before_solving
-from pipeline.plausibility.body import FLAT_ELEMENT, of_half, of_mesh, of_volume
+from pipeline.plausibility.body import FLAT_ELEMENT, of_directions, of_half, of_mesh, of_volume
 from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
@@ -30,6 +30,8 @@ from pipeline.simulation.scene import Scene
 from pipeline.simulation.waiting import remarks_while_waiting
 from rod import Interval
 from rod.identification.two_lines import CLEAR
+from tests.foreign_bodies import bar
+from tests.step_bodies import save
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
 PRESSURES = "pressures=[10 kPa, 20 kPa, 30 kPa]"
@@ -394,6 +396,20 @@ def test_a_cavity_that_is_mirrored_is_named(layer: int) -> None:
     assert bool(of_half(body)) is (layer == 1)
     if layer:
         assert of_half(body).startswith("of the half z >= 0 of the body, cavity does not reach the plane z = 0")
+
+
+def test_a_body_that_is_not_longest_along_x_is_named(tmp_path: Path) -> None:
+    def upright(occ: Any) -> Any:
+        solids = bar(occ)
+        occ.rotate(solids, 0, 0, 0, 0, 0, 1, np.pi / 2)  # x becomes y
+        return solids
+
+    path = str(save(tmp_path / "upright.step", upright))
+    note = of_directions(CadFile(path, 1.5))
+    assert note.startswith("the body is 12 mm long along x, ")
+    assert note.endswith("and 60 mm along y; if that is its length, turn it with geometry.axes: [y, -x, z]")
+    assert of_directions(CadFile(path, 1.5, axes=("y", "-x", "z"))) == ""
+    assert of_directions(PneuNet(chambers=1, chamber_height=50.0)) == ""
 
 
 def test_long_calls_are_told_of() -> None:

@@ -74,8 +74,9 @@ class SurfaceFile(FileDesign):
         if not low < 0 < high or min(-low, high) <= FLAT * max(self.extent):
             raise DesignError(
                 "file",
-                f"the body reaches from z = {low:.4g} to {high:.4g} mm, and the material curve runs at z = 0; move it "
-                "in its file so that its middle is at z = 0, and save both halves",
+                f"the body reaches from z = {round(low, 6) + 0.0:.4g} to {high:.4g} mm, and the material curve runs at "
+                "z = 0; move it in its file so that its middle is at z = 0, and save both halves, or turn it with axes "
+                "where its height is along z: [x, z, -y]",
             )
 
     @property

@@ -20,7 +20,7 @@ from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_op
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
 from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_position import check_dimensions
+from geometry.meshing.cad_position import check_dimensions, doubt_of_unit
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
@@ -115,7 +115,7 @@ def ends_of(points: Array, placing: Placing) -> tuple[float, float]:
             raise DesignError(
                 key,
                 f"{'xyz'[axis]} = {position:g} mm lies outside the body, which reaches from {low[axis]:.4g} to "
-                f"{high[axis]:.4g} mm",
+                f"{high[axis]:.4g} mm{doubt_of_unit(high - low)}",
             )
     clamp = placing.clamp if placing.clamp is not None else float(low[0])
     other = float(high[0] if clamp <= (low[0] + high[0]) / 2 else low[0])

@@ -65,7 +65,7 @@ def refuse_open(points: Array, surface: Index, ends: tuple[float, float], plug: 
     raise DesignError(
         ("air", "file"),
         "the body has no closed cavity: all of its surface is connected, and it has no inlet in the plane of the clamp "
-        "or of the tip; close its inlet, or save the walls of its air as well",
+        "or of the tip; it is solid, or has an inlet elsewhere: close that, or save the walls of its air as well",
     )
 
 

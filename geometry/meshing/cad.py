@@ -235,7 +235,8 @@ def _only(gmsh: Any, body: CadBody, inner: list[Volume]) -> Volume:
     """The one cavity. Raises `DesignError` where there are several, or none."""
     if not inner:
         raise DesignError(
-            ("air", "file"), f"the body has no closed cavity: its air is open to the outside; {_close(body)}"
+            ("air", "file"),
+            f"the body has no closed cavity: it is solid, or its air is open to the outside; {_close(body)}",
         )
     if len(inner) > 1:
         positions = "; ".join(_middle(gmsh, body, volume) for volume in inner)

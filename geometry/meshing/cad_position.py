@@ -11,6 +11,8 @@ from geometry.meshing.shapes import Volume
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
+#: A body smaller than this (mm) may be in inches or cm.
+USUAL = 10.0
 #: A face all of which is nearer to the plane of an end than this, over the length, may lie in it: the CAD kernel draws
 #: boxes wider than faces, by more in files in metres.
 NEAR_END = 1e-3
@@ -23,6 +25,12 @@ def check_dimensions(sides: Array, unit: float) -> None:
         raise DesignError(
             ("file", "unit"), f"the body measures {measures} mm; is its file in another unit than {unit:g} mm?"
         )
+
+
+def doubt_of_unit(sides: Array) -> str:
+    """The end of a sentence on a position outside of a body with the sides (3,), mm, that is small; else empty."""
+    measures = " x ".join(f"{side:.4g}" for side in sides)
+    return f"; the body measures {measures} mm: is its file in another unit?" if sides.max() < USUAL else ""
 
 
 def check_position(body: CadBody, low: Point, high: Point) -> None:
@@ -38,7 +46,7 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
             raise DesignError(
                 key,
                 f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
-                f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm",
+                f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm{doubt_of_unit(sides)}",
             )
     across = (0.0 - high[2], 0.0 - low[2]) if body.turned else (low[2], high[2])  # as in the file
     reach = f"the body reaches from z = {across[0]:.4g} to {across[1]:.4g} mm"

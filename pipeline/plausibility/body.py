@@ -1,6 +1,6 @@
 """Sentences on the body and its mesh, known before anything is solved."""
 
-from geometry import Body, CadFile, Design, Mesh, position_text
+from geometry import Body, CadFile, Design, Mesh, MeshFile, SurfaceFile, position_text
 from pipeline.config.config import AUTO, Config
 
 #: smallest radius ratio of an element that is not mentioned: meshes of the families have 0.1 to 0.3, and below this one
@@ -32,6 +32,21 @@ def of_half(body: Body) -> str:
     )
 
 
+def of_directions(design: Design) -> str:
+    """The sentence on a body from a file that is shorter than it is high or wide; else empty."""
+    if not isinstance(design, CadFile | MeshFile | SurfaceFile):
+        return ""
+    length, height, width = design.extent
+    if length >= max(height, width):
+        return ""
+    axis, turned = ("y", "[y, -x, z]") if height > width else ("z", "[z, y, -x]")
+    example = f": {turned}" if design.axes == ("x", "y", "z") else ""
+    return (
+        f"the body is {length:.3g} mm long along x, which is the direction of the arm from its clamp, and "
+        f"{max(height, width):.3g} mm along {axis}; if that is its length, turn it with geometry.axes{example}"
+    )
+
+
 def of_edges(config: Config) -> str:
     """The sentence on edges of a CAD file that are short for the size of the elements, known before meshing; else
     empty."""
@@ -51,7 +66,7 @@ def of_edges(config: Config) -> str:
     return (
         f"{len(small)} of the {len(design.edges)} edges in the CAD file are shorter than a third of mesh.size, "
         f"{size:g} mm, the shortest {length:.2g} mm near {where}: elements there are as small, and meshing may take "
-        f"minutes; if small fillets, holes and steps do not matter remove them, {how}"
+        f"minutes; if small fillets, holes and steps do not matter remove them {how}"
     )
 
 
@@ -84,4 +99,7 @@ def of_mesh(mesh: Mesh, design: Design) -> tuple[str, ...]:
 
 def of_body(body: Body, config: Config) -> tuple[str, ...]:
     """All sentences on the body that was meshed."""
-    return tuple(filter(None, (*of_mesh(body.mesh, config.design), of_volume(body, config), of_half(body))))
+    design = config.design
+    return tuple(
+        filter(None, (*of_mesh(body.mesh, design), of_volume(body, config), of_half(body), of_directions(design)))
+    )
