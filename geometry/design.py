@@ -145,7 +145,7 @@ class Design(ABC):
 
     @property
     def flat_walls(self) -> bool:
-        """Whether all walls around the air are flat, so that they meet in sharp re-entrant edges."""
+        """Whether a body without gaps has flat walls only around its air, which meet in sharp re-entrant edges."""
         return False
 
     @abstractmethod

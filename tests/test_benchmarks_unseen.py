@@ -34,7 +34,7 @@ from benchmarks.unseen.sorting import (
     states_of,
     within_mesh_error,
 )
-from benchmarks.unseen.summary import largest_share
+from benchmarks.unseen.summary import largest_share, seeds
 from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, outcome_of, outcomes_of
 from fem.materials import LAWS
 from geometry import FAMILIES
@@ -289,6 +289,17 @@ def test_the_page_lists_every_design() -> None:
     assert "1 of the 1 limits that runs named are confirmed" in text
 
 
+def test_results_are_told_by_seed() -> None:
+    def finer(error: float) -> dict[str, Any]:
+        return {"errors": {name: {"error": error} for name in ("kappa_0", "alpha2", "force")}}
+
+    records = [record(), record(number=1, finer=finer(0.01)), record(number=2, finer=finer(0.04), turn_rad=0.01)]
+    slow = record(number=3, ended=SLOW, states=[], checks=[], rod=None, five_at_kPa=[], has_arm_law=False)
+    *_, first, second = seeds([{"seed": 3, **r} for r in records] + [{"seed": 2, **slow}]).splitlines()
+    assert first == "| 3 | 3 | 0 | 100 % | 3 | 1 of 2 | 1 of 1 | 30 |"
+    assert second == "| 2 | 1 | 1 | 0 % | 0 | 0 of 0 | 0 of 0 | 30 |"
+
+
 def test_campaigns_are_joined_on_one_page() -> None:
     settings = [Namespace(seed=seed, count=count, limit=400.0, law="both") for seed, count in ((7, 1), (9, 40))]
     first, second = campaign(settings[0], [record()]), campaign(settings[1], [record(), record(number=1)])
@@ -371,7 +382,7 @@ def test_a_process_that_dies_leaves_an_error_of_the_program(tmp_path: Path) -> N
     assert work.complete_record() is None
     record = work.record({"ended": ERROR, "reason": f"its process ended with status {process.exitcode}"})
     assert outcome(record) == TRACEBACK
-    assert work.complete_record() is not None
+    assert work.complete_record() == record
     assert record["reason"] == "its process ended with status -9"
 
 

@@ -70,11 +70,11 @@ def test_a_small_body_may_be_in_another_unit(folder: Path, symmetric: bool) -> N
         return solids
 
     path = save(folder / "inches.brep", in_inches)
-    small = (
-        r"curve: y = 1.5 mm lies outside the body, .*; the body measures 2.362 x 0.4724 x 0.5906 mm: is its"
-    )
-    with pytest.raises(DesignError, match=small):
+    small = r"curve: y = 1.5 mm lies outside the body, .*; the body measures 2.362 x 0.4724 x 0.5906 mm: if that is "
+    with pytest.raises(DesignError, match=f"{small}too small, give the unit of its file, geometry.unit"):
         CadFile(str(path), 1.5, symmetric=symmetric)
+    with pytest.raises(DesignError, match=f"{small}too small, scale it in the CAD program, because STEP files store"):
+        CadFile(str(save(folder / "inches.step", in_inches)), 1.5, symmetric=symmetric)
     check_bar(CadFile(str(path), 1.5, unit=25.4, symmetric=symmetric))
     with pytest.raises(DesignError, match=r"curve: y = 15 mm lies outside the body, .* to 12 mm$"):
         CadFile(str(path), 15.0, unit=25.4, symmetric=symmetric)

@@ -44,7 +44,7 @@ def test_meshing_says_how_far_it_is_and_names_small_edges(tmp_path: Path) -> Non
         r"note: 4 of the \d+ edges in the CAD file are shorter than a third of mesh.size, 5 mm, the shortest 1.3 mm "
     )
     assert re.match(edges + r"near \((0|60), 11\.\d, -?7\.\d+\) mm: ", small)
-    assert small.endswith("remove them with geometry.defeature, for example 1.5 mm, or in the CAD program")
+    assert small.endswith("remove them with geometry.defeature, for example 1.38 mm, or in the CAD program")
     assert re.fullmatch(r"note: the surface is meshed: [1-9]\d+ triangles", surface)
     assert volume == "note: the volume is being filled with tetrahedra"
     assert of_edges(load_config(path, ["mesh.size=3 mm"])) == ""

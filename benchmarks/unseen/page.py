@@ -57,6 +57,7 @@ def pages(content: Record) -> dict[str, str]:
         "cells": f"{min(designs.CELLS)} to {max(designs.CELLS)}",
         "load": _range(designs.LOAD),
         "targets": summary.targets(records),
+        "seeds": summary.seeds(records),
         "certainty": fill(summary.certainty(records), WIDTH),
         "bend": fill(summary.bend(records), WIDTH),
         "outcomes": summary.outcomes(records),

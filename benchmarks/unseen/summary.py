@@ -29,6 +29,8 @@ from benchmarks.unseen.sorting import (
 )
 from benchmarks.unseen.wording import WIDTH, Record, item, name_of, percent
 
+#: change of direction along an arm, rad, from which it bends visibly
+BENT = 0.03
 #: names of the three numbers in the records, and as they are written
 NUMBERS = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
 
@@ -63,6 +65,39 @@ def targets(records: Sequence[Record]) -> str:
         ],
     ]
     return table(["", "goal", "result", "met"], [[*map(str, row[:3]), "yes" if row[3] else "**no**"] for row in rows])
+
+
+def seeds(records: Sequence[Record]) -> str:
+    """The same results by seed, in the order of the campaigns, and the default meshes of arms that bend visibly."""
+    rows = []
+    for seed in dict.fromkeys(record["seed"] for record in records):
+        of_seed = [record for record in records if record["seed"] == seed]
+        bad = sum(outcome(record) in (WRONG, TRACEBACK, TOO_SLOW) for record in of_seed)
+        states = sum((states_of(record) for record in of_seed), States(0, 0, 0, 0))
+        measured = [record for record in of_seed if within_mesh_error(record) is not None]
+        bent = [record for record in measured if abs(record.get("turn_rad") or 0.0) >= BENT]
+        rows.append(
+            [
+                str(seed),
+                str(len(of_seed)),
+                str(bad),
+                percent(states.good),
+                str(sum(has_numbers(record) for record in of_seed)),
+                *(f"{sum(map(bool, map(within_mesh_error, some)))} of {len(some)}" for some in (measured, bent)),
+                f"{max(record['seconds'].get('run', 0.0) for record in of_seed):.0f}",
+            ]
+        )
+    head = [
+        "seed",
+        "designs",
+        "wrong, error or too slow",
+        "states solved or beyond a confirmed limit",
+        "with numbers",
+        f"meshes within {100 * MESH_ERROR:g} %",
+        f"the same, arms that bend by {BENT:g} rad or more",
+        "CPU time of the longest run s",
+    ]
+    return table(head, rows)
 
 
 def largest_share(bad: int, count: int) -> float:

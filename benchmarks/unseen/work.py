@@ -72,7 +72,7 @@ class Work:
     finer: bool  #: whether it is solved on a finer mesh too
 
     def complete_record(self) -> Record | None:
-        """That in its folder, where nothing is left to do."""
+        """The record in its folder if nothing is left to do, else None."""
         record = kept(self.folder, key_of(self.design))
         if record is None or not record["finished"]:
             return None

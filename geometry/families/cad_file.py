@@ -17,7 +17,7 @@ from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_thinnest_wall, mesh_cad
-from geometry.meshing.cad_import import SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
+from geometry.meshing.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
 from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
 from geometry.meshing.mirror import Repetition
 
@@ -48,7 +48,7 @@ class CadFile(FileDesign):
     unite: bool = False  #: whether several solids that touch become one
     parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
-    defeature: float | None = None  #: faces narrower than this are removed: small fillets, holes and steps
+    defeature: float | None = None  #: faces narrower than this are removed: small fillets, holes, ribs and letters
 
     def __post_init__(self) -> None:
         path = Path(self.file)
@@ -74,10 +74,16 @@ class CadFile(FileDesign):
                 "must be a length where the arm is clamped at its larger x; turn the body with axes to give planes",
             )
         _ = self.measures, self.cells
+        if self.defeature is not None and self.defeature > self.thinnest_wall / 2:
+            raise DesignError(
+                "defeature",
+                f"{self.defeature:g} mm is more than half of {self.thinnest_wall:.3g} mm, the thickness of the "
+                "thinnest wall or a quarter of the smallest side; give a smaller length",
+            )
 
     def _contradictions(self) -> Iterator[DesignError]:
         """What is wrong whatever the file holds."""
-        if self.unit != 1 and Path(self.file).suffix.lower() in (".step", ".stp"):
+        if self.unit != 1 and Path(self.file).suffix.lower() in STEP:
             yield DesignError("unit", "STEP files store their unit; leave it out")
         if self.parts and self.unite:
             yield DesignError(
@@ -170,7 +176,10 @@ class CadFile(FileDesign):
 
     @property
     def against_flat_elements(self) -> str:
-        return f"{super().against_flat_elements}, or remove narrow faces with geometry.defeature, for example 0.1 mm"
+        usual = super().against_flat_elements
+        if self.parts or self.defeature is not None:
+            return usual
+        return f"{usual}, or remove narrow faces with geometry.defeature, for example 0.1 mm"
 
     @cached_property
     def thinnest_wall(self) -> float:

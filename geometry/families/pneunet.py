@@ -181,10 +181,6 @@ class PneuNet(SymmetricDesign):
         return self.base
 
     @property
-    def flat_walls(self) -> bool:
-        return True
-
-    @property
     def outer_corners(self) -> bool:
         return True
 

@@ -72,11 +72,11 @@ class SurfaceFile(FileDesign):
         """Raise `DesignError` unless z = 0 lies within the body."""
         low, high = self.surface.points[:, 2].min(), self.surface.points[:, 2].max()
         if not low < 0 < high or min(-low, high) <= FLAT * max(self.extent):
+            turned = "; if its height is along z, turn it with axes: [x, z, -y]" if self.axes == SAME else ""
             raise DesignError(
                 "file",
                 f"the body reaches from z = {round(low, 6) + 0.0:.4g} to {high:.4g} mm, and the material curve runs at "
-                "z = 0; move it in its file so that its middle is at z = 0, and save both halves, or turn it with axes "
-                "where its height is along z: [x, z, -y]",
+                f"z = 0; move it in its file so that its middle is at z = 0, and save both halves{turned}",
             )
 
     @property

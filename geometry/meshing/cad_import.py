@@ -11,16 +11,19 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.design import DesignError
 from geometry.meshing.cad_defeature import without_narrow_faces
-from geometry.meshing.size_field import thinnest_wall
 from geometry.meshing.solid import Volume, session
 
 Point: TypeAlias = tuple[float, float, float]
 
-SUFFIXES = (".step", ".stp", ".brep", ".brp")
+STEP = (".step", ".stp")
+SUFFIXES = (*STEP, ".brep", ".brp")
 #: part of the volume of several solids that two of them may have in common, which is rounding
 OVERLAP = 1e-6
 #: largest change of the volume of the material where narrow faces are removed
 MOST_CHANGE = 0.01
+#: distance by which a box around it may grow then, over its largest side
+BEYOND = 1e-5
+_IN_CAD = "remove them in the CAD program"
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,13 @@ class CadBody:
 def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
     """The solids of the file, in mm: one, or several that touch where they stay apart. Raises `DesignError`."""
     occ = gmsh.model.occ
-    solids = _of_file(gmsh, source) if source.defeatured is None else _of_brep(gmsh, source.defeatured)
+    if source.defeatured is None:
+        solids = _of_file(gmsh, source)
+        if source.unit != 1:
+            occ.dilate(solids, 0, 0, 0, source.unit, source.unit, source.unit)
+            occ.synchronize()
+    else:
+        solids = _of_brep(gmsh, source.defeatured)
     axis, angle = _axis_and_angle(np.array(source.turn))
     if angle:
         occ.rotate(solids, 0, 0, 0, *axis, angle)
@@ -88,7 +97,7 @@ def _of_brep(gmsh: Any, brep: bytes) -> list[Volume]:
 
 
 def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
-    """In mm, in the directions of the file."""
+    """In the unit and the directions of the file (STEP files: in mm)."""
     occ, path = gmsh.model.occ, source.path
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
     try:
@@ -107,9 +116,6 @@ def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
         )
     if len(solids) > 1:
         solids = _touching(gmsh, solids) if source.apart else _united(gmsh, solids)
-    if source.unit != 1:
-        occ.dilate(solids, 0, 0, 0, source.unit, source.unit, source.unit)
-        occ.synchronize()
     return solids
 
 
@@ -117,25 +123,39 @@ def defeatured(source: CadSource, length: float) -> bytes:
     """The one solid of the file without faces narrower than `length` mm, as BREP, in mm and in the directions of the
     file. Raises `DesignError`."""
     with session() as gmsh, TemporaryDirectory() as folder:
-        solids = _of_file(gmsh, source)
-        before = float(gmsh.model.occ.getMass(*solids[0]))
-        solids = without_narrow_faces(gmsh, solids, length)
-        wall = thinnest_wall(gmsh, half=False)
-        if length > wall / 2:
-            raise DesignError(
-                "defeature",
-                f"{length:g} mm is more than half of the thinnest wall, {wall:.3g} mm; give a smaller length",
-            )
-        change = float(gmsh.model.occ.getMass(*solids[0])) / before - 1
-        if abs(change) > MOST_CHANGE:
-            raise DesignError(
-                "defeature",
-                f"without faces narrower than {length:g} mm the volume of the material changes by "
-                f"{100 * change:.2g} %, and at most {100 * MOST_CHANGE:g} % are allowed; give a smaller length",
-            )
+        gmsh.option.setNumber("Geometry.OCCScaling", source.unit)  # keeps planes, which `dilate` makes splines
+        (solid,) = _of_file(gmsh, source)
+        low, high = bounds(gmsh, [solid])
+        volume = float(gmsh.model.occ.getMass(*solid))
+        try:
+            solids = without_narrow_faces(gmsh, solid, length)
+            _check_defeatured(gmsh, solids, volume, low, high)
+        except Exception as error:
+            if type(error) is not Exception:  # Gmsh raises nothing more special than that
+                raise
+            raise DesignError("defeature", f"Gmsh could not remove the narrow faces ({error}); {_IN_CAD}") from error
         path = Path(folder) / "body.brep"
         gmsh.write(str(path))
         return path.read_bytes()
+
+
+def _check_defeatured(gmsh: Any, solids: list[Volume], volume: float, low: Point, high: Point) -> None:
+    """Raise `DesignError` unless they are one solid of nearly that volume (mm3) within these bounds (mm)."""
+    if len(solids) != 1:
+        raise DesignError("defeature", f"without its narrow faces the body falls into {len(solids)} parts; {_IN_CAD}")
+    change = float(gmsh.model.occ.getMass(*solids[0])) / volume - 1
+    if abs(change) > MOST_CHANGE:
+        raise DesignError(
+            "defeature",
+            f"without its narrow faces the volume of the material changes by {100 * change:.2g} %, and at most "
+            f"{100 * MOST_CHANGE:g} % are allowed; give a smaller length",
+        )
+    grown = np.concatenate([np.subtract(low, bounds(gmsh, solids)[0]), np.subtract(bounds(gmsh, solids)[1], high)])
+    if grown.max() > BEYOND * max(np.subtract(high, low)):
+        raise DesignError(
+            "defeature",
+            f"faces of the body are splines, which Gmsh extends beyond the body where it removes others; {_IN_CAD}",
+        )
 
 
 def _touching(gmsh: Any, solids: list[Volume]) -> list[Volume]:

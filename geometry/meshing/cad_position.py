@@ -6,7 +6,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.design import DesignError
-from geometry.meshing.cad_import import CadBody, Point
+from geometry.meshing.cad_import import STEP, CadBody, Point
 from geometry.meshing.shapes import Volume
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
@@ -27,10 +27,18 @@ def check_dimensions(sides: Array, unit: float) -> None:
         )
 
 
-def doubt_of_unit(sides: Array) -> str:
+def doubt_of_unit(sides: Array, remedy: str = "give the unit of its file, geometry.unit") -> str:
     """The end of a sentence on a position outside of a body with the sides (3,), mm, that is small; else empty."""
+    if sides.max() >= USUAL:
+        return ""
     measures = " x ".join(f"{side:.4g}" for side in sides)
-    return f"; the body measures {measures} mm: is its file in another unit?" if sides.max() < USUAL else ""
+    return f"; the body measures {measures} mm: if that is too small, {remedy}"
+
+
+def _doubt(body: CadBody, sides: Array) -> str:
+    if body.source.path.suffix.lower() in STEP:
+        return doubt_of_unit(sides, "scale it in the CAD program, because STEP files store their unit")
+    return doubt_of_unit(sides)
 
 
 def check_position(body: CadBody, low: Point, high: Point) -> None:
@@ -46,7 +54,7 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
             raise DesignError(
                 key,
                 f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
-                f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm{doubt_of_unit(sides)}",
+                f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm{_doubt(body, sides)}",
             )
     across = (0.0 - high[2], 0.0 - low[2]) if body.turned else (low[2], high[2])  # as in the file
     reach = f"the body reaches from z = {across[0]:.4g} to {across[1]:.4g} mm"

@@ -15,7 +15,7 @@ from pipeline.simulation.outcome import Record
 class Choice:
     """Of a single line or two, at a pressure."""
 
-    evidence: float  #: for two lines, that decides
+    evidence: float  #: for two lines: the criterion of a single line minus that of two, of one pressure or of several
     two_lines: bool
 
 
@@ -28,12 +28,12 @@ def has_one_rigidity(equal_cells: bool, free: Record, loaded: Record) -> bool:
 def choices(evidence: Sequence[float], one_rigidity: Sequence[bool], d_given: bool) -> list[Choice]:
     """By pressure, from the evidence for two lines that each has alone.
 
-    The sum over all pressures without one rigidity decides at these; at the others it is their own, which does not
-    decide.
+    Where the rigidity may vary along the arm the sum over all such pressures decides for each of them. Elsewhere each
+    keeps its own evidence, and a single line is taken unless d is given.
     """
     together = sum(own for own, is_one in zip(evidence, one_rigidity, strict=True) if not is_one)
-    deciding = [(own if is_one else together, is_one) for own, is_one in zip(evidence, one_rigidity, strict=True)]
-    return [Choice(sum_or_own, takes_two_lines(sum_or_own, is_one, d_given)) for sum_or_own, is_one in deciding]
+    used = [own if is_one else together for own, is_one in zip(evidence, one_rigidity, strict=True)]
+    return [Choice(e, takes_two_lines(e, is_one, d_given)) for e, is_one in zip(used, one_rigidity, strict=True)]
 
 
 def takes_two_lines(evidence: float, one_rigidity: bool, d_given: bool) -> bool:

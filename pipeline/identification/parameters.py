@@ -188,7 +188,7 @@ def decided_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]
 
 
 def choices_of(identified: Sequence[Identification], parameters: Sequence[Parameters]) -> list[Choice]:
-    """By pressure, for an estimator, decided as for the one whose numbers the rod has."""
+    """A single line or two for the numbers of an estimator, by pressure, decided as for the rod itself."""
     d_given = any(p.given_d is not None for p in parameters)  # at all pressures or at none
     return choices([e.evidence for e in identified], [p.one_rigidity for p in parameters], d_given)
 

@@ -9,12 +9,14 @@ FLAT_ELEMENT = 0.05
 #: length of an edge of a CAD file, over the size of the elements, below which it is mentioned
 SMALL_EDGE = 1 / 3
 #: width of the faces whose removal is suggested then, over the length of the shortest edge
-WIDER = 1.2
+WIDER = 1.1
 #: volume of the mesh over that of the drawing, minus 1, from which it is mentioned, and the size that is suggested then
 #: over the given one. Curved edges follow round walls to 1e-5; where they would tangle an element, edges are straight
 VOLUME_DIFFERS, SMALLER_SIZE = 0.01, 0.7
 #: distance of a cavity from the plane of symmetry, over the length of the arm, that is more than rounding
 APART = 1e-5
+#: difference of two sides of a body, over their length, that is rounding
+ROUNDING = 1e-6
 
 
 def of_half(body: Body) -> str:
@@ -37,13 +39,14 @@ def of_directions(design: Design) -> str:
     if not isinstance(design, CadFile | MeshFile | SurfaceFile):
         return ""
     length, height, width = design.extent
-    if length >= max(height, width):
+    if length > (1.0 - ROUNDING) * max(height, width):
         return ""
     axis, turned = ("y", "[y, -x, z]") if height > width else ("z", "[z, y, -x]")
     example = f": {turned}" if design.axes == ("x", "y", "z") else ""
     return (
         f"the body is {length:.3g} mm long along x, which is the direction of the arm from its clamp, and "
-        f"{max(height, width):.3g} mm along {axis}; if that is its length, turn it with geometry.axes{example}"
+        f"{max(height, width):.3g} mm along {axis}; if that is its length, turn it with geometry.axes{example}; "
+        "curve, clamp, tip and air are in the new directions then"
     )
 
 
@@ -58,15 +61,13 @@ def of_edges(config: Config) -> str:
     if not small:
         return ""
     length, where = small[0]
-    how = (
-        "in the CAD program: they are left after geometry.defeature"
-        if design.defeature
-        else f"with geometry.defeature, for example {WIDER * length:.2g} mm, or in the CAD program"
-    )
+    width = round(WIDER * length, 2)
+    can_widen = not design.parts and (design.defeature or 0.0) < width < design.thinnest_wall
+    how = f"with geometry.defeature, for example {width:g} mm, or " if can_widen else ""
     return (
         f"{len(small)} of the {len(design.edges)} edges in the CAD file are shorter than a third of mesh.size, "
         f"{size:g} mm, the shortest {length:.2g} mm near {where}: elements there are as small, and meshing may take "
-        f"minutes; if small fillets, holes and steps do not matter remove them {how}"
+        f"minutes; if small fillets, holes and steps do not matter, remove them {how}in the CAD program"
     )
 
 

@@ -232,7 +232,7 @@ class _ShapeFit:
         return np.concatenate([off.T.ravel(), force, prior])
 
     def minimised(self, z: Array) -> OptimizeResult:
-        """The fit from z, with the derivative by the break on the side that rounding chose (`across_break`)."""
+        """The fit from z; its derivative with respect to d is one-sided where d lies at a node (see `across_break`)."""
         low = np.array([COMPLIANCES[0], -np.inf, COMPLIANCES[0], -np.inf, self.breaks[0], *[-np.inf] * (2 * HARMONICS)])
         high = np.array([COMPLIANCES[1], np.inf, COMPLIANCES[1], np.inf, self.breaks[1], *[np.inf] * (2 * HARMONICS)])
         free = np.array([True] * 4 + [self.seeks_break] + [True] * (2 * HARMONICS))
@@ -264,8 +264,8 @@ class _ShapeFit:
         return self.breaks[0] < self.breaks[1]
 
     def across_break(self, fit: OptimizeResult) -> OptimizeResult:
-        """The same fit with its derivative by the break from differences over the nodes next to it, where d is sought
-        and there is a rod with a break at both.
+        """The same fit with its derivative with respect to d from a difference over the nodes on both sides of d, where
+        d is sought and there is a rod with a break at both nodes.
 
         The residual has kinks where the break passes a node, and minima are often there: rounding then decides on which
         side a derivative is taken, and that of one side says nothing of the other.
