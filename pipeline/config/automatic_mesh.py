@@ -8,23 +8,25 @@ from dataclasses import dataclass
 from math import floor, log10, sqrt
 
 from fem.elements import MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
-from geometry import Design, MeshFile, SurfaceFile
+from geometry import CadFile, Design, MeshFile, SurfaceFile
 from geometry.design import expected_tets
 
 #: size over the square root of the thinnest wall times half the smallest side of the body: walls bend over lengths
 #: proportional to that root
-SIZE_FACTOR = 1.2
+SIZE_FACTOR = 1.0
 #: factor of the size of a mesh without grading, whose walls are coarser: the deflection of the finger of
 #: docs/how_to/own_bodies_tried.md from an STL file is then off by 2.0 instead of 3.5 %, its end force by 2.0 instead of
 #: 3.8 % (20 kPa, against a mesh of 1.6 mm)
-WITHOUT_GRADING = 0.75
+WITHOUT_GRADING = 0.9
 #: largest size over the smallest side of a body with gaps between its chambers
 COARSEST = 0.4
 #: the same of other bodies: without gaps an arm bends by the small difference of what its two sides stretch, and where
 #: the walls are thick the error of the mesh is a large part of that
-COARSEST_WITHOUT_GAPS = 0.18
+COARSEST_WITHOUT_GAPS = 0.15
 #: the same where all walls are flat as well: the stress is singular at the edges in which they meet
 COARSEST_FLAT = 0.12
+#: the same of bodies from files, of which it is not known whether they have gaps
+COARSEST_FROM_FILE = 0.18
 #: most elements of a chosen mesh, about 500 000 unknowns: minutes per pressure
 MOST_CHOSEN_TETS = 100_000
 #: size of the second mesh over that of the first, by which the error of a chosen mesh is estimated
@@ -107,7 +109,9 @@ def _coarsest(design: Design) -> tuple[float, str]:
         return COARSEST, "a body with gaps"
     if design.flat_walls:
         return COARSEST_FLAT, "a body without gaps whose walls are all flat"
-    return COARSEST_WITHOUT_GAPS, "a body without gaps or from a file"
+    if isinstance(design, CadFile | MeshFile | SurfaceFile):
+        return COARSEST_FROM_FILE, "a body from a file"
+    return COARSEST_WITHOUT_GAPS, "a body without gaps"
 
 
 def _two_digits(value: float) -> float:
