@@ -12,8 +12,8 @@ from geometry import CadFile, Design, MeshFile, SurfaceFile
 from geometry.design import expected_tets
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
-#: docs/how_to/own_bodies_tried.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0 and
-#: 3.8 % (20 kPa, against a mesh of 1.6 mm)
+#: docs/how_to/own_bodies_tried.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0
+#: and 3.8 % (20 kPa, against a mesh of 1.6 mm)
 WITHOUT_GRADING = 0.9
 #: largest size over the smallest side of a body with gaps between its chambers
 COARSEST = 0.4
