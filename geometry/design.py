@@ -143,11 +143,6 @@ class Design(ABC):
         """Whether the outside has re-entrant edges, as at the gaps between chambers."""
         return False
 
-    @property
-    def flat_walls(self) -> bool:
-        """Whether a body without gaps has flat walls only around its air, which meet in sharp re-entrant edges."""
-        return False
-
     @abstractmethod
     def body(self, size: float, grading: Grading = OFF) -> Body:
         """The meshed body; `size` is the element edge that the mesher aims at, mm.

@@ -2,12 +2,13 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from geometry import GRADINGS, PneuNet, Rectangular, Semicircular
+from geometry import GRADINGS, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.design import expected_tets
-from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, GivenMesh, chosen_mesh
+from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, ChosenMesh, GivenMesh, chosen_mesh
 from pipeline.config.load import load_config
 from pipeline.report.mesh import mesh_sentences
 from pipeline.report.results import read_results
@@ -49,23 +50,24 @@ def test_sizes_follow_from_the_walls() -> None:
     assert even.size_mm == pytest.approx(0.9 * usual.size_mm, rel=0.05)
 
 
-def test_without_gaps_sizes_follow_from_the_body_where_walls_are_thick() -> None:
-    thick, thicker, thin = (chosen_mesh(Semicircular(wall=w), "svk", 0.495, None, NOTHING) for w in (1.0, 1.5, 0.25))
-    assert thick.size_mm == thicker.size_mm == pytest.approx(0.15 * min(Semicircular().extent), rel=0.05)
-    assert thick.reasons["size"] == "that is 0.15 times the smallest side, the most for a body without gaps"
+@pytest.mark.parametrize(
+    ("family", "part"), [(Semicircular, 0.18), (BisectedCircle, 0.18), (SemicircularSingle, 0.15), (Rectangular, 0.12)]
+)
+def test_without_gaps_sizes_follow_from_the_body_where_walls_are_thick(family: Any, part: float) -> None:
+    def chosen(wall: float) -> ChosenMesh:
+        design = family(roof=wall) if family is Rectangular else family(wall=wall)
+        return chosen_mesh(design, "svk", 0.495, None, NOTHING)
+
+    thick, thicker, thin = (chosen(wall) for wall in (1.0, 1.5, 0.1))
+    assert thick.size_mm == thicker.size_mm == pytest.approx(part * min(family().extent), rel=0.05)
+    assert thick.reasons["size"] == f"that is {part:g} times the smallest side, the most for {family.family}"
     assert thin.size_mm < thick.size_mm
-    assert "walls of 0.25 mm" in thin.reasons["size"]
+    assert "walls of 0.1 mm" in thin.reasons["size"]
+
+
+def test_with_gaps_sizes_follow_from_the_walls() -> None:
     gapped = PneuNet(wall=1.5)
     assert chosen_mesh(gapped, "hencky", 0.495, None, NOTHING).size_mm > 0.2 * min(gapped.extent)
-
-
-def test_flat_walls_without_gaps_have_smaller_elements() -> None:
-    flat = chosen_mesh(Rectangular(), "svk", 0.495, None, NOTHING)
-    assert flat.size_mm == pytest.approx(0.12 * min(Rectangular().extent), rel=0.05)
-    assert flat.reasons["size"] == (
-        "that is 0.12 times the smallest side, the most for a body without gaps whose walls are all flat"
-    )
-    assert "walls of 0.1 mm" in chosen_mesh(Rectangular(roof=0.1), "svk", 0.495, None, NOTHING).reasons["size"]
 
 
 def test_sizes_end_where_memory_does() -> None:

@@ -64,10 +64,6 @@ class Rectangular(PartitionedDesign):
         return {"cavity": self.chambers * self.chamber_length * section + self.channel_volume}
 
     @property
-    def flat_walls(self) -> bool:
-        return True
-
-    @property
     def thinnest_wall(self) -> float:
         return min(self.partition, self.end_wall, self.base, self.side_wall, self.roof)
 

@@ -8,22 +8,21 @@ from dataclasses import dataclass
 from math import floor, log10, sqrt
 
 from fem.elements import MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
-from geometry import CadFile, Design, MeshFile, SurfaceFile
+from geometry import Design, MeshFile, SurfaceFile
 from geometry.design import expected_tets
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
 #: docs/how_to/own_bodies_tried.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0
 #: and 3.8 % (20 kPa, against a mesh of 1.6 mm)
 WITHOUT_GRADING = 0.9
-#: largest size over the smallest side of a body with gaps between its chambers
+#: largest size over the smallest side of a body
 COARSEST = 0.4
-#: the same of other bodies: without gaps an arm bends by the small difference of what its two sides stretch, and where
-#: the walls are thick the error of the mesh is a large part of that
-COARSEST_WITHOUT_GAPS = 0.15
-#: the same where all walls are flat as well: the stress is singular at the edges in which they meet
-COARSEST_FLAT = 0.12
-#: the same of bodies from files, of which it is not known whether they have gaps
-COARSEST_FROM_FILE = 0.18
+#: the same by family. Without gaps an arm bends by the small difference of what its two sides stretch, and where the
+#: walls are thick the error of the mesh is a large part of that; it is largest with flat walls, which meet in sharp
+#: re-entrant edges, and with a single cavity
+COARSEST_OF_FAMILY = {"pneunet": COARSEST, "semicircular_single": 0.15, "rectangular": 0.12}
+#: the same of other families, and of bodies from files
+COARSEST_OF_OTHERS = 0.18
 #: most elements of a chosen mesh, about 500 000 unknowns: minutes per pressure
 MOST_CHOSEN_TETS = 100_000
 #: size of the second mesh over that of the first, by which the error of a chosen mesh is estimated
@@ -85,29 +84,18 @@ def _formulation(design: Design, law: str, nu: float, against_locking: bool | No
 def _size(design: Design, grading: str) -> tuple[float, str]:
     """The size (mm) and why."""
     wall, side = design.thinnest_wall, min(design.extent)
-    part, bodies = _coarsest(design)
+    part = COARSEST_OF_FAMILY.get(design.family, COARSEST_OF_OTHERS)
     suits = sqrt(wall * side / 2) * (WITHOUT_GRADING if grading == "off" else 1.0)  # over that length walls bend
     reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need it"
     if suits > part * side:
         suits = part * side
-        reason = f"that is {part:g} times the smallest side, the most for {bodies}"
+        reason = f"that is {part:g} times the smallest side, the most for {design.family}"
     size = suits
     while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
         size *= 1.05
     if size > suits:
         reason = f"{suits:.2g} mm would be right, but the body would then have more than {MOST_CHOSEN_TETS} elements"
     return _two_digits(size), reason
-
-
-def _coarsest(design: Design) -> tuple[float, str]:
-    """Largest size over the smallest side, and the bodies that it holds for."""
-    if design.outer_corners:
-        return COARSEST, "a body with gaps"
-    if design.flat_walls:
-        return COARSEST_FLAT, "a body without gaps whose walls are all flat"
-    if isinstance(design, CadFile | MeshFile | SurfaceFile):
-        return COARSEST_FROM_FILE, "a body from a file"
-    return COARSEST_WITHOUT_GAPS, "a body without gaps"
 
 
 def _two_digits(value: float) -> float:
