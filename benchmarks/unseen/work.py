@@ -161,7 +161,7 @@ def _begun(design: Drawn) -> Record:
         "words": design.words,
         "sources": _commit_of_sources(),
         "load": design.load,
-        "pressures_kPa": design.pressures_kPa,
+        "pressures_kPa": list(design.pressures_kPa),
         "ended": "",
         "reason": "",
         "finished": False,
