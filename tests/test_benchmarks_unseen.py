@@ -4,6 +4,7 @@ import json
 import math
 from argparse import Namespace
 from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -13,12 +14,13 @@ import pytest
 
 import fem
 from benchmarks.unseen.__main__ import campaign, sample
+from benchmarks.unseen.__main__ import main as campaigns_main
 from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_difference
 from benchmarks.unseen.confirm import judged, named_limit, second_law, turned
 from benchmarks.unseen.designs import COMPRESSIBLE, LOAD, LOWER, Drawn, drawn
 from benchmarks.unseen.details import designs_table
 from benchmarks.unseen.histogram import CLASSES, counts
-from benchmarks.unseen.page import joined, pages
+from benchmarks.unseen.page import joined, pages, write_pages
 from benchmarks.unseen.sorting import (
     EARLY,
     LIMIT,
@@ -36,6 +38,7 @@ from benchmarks.unseen.sorting import (
 )
 from benchmarks.unseen.summary import largest_share, seeds
 from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, outcome_of, outcomes_of
+from benchmarks.unseen.work import LIMIT as LIMIT_OF_CPU_TIME
 from fem.materials import LAWS
 from geometry import FAMILIES
 from pipeline.config.config import Config
@@ -332,6 +335,38 @@ def test_the_page_says_which_designs_ran_with_which_sources() -> None:
     text = " ".join(pages(campaign(settings, records))["unseen.md"].split())
     assert "Of 40 designs those with the numbers 0 to 2, 4 and 7 to 8 of seed 9; sources of commit" in text
     assert "sources of commit abc1234 for 0 to 2 and 4; def5678 for 7 to 8; at most 400 s" in text
+
+
+def test_designs_are_added_to_those_of_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a page contains is not run again, and never replaced."""
+    solved: list[int] = []
+
+    def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
+        solved[:] = [work.design.number for work in works]
+        return (record(number=number, sources="new") for number in solved)
+
+    def sources(*arguments: str) -> list[tuple[int, int, str]]:
+        given = ["--count", "3", "--page", str(tmp_path / "page"), "--results", str(tmp_path / "results"), *arguments]
+        monkeypatch.setattr("sys.argv", ["unseen", *given])
+        assert campaigns_main() == 0
+        content = json.loads((tmp_path / "page" / "unseen.json").read_text())
+        return [(r["seed"], r["number"], r["sources"]) for r in content["records"]]
+
+    monkeypatch.setattr("benchmarks.unseen.__main__.outcomes_of", outcomes)
+    before = campaign(Namespace(seed=7, count=3, limit=LIMIT_OF_CPU_TIME, law="both"), [record(sources="old")])
+    (tmp_path / "page").mkdir()
+    write_pages(tmp_path / "page", before)
+    of_seven = [(7, 0, "old"), (7, 1, "new"), (7, 2, "new")]
+    assert sources("--seed", "7") == of_seven
+    assert solved == [1, 2]
+    both = [*of_seven, *((9, number, "new") for number in range(3))]
+    assert sources("--seed", "9") == both
+    assert sources("--seed", "7") == both
+    assert solved == [0, 1, 2]
+    in_results = json.loads((tmp_path / "results" / "7_of_3_both" / "unseen.json").read_text())
+    assert [r["sources"] for r in in_results["records"]] == ["new"] * 3
+    assert sources("--seed", "2") == both
+    assert sources("--seed", "7", "--stored") == both
 
 
 def test_few_designs_say_little() -> None:

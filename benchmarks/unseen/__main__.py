@@ -7,11 +7,13 @@
 Each design has a folder below results/unseen with its configuration, its results and outcome.json; what is
 finished is kept, so that the same command continues an interrupted campaign. As many designs are worked on at the same
 time as --jobs says, by default one for each core, each with one thread. A stage of a design that needs more CPU seconds
-than the limit is recorded as too slow. After each design the pages are written into the folder of the campaign, and at
-the end into that of --page with their histogram; --stored writes them from what is there, and --with adds the designs
-of other campaigns, given by their folders, in front, or those of this one that were run elsewhere, which are not run
-again. Seeds 1 to 3, 23, 31, 37, 47 and 73 are for finding and mending defects, so they are not reported: --page is
-not for them.
+than the limit is recorded as too slow. After each design the pages are written into the folder of the campaign. At the
+end its designs are added to those of the pages in the folder of --page, with their histogram. Results that are
+published there are not replaced: designs of this campaign that they contain are not run again, and if they contain all
+of them, they are run with the present sources, and their pages are in the folder of the campaign alone. --with adds the
+designs of other campaigns, given by their folders, or those of this one that were run elsewhere; --stored solves
+nothing and writes the pages from what is there. Seeds 1 to 3, 23, 31, 37, 47 and 73 are for finding and mending
+defects, so they are not reported: --page is not for them.
 """
 
 import argparse
@@ -24,7 +26,7 @@ from typing import Any
 
 from benchmarks.unseen.designs import Drawn, drawn
 from benchmarks.unseen.histogram import draw
-from benchmarks.unseen.page import joined, write_pages
+from benchmarks.unseen.page import PAGES_DATA, joined, write_pages
 from benchmarks.unseen.sorting import ERROR, NO_LIMIT, TRACEBACK, WRONG, outcome, rod_errors
 from benchmarks.unseen.work import LIMIT, Record, Work, kept, outcomes_of
 from pipeline.config.config import LAW_CHOICES
@@ -70,17 +72,16 @@ def main() -> int:
     given = parser.parse_args()
     if given.others and not given.page:
         parser.error("--with joins campaigns on a page: give --page too")
+    folder = given.results / f"{given.seed}_of_{given.count}_{given.law}"
     try:
-        others = [_stored(other) for other in given.others]
+        if why := _why_not_published(given):
+            sys.stdout.write(f"{why}; its pages are written into {folder} alone\n")
+            given.page, given.others = None, []
+        published = [given.page] if given.page and (given.page / PAGES_DATA).exists() else []
+        others = [_stored(other) for other in [*published, *given.others]]
         joined([*others, campaign(given, [])])
     except (OSError, ValueError) as reason:
-        parser.error(f"--with: {reason}")
-    if given.page and given.seed in MENDING:
-        sys.stdout.write(
-            f"seed {given.seed} is for mending the program; its page is written beside its results alone\n"
-        )
-        given.page = None
-    folder = given.results / f"{given.seed}_of_{given.count}_{given.law}"
+        parser.error(f"--page and --with: {reason}")
     finer = sample(given.first or given.count, given.finer)
     elsewhere = {record["number"] for other in others for record in other["records"] if record["seed"] == given.seed}
     works = [
@@ -101,6 +102,20 @@ def main() -> int:
     return int(bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records))
 
 
+def _why_not_published(given: argparse.Namespace) -> str:
+    """Why --page is not for this campaign; empty where it is."""
+    if not given.page:
+        return ""
+    if given.seed in MENDING:
+        return f"seed {given.seed} is for mending the program"
+    if given.stored or not (given.page / PAGES_DATA).exists():
+        return ""
+    published = {record["number"] for record in _stored(given.page)["records"] if record["seed"] == given.seed}
+    if published >= set(range(given.first or given.count)):
+        return f"{given.page} has results of these designs of seed {given.seed} already"
+    return ""
+
+
 def _stored_records(works: Sequence[Work]) -> list[Record]:
     """The complete records of designs in their folders, whatever sources they are from."""
     records = [kept(work.folder) for work in works]
@@ -109,9 +124,9 @@ def _stored_records(works: Sequence[Work]) -> list[Record]:
 
 def _stored(folder: Path) -> dict[str, Any]:
     """What the pages of a finished campaign were written from; raises OSError and ValueError."""
-    content: dict[str, Any] = json.loads((folder / "unseen.json").read_text(encoding="utf-8"))
+    content: dict[str, Any] = json.loads((folder / PAGES_DATA).read_text(encoding="utf-8"))
     if "campaigns" not in content:
-        raise ValueError(f"{folder / 'unseen.json'} was written by an earlier version; run that campaign with --stored")
+        raise ValueError(f"{folder / PAGES_DATA} was written by an earlier version; run that campaign with --stored")
     if bad := {entry["seed"] for entry in content["campaigns"]} & set(MENDING):
         raise ValueError(f"seed {', '.join(map(str, bad))} is for mending the program and is not reported")
     return content

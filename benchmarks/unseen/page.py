@@ -11,6 +11,9 @@ from typing import Any
 from benchmarks.unseen import designs, details, summary
 from benchmarks.unseen.wording import WIDTH, Record, item
 
+#: what the pages are written from, beside them
+PAGES_DATA = "unseen.json"
+
 
 def joined(contents: Sequence[Record]) -> dict[str, Any]:
     """Several campaigns, or parts of them with different designs, as one.
@@ -39,7 +42,7 @@ def joined(contents: Sequence[Record]) -> dict[str, Any]:
 def write_pages(folder: Path, content: Record) -> None:
     """Write unseen.json, unseen.md and unseen_designs.md into a folder."""
     text = json.dumps(content, indent=1, ensure_ascii=False) + "\n"
-    (folder / "unseen.json").write_text(text, encoding="utf-8")
+    (folder / PAGES_DATA).write_text(text, encoding="utf-8")
     for name, page in pages(json.loads(text)).items():
         (folder / name).write_text(page, encoding="utf-8")
 
