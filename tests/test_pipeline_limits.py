@@ -18,7 +18,7 @@ from fem.path.solver import Increment, IncrementSolver
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
-from pipeline.simulation.case_path import CasePath
+from pipeline.simulation.case_path import OF_RELEASED, CasePath
 from pipeline.simulation.known_limit import KnownLimit, in_order
 from pipeline.simulation.loadcase import identification_case
 from pipeline.simulation.scene import Scene
@@ -262,6 +262,48 @@ def test_who_asks_waits_no_longer_than_needed() -> None:
     assert "has its limit at 45 kPa" in answers[0]
     known.ended()
     assert "has its limit at 45 kPa" in known.why_not(60.0)
+
+
+def test_a_state_of_two_is_waited_for_until_it_is_reached_or_two_ends() -> None:
+    known = KnownLimit()
+    known.reached(20.0)
+    assert known.has_state(20.0)
+    answers: list[bool] = []
+    asking = threading.Thread(target=lambda: answers.append(known.has_state(40.0)), daemon=True)
+    asking.start()
+    asking.join(0.3)
+    assert asking.is_alive()
+    known.reached(40.0)
+    asking.join(5.0)
+    assert answers == [True]
+    known.ended(45.0, is_limit=True)
+    assert not known.has_state(60.0)
+
+
+def test_the_free_body_is_released_from_the_clamped_one_where_that_takes_less(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Walls meet between 17 and 37 kPa, where a state of II takes 11 factorizations; the states are those of the path
+    from rest. Where II has no state, or one that took few factorizations, I follows its own path."""
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", ["pressures=[17 kPa, 37 kPa]"])
+    scene, released, begun = Scene.meshed(config), fem.Experiment.released, []
+
+    def observed(experiment: fem.Experiment, step: fem.Step) -> fem.Step:
+        begun.append((step.factor, step.factorizations > OF_RELEASED))
+        return released(experiment, step)
+
+    monkeypatch.setattr(fem.Experiment, "released", observed)
+    outcomes = []
+    for name, experiments in (("together", ["I", "II"]), ("alone", ["I"])):
+        with open_store(tmp_path / name, config) as store:
+            outcomes.append(simulate(scene, RunContext.alone(store, Silent()), experiments)["I"])
+    together, alone = outcomes
+    assert begun[-1] == (1.0, True)
+    assert all(many for _, many in begun)
+    assert together.factorizations < alone.factorizations
+    for first, other in zip(together.records, alone.records, strict=True):
+        np.testing.assert_allclose(first.displacement, other.displacement, atol=2e-4)
+        assert first.effects == other.effects
 
 
 def test_another_mesh_has_a_limit_of_its_own() -> None:

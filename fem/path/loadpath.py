@@ -1,9 +1,8 @@
 """The load path: equilibria at load factors, or at volumes of a cavity, given in their order."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
-from itertools import zip_longest
 from time import perf_counter
 
 from fem.equations.linear import SingularMatrix
@@ -16,6 +15,9 @@ from fem.path.newton import StepFailed
 from fem.path.options import PathEnded, PathObserver, PathOptions
 from fem.solution import NotConverged, Solution, Step
 
+#: gives for the number of a target a state of another model from which the way to it begins; None: the path alone
+Begin = Callable[[int], Step | None]
+
 
 def follow(
     model: Model,
@@ -23,14 +25,15 @@ def follow(
     options: PathOptions | None = None,
     observer: PathObserver | None = None,
     resume: Sequence[Step] = (),
-    begin: Sequence[Step | None] = (),
+    begin: Begin = lambda number: None,
 ) -> Solution:
     """Equilibrium at the given load factors, in their order.
 
-    `resume` are steps of the first factors, finished earlier: the path goes on from the last of them. `begin` has for
-    each factor an equilibrium near that, of a model that differs in the displacements that its supports prescribe, or
-    None. The way from there is tried first, in one increment in which load factor and supports move together. Limit
-    points on it are not seen: the same model should bear both load factors with the other displacements.
+    `resume` are steps of the first factors, finished earlier: the path goes on from the last of them. `begin` gives for
+    the number of a factor, when it is its turn, a stable equilibrium of a model that differs in its supports, or None.
+    The way from there is tried first, in one increment. Supports that are the same but for the displacements that they
+    prescribe move on it, together with the load factor; others are released at once, and their forces vanish. Limit
+    points on the way are not seen: the same model should bear both load factors with the other supports.
 
     Raises `NotConverged`, which carries the reason and the steps reached so far.
     """
@@ -65,15 +68,16 @@ def _follow(
     targets: Sequence[float],
     resume: Sequence[Step],
     start: float,
-    begin: Sequence[Step | None] = (),
+    begin: Begin = lambda number: None,
 ) -> Solution:
     """start: when the work on the path began, s."""
     steps = list(resume)
-    path.resume(steps, goes_on=len(targets) > len(steps))
+    path.resume(steps)
     set_up = perf_counter() - start - path.system.solver.times.analysis
     try:
-        for target, near in zip_longest(targets[len(steps) :], begin[len(steps) : len(targets)]):
-            step = path.advance(target) if near is None else _moved_or_advanced(path, near, target, steps, targets)
+        for number in range(len(steps), len(targets)):
+            target, near = targets[number], begin(number)
+            step = path.advance(target) if near is None else _moved_or_advanced(path, near, target)
             steps.append(step)
             path.observer.step_done(step)
         return path.solution(steps, set_up)
@@ -83,12 +87,10 @@ def _follow(
         path.system.solver.close()
 
 
-def _moved_or_advanced(
-    path: PathFollower, begin: Step, target: float, steps: Sequence[Step], targets: Sequence[float]
-) -> Step:
+def _moved_or_advanced(path: PathFollower, begin: Step, target: float) -> Step:
     """The next step, from that of another model or else on the path; its costs are those of both attempts.
 
-    steps: so far. Raises `PathEnded`.
+    Raises `PathEnded`.
     """
     before, pairs = Costs.of(path.system), path.system.storage.added
     try:
@@ -97,7 +99,7 @@ def _moved_or_advanced(
         if step is None:
             step = path.advance(target)
         else:  # as where an interrupted path goes on
-            path.resume([step], goes_on=not steps and len(targets) > 1)
+            path.resume([step])
     except PathEnded as ended:
         factorizations = (Costs.of(path.system) - before).factorizations
         raise PathEnded(replace(ended.end, factorizations=factorizations)) from None
@@ -113,6 +115,5 @@ def _moved(path: PathFollower, begin: Step, factor: float) -> Step | None:
     observer = PathObserver(lambda _, iteration, residual: callback(factor, iteration, residual))
     control = MoveControl.of(path.system, begin, factor)
     with suppress(StepFailed, SingularMatrix):
-        step = PathFollower(control, path.options, observer).move(begin, control)
-        return replace(step, rate=None)  # it is one by the part of the way, not by the load factor
+        return PathFollower(control, path.options, observer).move(begin, control)
     return None

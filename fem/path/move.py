@@ -1,12 +1,14 @@
 """The way from an equilibrium to another load factor and other prescribed displacements, driven from 0 to 1.
 
-Another height of the end, at the pressure of a known state or above it, is reached from there in one increment. From
-rest the way takes many where walls come into contact.
+Another height of the end, at the pressure of a known state or above it, is reached from there in one increment, and so
+is the free body from the clamped one. From rest the way takes many where walls come into contact.
 """
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
+
+import numpy as np
 
 from fem.effects.effect import Terms
 from fem.equations.linearised import Linearised
@@ -15,6 +17,9 @@ from fem.equations.system import System
 from fem.path.control import Control, Drive, load_change, rate_with_motion, to_equilibrium
 from fem.solution import Step
 from geometry.arrays import Array
+
+#: motion of the supports over the size of the body that is rounding
+AT_REST = 1e-9
 
 
 @final
@@ -34,10 +39,17 @@ class MoveControl(Control):
 
     @classmethod
     def of(cls, system: System, begin: Step, factor: float) -> "MoveControl":
-        """From a finished step of a model with equal supports, but for the displacements that they prescribe."""
+        """From a finished step of a model with equal supports, but for the displacements that they prescribe, or with
+        others that are released."""
         last = system.constraints.prescribed(factor, 1.0)
         motion = system.constraints.correction(begin.displacement, last)
         return cls(system, 1.0, 0.0, 1.0, (begin.factor, factor), motion, last)
+
+    @property
+    def moves(self) -> bool:
+        """Whether load factor or supports move on the way; they do not where supports are only released."""
+        size = np.ptp(self.system.space.points, axis=0).max()
+        return self.factors[0] != self.factors[1] or bool(np.abs(self.motion).max() > AT_REST * size)
 
     @cached_property
     def prescribed(self) -> Array:

@@ -56,6 +56,14 @@ class KnownLimit:
             self._values[self._end_kPa], self._values[self._is_limit] = end_kPa, is_limit
             self._values[self._has_ended] = 1.0
 
+    def has_state(self, pressure_kPa: float) -> bool:
+        """Whether experiment II has an equilibrium at one of its pressures; waits until that is known."""
+        while self._values[self._reached_kPa] < pressure_kPa:
+            if self._values[self._has_ended]:
+                return bool(self._values[self._reached_kPa] >= pressure_kPa)
+            sleep(ASK_AGAIN)
+        return True
+
     @property
     def end_kPa(self) -> float:
         """Of II, where it has ended; 0 where there is nothing to tell."""
