@@ -144,11 +144,10 @@ class PathFollower:
         first target constant loads are brought up before the driven one: while both grow, the rates of their motions
         hide a step that jumps past a limit of the driven load.
         """
-        before, is_first, rest = Costs.of(self.system), len(self.points) == 1, self.points[0]
-        self.not_followed = ""
-        if self.points[0] is self.predictor.rest and not (is_first or self.predictor.nonsmooth_start):
+        is_first, rest = len(self.points) == 1, self.points[0]
+        if rest is self.predictor.rest and not (is_first or self.predictor.nonsmooth_start):
             self.predictor.rate_from_rest(self.control.target(self.points[-1].value, 1.0))
-        constant = None
+        before, constant, self.not_followed = Costs.of(self.system), None, ""
         if is_first and self.control.gives_load and self.predictor.has_constant_loads:
             constant = self._with_constant_loads(target, before)
             if constant is None:
