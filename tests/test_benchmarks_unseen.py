@@ -380,6 +380,7 @@ def test_designs_are_added_to_those_of_a_page(tmp_path: Path, monkeypatch: pytes
     in_results = json.loads((tmp_path / "results" / "7_of_3_both" / "unseen.json").read_text())
     assert [r["sources"] for r in in_results["records"]] == ["new"] * 3
     assert sources("--seed", "2") == both
+    assert sources("--seed", "11", "--law", "five") == both
     assert sources("--seed", "7", "--stored") == both
 
 

@@ -24,7 +24,7 @@ from rod import (
     shortest_break,
     too_few_pitches,
 )
-from rod.identification.observed import Observed
+from rod.identification.observed import Observed, too_few_pitches
 from rod.identification.two_lines import CLEAR
 
 #: Delta continuous at d, as the lines of the paper's Fig. 9 meet
@@ -191,6 +191,11 @@ DATA = by_cells(SyntheticArm(STEP))
 def test_data_that_cannot_give_five_numbers_are_refused(call, sentence):
     with pytest.raises(RodError, match=sentence):
         call(*DATA)
+
+
+def test_an_arm_that_is_slightly_too_short_is_not_said_to_have_as_many_pitches_as_it_needs() -> None:
+    assert "this arm of 43 mm has 6.49 of 6.62 mm" in too_few_pitches(43.0, 6.62)
+    assert too_few_pitches(43.04, 6.62) == ""
 
 
 def test_the_range_of_the_break_begins_in_the_first_cell() -> None:

@@ -110,7 +110,10 @@ def _why_not_published(given: argparse.Namespace) -> str:
         return f"seed {given.seed} is for mending the program"
     if given.stored or not (given.page / PAGES_DATA).exists():
         return ""
-    published = {record["number"] for record in _stored(given.page)["records"] if record["seed"] == given.seed}
+    content = _stored(given.page)
+    if any(entry["law"] != given.law for entry in content["campaigns"]):
+        return f"the designs in {given.page} were run with another law of the rod than {given.law}"
+    published = {record["number"] for record in content["records"] if record["seed"] == given.seed}
     if published >= set(range(given.first or given.count)):
         return f"{given.page} has results of these designs of seed {given.seed} already"
     return ""

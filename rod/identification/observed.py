@@ -7,6 +7,7 @@ give the design matrix for every break d by differences.
 """
 
 from dataclasses import dataclass, replace
+from math import floor
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -123,7 +124,7 @@ def too_few_pitches(length: float, pitch: float) -> str:
         return ""
     return (
         f"Five parameters need a length of at least {FEWEST_PITCHES:g} pitches; this arm of {length:.4g} mm has "
-        f"{length / pitch:.3g} of {pitch:.4g} mm."
+        f"{floor(100 * length / pitch) / 100:g} of {pitch:.4g} mm."  # never rounded up to as many as are needed
     )
 
 
