@@ -24,7 +24,7 @@ from rod import (
     shortest_break,
     too_few_pitches,
 )
-from rod.identification.observed import Observed, too_few_pitches
+from rod.identification.observed import Observed
 from rod.identification.two_lines import CLEAR
 
 #: Delta continuous at d, as the lines of the paper's Fig. 9 meet
