@@ -18,6 +18,7 @@ from fem.path.solver import Increment, IncrementSolver
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
+from pipeline.simulation import case_path
 from pipeline.simulation.case_path import OF_RELEASED, CasePath
 from pipeline.simulation.known_limit import KnownLimit, in_order
 from pipeline.simulation.loadcase import identification_case
@@ -304,6 +305,21 @@ def test_the_free_body_is_released_from_the_clamped_one_where_that_takes_less(
     for first, other in zip(together.records, alone.records, strict=True):
         np.testing.assert_allclose(first.displacement, other.displacement, atol=2e-4)
         assert first.effects == other.effects
+
+
+@pytest.mark.parametrize("pressures", ["[0.5 kPa, 1.0 kPa]", "[1.0 kPa]"])
+def test_a_limit_of_the_free_body_is_not_passed_by_releasing_it(
+    pressures: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The half disc ends at 0.9605 kPa in I and at 1.032 kPa in II."""
+    monkeypatch.setattr(case_path, "OF_RELEASED", 0)
+    config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*THIN, VACUUM, f"pressures={pressures}"])
+    with open_store(tmp_path, config) as store:
+        outcomes = simulate(Scene.meshed(config), RunContext.alone(store, Silent()), ["I", "II"])
+    assert outcomes["II"].failure is None
+    failure = outcomes["I"].failure
+    assert failure is not None
+    assert failure.limit_kPa == pytest.approx(0.9605, rel=2e-3)
 
 
 def test_another_mesh_has_a_limit_of_its_own() -> None:
