@@ -1,7 +1,7 @@
 """The free body of experiment I: the constraints that keep it from moving, and the place that they give it."""
 
 from dataclasses import dataclass, replace
-from math import acos, atan2, cos, hypot, pi, sin, sqrt
+from math import acos, atan2, hypot, pi, sqrt
 from typing import final
 
 import numpy as np
@@ -83,7 +83,7 @@ def _rolling(axis: Array, lever: Array, height: float) -> Array:
 
 
 def _about(axis: Array, angle: float) -> Array:
-    """The rotation (3, 3) by an angle in rad about an axis of unit length (Rodrigues' formula)."""
-    x, y, z = axis
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + sin(angle) * cross + (1.0 - cos(angle)) * cross @ cross
+    """The rotation (3, 3) by an angle in rad about an axis of unit length."""
+    from scipy.spatial.transform import Rotation  # loaded where it is needed: most states are not released
+
+    return np.asarray(Rotation.from_rotvec(angle * axis).as_matrix())

@@ -81,6 +81,7 @@ def test_the_way_passes_through_states_between_and_its_rate_is_their_derivative(
     assert rate.factor == 0.5
     np.testing.assert_allclose(rate.displacement, difference, atol=0.01 * np.abs(difference).max())
     begin = control.rate_at_begin(state, system.terms)
+    assert begin is not None
     difference = (at(0.001, None).state.displacement - state.displacement) / 0.001
     np.testing.assert_allclose(begin.displacement, difference, atol=0.01 * np.abs(difference).max())
 

@@ -74,11 +74,11 @@ def main() -> int:
         parser.error("--with joins campaigns on a page: give --page too")
     folder = given.results / f"{given.seed}_of_{given.count}_{given.law}"
     try:
-        if why := _why_not_published(given):
+        published = _stored(given.page) if given.page and (given.page / PAGES_DATA).exists() else None
+        if given.page and (why := _why_not_published(given, published)):
             sys.stdout.write(f"{why}; its pages are written into {folder} alone\n")
-            given.page, given.others = None, []
-        published = [given.page] if given.page and (given.page / PAGES_DATA).exists() else []
-        others = [_stored(other) for other in [*published, *given.others]]
+            given.page, given.others, published = None, [], None
+        others = [*([published] if published else []), *(_stored(other) for other in given.others)]
         joined([*others, campaign(given, [])])
     except (OSError, ValueError) as reason:
         parser.error(f"--page and --with: {reason}")
@@ -102,19 +102,16 @@ def main() -> int:
     return int(bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records))
 
 
-def _why_not_published(given: argparse.Namespace) -> str:
-    """Why --page is not for this campaign; empty where it is."""
-    if not given.page:
-        return ""
+def _why_not_published(given: argparse.Namespace, published: Mapping[str, Any] | None) -> str:
+    """Why --page is not for this campaign; empty where it is. published: what its pages were written from, if any."""
     if given.seed in MENDING:
         return f"seed {given.seed} is for mending the program"
-    if given.stored or not (given.page / PAGES_DATA).exists():
+    if given.stored or published is None:
         return ""
-    content = _stored(given.page)
-    if any(entry["law"] != given.law for entry in content["campaigns"]):
+    if any(entry["law"] != given.law for entry in published["campaigns"]):
         return f"the designs in {given.page} were run with another law of the rod than {given.law}"
-    published = {record["number"] for record in content["records"] if record["seed"] == given.seed}
-    if published >= set(range(given.first or given.count)):
+    numbers = {record["number"] for record in published["records"] if record["seed"] == given.seed}
+    if numbers >= set(range(given.first or given.count)):
         return f"{given.page} has results of these designs of seed {given.seed} already"
     return ""
 

@@ -41,7 +41,6 @@ def targets(records: Sequence[Record]) -> str:
     """The goals beside what the last seeds reached, whose sources are the newest, and all of them."""
     order = list(dict.fromkeys(record["seed"] for record in records))
     last = [record for record in records if record["seed"] in order[-LAST_SEEDS:]]
-    columns = [_results(some) for some in ([last] if len(order) <= LAST_SEEDS else [last, records])]
     goals = [
         ("designs that end wrong, with an error of the program, or not in time", "none"),
         ("states solved or beyond a limit that a second way confirms", percent(GOOD_STATES)),
@@ -52,19 +51,19 @@ def targets(records: Sequence[Record]) -> str:
         ),
         (f"the same, of arms that bend by {BENT:g} rad or more", ""),
     ]
-    names = [f"last {LAST_SEEDS} seeds ({len(last)} designs)", f"all seeds ({len(records)} designs)"]
-    head = [
-        "",
-        "goal",
-        *(["result"] if len(columns) == 1 else names),
-        "met" if len(columns) == 1 else "met by the last",
+    columns, met = {"result": last}, "met"
+    if len(order) > LAST_SEEDS:
+        columns = {
+            f"last {LAST_SEEDS} seeds ({len(last)} designs)": last,
+            f"all seeds ({len(records)} designs)": list(records),
+        }
+        met = "met by the last"
+    words = {None: "", True: "yes", False: "**no**"}
+    rows = [
+        [*goal, *(result for result, _ in results), words[results[0][1]]]
+        for goal, *results in zip(goals, *map(_results, columns.values()), strict=True)
     ]
-    rows = []
-    for number, (what, goal) in enumerate(goals):
-        _, met = columns[0][number]
-        is_met = "" if met is None else "yes" if met else "**no**"
-        rows.append([what, goal, *(column[number][0] for column in columns), is_met])
-    return table(head, rows)
+    return table(["", "goal", *columns, met], rows)
 
 
 def _results(records: Sequence[Record]) -> list[tuple[str, bool | None]]:

@@ -114,8 +114,7 @@ class PathFollower:
         before, increments = Costs.of(self.system), Increments(0.0, 1.0, 1.0)
         self.system.storage.hold(begin.added_pairs)
         point = self._resumed(begin, control.value)
-        if control.moves:
-            point = replace(point, rate=control.rate_at_begin(point.state, point.terms))
+        point = replace(point, rate=control.rate_at_begin(point.state, point.terms))
         self.points, control = [point, point], control.target(1.0, 1.0)
         self.solver.begin_target()
         converged = self.solver.solve(self._increment(control, increments, increments.target))

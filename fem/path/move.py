@@ -45,12 +45,6 @@ class MoveControl(Control):
         motion = system.constraints.correction(begin.displacement, last)
         return cls(system, 1.0, 0.0, 1.0, (begin.factor, factor), motion, last)
 
-    @property
-    def moves(self) -> bool:
-        """Whether load factor or supports move on the way; they do not where supports are only released."""
-        size = np.ptp(self.system.space.points, axis=0).max()
-        return self.factors[0] != self.factors[1] or bool(np.abs(self.motion).max() > AT_REST * size)
-
     @cached_property
     def prescribed(self) -> Array:
         return self.last - (1.0 - self.value) * self.motion
@@ -68,11 +62,18 @@ class MoveControl(Control):
         return to_equilibrium(assembly, linearised), linearised.negative_pivots
 
     def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
+        if not self._moves:
+            return None
         _, coupling = self.system.tangent(state, assembly, terms, self.motion, convex=False)
         return rate_with_motion(self.system, state, assembly, linearised, self._drive(state, terms, coupling))
 
-    def rate_at_begin(self, state: State, terms: Terms) -> State:
-        """Tangent of the path at the equilibrium where it begins; factorizes. Raises `SingularMatrix`."""
+    def rate_at_begin(self, state: State, terms: Terms) -> State | None:
+        """Tangent of the path at the equilibrium where it begins; factorizes. None where supports are only released.
+
+        Raises `SingularMatrix`.
+        """
+        if not self._moves:
+            return None
         assembly = self.system.assemble(state, terms)
         linearised = self.system.linearise(state, assembly, terms, self.motion)
         drive = self._drive(state, terms, linearised.coupling)
@@ -80,6 +81,12 @@ class MoveControl(Control):
 
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         return None  # the path does not begin at rest
+
+    @property
+    def _moves(self) -> bool:
+        """Whether load factor or supports move on the way; they do not where supports are only released."""
+        size = np.ptp(self.system.space.points, axis=0).max()
+        return self.factors[0] != self.factors[1] or bool(np.abs(self.motion).max() > AT_REST * size)
 
     def _drive(self, state: State, terms: Terms, coupling: Change) -> Drive:
         growth = self.factors[1] - self.factors[0]
