@@ -5,7 +5,7 @@ from geometry.centreline import Centreline
 from geometry.design import Design, DesignError
 from geometry.families import FAMILIES, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.families.cad_file import CadFile
-from geometry.families.from_file import FileDesign
+from geometry.families.from_file import FileDesign, Plug
 from geometry.families.mesh_file import MeshFile
 from geometry.families.surface_file import SurfaceFile
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
@@ -34,6 +34,7 @@ __all__ = [
     "Mesh",
     "MeshError",
     "MeshFile",
+    "Plug",
     "PneuNet",
     "Quality",
     "Rectangular",

@@ -108,6 +108,11 @@ class Design(ABC):
         return False
 
     @property
+    def plug_depths(self) -> Mapping[str, float]:
+        """Depth (mm) to which an inlet is filled with the material of the body, by its name."""
+        return {}
+
+    @property
     def base_top(self) -> float | None:
         """Height of the base plate, mm, which is the region `base` (0 <= y <= base_top); None for a body without."""
         return None

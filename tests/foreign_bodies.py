@@ -141,6 +141,11 @@ def finger_with_inlet(occ: Any) -> Any:
     return solids
 
 
+def finger_with_inlet_below(occ: Any) -> Any:
+    """The finger with a hole of radius 1.5 mm in the middle of its base."""
+    return occ.cut(finger(occ), [(3, occ.addCylinder(35, -1, 0, 0, 6, 0, 1.5))])[0]
+
+
 def half_finger(occ: Any) -> Any:
     """The half z >= 0 of the finger."""
     return occ.intersect(finger(occ), [box(occ, (-1, -1, 0), (71, 20, 8))])[0]
@@ -173,6 +178,7 @@ def write_tried(folder: Path) -> list[Tried]:
     save(folder / "finger.step", finger)
     save(folder / "finger_in_two.step", finger_in_two)
     save(folder / "finger_inlet.step", finger_with_inlet)
+    save(folder / "finger_inlet_below.step", finger_with_inlet_below)
     save(folder / "half.brep", half_finger)
     write_surface(folder / "finger.stl", finger, 50)
     content = meshio.read(folder / "finger.stl")
@@ -188,6 +194,11 @@ def write_tried(folder: Path) -> list[Tried]:
             "finger_inlet.step",
             "STEP, z up, open inlet at the clamp (no experiment I)",
             "curve: 2 mm, axes: [x, z, -y], plug: true",
+        ),
+        Tried(
+            "finger_inlet_below.step",
+            "STEP, open inlet in the base, filled",
+            "curve: 2 mm, plug: {inlet: [35 mm, 0 mm, 0 mm]}",
         ),
         Tried("half.brep", "BREP, half z ≥ 0", "curve: 2 mm"),
         Tried("finger.stl", "STL", "curve: 2 mm"),

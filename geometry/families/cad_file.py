@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.design import Body, DesignError, raise_together
-from geometry.families.from_file import FileDesign
+from geometry.families.from_file import FileDesign, Plug
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
@@ -47,7 +47,7 @@ class CadFile(FileDesign):
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
     unite: bool = False  #: whether several solids that touch become one
     parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
-    plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
+    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp, points fill others
     defeature: float | None = None  #: faces narrower than this are removed: small fillets, holes, ribs and letters
 
     def __post_init__(self) -> None:
@@ -65,6 +65,8 @@ class CadFile(FileDesign):
         )
         self._keep_own_copies()
         object.__setattr__(self, "parts", dict(self.parts))
+        if isinstance(self.plug, Mapping):
+            object.__setattr__(self, "plug", dict(self.plug))
         clamp, tip = self._ends
         if clamp == tip:
             raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
@@ -147,11 +149,17 @@ class CadFile(FileDesign):
         """
         (clamp, tip), turn = self._ends, rotation(self.axes)
         air, parts, turned = dict(self.air), dict(self.parts), tip < clamp
+        plugs = dict(self.plug) if isinstance(self.plug, Mapping) else {}
         if turned:
             clamp, tip, turn = -clamp, -tip, np.diag([-1.0, 1.0, -1.0]) @ turn
             side = 1.0 if self.symmetric else -1.0
-            air, parts = ({name: (-x, y, side * z) for name, (x, y, z) in given.items()} for given in (air, parts))
-        return CadBody(self._source(turn), clamp, tip, self.curve, self.symmetric, air, parts, self.plug, turned)
+            air, parts, plugs = (
+                {name: (-x, y, side * z) for name, (x, y, z) in given.items()} for given in (air, parts, plugs)
+            )
+        return CadBody(
+            *(self._source(turn), clamp, tip, self.curve, self.symmetric, air, parts),
+            *(self.is_open_at_clamp, plugs, turned),
+        )
 
     @property
     def length(self) -> float:
@@ -173,6 +181,10 @@ class CadFile(FileDesign):
     @property
     def region_volumes(self) -> Mapping[str, float]:
         return self.measures.part_volumes
+
+    @property
+    def plug_depths(self) -> Mapping[str, float]:
+        return self.measures.plug_depths
 
     @property
     def against_flat_elements(self) -> str:

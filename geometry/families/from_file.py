@@ -5,6 +5,7 @@ from functools import cached_property
 from hashlib import sha256
 from math import isfinite
 from pathlib import Path
+from typing import TypeAlias
 
 from geometry.design import Design, DesignError
 from geometry.foreign.companions import companions
@@ -12,6 +13,9 @@ from geometry.foreign.frame import Axes, usual_cell
 from geometry.meshing.cad_import import Point
 from geometry.meshing.cells import CellPlanes
 from geometry.meshing.mirror import slices
+
+#: whether an inlet in the plane of the clamp is closed there, or a point in the mouth of each inlet that is filled
+Plug: TypeAlias = bool | Mapping[str, Point]
 
 
 class FileDesign(Design):
@@ -23,7 +27,7 @@ class FileDesign(Design):
     cell: float | CellPlanes | None
     unit: float
     axes: Axes
-    plug: bool
+    plug: Plug
 
     def _wrong_lengths(self) -> Iterator[DesignError]:
         """A `DesignError` for each length that the file does not tell and that is not positive."""
@@ -57,7 +61,7 @@ class FileDesign(Design):
 
     @property
     def is_open_at_clamp(self) -> bool:
-        return self.plug
+        return self.plug is True
 
     @property
     def pitch(self) -> float:

@@ -19,6 +19,7 @@ from geometry.mesh import Mesh
 from geometry.meshing.cad_curve import check_curve
 from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids
 from geometry.meshing.cad_parts import BODY, named_parts
+from geometry.meshing.cad_plug import hole_advice, plugged
 from geometry.meshing.cad_position import check_ends, check_position, check_symmetric, no_end_face
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.shapes import Volume
@@ -42,11 +43,12 @@ class CadMeasures:
     solid_volume: float  #: mm3
     air_volumes: Mapping[str, float]  #: by the name of the cavity, mm3
     part_volumes: Mapping[str, float]  #: by the name of the part, mm3
+    plug_depths: Mapping[str, float]  #: of the inlets that are filled, by their names, mm
 
 
 def measure(body: CadBody) -> CadMeasures:
     """Read the file and check all that can be checked without a mesh. Raises `DesignError` with the config key."""
-    with cad_session(body) as (gmsh, blocks, air):
+    with cad_session(body) as (gmsh, blocks, air, plug_depths):
         occ = gmsh.model.occ
         halves = 2 if body.half else 1
         volumes = {name: halves * float(occ.getMass(*volume)) for volume, name in air.items()}
@@ -58,7 +60,7 @@ def measure(body: CadBody) -> CadMeasures:
             parts[name] += halves * float(occ.getMass(*block))
         solid_volume = sum(parts.values())
         del parts[BODY]
-        return CadMeasures(low, high, solid_volume, volumes, parts)
+        return CadMeasures(low, high, solid_volume, volumes, parts, plug_depths)
 
 
 def edges_of(body: CadBody) -> tuple[tuple[float, str], ...]:
@@ -74,7 +76,7 @@ def edges_of(body: CadBody) -> tuple[tuple[float, str], ...]:
 
 def measure_thinnest_wall(body: CadBody) -> float:
     """Thickness of the thinnest wall, mm."""
-    with cad_session(body) as (gmsh, blocks, _):
+    with cad_session(body) as (gmsh, blocks, _, _):
         keep_material(gmsh, blocks)
         return thinnest_wall(gmsh, half=body.half)
 
@@ -90,7 +92,7 @@ def mesh_cad(body: CadBody, size: float, grading: Grading) -> Mesh:
 
     Faces: clamp, tip, sym (of a half), the cavities by their names, outer. Regions: the parts.
     """
-    with cad_session(body) as (gmsh, blocks, air):
+    with cad_session(body) as (gmsh, blocks, air, _):
         walls = walls_between(gmsh, blocks, air)
         keep_material(gmsh, blocks)
         mesh_session(gmsh, size, grading, body.half)
@@ -130,9 +132,9 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
 
 
 @contextmanager
-def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Volume, str]]]:
-    """A session with the body: its blocks, cut at the planes of the material curve, with the names of their parts, and
-    its named cavities."""
+def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Volume, str], dict[str, float]]]:
+    """A session with the body: its blocks, cut at the planes of the material curve, with the names of their parts, its
+    named cavities, and the depths (mm) of the plugs in its inlets."""
     with session() as gmsh:
         solids = import_solids(gmsh, body.source)
         low, high = bounds(gmsh, solids)
@@ -142,15 +144,17 @@ def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Vo
             gmsh.model.occ.synchronize()
             low, high = bounds(gmsh, solids)
         check_position(body, low, high)
+        solids, plug_depths = plugged(gmsh, body, solids)
+        holes = hole_advice(gmsh, body, solids)
         check_ends(gmsh, body, solids)
-        check_curve(gmsh, body, solids, low, high)
+        check_curve(gmsh, body, solids, low, high, holes)
         parts = named_parts(gmsh, body, solids, low, high)
         if body.half and low[2] < -rounding:
             for name in dict.fromkeys(parts.values()):
                 check_symmetric(gmsh, [solid for solid in solids if parts[solid] == name])
             low = (low[0], low[1], 0.0)
         blocks, air = _fragments(gmsh, body, parts, low, high)
-        yield gmsh, blocks, _named_air(gmsh, body, blocks, air, low, high)
+        yield gmsh, blocks, _named_air(gmsh, body, blocks, air, low, high, _remedy(body, holes)), plug_depths
 
 
 def _fragments(
@@ -163,7 +167,8 @@ def _fragments(
     start, stop = np.subtract(low, margin), np.add(high, margin)
     if body.half:
         start[2] = 0.0
-    behind = np.array([body.clamp, *start[1:]]) if body.plug else start  # the plug closes what is open at the clamp
+    # without air before the clamp what is open there is closed
+    behind = np.array([body.clamp, *start[1:]]) if body.plug_at_clamp else start
     air, _ = occ.cut([(3, _box(occ, behind, stop))], list(parts), removeObject=True, removeTool=False)
     cuts_y = [start[1], body.curve, stop[1]]
     cuts_z = [0.0, stop[2]] if body.half else [start[2], 0.0, stop[2]]
@@ -193,15 +198,15 @@ def _box(occ: Any, low: Any, high: Any) -> int:
 
 
 def _named_air(
-    gmsh: Any, body: CadBody, blocks: Collection[Volume], air: list[Volume], low: Point, high: Point
+    gmsh: Any, body: CadBody, blocks: Collection[Volume], air: list[Volume], low: Point, high: Point, remedy: str
 ) -> dict[Volume, str]:
     """The name of each cavity. Raises `DesignError` unless every cavity has exactly one of the given points in it, or
-    there is one cavity alone and no point."""
+    there is one cavity alone and no point; remedy: what to do where the air is open to the outside."""
     corner = np.add(high, 0.05 * max(np.subtract(high, low)))
     outside = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(corner))]
     inner = [volume for volume in air if volume not in outside]
     if not body.air:
-        return {_only(gmsh, body, inner): "cavity"}
+        return {_only(gmsh, body, inner, remedy): "cavity"}
     named: dict[Volume, str] = {}
     for name, point in body.air.items():
         coordinates = body.words(point)
@@ -214,8 +219,7 @@ def _named_air(
         if holders[0] in outside:
             raise DesignError(
                 f"air.{name}",
-                f"the point {coordinates} lies outside the body or in a cavity that is open to the outside; "
-                f"{_close(body)}",
+                f"the point {coordinates} lies outside the body or in a cavity that is open to the outside; {remedy}",
             )
         if holders[0] in named:
             image = ", or in its mirror image at z = 0, which symmetric: false keeps apart" if body.half else ""
@@ -231,12 +235,12 @@ def _named_air(
     return named
 
 
-def _only(gmsh: Any, body: CadBody, inner: list[Volume]) -> Volume:
-    """The one cavity. Raises `DesignError` where there are several, or none."""
+def _only(gmsh: Any, body: CadBody, inner: list[Volume], remedy: str) -> Volume:
+    """The one cavity. Raises `DesignError` where there are several, or none; remedy: what to do where it is open."""
     if not inner:
         raise DesignError(
             ("air", "file"),
-            f"the body has no closed cavity: it is solid, or its air is open to the outside; {_close(body)}",
+            f"the body has no closed cavity: it is solid, or its air is open to the outside; {remedy}",
         )
     if len(inner) > 1:
         positions = "; ".join(_middle(gmsh, body, volume) for volume in inner)
@@ -244,15 +248,17 @@ def _only(gmsh: Any, body: CadBody, inner: list[Volume]) -> Volume:
     return inner[0]
 
 
-def _close(body: CadBody) -> str:
-    if body.plug:
-        return "it is open elsewhere than in the plane of the clamp: close it there"
-    return "close its inlet, or write plug: true if the inlet lies in the plane of the clamp"
+def _remedy(body: CadBody, holes: str) -> str:
+    """What to do where the air is open to the outside; holes: the end of the sentence."""
+    fill = "fill it with the material of the body, plug: {inlet: [x, y, z]} with a point in its mouth"
+    if body.plug_at_clamp:
+        return f"it is open elsewhere than in the plane of the clamp: close it there, or {fill}{holes}"
+    return f"close its inlet, or write plug: true if the inlet lies in the plane of the clamp, or {fill}{holes}"
 
 
 def _at_plug(gmsh: Any, body: CadBody, volume: Volume) -> bool:
     """Whether air without a name is a hole in the face of the clamp, which is not pressurised."""
-    return body.plug and gmsh.model.getBoundingBox(*volume)[0] < body.clamp + 1e-5 * (body.tip - body.clamp)
+    return body.plug_at_clamp and gmsh.model.getBoundingBox(*volume)[0] < body.clamp + 1e-5 * (body.tip - body.clamp)
 
 
 def _middle(gmsh: Any, body: CadBody, volume: Volume) -> str:

@@ -18,8 +18,11 @@ ROUNDING = 1e-4
 JUST_WITHIN = 1e-5
 
 
-def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> None:
-    """Raise `DesignError` where the curve leaves the material; low, high: bounds of the body, mm."""
+def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point, holes: str) -> None:
+    """Raise `DesignError` where the curve leaves the material.
+
+    low, high: bounds of the body, mm; holes: where there are some in flat faces, as the end of a sentence.
+    """
     along = np.linspace(body.clamp, body.tip, SAMPLES)
     along[[0, -1]] += [JUST_WITHIN * (body.tip - body.clamp), JUST_WITHIN * (body.clamp - body.tip)]
     across = body.within_half((0.0, 0.0, 0.0), low, high)[2]
@@ -34,10 +37,11 @@ def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
     if any(inside(body.curve + side * rounding) for side in (1.0, -1.0)):
         return
     outside = [x for x in along if not _in_material(gmsh, solids, np.array([x, body.curve, across]))] or list(along)
+    through = f"; if it crosses an inlet, fill that, plug: {{inlet: [x, y, z]}}{holes}" if holes else ""
     raise DesignError(
         "curve",
         f"the line y = {body.curve:g} mm, z = 0 is outside the material between {outside[0] - body.clamp:.3g} and "
-        f"{outside[-1] - body.clamp:.3g} mm behind the clamp; {height_advice(low[1], high[1], inside)}",
+        f"{outside[-1] - body.clamp:.3g} mm behind the clamp; {height_advice(low[1], high[1], inside)}{through}",
     )
 
 

@@ -51,7 +51,8 @@ class CadBody:
     half: bool  #: mesh z >= 0 only
     air: Mapping[str, Point]  #: name of a cavity -> a point in it; empty for one cavity alone
     parts: Mapping[str, Point]  #: name of a solid of another material -> a point in it
-    plug: bool  #: whether what is open in the plane of the clamp is closed there
+    plug_at_clamp: bool  #: whether what is open in the plane of the clamp is closed there
+    plugs: Mapping[str, Point]  #: name of an inlet that is filled -> a point in its mouth
     turned: bool  #: whether x and z have the other sign than in the file, because the arm is clamped at its larger x
 
     @property

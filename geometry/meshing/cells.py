@@ -63,7 +63,7 @@ def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
     if not half_pitch > SHORTEST * length:
         raise DesignError("cell", f"the planes are {half_pitch:g} mm apart; give two planes with half a cell between")
     low = min(planes.start, planes.stop)
-    with cad_session(body) as (gmsh, blocks, _):
+    with cad_session(body) as (gmsh, blocks, _, _):
         first, last = _Slots(gmsh, body, blocks, low, half_pitch).equal_to_the_first()
     odd = int(planes.stop < planes.start)  # of the numbers of the planes in the middle of a cell
     middles = first + (first + odd) % 2, last - (last + odd) % 2
@@ -88,7 +88,7 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
         "cell": (middle, edge, 0.0),
         "far": (edge + shift, 2 * length, shift),
     }
-    with cad_session(body) as (gmsh, blocks, air):
+    with cad_session(body) as (gmsh, blocks, air, _):
         owners = {**dict.fromkeys(blocks, ""), **air}
         material, cavities = _fragmented(gmsh, body, owners, windows)
         walls = walls_between(gmsh, material, cavities)

@@ -257,8 +257,9 @@ def _dimensions(design: Any) -> dict[str, Json]:
         values |= {"file": Path(design.file).name, "sha256": design.digest}
     if not values.get("parts"):
         values.pop("parts", None)
-    for key in {"air", "parts"} & values.keys():
-        values[key] = {name: list(point) for name, point in values[key].items()}
+    for key in ("air", "parts", "plug"):
+        if isinstance(values.get(key), Mapping):
+            values[key] = {name: list(point) for name, point in values[key].items()}
     if isinstance(cell := values.get("cell"), CellPlanes):
         values["cell"] = {"from": cell.start, "to": cell.stop}
     return values

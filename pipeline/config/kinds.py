@@ -230,6 +230,19 @@ def _cell(value: Any) -> float | CellPlanes:
     return CellPlanes(convert(value["from"], LENGTH), convert(value["to"], LENGTH))
 
 
+def _plug(value: Any) -> bool | dict[str, tuple[float, ...]]:
+    """Whether the inlet at the clamp is closed, or a point in the mouth of each inlet that is filled."""
+    if isinstance(value, bool):
+        return value
+    points = list(value.values()) if isinstance(value, Mapping) else []
+    if not points or not all(isinstance(point, list) and len(point) == 3 for point in points):
+        raise ValueError(
+            f"{quoted(value)} is not allowed; allowed: true for an inlet in the plane of the clamp, false, or a name "
+            "and a point in the mouth of each inlet, for example {inlet: [40 mm, 0 mm, 0 mm]}"
+        )
+    return {str(name): tuple(convert(x, LENGTH) for x in point) for name, point in value.items()}
+
+
 def _size(value: Any) -> Any:
     return None if value == "auto" else _above_zero(convert(value, LENGTH))
 
@@ -308,6 +321,12 @@ Cell = Annotated[
 ]
 Points = Annotated[
     dict[str, Point], Field(examples=["{cavity: [40 mm, 7 mm, 0 mm]}"]), Written("mm", "a name and a point for each")
+]
+Plugs = Annotated[
+    Any,
+    BeforeValidator(_plug),
+    Field(examples=["true"]),
+    Written("", "`true`, `false`, or a name and a point for each"),
 ]
 Coarser = Annotated[
     float | Literal["auto", "off"],

@@ -9,7 +9,7 @@ import pydantic
 from pydantic import ConfigDict
 
 from fem.materials import LAWS, Constant
-from geometry import FAMILIES, MESH_SUFFIXES, SURFACE_SUFFIXES, Axes, CadFile, CellPlanes, MeshFile, SurfaceFile
+from geometry import FAMILIES, MESH_SUFFIXES, SURFACE_SUFFIXES, Axes, CadFile, CellPlanes, MeshFile, Plug, SurfaceFile
 from pipeline.config.config import AlongAxis
 from pipeline.config.document import Document
 from pipeline.config.kinds import (
@@ -37,6 +37,7 @@ from pipeline.config.kinds import (
     OnEnd,
     OptionalLength,
     Percentage,
+    Plugs,
     Points,
     PoissonRatio,
     PositiveDensity,
@@ -268,6 +269,7 @@ def _geometry_fields(design: Any) -> dict[str, Any]:
         bool: YesNo,
         Axes: Directions,
         float | CellPlanes | None: Cell,
+        Plug: Plugs,
     }
     named = {"unit": Unit}
     types = get_type_hints(design)

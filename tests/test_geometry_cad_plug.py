@@ -1,0 +1,162 @@
+"""Inlets of CAD files that are filled with the material of the body."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geometry import CadFile, DesignError
+from geometry.meshing.solid import session
+from pipeline.config.load import load_config
+from pipeline.errors import InputError
+from pipeline.simulation.simulate import experiments_of
+from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, Draw, bar
+from tests.step_bodies import box, save
+
+Cut = Callable[[Any], Any]
+
+
+def drilled(*cuts: Cut) -> Draw:
+    """The bar without what is cut out of it."""
+    return lambda occ: occ.cut(bar(occ), [cut(occ) for cut in cuts])[0]
+
+
+def cylinder(*numbers: float) -> Cut:
+    """Centre of one end, axis and radius, mm."""
+    return lambda occ: (3, occ.addCylinder(*numbers))
+
+
+def half(draw: Draw, side: int) -> Draw:
+    """What a body has at z >= 0, or at z <= 0."""
+    low, high = sorted((0, side * 8))
+    return lambda occ: occ.intersect(draw(occ), [box(occ, (-1, -1, low), (61, 20, high))])[0]
+
+
+BELOW = drilled(cylinder(30, -1, 0, 0, 5, 0, 1.2))
+
+THROUGH_A_WALL = {
+    "below": (BELOW, (30, 0, 0), {}),
+    "a point beside the middle": (BELOW, (30.5, 0, 0.3), {}),
+    "the whole body": (BELOW, (30, 0, 0), {"symmetric": False}),
+    "clamped at the larger x": (BELOW, (30, 0, 0), {"clamp": 60, "tip": 0}),
+    "half": (half(BELOW, 1), (30, 0, 0), {}),
+    "other half": (half(BELOW, -1), (30, 0, 0), {}),
+    "at the clamp": (drilled(cylinder(-1, 6, 0, 5, 0, 0, 1.5)), (0, 6, 0), {}),
+    "in one side": (drilled(cylinder(30, 6, 0, 0, 0, 9, 1.5)), (30, 6, 7.5), {}),
+    "square": (drilled(lambda occ: box(occ, (28, -1, -2), (32, 4, 2))), (30, 0, 0), {}),
+    "in the shape of an L": (
+        drilled(lambda occ: box(occ, (28, -1, -3), (33, 4, 3)), lambda occ: box(occ, (26, -1, -3), (28, 4, -1))),
+        (27, 0, -2),
+        {"symmetric": False},
+    ),
+    "conical": (drilled(lambda occ: (3, occ.addCone(30, -0.1, 0, 0, 4, 0, 2, 1))), (30, 0, 0), {}),
+    "stepped": (drilled(cylinder(30, -1, 0, 0, 5, 0, 1), cylinder(30, -1, 0, 0, 2, 0, 2)), (30, 0, 0), {}),
+}
+
+
+@pytest.mark.parametrize("name", THROUGH_A_WALL)
+def test_an_inlet_through_a_wall_is_filled(tmp_path: Path, name: str) -> None:
+    """The body is then the bar without an inlet."""
+    draw, point, options = THROUGH_A_WALL[name]
+    design = CadFile(str(save(tmp_path / "inlet.step", draw)), 1.5, plug={"inlet": point}, **options)
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
+    assert design.cavity_volumes == pytest.approx({"cavity": BAR_AIR}, rel=1e-6)
+    assert not design.is_open_at_clamp
+
+
+def test_the_mesh_of_a_filled_body_has_the_faces_of_the_bar(tmp_path: Path) -> None:
+    plain = CadFile(str(save(tmp_path / "bar.step", bar)), 1.5).body(5.0).mesh
+    design = CadFile(str(save(tmp_path / "inlet.step", BELOW)), 1.5, plug={"inlet": (30, 0, 0)})
+    assert design.plug_depths == pytest.approx({"inlet": 3.0})
+    mesh = design.body(5.0).mesh
+    areas = {name: mesh.area(name) for name in mesh.faces}
+    assert areas == pytest.approx({name: plain.area(name) for name in plain.faces}, rel=1e-9)
+    assert mesh.quality.minimum > 0.5 * plain.quality.minimum
+
+
+def test_a_plug_in_a_long_channel_is_as_deep_as_wide(tmp_path: Path) -> None:
+    def long_channel(occ: Any) -> Any:
+        block = occ.fuse(bar(occ), [box(occ, (-20, 0, -7.5), (0, 12, 7.5))])[0]
+        return occ.cut(block, [(3, occ.addCylinder(-25, 6, 0, 40, 0, 0, 1.5))])[0]
+
+    design = CadFile(str(save(tmp_path / "long.step", long_channel)), 1.5, plug={"inlet": (-20, 6, 0)})
+    assert design.plug_depths == pytest.approx({"inlet": 3.0}, rel=1e-6)
+    assert design.cavity_volume == pytest.approx(BAR_AIR + 20 * np.pi * 1.5**2, rel=1e-6)  # 23 mm, 3 of them filled
+
+
+def test_a_plug_in_a_round_wall_has_a_flat_end(tmp_path: Path) -> None:
+    def round_cavity(occ: Any) -> Any:
+        air = [(3, occ.addCylinder(3, 7, 0, 54, 0, 0, 4)), (3, occ.addCylinder(30, -1, 0, 0, 8, 0, 2))]
+        return occ.cut([box(occ, (0, 0, -7.5), (60, 12, 7.5))], air)[0]
+
+    design = CadFile(str(save(tmp_path / "round.step", round_cavity)), 1.5, plug={"inlet": (30, 0, 0)})
+    assert 3.0 <= design.plug_depths["inlet"] <= 7 - np.sqrt(4**2 - 2**2) + 0.1
+    mesh = design.body(3.0).mesh
+    assert 2 * mesh.enclosed_volume("cavity") == pytest.approx(design.cavity_volume, rel=1e-3)
+
+
+def test_a_brep_file_in_inches(tmp_path: Path) -> None:
+    """Its flat faces are splines once it is in mm."""
+    save(tmp_path / "inlet.step", BELOW)
+    with session() as gmsh:
+        gmsh.option.setNumber("Geometry.OCCScaling", 1 / 25.4)
+        gmsh.model.occ.importShapes(str(tmp_path / "inlet.step"))
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(tmp_path / "inches.brep"))
+    design = CadFile(str(tmp_path / "inches.brep"), 1.5, unit=25.4, plug={"inlet": (30, 0, 0)})
+    assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-5)
+
+
+def test_several_inlets(tmp_path: Path) -> None:
+    path = str(save(tmp_path / "two.step", drilled(cylinder(30, -1, 0, 0, 5, 0, 2), cylinder(61, 7, 0, -6, 0, 0, 2))))
+    with pytest.raises(DesignError, match=r"no closed cavity: .*holes in flat faces are around .*\(60, 7, 0\)"):
+        CadFile(path, 1.5, plug={"inlet": (30, 0, 0)})
+    both = {"inlet": (30, 0, 0), "end": (60, 7, 0)}
+    design = CadFile(path, 1.5, plug=both)
+    assert (design.solid_volume, design.cavity_volume) == pytest.approx((BAR_VOLUME, BAR_AIR), rel=1e-6)
+    assert design.plug_depths == pytest.approx({"inlet": 3.0, "end": 3.0}, rel=1e-6)
+
+
+def test_a_plug_is_of_the_material_around_its_middle(tmp_path: Path) -> None:
+    def on_a_base(occ: Any) -> Any:
+        body = BELOW(occ)
+        base = occ.intersect(body, [box(occ, (-1, -1, -9), (61, 1, 9))], removeObject=False)[0]
+        return base + occ.intersect(body, [box(occ, (-1, 1, -9), (61, 20, 9))])[0]
+
+    path = str(save(tmp_path / "parts.step", on_a_base))
+    design = CadFile(path, 0.5, plug={"inlet": (30, 0, 0)}, parts={"base": (10, 0.5, 0)})
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-6)
+    assert design.region_volumes == pytest.approx({"base": 60 * 15 - np.pi * 1.2**2}, rel=1e-6)
+
+
+def test_points_in_no_inlet_are_refused(tmp_path: Path) -> None:
+    path = str(save(tmp_path / "inlet.step", BELOW))
+    for point in ((20, 0, 0), (30, 1, 0), (90, 0, 0)):
+        with pytest.raises(DesignError, match=r"plug.inlet: the point .* lies in no hole of a flat face; .*30, 0, 0\)"):
+            CadFile(path, 1.5, plug={"inlet": point})
+    oblique = str(save(tmp_path / "oblique.step", drilled(cylinder(30, -1, 0, 3, 5, 0, 1))))
+    with pytest.raises(DesignError, match=r"plug.inlet: .* oblique to the flat face around it, or wider behind it"):
+        CadFile(oblique, 1.5, plug={"inlet": (30.6, 0, 0)})
+    with pytest.raises(DesignError, match=r"curve: .* if it crosses an inlet, fill that, plug: .*\(30, 0, 0\) mm"):
+        CadFile(path, 1.5)
+
+
+def test_a_plug_in_a_configuration(tmp_path: Path) -> None:
+    save(tmp_path / "inlet.step", BELOW)
+    path = tmp_path / "inlet.yaml"
+    path.write_text(
+        "name: inlet\n"
+        "geometry: {family: own, file: inlet.step, curve: 1.5 mm, plug: {inlet: [30 mm, 0 mm, 0 mm]}}\n"
+        "material: {law: neo_hooke, mu: 0.4 MPa, nu: 0.45}\npressures: [4 kPa]\n",
+        encoding="utf-8",
+    )
+    config = load_config(path)
+    assert config.record()["geometry"]["plug"] == {"inlet": [30.0, 0.0, 0.0]}
+    assert experiments_of(config) == ("II", "III", "I")  # nothing has to carry the pressure on an opening
+    for plug in ("{}", "2 mm", "{inlet: 3 mm}", "{inlet: [1 mm, 2 mm]}"):
+        with pytest.raises(InputError, match=r"geometry.plug: .* allowed: true for an inlet in the plane of the clamp"):
+            load_config(path, [f"geometry.plug={plug}"])
+    with pytest.raises(InputError, match=r"geometry.plug: '30 MPa' is not a length"):
+        load_config(path, ["geometry.plug={inlet: [30 MPa, 0 mm, 0 mm]}"])
