@@ -11,7 +11,6 @@ import numpy as np
 
 from fem.effects.effect import Effect
 from fem.effects.loads import LineForce
-from fem.free_body import FreeBody
 from fem.materials.regions import Solid
 from fem.model import Model
 from fem.solution import Step
@@ -64,7 +63,7 @@ class Experiment:
         if name == "III" and any(component for axis, component in zip("xy", force, strict=True) if axis in held):
             raise ValueError("the end has either a displacement or a force along an axis, not both")
         supports: dict[str, tuple[Support, ...]] = {
-            "I": FreeBody.of(body, curve.vertices).supports,
+            "I": _against_rigid_motion(curve.vertices, body),
             "II": (Fixed("clamp"),),
             "III": (Fixed("clamp"), *(Prescribed(edge, axis, value, ramp=False) for axis, value in held.items())),
             "dead": (Fixed("clamp"),),
@@ -81,13 +80,6 @@ class Experiment:
             return []
         fx, fy = (component / self.symmetry_factor for component in self.force)
         return [LineForce(self.edge, (fx, fy, 0.0), ramp=False)]
-
-    def released(self, step: Step) -> Step:
-        """A state of experiment II where the constraints of I have it: an equilibrium but for the forces of the clamp.
-
-        From there `fem.follow` begins in I (`begin`).
-        """
-        return FreeBody.of(self.body, self.curve.vertices).placed(step)
 
     @property
     def symmetry_factor(self) -> float:
@@ -140,3 +132,16 @@ class Experiment:
         force[nodes_at(self.edge, step.space)] = 0.0
         lever = step.positions - step.positions[nodes_at(self.curve.vertices[0], step.space)[0]]
         return self.symmetry_factor * float(np.sum(lever[:, 0] * force[:, 1] - lever[:, 1] * force[:, 0]))
+
+
+def _against_rigid_motion(curve: Array, body: Body) -> tuple[Support, ...]:
+    """Three constraints that take the rigid motion of half a body, six that take it of a whole one.
+
+    They are in the middle of the curve (k, 3), where the body turns least.
+    """
+    middle = int(np.argmin(np.abs(curve[:, 0] - body.length / 2)))
+    neighbour = int(np.argmin(np.abs(curve[:, 0] - body.length / 2 - body.pitch)))
+    in_plane: tuple[Support, ...] = (Fixed(curve[middle], "xy"), Fixed(curve[neighbour], "y"))
+    if body.half:
+        return in_plane
+    return (*in_plane, Fixed(curve[middle], "z"), Fixed(curve[neighbour], "z"), Fixed(body.top, "z"))

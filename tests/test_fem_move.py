@@ -1,6 +1,5 @@
 """The way from one equilibrium to another load factor and another displacement of the supports."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -52,7 +51,7 @@ def test_the_way_from_another_equilibrium_ends_in_that_from_rest(
     (direct,) = follow(model, [last]).steps
     with monkeypatch.context() as without_the_usual_path:
         without_the_usual_path.setattr(PathFollower, "advance", None)
-        (moved,) = follow(model, [last], begin=each(near)).steps
+        (moved,) = follow(model, [last], begin=[near]).steps
     assert moved.factor == last
     np.testing.assert_allclose(moved.displacement, direct.displacement, atol=1e-6)
     np.testing.assert_allclose(moved.gradient, direct.gradient, atol=1e-5 * np.abs(direct.gradient).max())
@@ -81,7 +80,6 @@ def test_the_way_passes_through_states_between_and_its_rate_is_their_derivative(
     assert rate.factor == 0.5
     np.testing.assert_allclose(rate.displacement, difference, atol=0.01 * np.abs(difference).max())
     begin = control.rate_at_begin(state, system.terms)
-    assert begin is not None
     difference = (at(0.001, None).state.displacement - state.displacement) / 0.001
     np.testing.assert_allclose(begin.displacement, difference, atol=0.01 * np.abs(difference).max())
 
@@ -92,7 +90,7 @@ def test_walls_in_contact_stay_in_contact_on_the_way(short: Body) -> None:
         return Experiment.of("III", short, height).model(StVenantKirchhoff(1.2, 0.495), effects, "p2p0")
 
     near = follow(model(0.0), [1.0]).steps[0]
-    (moved,) = follow(model(1.5), [1.0], begin=each(near)).steps
+    (moved,) = follow(model(1.5), [1.0], begin=[near]).steps
     (direct,) = follow(model(1.5), [1.0]).steps
     assert near.active == moved.active == direct.active == (True, True)
     np.testing.assert_allclose(moved.displacement, direct.displacement, atol=1e-5)
@@ -102,8 +100,8 @@ def test_walls_in_contact_stay_in_contact_on_the_way(short: Body) -> None:
 def test_a_way_that_fails_leads_to_the_path_from_rest() -> None:
     """Two iterations suffice for small increments only; the way from another state is one increment."""
     near, model, few = follow(held(-0.5), [1.0]).steps[0], held(0.3), PathOptions(NewtonOptions(iterations=2))
-    solution, observed = observed_path(model, [0.5], few, near)
-    direct, alone = observed_path(model, [0.5], few, None)
+    solution, observed = observed_path(model, [0.5], few, [near])
+    direct, alone = observed_path(model, [0.5], few, [])
     step = solution.steps[0]
     np.testing.assert_array_equal(step.displacement, direct.steps[0].displacement)
     assert set(observed) == {0.5}  # the load factor, on the way from there too
@@ -115,7 +113,7 @@ def test_no_way_begins_at_a_state_that_is_not_stable() -> None:
     near, model = follow(held(0.1), [0.5]).steps[0], held(0.3)
     direct = follow(model, [0.5])
     for unstable in (replace(near, negative_pivots=1), replace(near, instability="it lost its stability")):
-        refused = follow(model, [0.5], begin=each(unstable))
+        refused = follow(model, [0.5], begin=[unstable])
         assert refused.factorizations == direct.factorizations
         np.testing.assert_array_equal(refused.steps[0].displacement, direct.steps[0].displacement)
 
@@ -130,16 +128,16 @@ def test_a_way_that_ends_at_an_unstable_state_is_not_taken(monkeypatch: pytest.M
         return advance(path, target)
 
     monkeypatch.setattr(PathFollower, "advance", observed)
-    follow(model, [0.5], begin=each(near))
+    follow(model, [0.5], begin=[near])
     assert tried == []
     monkeypatch.setattr(Converged, "negative_pivots", 1)
-    follow(model, [0.5], begin=each(near))
+    follow(model, [0.5], begin=[near])
     assert tried == [0.5]
 
 
 def test_states_of_several_ways_are_the_same_when_they_are_resumed() -> None:
     near = [follow(held(0.1), [factor]).steps[0] for factor in (0.5, 1.0)]
-    model, factors, begin = held(0.3), [0.5, 1.0, 1.1], [*near, None].__getitem__
+    model, factors, begin = held(0.3), [0.5, 1.0, 1.1], [*near, None]
     whole = follow(model, factors, begin=begin).steps
     for count in (1, 2):
         kept = [through_arrays(model, step) for step in whole[:count]]
@@ -149,11 +147,12 @@ def test_states_of_several_ways_are_the_same_when_they_are_resumed() -> None:
 
 
 def test_a_path_may_begin_nowhere_but_at_rest() -> None:
-    """None for each factor is the path without `begin`."""
+    """None for each factor is the path without `begin`; a shorter list too."""
     model = held(0.3)
     usual = follow(model, [0.5, 1.0]).steps
-    for state, other in zip(usual, follow(model, [0.5, 1.0], begin=each(None)).steps, strict=True):
-        np.testing.assert_array_equal(state.displacement, other.displacement)
+    for begin in ([None, None], [None], []):
+        for state, other in zip(usual, follow(model, [0.5, 1.0], begin=begin).steps, strict=True):
+            np.testing.assert_array_equal(state.displacement, other.displacement)
 
 
 def test_a_load_that_no_way_leads_to_ends_with_the_reason_of_the_path_from_rest() -> None:
@@ -163,7 +162,7 @@ def test_a_load_that_no_way_leads_to_ends_with_the_reason_of_the_path_from_rest(
     with pytest.raises(NotConverged) as direct:
         follow(crushed, [1.0])
     with pytest.raises(NotConverged) as moved:
-        follow(crushed, [1.0], begin=each(near))
+        follow(crushed, [1.0], begin=[near])
     assert moved.value.end.reached == direct.value.end.reached
     assert str(moved.value) == str(direct.value)
 
@@ -176,18 +175,13 @@ def test_a_slender_bar_is_followed_beyond_its_buckling() -> None:
     assert np.abs(step.displacement[:, 1:]).max() > 1.0
 
 
-def each(begin: Step | None) -> Callable[[int], Step | None]:
-    """The same state for all targets."""
-    return lambda number: begin
-
-
 def observed_path(
-    model: Model, factors: list[float], options: PathOptions, begin: Step | None
+    model: Model, factors: list[float], options: PathOptions, begin: list[Step | None]
 ) -> tuple[Solution, list[float]]:
     """The solution, and the target of every iteration."""
     targets: list[float] = []
     observer = PathObserver(lambda target, iteration, residual: targets.append(target))
-    return follow(model, factors, options, observer, begin=each(begin)), targets
+    return follow(model, factors, options, observer, begin=begin), targets
 
 
 def through_arrays(model: Model, step: Step) -> Step:

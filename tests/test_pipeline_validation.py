@@ -2,7 +2,7 @@
 
 import csv
 import json
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -126,14 +126,9 @@ def test_a_load_begins_at_the_third_experiment_of_the_run(
     case = next(case for case in validation_cases(config, config.pressures_kPa) if case.name == "III_end_3mm")
     scene, followed, begun = Scene.meshed(config), fem.follow, []
 
-    def follow(*given: Any, begin: Callable[[int], fem.Step | None], **named: Any) -> fem.Solution:
-        begun.append([])
-
-        def observed(number: int) -> fem.Step | None:
-            begun[-1].append((step := begin(number)) and step.factor)
-            return step
-
-        return followed(*given, begin=observed, **named)
+    def follow(*given: Any, begin: Sequence[fem.Step | None], **named: Any) -> fem.Solution:
+        begun.append([step and step.factor for step in begin])
+        return followed(*given, begin=begin, **named)
 
     monkeypatch.setattr(fem, "follow", follow)
     with open_store(tmp_path / "near", config) as store:

@@ -12,7 +12,7 @@ import numpy as np
 
 from fem.effects.effect import at_constant_fraction, smallest_gap
 from fem.path.active_set import ActiveSet
-from fem.path.control import Control, LoadControl
+from fem.path.control import Control
 from fem.path.costs import Costs
 from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
 from fem.path.effort import effort_of
@@ -94,20 +94,25 @@ class PathFollower:
         self.is_stable = True  #: whether the last equilibrium is
         self.not_followed = ""  #: a clause where the path lost its stability on the way to the target
 
-    def resume(self, steps: Sequence[Step]) -> None:
-        """Go on from the last of the given steps."""
+    def resume(self, steps: Sequence[Step], goes_on: bool) -> None:
+        """Go on from the last of the given steps; goes_on: whether more targets follow.
+
+        From the first step the way on depends on the rate at rest, which is computed again (one factorization), unless
+        constant loads or displacements were applied in between.
+        """
         for step in steps:
             point = self._resumed(step, self.control.value_of(step))
             if step.rate is not None:
                 assembly = self.system.assemble(point.state, ())
                 point = replace(point, rate=self.system.rate(point.state, assembly, step.rate))
             self.points = [self.points[-1], point]
+        if goes_on and len(steps) == 1 and not self.predictor.nonsmooth_start:
+            self.predictor.rate_from_rest(self.control.target(self.points[-1].value, 1.0))
         if steps:
             self.system.storage.hold(steps[-1].added_pairs)
 
     def move(self, begin: Step, control: MoveControl) -> Step:
-        """The stable equilibrium to which a control leads from a step of another path, in one increment, with its rate
-        by the load factor.
+        """The stable equilibrium to which a control leads from a step of another path, in one increment.
 
         Raises `StepFailed` and `fem.equations.linear.SingularMatrix`.
         """
@@ -122,9 +127,7 @@ class PathFollower:
             raise Unstable(f"the equilibrium is unstable ({converged.negative_pivots} negative pivots)")
         point = self._point(control, converged)
         self._check_continuation(control, converged, point, increments)
-        by_load = LoadControl.of(self.system).target(converged.state.factor, 1.0)
-        rate = self.predictor.rate(by_load, converged, point.terms)
-        self.points = [self.points[-1], replace(point, rate=rate)]
+        self.points = [self.points[-1], point]
         return self._step(_Reached(control, converged, self.solver.iterations, increments.cutbacks), 1.0, before)
 
     def _resumed(self, step: Step, value: float) -> PathPoint:
@@ -138,15 +141,12 @@ class PathFollower:
     def advance(self, target: float) -> Step:
         """Equilibrium at `target`, in as few increments as converge; raises `PathEnded`.
 
-        From the first target the way on depends on the rate at rest. Where the path is resumed there, it is computed
-        again (one factorization), unless constant loads or displacements were applied in between. On the way to the
-        first target constant loads are brought up before the driven one: while both grow, the rates of their motions
-        hide a step that jumps past a limit of the driven load.
+        On the way to the first target constant loads are brought up before the driven one: while both grow, the rates
+        of their motions hide a step that jumps past a limit of the driven load.
         """
-        is_first, rest = len(self.points) == 1, self.points[0]
-        if rest is self.predictor.rest and not (is_first or self.predictor.nonsmooth_start):
-            self.predictor.rate_from_rest(self.control.target(self.points[-1].value, 1.0))
-        before, constant, self.not_followed = Costs.of(self.system), None, ""
+        before, is_first, rest = Costs.of(self.system), len(self.points) == 1, self.points[0]
+        self.not_followed = ""
+        constant = None
         if is_first and self.control.gives_load and self.predictor.has_constant_loads:
             constant = self._with_constant_loads(target, before)
             if constant is None:

@@ -1,8 +1,9 @@
 """The load path: equilibria at load factors, or at volumes of a cavity, given in their order."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
+from itertools import zip_longest
 from time import perf_counter
 
 from fem.equations.linear import SingularMatrix
@@ -15,9 +16,6 @@ from fem.path.newton import StepFailed
 from fem.path.options import PathEnded, PathObserver, PathOptions
 from fem.solution import NotConverged, Solution, Step
 
-#: gives for the number of a target a state of another model from which the way to it begins; None: the path alone
-Begin = Callable[[int], Step | None]
-
 
 def follow(
     model: Model,
@@ -25,15 +23,14 @@ def follow(
     options: PathOptions | None = None,
     observer: PathObserver | None = None,
     resume: Sequence[Step] = (),
-    begin: Begin = lambda number: None,
+    begin: Sequence[Step | None] = (),
 ) -> Solution:
     """Equilibrium at the given load factors, in their order.
 
-    `resume` are steps of the first factors, finished earlier: the path goes on from the last of them. `begin` gives for
-    the number of a factor, when it is its turn, a stable equilibrium of a model that differs in its supports, or None.
-    The way from there is tried first, in one increment. Supports that are the same but for the displacements that they
-    prescribe move on it, together with the load factor; others are released at once, and their forces vanish. Limit
-    points on the way are not seen: the same model should bear both load factors with the other supports.
+    `resume` are steps of the first factors, finished earlier: the path goes on from the last of them. `begin` has for
+    each factor an equilibrium near that, of a model that differs in the displacements that its supports prescribe, or
+    None. The way from there is tried first, in one increment in which load factor and supports move together. Limit
+    points on it are not seen: the same model should bear both load factors with the other displacements.
 
     Raises `NotConverged`, which carries the reason and the steps reached so far.
     """
@@ -68,16 +65,15 @@ def _follow(
     targets: Sequence[float],
     resume: Sequence[Step],
     start: float,
-    begin: Begin = lambda number: None,
+    begin: Sequence[Step | None] = (),
 ) -> Solution:
     """start: when the work on the path began, s."""
     steps = list(resume)
-    path.resume(steps)
+    path.resume(steps, goes_on=len(targets) > len(steps))
     set_up = perf_counter() - start - path.system.solver.times.analysis
     try:
-        for number in range(len(steps), len(targets)):
-            target, near = targets[number], begin(number)
-            step = path.advance(target) if near is None else _moved_or_advanced(path, near, target)
+        for target, near in zip_longest(targets[len(steps) :], begin[len(steps) : len(targets)]):
+            step = path.advance(target) if near is None else _moved_or_advanced(path, near, target, steps, targets)
             steps.append(step)
             path.observer.step_done(step)
         return path.solution(steps, set_up)
@@ -87,10 +83,12 @@ def _follow(
         path.system.solver.close()
 
 
-def _moved_or_advanced(path: PathFollower, begin: Step, target: float) -> Step:
+def _moved_or_advanced(
+    path: PathFollower, begin: Step, target: float, steps: Sequence[Step], targets: Sequence[float]
+) -> Step:
     """The next step, from that of another model or else on the path; its costs are those of both attempts.
 
-    Raises `PathEnded`.
+    steps: so far. Raises `PathEnded`.
     """
     before, pairs = Costs.of(path.system), path.system.storage.added
     try:
@@ -99,7 +97,7 @@ def _moved_or_advanced(path: PathFollower, begin: Step, target: float) -> Step:
         if step is None:
             step = path.advance(target)
         else:  # as where an interrupted path goes on
-            path.resume([step])
+            path.resume([step], goes_on=not steps and len(targets) > 1)
     except PathEnded as ended:
         factorizations = (Costs.of(path.system) - before).factorizations
         raise PathEnded(replace(ended.end, factorizations=factorizations)) from None
@@ -115,5 +113,6 @@ def _moved(path: PathFollower, begin: Step, factor: float) -> Step | None:
     observer = PathObserver(lambda _, iteration, residual: callback(factor, iteration, residual))
     control = MoveControl.of(path.system, begin, factor)
     with suppress(StepFailed, SingularMatrix):
-        return PathFollower(control, path.options, observer).move(begin, control)
+        step = PathFollower(control, path.options, observer).move(begin, control)
+        return replace(step, rate=None)  # it is one by the part of the way, not by the load factor
     return None

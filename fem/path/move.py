@@ -1,14 +1,12 @@
 """The way from an equilibrium to another load factor and other prescribed displacements, driven from 0 to 1.
 
-Another height of the end, at the pressure of a known state or above it, is reached from there in one increment, and so
-is the free body from the clamped one. From rest the way takes many where walls come into contact.
+Another height of the end, at the pressure of a known state or above it, is reached from there in one increment. From
+rest the way takes many where walls come into contact.
 """
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import final
-
-import numpy as np
 
 from fem.effects.effect import Terms
 from fem.equations.linearised import Linearised
@@ -17,9 +15,6 @@ from fem.equations.system import System
 from fem.path.control import Control, Drive, load_change, rate_with_motion, to_equilibrium
 from fem.solution import Step
 from geometry.arrays import Array
-
-#: motion of the supports over the size of the body that is rounding
-AT_REST = 1e-9
 
 
 @final
@@ -39,8 +34,7 @@ class MoveControl(Control):
 
     @classmethod
     def of(cls, system: System, begin: Step, factor: float) -> "MoveControl":
-        """From a finished step of a model with equal supports, but for the displacements that they prescribe, or with
-        others that are released."""
+        """From a finished step of a model with equal supports, but for the displacements that they prescribe."""
         last = system.constraints.prescribed(factor, 1.0)
         motion = system.constraints.correction(begin.displacement, last)
         return cls(system, 1.0, 0.0, 1.0, (begin.factor, factor), motion, last)
@@ -62,18 +56,11 @@ class MoveControl(Control):
         return to_equilibrium(assembly, linearised), linearised.negative_pivots
 
     def rate(self, state: State, assembly: Assembly, linearised: Linearised, terms: Terms) -> State | None:
-        if not self._moves:
-            return None
         _, coupling = self.system.tangent(state, assembly, terms, self.motion, convex=False)
         return rate_with_motion(self.system, state, assembly, linearised, self._drive(state, terms, coupling))
 
-    def rate_at_begin(self, state: State, terms: Terms) -> State | None:
-        """Tangent of the path at the equilibrium where it begins; factorizes. None where supports are only released.
-
-        Raises `SingularMatrix`.
-        """
-        if not self._moves:
-            return None
+    def rate_at_begin(self, state: State, terms: Terms) -> State:
+        """Tangent of the path at the equilibrium where it begins; factorizes. Raises `SingularMatrix`."""
         assembly = self.system.assemble(state, terms)
         linearised = self.system.linearise(state, assembly, terms, self.motion)
         drive = self._drive(state, terms, linearised.coupling)
@@ -81,12 +68,6 @@ class MoveControl(Control):
 
     def rate_at_rest(self, terms: Terms, fraction: float) -> State | None:
         return None  # the path does not begin at rest
-
-    @property
-    def _moves(self) -> bool:
-        """Whether load factor or supports move on the way; they do not where supports are only released."""
-        size = np.ptp(self.system.space.points, axis=0).max()
-        return self.factors[0] != self.factors[1] or bool(np.abs(self.motion).max() > AT_REST * size)
 
     def _drive(self, state: State, terms: Terms, coupling: Change) -> Drive:
         growth = self.factors[1] - self.factors[0]

@@ -11,10 +11,6 @@ from pipeline.simulation.known_limit import FIRST, PART_FOR_III, KnownLimit
 from pipeline.simulation.loadcase import LoadCase
 from pipeline.store.store import Store
 
-#: factorizations of a state of II up to which I follows its own path: the free body takes 3 to 5 from a state of II,
-#: and along its path about as many as II
-OF_RELEASED = 5
-
 
 @final
 @dataclass
@@ -22,7 +18,6 @@ class CasePath:
     """The path of one case; it reports its progress, with pressures in kPa."""
 
     case: LoadCase
-    experiment: fem.Experiment
     model: fem.Model
     newton: fem.NewtonOptions
     store: Store
@@ -42,11 +37,9 @@ class CasePath:
             options = fem.PathOptions(self.newton, give_up=self._why_not)
         observer = fem.PathObserver(self._iteration, self._step_done)
         stored = self._stored_steps()
+        factors, begin = self.case.schedule.factors, self._begin(len(stored))
         try:
-            solution = fem.follow(
-                self.model, self.case.schedule.factors, options, observer, resume=stored, begin=self._begin
-            )
-            return solution, None
+            return fem.follow(self.model, factors, options, observer, resume=stored, begin=begin), None
         except fem.NotConverged as ended:
             solution, end = ended.partial, ended.end
         failure = self._failure(end, end.factorizations)
@@ -74,30 +67,23 @@ class CasePath:
         """The finished steps of an earlier run with this configuration, up to the first that is missing."""
         steps: list[fem.Step] = []
         for pressure in self.case.schedule.pressures_kPa:
-            step = self._stored(self.case.name, pressure)
-            if step is None:
+            arrays = self.store.load_state(self.case.name, pressure)
+            if arrays is None:
                 break
-            steps.append(step)
+            steps.append(fem.step_from_arrays(self.model.space, arrays))
             self.progress.step_done(self.case.name, pressure, 0.0)
             self._reach()
         return steps
 
-    def _begin(self, number: int) -> fem.Step | None:
-        """The state where the way to a pressure begins: of II, of which the clamp is released, for I, and of III with
-        another height of its end; None where the path alone leads there, or costs as little."""
-        pressure = self.case.schedule.pressures_kPa[number]
-        if self.case.experiment == "I":
-            near = pressure if self.known is not None and self.known.has_state(pressure) else None
-            step = self._stored(FIRST, near)
-            if step is None or step.factorizations <= OF_RELEASED:
-                return None
-            return self.experiment.released(step)
-        return self._stored(self.case.experiment, self.case.begin_kPa(pressure))
-
-    def _stored(self, name: str, pressure: float | None) -> fem.Step | None:
-        """A finished step; None where there is none."""
-        arrays = None if pressure is None else self.store.load_state(name, pressure)
-        return None if arrays is None else fem.step_from_arrays(self.model.space, arrays)
+    def _begin(self, finished: int) -> list[fem.Step | None]:
+        """For each pressure the state of III where the way to it begins; None for the finished ones, and for rest."""
+        steps: dict[float | None, fem.Step | None] = {None: None}
+        near = [self.case.begin_kPa(pressure) for pressure in self.case.schedule.pressures_kPa[finished:]]
+        for pressure in near:
+            if pressure is not None and pressure not in steps:
+                arrays = self.store.load_state(self.case.experiment, pressure)
+                steps[pressure] = None if arrays is None else fem.step_from_arrays(self.model.space, arrays)
+        return [None] * finished + [steps[pressure] for pressure in near]
 
     def _why_not(self, factor: float) -> str:
         """Why a load is not worth being tried further, from where II ends."""

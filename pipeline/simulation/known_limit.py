@@ -56,12 +56,6 @@ class KnownLimit:
             self._values[self._end_kPa], self._values[self._is_limit] = end_kPa, is_limit
             self._values[self._has_ended] = 1.0
 
-    def has_state(self, pressure_kPa: float) -> bool:
-        """Whether experiment II has an equilibrium at one of its pressures or above; waits until that is known."""
-        while self._values[self._reached_kPa] < pressure_kPa and not self._values[self._has_ended]:
-            sleep(ASK_AGAIN)
-        return bool(self._values[self._reached_kPa] >= pressure_kPa)
-
     @property
     def end_kPa(self) -> float:
         """Of II, where it has ended; 0 where there is nothing to tell."""
@@ -77,9 +71,17 @@ class KnownLimit:
 
         Waits until II has ended or reached a pressure not far below. What is answered does not depend on time.
         """
-        if self.has_state(REACHED * pressure_kPa) or not 0.0 < self.end_kPa < pressure_kPa:
+        while not self._values[self._has_ended]:
+            if self._is_near(pressure_kPa):
+                return ""
+            sleep(ASK_AGAIN)
+        if self._is_near(pressure_kPa) or not 0.0 < self.end_kPa < pressure_kPa:
             return ""
         return f"experiment {FIRST} of the same arm has its {self.name_of_end} at {self.end_kPa:.4g} kPa"
+
+    def _is_near(self, pressure_kPa: float) -> bool:
+        """Whether II has reached a pressure not far below."""
+        return bool(self._values[self._reached_kPa] >= REACHED * pressure_kPa)
 
 
 def asks(case: LoadCase) -> bool:

@@ -91,7 +91,7 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
     effects = scene.effects(case.schedule.reference_MPa)
     model = experiment.model(material, effects, scene.config.mesh.formulation)
     newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
-    solution, failure = CasePath(case, experiment, model, newton, store, progress, known).followed()
+    solution, failure = CasePath(case, model, newton, store, progress, known).followed()
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:
         reached_kPa = case.schedule.pressures_kPa[len(steps) - 1] if steps else 0.0
