@@ -329,7 +329,7 @@ def test_campaigns_are_joined_on_one_page() -> None:
         assert f"\n| {name} | an arm |" in texts["unseen_designs.md"]
     with pytest.raises(ValueError, match="the same law of the rod"):
         joined([first, campaign(Namespace(seed=9, count=1, limit=400.0, law="five"), [record()])])
-    with pytest.raises(ValueError, match="the same design"):
+    with pytest.raises(ValueError, match="design 7-0 is in two of the folders and pages"):
         joined([first, first])
 
 
@@ -382,6 +382,37 @@ def test_designs_are_added_to_those_of_a_page(tmp_path: Path, monkeypatch: pytes
     assert sources("--seed", "2") == both
     assert sources("--seed", "11", "--law", "five") == both
     assert sources("--seed", "7", "--stored") == both
+
+
+def test_campaigns_that_run_at_the_same_time_are_both_on_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page, results = tmp_path / "page", tmp_path / "results"
+
+    def run(seed: int, *arguments: str) -> list[tuple[int, int]]:
+        given = ["--seed", str(seed), "--count", "3", "--page", str(page), "--results", str(results), *arguments]
+        monkeypatch.setattr("sys.argv", ["unseen", *given])
+        assert campaigns_main() == 0
+        content = json.loads((page / "unseen.json").read_text())
+        return [(r["seed"], r["number"]) for r in content["records"]]
+
+    def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
+        for work in works:
+            if work.design.seed == 9 and work.design.number == 1:
+                run(11)
+            work.folder.mkdir(parents=True, exist_ok=True)
+            result = record(number=work.design.number)
+            (work.folder / "outcome.json").write_text(json.dumps({**result, "finished": True}))
+            yield result
+
+    monkeypatch.setattr("benchmarks.unseen.__main__.outcomes_of", outcomes)
+    assert run(7, "--first", "1") == [(7, 0)]
+    assert run(9) == [(7, 0), *((11, number) for number in range(3)), *((9, number) for number in range(3))]
+    assert run(7)[:3] == [(7, number) for number in range(3)]
+    of_seven = json.loads((results / "7_of_3_both" / "unseen.json").read_text())
+    assert [r["number"] for r in of_seven["records"]] == [0, 1, 2]  # with the one that was published before
+    with pytest.raises(SystemExit):
+        run(7, "--with", str(results / "9_of_3_both"))
 
 
 def test_few_designs_say_little() -> None:

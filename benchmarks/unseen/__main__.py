@@ -4,16 +4,17 @@
     python -m benchmarks.unseen --seed 1 --count 4 [--first 2] [--jobs 2] [--finer 8] [--limit 600] [--law both] \\
         [--page docs] [--with FOLDER ...]
 
-Each design has a folder below results/unseen with its configuration, its results and outcome.json; what is
-finished is kept, so that the same command continues an interrupted campaign. As many designs are worked on at the same
-time as --jobs says, by default one for each core, each with one thread. A stage of a design that needs more CPU seconds
-than the limit is recorded as too slow. After each design the pages are written into the folder of the campaign. At the
-end its designs are added to those of the pages in the folder of --page, with their histogram. Results that are
-published there are not replaced: designs of this campaign that they contain are not run again, and if they contain all
-of them, they are run with the present sources, and their pages are in the folder of the campaign alone. --with adds the
-designs of other campaigns, given by their folders, or those of this one that were run elsewhere; --stored solves
-nothing and writes the pages from what is there. Seeds 1 to 3, 23, 31, 37, 47 and 73 are for finding and mending
-defects, so they are not reported: --page is not for them.
+Each design has a folder below results/unseen with its configuration, its results and outcome.json; what is finished
+is kept, so that the same command continues an interrupted campaign. As many designs are worked on at the same time as
+--jobs says, by default one for each core, each with one thread. A stage of a design that needs more CPU seconds than
+the limit is recorded as too slow. After each design the pages are written into the folder of the campaign. At the end
+its designs are added to those of the pages in the folder of --page, with their histogram. Results that are published
+there are not replaced: designs of this campaign that they contain are not run again, and if they contain all of them,
+they are run with the present sources, and their pages are in the folder of the campaign alone. Several campaigns may
+run at the same time: the page is read again before it is written. --with adds the designs of other campaigns, given
+by their folders, or those of this one that were run elsewhere; --stored solves nothing and writes the pages from what
+is there. Seeds 1 to 3, 23, 31, 37, 47 and 73 are for finding and mending defects, so they are not reported: --page is
+not for them.
 """
 
 import argparse
@@ -76,28 +77,32 @@ def main() -> int:
     try:
         published = _stored(given.page) if given.page and (given.page / PAGES_DATA).exists() else None
         if given.page and (why := _why_not_published(given, published)):
+            if given.others:
+                parser.error(f"{why}: leave --page and --with out")
             sys.stdout.write(f"{why}; its pages are written into {folder} alone\n")
-            given.page, given.others, published = None, [], None
-        others = [*([published] if published else []), *(_stored(other) for other in given.others)]
-        joined([*others, campaign(given, [])])
+            given.page, published = None, None
+        others = [_stored(other) for other in given.others]
+        known = [*([published] if published else []), *others]
+        joined([*known, campaign(given, [])])
     except (OSError, ValueError) as reason:
         parser.error(f"--page and --with: {reason}")
     finer = sample(given.first or given.count, given.finer)
-    elsewhere = {record["number"] for other in others for record in other["records"] if record["seed"] == given.seed}
-    works = [
+    elsewhere = {record["number"] for other in known for record in other["records"] if record["seed"] == given.seed}
+    all_works = [
         Work(design, folder / design.name, given.limit, design.number in finer)
         for design in with_law(drawn(given.seed, given.count)[: given.first], given.law)
-        if design.number not in elsewhere
     ]
+    works = [work for work in all_works if work.design.number not in elsewhere]
+    earlier = _stored_records([work for work in all_works if work.design.number in elsewhere])
     records: list[Record] = []
     for record in _stored_records(works) if given.stored else outcomes_of(works, given.jobs):
         records = sorted([*records, record], key=lambda record: record["number"])
         spent, number = sum(record["seconds"].values()), record["number"]
         sys.stdout.write(f"{number:3d} {outcome(record)}, {spent:.0f} s: {record['words']} {record['reason']}\n")
         sys.stdout.flush()
-        _write(folder, campaign(given, records))
+        _write(folder, campaign(given, sorted([*earlier, *records], key=lambda record: record["number"])))
     if given.page and (records or elsewhere):
-        _write(given.page, joined([*others, campaign(given, records)]))
+        _publish(given.page, [*others, campaign(given, records)])
     results = {outcome(record) for record in records}
     return int(bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records))
 
@@ -130,6 +135,20 @@ def _stored(folder: Path) -> dict[str, Any]:
     if bad := {entry["seed"] for entry in content["campaigns"]} & set(MENDING):
         raise ValueError(f"seed {', '.join(map(str, bad))} is for mending the program and is not reported")
     return content
+
+
+def _publish(page: Path, contents: Sequence[Mapping[str, Any]]) -> None:
+    """Add campaigns to those of a page as it is now, to which others may have been added since this one began.
+
+    Designs that the page has meanwhile stay as they are there.
+    """
+    published = [_stored(page)] if (page / PAGES_DATA).exists() else []
+    there = {(record["seed"], record["number"]) for content in published for record in content["records"]}
+    new = [
+        {**content, "records": [r for r in content["records"] if (r["seed"], r["number"]) not in there]}
+        for content in contents
+    ]
+    _write(page, joined([*published, *new]))
 
 
 def _write(folder: Path, content: dict[str, Any]) -> None:

@@ -1,6 +1,7 @@
 """docs/unseen.md and unseen_designs.md from the records of the designs, which unseen.json beside them holds."""
 
 import json
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from statistics import median
@@ -33,8 +34,9 @@ def joined(contents: Sequence[Record]) -> dict[str, Any]:
     order = [campaign["seed"] for campaign in campaigns]
     records = [record for content in contents for record in content["records"]]
     names = [(order.index(record["seed"]), record["number"]) for record in records]
-    if len(set(names)) != len(names):
-        raise ValueError("two folders hold the same design")
+    if twice := [name for name, count in Counter(names).items() if count > 1]:
+        seed, number = order[twice[0][0]], twice[0][1]
+        raise ValueError(f"design {seed}-{number} is in two of the folders and pages")
     by_name = dict(zip(names, records, strict=True))
     return {"campaigns": campaigns, "records": [by_name[name] for name in sorted(names)]}
 

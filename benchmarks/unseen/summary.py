@@ -31,14 +31,14 @@ from benchmarks.unseen.wording import WIDTH, Record, item, name_of, percent
 
 #: change of direction along an arm, rad, from which it bends visibly
 BENT = 0.03
-#: seeds whose results are given beside those of all, because their sources are the newest
+#: seeds whose results are given beside those of all: those that were published last
 LAST_SEEDS = 3
 #: names of the three numbers in the records, and as they are written
 NUMBERS = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
 
 
 def targets(records: Sequence[Record]) -> str:
-    """The goals beside what the last seeds reached, whose sources are the newest, and all of them."""
+    """The goals beside what the seeds reached that were published last, and all of them."""
     order = list(dict.fromkeys(record["seed"] for record in records))
     last = [record for record in records if record["seed"] in order[-LAST_SEEDS:]]
     goals = [
