@@ -35,7 +35,7 @@ def body_table(file: Path, design: Design, body: Body) -> Table:
         air = halves * body.mesh.enclosed_volume(name)
         table.add_row(name, f"{air:.7g} mm3 in the full body; from the drawing {drawn:.7g}")
     for name, depth in design.plug_depths.items():
-        table.add_row(f"plug {name}", f"{depth:.4g} mm deep, filled with the material of the body")
+        table.add_row(f"plug {name}", f"the inlet is filled with the material of the body, {depth:.4g} mm deep")
     table.add_row("tetrahedra", str(quality.count))
     at = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
     table.add_row("radius ratio", f"smallest {quality.minimum:.3f} at ({at}) mm, mean {quality.mean:.3f}")

@@ -47,7 +47,7 @@ class CadFile(FileDesign):
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
     unite: bool = False  #: whether several solids that touch become one
     parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
-    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp, points fill others
+    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
     defeature: float | None = None  #: faces narrower than this are removed: small fillets, holes, ribs and letters
 
     def __post_init__(self) -> None:
@@ -87,6 +87,9 @@ class CadFile(FileDesign):
         """What is wrong whatever the file holds."""
         if self.unit != 1 and Path(self.file).suffix.lower() in STEP:
             yield DesignError("unit", "STEP files store their unit; leave it out")
+        for name, point in self.plug.items() if isinstance(self.plug, Mapping) else ():
+            if len(point) != 3 or not np.isfinite(point).all():
+                yield DesignError(f"plug.{name}", f"must be a point (x, y, z) in mm, not {point!r}")
         if self.parts and self.unite:
             yield DesignError(
                 ("parts", "unite"), "solids of another material stay solids of their own; give one of the two"

@@ -250,10 +250,14 @@ def _only(gmsh: Any, body: CadBody, inner: list[Volume], remedy: str) -> Volume:
 
 def _remedy(body: CadBody, holes: str) -> str:
     """What to do where the air is open to the outside; holes: the end of the sentence."""
-    fill = "fill it with the material of the body, plug: {inlet: [x, y, z]} with a point in its mouth"
+    fill = "give a point in its mouth, plug: {inlet: [x, y, z]}, which fills it with the material of the body"
+    if body.plugs:
+        return f"another inlet is open: add a point in its mouth to plug, or close it in the CAD program{holes}"
     if body.plug_at_clamp:
-        return f"it is open elsewhere than in the plane of the clamp: close it there, or {fill}{holes}"
-    return f"close its inlet, or write plug: true if the inlet lies in the plane of the clamp, or {fill}{holes}"
+        elsewhere = "it is open elsewhere than in the plane of the clamp"
+        return f"{elsewhere}: close that inlet in the CAD program, or {fill}{holes}"
+    at_clamp = "write plug: true if the inlet lies in the plane of the clamp"
+    return f"close its inlet in the CAD program, or {at_clamp}, or {fill}{holes}"
 
 
 def _at_plug(gmsh: Any, body: CadBody, volume: Volume) -> bool:

@@ -37,7 +37,7 @@ def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
     if any(inside(body.curve + side * rounding) for side in (1.0, -1.0)):
         return
     outside = [x for x in along if not _in_material(gmsh, solids, np.array([x, body.curve, across]))] or list(along)
-    through = f"; if it crosses an inlet, fill that, plug: {{inlet: [x, y, z]}}{holes}" if holes else ""
+    through = f"; if the line crosses an inlet, fill the inlet with plug: {{inlet: [x, y, z]}}{holes}" if holes else ""
     raise DesignError(
         "curve",
         f"the line y = {body.curve:g} mm, z = 0 is outside the material between {outside[0] - body.clamp:.3g} and "

@@ -237,10 +237,19 @@ def _plug(value: Any) -> bool | dict[str, tuple[float, ...]]:
     points = list(value.values()) if isinstance(value, Mapping) else []
     if not points or not all(isinstance(point, list) and len(point) == 3 for point in points):
         raise ValueError(
-            f"{quoted(value)} is not allowed; allowed: true for an inlet in the plane of the clamp, false, or a name "
-            "and a point in the mouth of each inlet, for example {inlet: [40 mm, 0 mm, 0 mm]}"
+            f"{quoted(value)} is not allowed; allowed: true (closes an inlet in the plane of the clamp), false, or a "
+            "name for each inlet and a point in its mouth, for example {inlet: [40 mm, 0 mm, 0 mm]}"
         )
     return {str(name): tuple(convert(x, LENGTH) for x in point) for name, point in value.items()}
+
+
+def _plug_at_clamp(value: Any) -> bool:
+    if isinstance(value, Mapping):
+        raise ValueError(
+            "points in the mouths of inlets are for STEP and BREP files; allowed: true (closes an inlet in the plane "
+            "of the clamp) or false"
+        )
+    return _yes_or_no(value)
 
 
 def _size(value: Any) -> Any:
@@ -326,7 +335,10 @@ Plugs = Annotated[
     Any,
     BeforeValidator(_plug),
     Field(examples=["true"]),
-    Written("", "`true`, `false`, or a name and a point for each"),
+    Written("mm", "`true`, `false`, or a name and a point for each"),
+]
+PlugAtClamp = Annotated[
+    bool, BeforeValidator(_plug_at_clamp), Field(examples=["true"]), Written("", "`true` or `false`")
 ]
 Coarser = Annotated[
     float | Literal["auto", "off"],

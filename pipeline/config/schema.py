@@ -37,6 +37,7 @@ from pipeline.config.kinds import (
     OnEnd,
     OptionalLength,
     Percentage,
+    PlugAtClamp,
     Plugs,
     Points,
     PoissonRatio,
@@ -271,8 +272,8 @@ def _geometry_fields(design: Any) -> dict[str, Any]:
         float | CellPlanes | None: Cell,
         Plug: Plugs,
     }
-    named = {"unit": Unit}
     types = get_type_hints(design)
+    named = {"unit": Unit} | ({"plug": PlugAtClamp} if types.get("plug") is bool else {})
     return {
         field.name: (named.get(field.name) or kinds.get(types[field.name], Points), default_of(field, ...))
         for field in fields(design)

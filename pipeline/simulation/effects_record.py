@@ -62,7 +62,7 @@ def _pressure(config: Config) -> tuple[str, str]:
             "; the clamp carries the pressure on the inlet (plug), and experiment I, without a clamp, is not simulated"
         )
     for name, depth in config.design.plug_depths.items():
-        reason += f"; the inlet {name} is filled with the material of the body to a depth of {depth:.3g} mm"
+        reason += f"; inlet (plug.{name}) filled with the material of the body to a depth of {depth:.3g} mm"
     return "on", reason
 
 
