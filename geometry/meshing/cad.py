@@ -17,7 +17,7 @@ from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.cad_curve import check_curve
-from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids
+from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids, is_in_material
 from geometry.meshing.cad_parts import BODY, named_parts
 from geometry.meshing.cad_plug import hole_advice, plugged
 from geometry.meshing.cad_position import check_ends, check_position, check_symmetric, no_end_face
@@ -213,8 +213,7 @@ def _named_air(
         inner_point = list(body.within_half(point, low, high))
         holders = [volume for volume in air if gmsh.model.isInside(3, volume[1], inner_point)]
         if not holders:
-            in_solid = any(gmsh.model.isInside(3, volume[1], inner_point) for volume in blocks)
-            where = "in the material" if in_solid else "away from the body"
+            where = "in the material" if is_in_material(gmsh, blocks, inner_point) else "away from the body"
             raise DesignError(f"air.{name}", f"the point {coordinates} lies {where}; give a point in the cavity")
         if holders[0] in outside:
             raise DesignError(

@@ -94,15 +94,15 @@ class Channel:
         """Whether it has a plug."""
         return self.depth > SHALLOWEST * self.mouth.width
 
-    def plug(self) -> list[Volume]:
-        """The air in it, as deep as its plug; nothing where there is none."""
+    def plug(self) -> Volume | None:
+        """The air in it, as deep as its plug; None where there is none."""
         occ, mouth = self.gmsh.model.occ, self.mouth
         drawn = self._half([self._cylinder(self.depth)])
         pieces = occ.cut(drawn, self.solids, removeObject=True, removeTool=False)[0]
         at = mouth.at + min(0.5 * self.depth, 0.05 * mouth.width) * self.inward
-        (plug,), _, _ = occ.getClosestEntities(*at, pieces, 1) if pieces else ([None], None, None)
+        plug: Volume | None = occ.getClosestEntities(*at, pieces, 1)[0][0] if pieces else None
         occ.remove([piece for piece in pieces if piece != plug], recursive=True)
-        return [] if plug is None else [plug]
+        return plug
 
     @cached_property
     def _planes(self) -> Array:
@@ -125,10 +125,7 @@ class Channel:
         """What of them is in z > 0, where the mouth is a half."""
         if not self.mouth.is_half:
             return entities
-        occ, size = self.gmsh.model.occ, 4 * (LONG + AROUND) * self.mouth.reach
-        x, y, _ = self.mouth.middle
-        behind = occ.addBox(x - size, y - size, -2 * size, 2 * size, 2 * size, 2 * size)
-        return list(occ.cut(entities, [(3, behind)])[0])
+        return in_front(self.gmsh, entities, self.mouth.middle, 4 * (LONG + AROUND) * self.mouth.reach)
 
     def _end(self, around: list[Volume]) -> tuple[float, float | None, bool]:
         """The last depth (mm) at which the channel is open and not wider, the first at which it is wider or closed, and
@@ -150,9 +147,10 @@ class Channel:
             self._remove(last)
             last, smallest = section, min(smallest, self._whole(section))
         while outside is not None and outside - last.depth > ACCURACY * width:
-            section = self._section(around, 0.5 * (last.depth + outside), last)
+            middle = 0.5 * (last.depth + outside)
+            section = self._section(around, middle, last)
             if section is None or self._is_wider(section, smallest):
-                outside, has_bottom = 0.5 * (last.depth + outside), section is None
+                outside, has_bottom = middle, section is None
                 self._remove(section)
             else:
                 self._remove(last)
@@ -196,6 +194,13 @@ class Channel:
 
     def _touch(self, first: Face, second: Face) -> bool:
         return float(self.gmsh.model.occ.getDistance(*first, *second)[0]) < ACCURACY * self.mouth.width
+
+
+def in_front(gmsh: Any, entities: list[tuple[int, int]], at: Array, size: float) -> list[tuple[int, int]]:
+    """What of them has z > 0; they lie within `size` mm of the point (3,)."""
+    occ = gmsh.model.occ
+    behind = occ.addBox(at[0] - size, at[1] - size, -2 * size, 2 * size, 2 * size, 2 * size)
+    return list(occ.cut(entities, [(3, behind)])[0])
 
 
 def plane_of(gmsh: Any, face: Face) -> tuple[Array, Array] | None:

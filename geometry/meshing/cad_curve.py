@@ -4,10 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Array
 from geometry.curve_height import height_advice
 from geometry.design import DesignError
-from geometry.meshing.cad_import import CadBody, Point
+from geometry.meshing.cad_import import CadBody, Point, is_in_material
 from geometry.meshing.shapes import Volume
 
 #: points of the curve that are looked at
@@ -32,18 +31,14 @@ def check_curve(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high
         points = np.column_stack([along, np.full(SAMPLES, y), np.full(SAMPLES, across)])
         count = sum(gmsh.model.isInside(3, solid[1], points.ravel()) for solid in solids)
         # a point in a face of two solids is found in both; one by one the points take far longer
-        return count >= SAMPLES and (len(solids) == 1 or all(_in_material(gmsh, solids, point) for point in points))
+        return count >= SAMPLES and (len(solids) == 1 or all(is_in_material(gmsh, solids, point) for point in points))
 
     if any(inside(body.curve + side * rounding) for side in (1.0, -1.0)):
         return
-    outside = [x for x in along if not _in_material(gmsh, solids, np.array([x, body.curve, across]))] or list(along)
+    outside = [x for x in along if not is_in_material(gmsh, solids, np.array([x, body.curve, across]))] or list(along)
     through = f"; if the line crosses an inlet, fill the inlet with plug: {{inlet: [x, y, z]}}{holes}" if holes else ""
     raise DesignError(
         "curve",
         f"the line y = {body.curve:g} mm, z = 0 is outside the material between {outside[0] - body.clamp:.3g} and "
         f"{outside[-1] - body.clamp:.3g} mm behind the clamp; {height_advice(low[1], high[1], inside)}{through}",
     )
-
-
-def _in_material(gmsh: Any, solids: list[Volume], point: Array) -> bool:
-    return any(gmsh.model.isInside(3, solid[1], list(point)) for solid in solids)

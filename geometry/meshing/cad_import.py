@@ -1,6 +1,6 @@
 """The solids of a CAD file, in mm and in the directions of the arm, in the session of `geometry.meshing.solid`."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -195,6 +195,11 @@ def file_bounds(source: CadSource) -> tuple[Point, Point]:
     """Corners of the bounding box of the solids of the file, mm. Raises `DesignError` as `import_solids`."""
     with session() as gmsh:
         return bounds(gmsh, import_solids(gmsh, source))
+
+
+def is_in_material(gmsh: Any, solids: Iterable[Volume], point: Sequence[float] | Array) -> bool:
+    """Whether a point (3,), mm, lies in one of the solids or on its surface."""
+    return any(gmsh.model.isInside(*solid, list(point)) for solid in solids)
 
 
 def bounds(gmsh: Any, volumes: list[Volume]) -> tuple[Point, Point]:

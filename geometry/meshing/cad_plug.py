@@ -5,14 +5,15 @@ becomes wider (`geometry.meshing.cad_channel`).
 """
 
 from collections.abc import Iterator, Mapping
+from itertools import islice
 from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array
 from geometry.design import DesignError
-from geometry.meshing.cad_channel import FLAT, Channel, Face, Mouth, plane_of
-from geometry.meshing.cad_import import CadBody, Point, bounds
+from geometry.meshing.cad_channel import FLAT, Channel, Face, Mouth, in_front, plane_of
+from geometry.meshing.cad_import import CadBody, Point, bounds, is_in_material
 from geometry.meshing.shapes import Volume
 
 #: distance of a point from the plane of its mouth, over the size of the body: points are read off the screen
@@ -64,26 +65,27 @@ def _refusal(body: CadBody, name: str, sentence: str) -> DesignError:
 
 def hole_advice(gmsh: Any, body: CadBody, solids: list[Volume]) -> str:
     """Where the largest openings in flat faces are, as the end of a sentence; empty where there is none."""
-    occ, holes = gmsh.model.occ, []
+
+    def is_foot(length: float, centre: Point, normal: Point) -> bool:
+        """Whether a part of the body stands on the face there: it has material on both sides."""
+        sides = (np.add(centre, side * 1e-3 * length * np.array(normal)) for side in (1, -1))
+        return all(is_in_material(gmsh, solids, side) for side in sides)
+
+    occ, edges = gmsh.model.occ, []
     for face in gmsh.model.getBoundary(solids, combined=False, oriented=False):
         plane = plane_of(gmsh, face)
-        _, loops = occ.getCurveLoops(face[1]) if plane is not None else ([], [])
+        if plane is None:
+            continue
         measured = []
-        for loop in loops:
+        for loop in occ.getCurveLoops(face[1])[1]:
             lengths = np.array([float(occ.getMass(1, curve)) for curve in loop])
             centres = np.array([occ.getCenterOfMass(1, curve) for curve in loop])
-            measured.append((float(lengths.sum()), lengths @ centres / lengths.sum()))
-        measured.sort(key=lambda entry: entry[0])
-        for length, centre in measured[:-1]:  # the longest is the edge of the face itself
-            sides = [centre + side * 1e-3 * length * plane[1] for side in (1, -1)] if plane else []
-            if not all(_is_in_material(gmsh, solids, side) for side in sides):  # else the foot of a part on the face
-                holes.append((length, tuple(np.round(centre, 6))))
-    largest = [body.words(centre, ".6") for _, centre in sorted(holes, reverse=True)[:LISTED]]
+            centre = np.round(lengths @ centres / lengths.sum(), 6)
+            measured.append((float(lengths.sum()), tuple(centre), tuple(plane[1])))
+        edges += sorted(measured)[:-1]  # the longest is the edge of the face itself
+    openings = (body.words(at, ".6") for length, at, n in sorted(edges, reverse=True) if not is_foot(length, at, n))
+    largest = list(islice(openings, LISTED))  # looking for material takes the longest
     return f"; the largest openings in flat faces have their centres at {', '.join(largest)}" if largest else ""
-
-
-def _is_in_material(gmsh: Any, solids: list[Volume], point: Array) -> bool:
-    return any(gmsh.model.isInside(*solid, list(point)) for solid in solids)
 
 
 def _channel(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Channel | None:
@@ -109,8 +111,7 @@ def _mouths(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Ite
         at = given - ((given - on) @ normal) * normal
         sheet = [(2, occ.addDisk(*at, 2 * size, 2 * size, zAxis=list(normal)))]
         if is_half:
-            behind = occ.addBox(*np.subtract(at, 3 * size), 6 * size, 6 * size, 3 * size - at[2])
-            sheet, _ = occ.cut(sheet, [(3, behind)])
+            sheet = in_front(gmsh, sheet, at, 3 * size)
         holes, _ = occ.cut(sheet, flat, removeObject=True, removeTool=False)
         (hole,), (away,), _ = occ.getClosestEntities(*at, holes, 1) if holes else ([None], [np.inf], None)
         box = np.reshape(occ.getBoundingBox(*hole), (2, 3)) if hole else np.zeros((2, 3))
@@ -148,21 +149,24 @@ def _filled(gmsh: Any, body: CadBody, name: str, channel: Channel) -> tuple[list
     Of several solids it is the one that has most of the surface of the plug. Raises `DesignError`.
     """
     occ, solids = gmsh.model.occ, channel.solids
+    unfilled = _refusal(body, name, "lies in an opening that Gmsh cannot fill; close it in the CAD program")
     plug = channel.plug()
-    box = np.reshape(occ.getBoundingBox(*plug[0]), (2, 3)) if plug else np.zeros((2, 3))
-    owner = max(solids, key=lambda solid: _shared(gmsh, plug, solid)) if len(solids) > 1 and plug else solids[0]
-    expected = sum(float(occ.getMass(*part)) for part in (owner, *plug))
-    united = [part for part in occ.fuse([owner], plug)[0] if part[0] == 3] if plug else []
+    if plug is None:
+        raise unfilled
+    box = np.reshape(occ.getBoundingBox(*plug), (2, 3))
+    owner = max(solids, key=lambda solid: _shared(gmsh, plug, solid)) if len(solids) > 1 else solids[0]
+    expected = sum(float(occ.getMass(*part)) for part in (owner, plug))
+    united = [part for part in occ.fuse([owner], [plug])[0] if part[0] == 3]
     if len(united) != 1 or abs(float(occ.getMass(*united[0])) - expected) > ROUNDING * expected:
-        raise _refusal(body, name, "lies in an opening that Gmsh cannot fill; close it in the CAD program")
+        raise unfilled
     occ.synchronize()
     return [*united, *(solid for solid in solids if solid != owner)], box
 
 
-def _shared(gmsh: Any, plug: list[Volume], solid: Volume) -> float:
+def _shared(gmsh: Any, plug: Volume, solid: Volume) -> float:
     """Area of the surface of a plug that is one of a solid too, mm2."""
     occ = gmsh.model.occ
-    faces = [(2, tag) for loop in occ.getSurfaceLoops(plug[0][1])[1] for tag in loop]
+    faces = [(2, tag) for loop in occ.getSurfaceLoops(plug[1])[1] for tag in loop]
     common = occ.intersect(occ.copy(faces), [solid], removeObject=True, removeTool=False)[0]
     area = sum(float(occ.getMass(*face)) for face in common if face[0] == 2)
     occ.remove(common, recursive=True)
