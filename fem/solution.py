@@ -103,6 +103,8 @@ class Step:
     #: for comparison where nodes in a cavity press beside the triangles of their pairs; None elsewhere
     exact: ExactContact | None = None
     inexact: str = ""  #: a clause why there is nothing to compare with where that was tried; empty elsewhere
+    #: load factors (or mm3) of the equilibria on the way from the previous step, the last one its own
+    increments: tuple[float, ...] = ()
 
     @property
     def points(self) -> Array:
@@ -193,6 +195,7 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
         "instability": np.array(step.instability),
         **_exact_to_arrays(step.exact),
         "inexact": np.array(step.inexact),
+        "increments": np.array(step.increments),
         "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
         "timed_effects": np.array(list(spent.effects), dtype=str),
         "effect_seconds": np.array(list(spent.effects.values())),
@@ -225,6 +228,7 @@ def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) 
         spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
         exact=_exact_from_arrays(arrays),
         inexact=str(arrays.get("inexact", "")),
+        increments=tuple(arrays["increments"].tolist()) if "increments" in arrays else (),
     )
 
 

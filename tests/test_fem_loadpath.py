@@ -87,6 +87,46 @@ def test_increments_that_fail_are_halved_and_leave_no_trace_in_the_result() -> N
     assert step.newton_iterations > direct.newton_iterations
 
 
+def test_the_increments_of_a_neighbouring_path_are_taken_where_the_whole_way_fails() -> None:
+    options = PathOptions(NewtonOptions(iterations=2))
+    own = follow(beam([WEIGHT]), [1.0], options).steps[0]
+    assert own.cutbacks >= 2
+    assert own.increments[-1] == 1.0
+    assert list(own.increments) == sorted(own.increments)
+    requested: list[float] = []
+
+    def neighbour(target: float) -> tuple[float, ...]:
+        requested.append(target)
+        return own.increments
+
+    step = follow(beam([WEIGHT]), [1.0], replace(options, neighbour=neighbour)).steps[0]
+    assert requested == [1.0]
+    assert step.cutbacks == 1
+    assert step.increments == own.increments
+    assert step.factorizations < own.factorizations
+    np.testing.assert_allclose(step.displacement, own.displacement, atol=1e-4)
+    # nobody is asked where the whole way is reached
+    assert follow(beam([WEIGHT]), [1.0], PathOptions(neighbour=neighbour)).steps[0].increments == (1.0,)
+    assert requested == [1.0]
+
+
+def test_a_neighbour_that_went_the_whole_way_at_once_changes_nothing() -> None:
+    options = PathOptions(NewtonOptions(iterations=2))
+    own = follow(beam([WEIGHT]), [1.0], options).steps[0]
+    step = follow(beam([WEIGHT]), [1.0], replace(options, neighbour=lambda target: (1.0,))).steps[0]
+    assert step.increments == own.increments
+    assert step.factorizations == own.factorizations
+
+
+def test_increments_of_a_neighbour_that_fail_are_halved_as_others() -> None:
+    options = PathOptions(NewtonOptions(iterations=2), neighbour=lambda target: (0.9, 1.0))
+    own = follow(beam([WEIGHT]), [1.0], PathOptions(NewtonOptions(iterations=2))).steps[0]
+    step = follow(beam([WEIGHT]), [1.0], options).steps[0]
+    assert own.increments[0] == 0.125
+    assert step.increments[0] == 0.9 / 4
+    np.testing.assert_allclose(step.displacement, own.displacement, atol=1e-4)
+
+
 @pytest.mark.parametrize("formulation", ["p2", "p2p0", "mixed"])
 def test_the_rate_of_a_step_is_its_derivative(formulation: str) -> None:
     """Of displacement and pressures by the load factor; the tangent matrix is that of the last iteration."""
@@ -230,6 +270,39 @@ def test_a_trial_start_is_given_up_as_soon_as_the_strain_is_limited() -> None:
             lambda iteration, residual: iterations.append(iteration),
         )
     assert iterations[-1] > 1
+
+
+def test_a_start_whose_tangents_are_indefinite_in_many_directions_is_given_up_early(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The start of the test before, whose tangents have 1 to 25 negative pivots, with other numbers of them allowed."""
+    body = PneuNet(chambers=2).body(7.0)
+    model = Experiment.of("II", body, 0.0).model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 5e-3)], "p2p0")
+    system = model.system()
+    control = LoadControl.of(system)
+    rest = PathPoint(0.0, 0.0, system.rest_state(), rate=control.rate_at_rest(system.terms, 1.0))
+    far = extrapolate(None, rest, 30.0)
+    assert far is not None
+
+    def iterations() -> tuple[int, str]:
+        observed: list[int] = []
+        with pytest.raises(StepFailed) as failed:
+            newton.solve(
+                Start(far, system.terms),
+                control.target(1.0, 1.0),
+                NewtonOptions(),
+                lambda iteration, residual: observed.append(iteration),
+            )
+        return observed[-1], str(failed.value)
+
+    count, reason = iterations()
+    assert count > NewtonOptions().limited
+    assert "in many directions" not in reason
+    monkeypatch.setattr(newton, "MANY_PIVOTS", 0)
+    monkeypatch.setattr(newton, "MANY_PIVOTS_PART", 0.0)
+    few, reason = iterations()
+    assert 2 <= few <= 3  # the first tangent is that of a start, which may be anywhere
+    assert "the tangent is indefinite in many directions" in reason
 
 
 def test_a_start_has_an_iteration_limit_of_its_own() -> None:

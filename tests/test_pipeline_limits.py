@@ -278,6 +278,37 @@ def test_a_lower_limit_of_the_free_body_is_named(pressures: str, tmp_path: Path)
     assert failure.limit_kPa == pytest.approx(0.525, rel=3e-3)
 
 
+def test_the_others_take_the_increments_of_two_where_the_whole_way_fails(tmp_path: Path) -> None:
+    """The walls of two chambers meet in vacuum, in all three experiments at nearly the same pressures."""
+    settings = ["geometry.chambers=2", "mesh.size=6 mm", VACUUM, "pressures=[17 kPa, 45 kPa]"]
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
+    scene, increments = Scene.meshed(config), {}
+    with open_store(tmp_path, config) as store:
+        outcomes = simulate(scene, RunContext.alone(store, Silent()), ["I", "II", "III"])
+        for name in ("I", "II", "III"):
+            state = store.load_state(name, config.pressures_kPa[-1])
+            assert state is not None
+            increments[name] = state["increments"].tolist()
+    assert len(increments["II"]) > 2
+    assert increments["II"][-1] == 1.0
+    assert increments["I"] == increments["III"] == increments["II"]
+    cutbacks = {name: outcomes[name].records[-1].summary.cutbacks for name in increments}
+    assert cutbacks == {"I": 1, "II": 3, "III": 1}
+
+
+def test_the_increments_of_two_are_waited_for() -> None:
+    known = KnownLimit()
+    known.reached(20.0)
+    known.wait_for(20.0)
+    waiting = threading.Thread(target=lambda: known.wait_for(22.0), daemon=True)
+    waiting.start()
+    waiting.join(0.5)
+    assert waiting.is_alive()
+    known.ended(21.0)
+    waiting.join(5.0)
+    assert not waiting.is_alive()
+
+
 def test_another_mesh_has_a_limit_of_its_own() -> None:
     both = KnownLimit()
     first, second = both.of_group(1), both.of_group(2)

@@ -50,6 +50,12 @@ class _LoadStep:
         value = self.target if fraction == 1.0 else start + fraction * (self.target - start)
         return control.target(value, applied + fraction * (1.0 - applied))
 
+    def fractions(self, values: Sequence[float]) -> tuple[float, ...]:
+        """Of the way, at values of the driven quantity; those that are not on it are left out."""
+        way = self.target - self.origin.value
+        fractions = [(value - self.origin.value) / way for value in values if way]
+        return tuple(min(1.0, fraction) for fraction in fractions if 0.0 < fraction <= 1.0 + 1e-9)
+
 
 @dataclass(frozen=True)
 class _Target:
@@ -69,6 +75,7 @@ class _Reached:
     converged: Converged
     iterations: int
     cutbacks: int
+    increments: tuple[float, ...]  #: values of the driven quantity at the equilibria on the way
 
 
 @final
@@ -128,7 +135,8 @@ class PathFollower:
         point = self._point(control, converged)
         self._check_continuation(control, converged, point, increments)
         self.points = [self.points[-1], point]
-        return self._step(_Reached(control, converged, self.solver.iterations, increments.cutbacks), 1.0, before)
+        reached = _Reached(control, converged, self.solver.iterations, 0, (converged.state.factor,))
+        return self._step(reached, 1.0, before)
 
     def _resumed(self, step: Step, value: float) -> PathPoint:
         """The point of the path at a finished step; the path goes on with the contacts that are active there."""
@@ -160,7 +168,8 @@ class PathFollower:
         if constant:
             self.points = [rest, self.points[-1]]  # as where the path is resumed
             iterations, cutbacks = reached.iterations + constant.iterations, reached.cutbacks + constant.cutbacks
-            reached = replace(reached, iterations=iterations, cutbacks=cutbacks)
+            values = constant.increments + reached.increments
+            reached = replace(reached, iterations=iterations, cutbacks=cutbacks, increments=values)
         return self._step(reached, target, before)
 
     def _with_constant_loads(self, target: float, before: Costs) -> _Reached | None:
@@ -182,7 +191,7 @@ class PathFollower:
         load_step = _LoadStep(self.points[-1], target.value)
         increments = Increments(load_step.origin.value, target.value, target.min_increment)
         increments.limit = self._announced_limit(self.points[0], self.points[-1])
-        iterations, cause = 0, StepFailed("no increment was tried")
+        iterations, values, cause = 0, list[float](), StepFailed("no increment was tried")
         self.solver.begin_target()
         give_up_checked = False
         while True:
@@ -192,6 +201,9 @@ class PathFollower:
                 if reason := self.options.give_up(target.announced):
                     last = load_step.control(self.control, increments.reached)
                     raise PathEnded(self._end(last, increments, before, reason))
+            if increments.tried == 1 and increments.cutbacks:
+                increments.follow(load_step.fractions(self.options.neighbour(target.announced)))
+                fraction = increments.next
             control = load_step.control(self.control, fraction)
             try:
                 converged = self.solver.solve(self._increment(control, increments, target.announced))
@@ -214,9 +226,10 @@ class PathFollower:
             limit = self._announced_limit(self.points[-1], point)
             self.points, self.arrival = [self.points[-1], point], arrival
             increments.accepted(fraction, converged.iterations, limit)
+            values.append(control.value)
             if fraction == 1.0:
                 self.points = [load_step.origin, point]  # the next extrapolation uses points at targets alone
-                return _Reached(control, converged, iterations, increments.cutbacks)
+                return _Reached(control, converged, iterations, increments.cutbacks, tuple(values))
             if increments.is_confirmed_or_exhausted:
                 raise PathEnded(self._end_after(cause, control, increments, before))
 
@@ -324,6 +337,7 @@ class PathFollower:
             spent=costs.seconds,
             exact=exact,
             inexact=inexact,
+            increments=reached.increments,
         )
 
     def solution(self, steps: Sequence[Step], set_up: float) -> Solution:

@@ -1,5 +1,6 @@
 """Which part of the way to a target is tried next."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import final
 
@@ -44,7 +45,8 @@ class Increments:
 
     The whole way is tried first. An increment that fails is halved, one that converges quickly is doubled. Where
     increments fail again after one that converged, a longer one is tried only after 2, 3, at most 4 quick ones in a
-    row. Where the path announces a limit, the next increment ends shortly before or shortly behind it.
+    row. Where the path announces a limit, the next increment ends shortly before or shortly behind it. Where a
+    neighbouring path has reached the target, its increments are tried first, until one of them fails.
     """
 
     start: float  #: value of the driven quantity where the way begins
@@ -64,6 +66,7 @@ class Increments:
     _near_failures: int = 0  #: number of increments that failed from near
     _near: float = 0.0  #: the fraction from which on they are counted
     _unstable: bool = False  #: whether there was no stable equilibrium
+    _neighbour: tuple[float, ...] = ()  #: fractions at which a neighbouring path has equilibria
     _inverted: bool = False  #: whether there was one in which an element is turned inside out
 
     @property
@@ -137,6 +140,20 @@ class Increments:
             self._failed = np.inf
         elif limit is None and self.reached + self._increment >= self._failed and not is_close:
             self._increment, self._quick = (self._failed - self.reached) / 2, 0
+        self._follow_neighbour()
+
+    def follow(self, fractions: Sequence[float]) -> None:
+        """Try the increments of a neighbouring path, which has equilibria at these fractions; the whole way has failed.
+
+        Where the other path went it in one increment there is nothing to follow.
+        """
+        self._neighbour = tuple(fractions) if min(fractions, default=np.inf) < self._failed else ()
+        self._follow_neighbour()
+
+    def _follow_neighbour(self) -> None:
+        ahead = [fraction for fraction in self._neighbour if fraction > self.reached]
+        if ahead:
+            self._increment, self._quick = min(ahead) - self.reached, 0
 
     def _lengthen(self, quick: bool) -> None:
         """Double the increment where so many have been quick in succession, the last one as `quick` says."""
@@ -151,7 +168,7 @@ class Increments:
         self._unstable, self._inverted = unstable, inverted
         self._near_failures += self._distance <= self._accuracy
         self._setbacks, self._has_succeeded = self._setbacks + self._has_succeeded, False
-        self._increment, self._quick = self._distance / 2, 0
+        self._increment, self._quick, self._neighbour = self._distance / 2, 0, ()
 
     @property
     def ended(self) -> bool:

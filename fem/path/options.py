@@ -1,6 +1,6 @@
 """How a path is followed, who is told of its progress, and how it ends without its target."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from fem.equations.linear import LinearSolver
@@ -19,6 +19,9 @@ class PathOptions:
     #: why a target is not worth the search; empty where it is. Asked before a target is tried; the first one is tried
     #: at once, and this is asked before smaller increments
     give_up: Callable[[float], str] = lambda target: ""
+    #: load factors at which a neighbouring path has equilibria on the way to a target, ascending; asked for when the
+    #: whole way to it has failed
+    neighbour: Callable[[float], Sequence[float]] = lambda target: ()
     solver: Callable[[], LinearSolver] | None = None  #: makes the linear solver; None: the best installed one
 
 

@@ -34,7 +34,7 @@ class CasePath:
         """
         options = fem.PathOptions(self.newton)
         if self.known is not None and not self._is_first:
-            options = fem.PathOptions(self.newton, give_up=self._why_not)
+            options = fem.PathOptions(self.newton, give_up=self._why_not, neighbour=self._increments_of_II)
         observer = fem.PathObserver(self._iteration, self._step_done)
         stored = self._stored_steps()
         factors, begin = self.case.schedule.factors, self._begin(len(stored))
@@ -91,6 +91,16 @@ class CasePath:
         reason = self.known.why_not(self.case.schedule.pressure_at(factor))
         self.is_given_up = bool(reason)
         return reason
+
+    def _increments_of_II(self, factor: float) -> tuple[float, ...]:
+        """The load factors at which experiment II has equilibria on the way to this one; none where it ends before."""
+        assert self.known is not None
+        pressure = self._pressure
+        if factor != self.case.schedule.factors[self.reached]:
+            return ()
+        self.known.wait_for(pressure)
+        arrays = self.store.load_state(FIRST, pressure)
+        return () if arrays is None else fem.step_from_arrays(self.model.space, arrays).increments
 
     def _below_end_of_II(self, known: KnownLimit, failure: Failure, steps: Sequence[fem.Step]) -> Failure:
         """The failure of III after it was followed up to a part of the end of II, or how it ends before that."""
