@@ -246,8 +246,8 @@ def test_two_loads_of_one_kind_add_up() -> None:
     np.testing.assert_allclose(both.displacement, single.displacement, atol=1e-12)
 
 
-def test_a_trial_start_is_given_up_as_soon_as_the_strain_is_limited() -> None:
-    """Far beyond what the rate at rest is good for: a trial costs one factorization, another start is iterated on."""
+def far_from_the_path() -> tuple[LoadControl, Start]:
+    """The full pressure, and a start 30 times beyond what the rate at rest is good for."""
     body = PneuNet(chambers=2).body(7.0)
     model = Experiment.of("II", body, 0.0).model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 5e-3)], "p2p0")
     system = model.system()
@@ -255,20 +255,20 @@ def test_a_trial_start_is_given_up_as_soon_as_the_strain_is_limited() -> None:
     rest = PathPoint(0.0, 0.0, system.rest_state(), rate=control.rate_at_rest(system.terms, 1.0))
     far = extrapolate(None, rest, 30.0)
     assert far is not None
-    spent = system.solver.times.factorizations
+    return control.target(1.0, 1.0), Start(far, system.terms)
+
+
+def test_a_trial_start_is_given_up_as_soon_as_the_strain_is_limited() -> None:
+    """Far beyond what the rate at rest is good for: a trial costs one factorization, another start is iterated on."""
+    control, start = far_from_the_path()
+    times = control.system.solver.times
+    spent = times.factorizations
     with pytest.raises(StepFailed, match="the tangent stays indefinite"):
-        newton.solve(
-            Start(far, system.terms, trial=True), control.target(1.0, 1.0), NewtonOptions(), lambda *arguments: None
-        )
-    assert system.solver.times.factorizations == spent + 1
+        newton.solve(replace(start, trial=True), control, NewtonOptions(), lambda *arguments: None)
+    assert times.factorizations == spent + 1
     iterations: list[int] = []
     with suppress(StepFailed):
-        newton.solve(
-            Start(far, system.terms),
-            control.target(1.0, 1.0),
-            NewtonOptions(),
-            lambda iteration, residual: iterations.append(iteration),
-        )
+        newton.solve(start, control, NewtonOptions(), lambda iteration, residual: iterations.append(iteration))
     assert iterations[-1] > 1
 
 
@@ -276,23 +276,12 @@ def test_a_start_whose_tangents_are_indefinite_in_many_directions_is_given_up_ea
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """The start of the test before, whose tangents have 1 to 25 negative pivots, with other numbers of them allowed."""
-    body = PneuNet(chambers=2).body(7.0)
-    model = Experiment.of("II", body, 0.0).model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 5e-3)], "p2p0")
-    system = model.system()
-    control = LoadControl.of(system)
-    rest = PathPoint(0.0, 0.0, system.rest_state(), rate=control.rate_at_rest(system.terms, 1.0))
-    far = extrapolate(None, rest, 30.0)
-    assert far is not None
+    control, start = far_from_the_path()
 
     def iterations() -> tuple[int, str]:
         observed: list[int] = []
         with pytest.raises(StepFailed) as failed:
-            newton.solve(
-                Start(far, system.terms),
-                control.target(1.0, 1.0),
-                NewtonOptions(),
-                lambda iteration, residual: observed.append(iteration),
-            )
+            newton.solve(start, control, NewtonOptions(), lambda iteration, residual: observed.append(iteration))
         return observed[-1], str(failed.value)
 
     count, reason = iterations()
