@@ -79,6 +79,7 @@ def test_the_rod_alone_needs_no_run(folder: Path) -> None:
     assert "needs F_y = " in output_of("rod_alone", cwd=folder)
 
 
+@pytest.mark.slow  # two whole runs, as the example before makes one
 def test_two_laws_give_two_sets_of_parameters(folder: Path) -> None:
     printed = output_of("compare_materials", "laws", cwd=folder)
     rows = dict(re.findall(r"^(svk|hencky) +(\d+\.\d+)", printed, flags=re.MULTILINE))
@@ -98,6 +99,7 @@ def test_the_finite_elements_alone_take_a_mesh_of_the_user(folder: Path) -> None
     assert float(force) < 1e-9
 
 
+@pytest.mark.slow  # tests/test_rod_export.py runs an exported program
 def test_the_rod_has_the_same_shape_in_pyelastica(folder: Path) -> None:
     printed = output_of("rod_in_pyelastica", "elastica", cwd=folder)
     [(distance, part)] = re.findall(r"^largest distance (\d\.\d+) mm, (\d\.\d+) % of the length$", printed, re.M)
