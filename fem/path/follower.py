@@ -53,8 +53,8 @@ class _LoadStep:
     def fractions(self, values: Sequence[float]) -> tuple[float, ...]:
         """Of the way, at values of the driven quantity; those that are not on it are left out."""
         way = self.target - self.origin.value
-        fractions = [(value - self.origin.value) / way for value in values if way]
-        return tuple(min(1.0, fraction) for fraction in fractions if 0.0 < fraction <= 1.0 + 1e-9)
+        fractions = [(value - self.origin.value) / way for value in values] if way else []
+        return tuple(fraction for fraction in fractions if 0.0 < fraction <= 1.0)
 
 
 @dataclass(frozen=True)

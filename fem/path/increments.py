@@ -66,8 +66,8 @@ class Increments:
     _near_failures: int = 0  #: number of increments that failed from near
     _near: float = 0.0  #: the fraction from which on they are counted
     _unstable: bool = False  #: whether there was no stable equilibrium
-    _neighbour: tuple[float, ...] = ()  #: fractions at which a neighbouring path has equilibria
     _inverted: bool = False  #: whether there was one in which an element is turned inside out
+    _neighbour: tuple[float, ...] = ()  #: fractions at which a neighbouring path has equilibria
 
     @property
     def next(self) -> float:

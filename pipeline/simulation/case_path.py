@@ -95,9 +95,8 @@ class CasePath:
     def _increments_of_II(self, factor: float) -> tuple[float, ...]:
         """The load factors at which experiment II has equilibria on the way to this one; none where it ends before."""
         assert self.known is not None
-        pressure = self._pressure
-        if factor != self.case.schedule.factors[self.reached]:
-            return ()
+        schedule = self.case.schedule
+        pressure = schedule.pressures_kPa[schedule.factors.index(factor)]
         self.known.wait_for(pressure)
         arrays = self.store.load_state(FIRST, pressure)
         return () if arrays is None else fem.step_from_arrays(self.model.space, arrays).increments

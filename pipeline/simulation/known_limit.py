@@ -74,11 +74,9 @@ class KnownLimit:
 
         Waits until II has ended or reached a pressure not far below. What is answered does not depend on time.
         """
-        while not self._values[self._has_ended]:
-            if self._is_near(pressure_kPa):
-                return ""
-            sleep(ASK_AGAIN)
-        if self._is_near(pressure_kPa) or not 0.0 < self.end_kPa < pressure_kPa:
+        near_kPa = REACHED * pressure_kPa
+        self.wait_for(near_kPa)
+        if self._values[self._reached_kPa] >= near_kPa or not 0.0 < self.end_kPa < pressure_kPa:
             return ""
         return f"experiment {FIRST} of the same arm has its {self.name_of_end} at {self.end_kPa:.4g} kPa"
 
@@ -86,10 +84,6 @@ class KnownLimit:
         """Wait until experiment II has an equilibrium there, or has ended."""
         while not self._values[self._has_ended] and self._values[self._reached_kPa] < pressure_kPa:
             sleep(ASK_AGAIN)
-
-    def _is_near(self, pressure_kPa: float) -> bool:
-        """Whether II has reached a pressure not far below."""
-        return bool(self._values[self._reached_kPa] >= REACHED * pressure_kPa)
 
 
 def asks(case: LoadCase) -> bool:
