@@ -36,7 +36,7 @@ from benchmarks.unseen.sorting import (
     states_of,
     within_mesh_error,
 )
-from benchmarks.unseen.summary import largest_share, seeds, targets
+from benchmarks.unseen.summary import largest_share, rods, seeds, targets
 from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, outcome_of, outcomes_of
 from benchmarks.unseen.work import LIMIT as LIMIT_OF_CPU_TIME
 from fem.materials import LAWS
@@ -301,6 +301,15 @@ def test_results_are_told_by_seed() -> None:
     *_, first, second = seeds([{"seed": 3, **r} for r in records] + [{"seed": 2, **slow}]).splitlines()
     assert first == "| 3 | 3 | 0 | 100 % | 3 | 1 of 2 | 1 of 1 | 30 |"
     assert second == "| 2 | 1 | 1 | 0 % | 0 | 0 of 0 | 0 of 0 | 30 |"
+
+
+def test_the_shape_error_of_arms_that_bend_far_is_told() -> None:
+    straight = {**record(turn_rad=0.01)["rod"], "distance_over_length_out_of_sample": 0.04}
+    records = [record(turn_rad=0.01, rod=straight), record(turn_rad=-0.9), record()]
+    assert "largest 4 %, below 3 % on 2 of 3 designs" in rods(records)
+    assert "on the 2 that bend by 45 degrees or more at the lower pressure" in rods(records)
+    assert "a median of 0.4 %, is at most 0.4 % on nine of ten and at most 0.4 % on all" in rods(records)
+    assert "bend by 45 degrees" not in rods(records[:1])
 
 
 def test_goals_are_met_by_the_last_seeds() -> None:

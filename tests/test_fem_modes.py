@@ -61,3 +61,6 @@ def test_a_singular_tangent_is_a_limit_point_unless_the_body_is_at_rest(column: 
     assert list(EARLY_LIMITS) == ["p2p0"]
     monkeypatch.setitem(EARLY_LIMITS, column.system.space.element.name, " (early)")
     assert near_limit_point(column.system, column.points[-1]) == f"{clause} (early)"
+    assert near_limit_point(column.system, column.points[-1], law_is_named=True).endswith(
+        "another law may lead further"
+    )

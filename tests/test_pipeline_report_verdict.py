@@ -172,7 +172,7 @@ LIMIT = (
     "stopped before 150 kPa: no equilibrium found beyond 64.65 kPa on the way to 150 kPa: the limit is at 64.74 kPa; "
     "the tangent becomes indefinite (1 negative pivots); the smallest J is 0.622 at (102.8, 13.1, 0.4) mm; the "
     "last equilibrium has 6.4% of its elastic stiffness left in a motion that is largest at (109.0, 8.5, 0.0) mm: a "
-    "limit point; the law is beyond its limits there (p2p0 elements are too soft)"
+    "limit point; the law is beyond its limits there, and another law may lead further"
 )
 BEYOND = "stopped before 150 kPa: it was not solved, because experiment II has its limit at 64.74 kPa"
 

@@ -18,7 +18,8 @@ PASSABLE = "a limit point, beyond which only a prescribed volume (in Python, fem
 #: where the law was driven out of its limits: beyond such limits of half discs and bars of St. Venant-Kirchhoff a
 #: prescribed volume did not lead, and neo-Hooke's law led 1.1 to 1.4 times as far, on three designs drawn at random
 OF_LAW = "a limit point; the law is beyond its limits there, and another law may lead further"
-#: what is added for an element that reaches limit points early: 12 to 16 % on arms of rubber, 78.8 instead of 93.7 kPa
+#: what is added to limit points of the body, not of the law, for an element that reaches them early: 12 to 16 % on arms
+#: of rubber, 78.8 instead of 93.7 kPa. With a law that ends, such as St. Venant-Kirchhoff's, mixed elements end earlier
 EARLY_LIMITS = {"p2p0": " (p2p0 elements are too soft and reach limit points up to 16 % early; mixed ones do not)"}
 
 
@@ -37,8 +38,7 @@ def near_limit_point(
     the law was named as the reason, and a clause that says what was excluded where it was not. A singular tangent at
     rest is no limit point: a part of the body is not held there.
     """
-    early = EARLY_LIMITS.get(system.space.element.name, "")
-    limit_point = (OF_LAW if law_is_named else PASSABLE) + early
+    limit_point = OF_LAW if law_is_named else PASSABLE + EARLY_LIMITS.get(system.space.element.name, "")
     try:
         mode = stiffness_ratio_mode(system, last.state, last.terms)
     except SingularMatrix:
