@@ -113,7 +113,14 @@ class Mesh:
         _, first, counts = np.unique(row_keys(triangles, len(self.points)), return_index=True, return_counts=True)
         if (counts > 2).any():
             centre = self.points[triangles[first[counts > 2][0]]].mean(axis=0)
-            raise MeshError(f"three or more tetrahedra share one face, near {position_text(centre)}")
+            doubled = len(self.tets) - len(np.unique(np.sort(self.tets, axis=1), axis=0))
+            twice = (
+                f": {doubled} elements are listed twice, as in files of Gmsh's format 2.2 with a solid in two physical "
+                "groups; save the mesh in format 4.1, or with one group for each solid"
+            )
+            raise MeshError(
+                f"three or more tetrahedra share one face, near {position_text(centre)}{twice if doubled else ''}"
+            )
         return _frozen(triangles[np.sort(first[counts == 1])])
 
     @cached_property

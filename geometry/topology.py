@@ -3,6 +3,7 @@
 import numpy as np
 
 from geometry.arrays import Array, Index
+from geometry.mesh_error import MeshError
 
 #: Local vertices of the four faces of a positively oriented tetrahedron, each with its normal pointing out of it.
 OUTWARD: Index = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
@@ -27,10 +28,13 @@ def find_rows(queries: Index, rows: Index, count: int) -> Index:
 def row_keys(rows: Index, count: int) -> Index:
     """One integer per row of vertex indices (k, c) below `count`, independent of their order in the row, (k,).
 
-    Raises `ValueError` when the integers would not fit into 64 bits.
+    Raises `MeshError` when the integers would not fit into 64 bits.
     """
     if count ** rows.shape[1] >= 2**63:
-        raise ValueError(f"the mesh has {count} points, more than this program can number")
+        raise MeshError(
+            f"the mesh has {count} points, more than this program can number; save the body with fewer elements or "
+            "triangles"
+        )
     keys = np.zeros(len(rows), dtype=np.int64)
     for column in np.sort(rows, axis=1).T:
         keys = keys * count + column

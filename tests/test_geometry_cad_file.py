@@ -124,7 +124,7 @@ BAD_FILES: dict[str, tuple[Draw, str, str]] = {
     "open": (lambda occ: finger(occ, hole=True), "air.cavity", "open to the outside"),
     "several": (lambda occ: [finger(occ), box(occ, (0, 20, -1), (60, 22, 1))], "file", "holds 2 solids; unite them"),
     "surface": (lambda occ: occ.addRectangle(0, 0, 0, 60, 10), "file", "holds no solid"),
-    "huge": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "file", "in another unit"),
+    "huge": (lambda occ: occ.dilate(finger(occ), 0, 0, 0, 1e3, 1e3, 1e3), "file", "scale it in the CAD program"),
     "asymmetric": (asymmetric, "symmetric", "differ"),
     "aside": (
         lambda occ: occ.translate(finger(occ), 0, 0, 3),

@@ -195,7 +195,7 @@ BAD: dict[str, tuple[Any, str, str]] = {
     "hole": (with_hole, "file", r"has a hole: 3 edges belong to one triangle only, such as that near \([0-9.]+, 12, "),
     "fin": (with_fin, "file", r"has a hole|is not manifold: 1 edges belong to three"),
     "apart": (apart, "file", r"has a part near \(.*\) outside of the largest one"),
-    "nested": (nested, "file", r"has a part near \(.*\) inside a cavity"),
+    "nested": (nested, "file", r"has a part near \(.*\) that lies in a cavity or overlaps one"),
     "massive": (massive, "air", "no closed cavity"),
 }
 

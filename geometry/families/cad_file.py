@@ -10,12 +10,13 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.design import Body, DesignError, raise_together
-from geometry.families.from_file import FileDesign, Plug
+from geometry.families.from_file import FileDesign, Plug, wrong_points
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
+from geometry.mesh_error import MeshError
 from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_thinnest_wall, mesh_cad
 from geometry.meshing.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
 from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
@@ -61,12 +62,19 @@ class CadFile(FileDesign):
         if not path.is_file():
             raise DesignError("file", f"{path} does not exist")
         raise_together(
-            (*self._wrong_lengths(), *self._not_positive("defeature", self.defeature), *self._contradictions())
+            (*self._wrong_values(), *self._not_positive("defeature", self.defeature), *self._contradictions())
         )
         self._keep_own_copies()
         object.__setattr__(self, "parts", dict(self.parts))
         if isinstance(self.plug, Mapping):
             object.__setattr__(self, "plug", dict(self.plug))
+        try:
+            self._read()
+        except MeshError as error:
+            raise DesignError("file", str(error)) from error
+
+    def _read(self) -> None:
+        """Read and check the file. Raises `DesignError`, and `MeshError` where Gmsh cannot work with it."""
         clamp, tip = self._ends
         if clamp == tip:
             raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
@@ -87,9 +95,9 @@ class CadFile(FileDesign):
         """What is wrong whatever the file holds."""
         if self.unit != 1 and Path(self.file).suffix.lower() in STEP:
             yield DesignError("unit", "STEP files store their unit; leave it out")
-        for name, point in self.plug.items() if isinstance(self.plug, Mapping) else ():
-            if len(point) != 3 or not np.isfinite(point).all():
-                yield DesignError(f"plug.{name}", f"must be a point (x, y, z) in mm, not {point!r}")
+        yield from wrong_points("parts", self.parts)
+        if isinstance(self.plug, Mapping):
+            yield from wrong_points("plug", self.plug)
         if self.parts and self.unite:
             yield DesignError(
                 ("parts", "unite"), "solids of another material stay solids of their own; give one of the two"
@@ -98,7 +106,6 @@ class CadFile(FileDesign):
             yield DesignError(
                 "cell", "must be a length where the body has parts: an arm of several solids has no law of its own"
             )
-
         if self.parts and self.defeature is not None:
             yield DesignError(
                 ("parts", "defeature"), "narrow faces are removed from one solid only; give one of the two"

@@ -14,6 +14,8 @@ from geometry.meshing.cad_import import Point
 from geometry.meshing.cells import CellPlanes
 from geometry.meshing.mirror import slices
 
+#: names of faces that are no cavities
+TAKEN = ("clamp", "tip", "sym", "outer")
 #: whether an inlet in the plane of the clamp is closed there, or a point in the mouth of each inlet that is filled
 Plug: TypeAlias = bool | Mapping[str, Point]
 
@@ -29,11 +31,15 @@ class FileDesign(Design):
     axes: Axes
     plug: Plug
 
-    def _wrong_lengths(self) -> Iterator[DesignError]:
-        """A `DesignError` for each length that the file does not tell and that is not positive."""
+    def _wrong_values(self) -> Iterator[DesignError]:
+        """A `DesignError` for each value that no file makes right: lengths, points, names of cavities."""
         if not isinstance(self.cell, CellPlanes):
             yield from self._not_positive("cell", self.cell)
         yield from self._not_positive("unit", self.unit)
+        yield from wrong_points("air", self.air)
+        for name in TAKEN:
+            if name in self.air:
+                yield DesignError(f"air.{name}", f"a cavity cannot be named {name}; choose another name")
 
     def _not_positive(self, key: str, length: float | None) -> Iterator[DesignError]:
         if length is not None and not (isfinite(length) and length > 0):
@@ -68,6 +74,13 @@ class FileDesign(Design):
         if isinstance(self.cell, CellPlanes):
             return 2 * self.cell.half_pitch
         return nominal_pitch(self.length, self.cell)
+
+
+def wrong_points(key: str, points: Mapping[str, Point]) -> Iterator[DesignError]:
+    """A `DesignError` for each value of points by name that is no point."""
+    for name, point in points.items():
+        if len(point) != 3 or not all(isfinite(coordinate) for coordinate in point):
+            yield DesignError(f"{key}.{name}", f"must be a point (x, y, z) in mm, not {point!r}")
 
 
 def nominal_pitch(length: float, cell: float | None) -> float:

@@ -14,12 +14,16 @@ from geometry.families.from_file import FileDesign, nominal_pitch
 from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
 from geometry.foreign.file import FileMesh, read_mesh_file
 from geometry.foreign.frame import SAME, Axes
+from geometry.foreign.shells import parts_of
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh
-from geometry.mesh_error import MeshError
+from geometry.mesh_error import MeshError, position_text
 from geometry.meshing.cad_import import Point
-from geometry.topology import open_edges
+from geometry.topology import find_rows, open_edges
+
+#: what to do with a mesh that names some of its faces only
+BY_NAMES = "name clamp, tip and cavity, or give geometry.clamp and tip, and no name of a face is used"
 
 
 @final
@@ -50,7 +54,7 @@ class MeshFile(FileDesign):
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
-        raise_together(self._wrong_lengths())
+        raise_together(self._wrong_values())
         self._keep_own_copies()
         _ = self.fixed_body
 
@@ -77,6 +81,13 @@ class MeshFile(FileDesign):
     def _content(self) -> FileMesh:
         """What the file says, in mm and in the directions of the arm."""
         return turned(read_mesh_file(Path(self.file)), self._placing)
+
+    @cached_property
+    def is_open_at_clamp(self) -> bool:
+        """Whether a cavity is open in the plane of the clamp; the names of a file may say so too."""
+        mesh = self.fixed_body.mesh
+        rims = (mesh.points[open_edges(mesh.faces[name], len(mesh.points))] for name in self.fixed_body.cavities)
+        return any(bool((np.abs(rim[:, :, 0]) <= 1e-9 * self.length).all(axis=1).any()) for rim in rims)
 
     @property
     def length(self) -> float:
@@ -154,7 +165,8 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
     clamp, tip = _ends(mesh)
     names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
     if "cavity" not in names:
-        raise MeshError(f"the mesh has no face named cavity; it has {', '.join(mesh.faces)}")
+        raise MeshError(f"the mesh has no face named cavity; it has {', '.join(mesh.faces)}: {BY_NAMES}")
+    _refuse_nameless(mesh, names)
     for name in names:  # before the body is moved: positions in sentences are those that a user knows
         if "sym" not in mesh.faces:
             _refuse_half(mesh, name, clamp)
@@ -165,6 +177,20 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
         if not mesh.enclosed_volume(name) > 0:
             raise MeshError(f"the face {name} encloses material, not air")
     return Placed(mesh, length, names)
+
+
+def _refuse_nameless(mesh: Mesh, names: Iterable[str]) -> None:
+    """Raise `MeshError` where a closed cavity has no name, and would have no pressure."""
+    count = len(mesh.points)
+    boundary = mesh.boundary
+    if "sym" in mesh.faces:
+        boundary = boundary[find_rows(boundary, mesh.faces["sym"], count) < 0]
+    walls = np.vstack([mesh.faces[name] for name in names])
+    for part in parts_of(mesh.points, boundary, None, 0.0)[1]:
+        if (find_rows(part, walls, count) < 0).all():
+            corners = mesh.points[part].reshape(-1, 3)
+            where = position_text((corners.min(axis=0) + corners.max(axis=0)) / 2)
+            raise MeshError(f"the mesh has one more cavity, around {where}; name its faces too, for example cavity2")
 
 
 def _refuse_half(mesh: Mesh, name: str, clamp: float) -> None:
@@ -188,7 +214,7 @@ def _ends(mesh: Mesh) -> tuple[float, float]:
     ends = []
     for name in ("clamp", "tip"):
         if name not in mesh.faces:
-            raise MeshError(f"the mesh has no face named {name}; it has {', '.join(mesh.faces)}")
+            raise MeshError(f"the mesh has no face named {name}; it has {', '.join(mesh.faces)}: {BY_NAMES}")
         x = points[np.unique(mesh.faces[name]), 0]
         if np.ptp(x) > 1e-6 * size:
             raise MeshError(f"the face {name} must be flat, in a plane x = const; its x varies by {np.ptp(x):.3g} mm")

@@ -14,7 +14,7 @@ from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_plan
 from geometry.foreign.defeatured import defeatured
 from geometry.foreign.fill import fill
 from geometry.foreign.frame import SAME, Axes, rotation
-from geometry.foreign.shells import named_cavities, parts_of, refuse_open
+from geometry.foreign.shells import named_cavities, parts_of, refuse_idle_plug, refuse_open
 from geometry.foreign.surface import Surface, enclosed, read_surface, scaled, thinnest
 from geometry.grading import OFF, Grading
 from geometry.mesh_error import MeshError
@@ -51,7 +51,7 @@ class SurfaceFile(FileDesign):
     defeature: float | None = None  #: edges shorter than this, and strips narrower than this, are removed
 
     def __post_init__(self) -> None:
-        raise_together((*self._wrong_lengths(), *self._not_positive("defeature", self.defeature)))
+        raise_together((*self._wrong_values(), *self._not_positive("defeature", self.defeature)))
         self._keep_own_copies()
         _ = self.surface, self.length
         self._check_middle()
@@ -111,6 +111,8 @@ class SurfaceFile(FileDesign):
             refuse_open(points, triangles, (clamp, tip), self.plug, tolerance)
         mirrors = [(0, clamp)] if self.plug else []
         named = named_cavities(points, inner, triangles, self.air, mirrors)
+        if self.plug:
+            refuse_idle_plug(points, named.values(), clamp)
         return {name: -enclosed(points - [clamp, 0.0, 0.0], walls) for name, walls in named.items()}
 
     @property

@@ -82,6 +82,11 @@ def _scopes(path: Path) -> list[_Scope]:
     scopes = [_Scope("outside of parts")]
     scope = scopes[0]
     for keyword, options, data in _blocks(path):
+        if keyword in ("NODE", "ELEMENT") and "INPUT" in options:
+            raise MeshError(
+                f"the mesh file {path} has its *{keyword} lines in another file ({options['INPUT']}); write them into "
+                "it, or include that file with *INCLUDE"
+            )
         if keyword in ("PART", "INSTANCE"):
             name, part = options.get("NAME", ""), options.get("PART", "")
             for known in scopes:
@@ -130,7 +135,7 @@ def _blocks(path: Path) -> Iterator[tuple[str, dict[str, str], list[str]]]:
     for line in _lines(path, ()):
         if head.endswith(","):  # the options go on
             head += line.strip()
-        elif not line.startswith("*"):
+        elif not line.lstrip().startswith("*"):
             data.append(line)
         else:
             yield *_options(head), data
@@ -150,7 +155,7 @@ def _lines(path: Path, including: tuple[Path, ...]) -> Iterator[str]:
         raise MeshError(f"the mesh file {path} {'includes itself' if path in including else 'does not exist'}")
     with path.open(encoding="utf-8", errors="replace") as file:
         for line in file:
-            if line.startswith("**") or not line.strip():
+            if line.lstrip().startswith("**") or not line.strip():
                 continue
             other = included(path, line)
             if other is None:

@@ -16,11 +16,11 @@ from geometry.design import DesignError
 from geometry.foreign.curve import with_curve
 from geometry.foreign.file import FileMesh
 from geometry.foreign.frame import SAME, Axes, rotation
-from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_open, windings
+from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_idle_plug, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
 from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_position import check_dimensions, doubt_of_unit
+from geometry.meshing.cad_position import check_dimensions, doubt_of_unit, goes_on
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
@@ -77,11 +77,12 @@ def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
     check_manifold(before)
     check_untangled(before)
     move = Move(ends, placing.half)
-    points, length = _in_planes(move.there(points), move.length, placing), move.length
+    original, points, length = points, _in_planes(move.there(points), move.length, placing), move.length
     moved = CurvedEdges(curved.ends, move.there(curved.middles))
     mesh = Mesh(points, tets, {}, moved, content.regions)
     for name, position in (("clamp", 0.0), ("tip", length)):
         _flat(name, position, mesh.points, mesh.boundary, placing)
+    check_beyond(original, before.boundary, ends, placing)
     mesh = divided(mesh, placing.curve, length)
     cavities, named = _named(mesh, placing, move)
     return Placed(replace(mesh, faces=named), length, cavities)
@@ -123,6 +124,25 @@ def ends_of(points: Array, placing: Placing) -> tuple[float, float]:
     if abs(tip - clamp) <= tolerance:
         raise DesignError(("clamp", "tip"), f"clamp and tip are both at x = {clamp:g} mm; they are the two ends")
     return clamp, tip
+
+
+def check_beyond(points: Array, boundary: Index, ends: tuple[float, float], placing: Placing) -> None:
+    """Raise `DesignError` where the material goes on beyond the plane of an end at the height of the curve.
+
+    points (n, 3), mm; boundary (k, 3); ends: x of clamp and tip, mm. Whether the curve leaves the material between the
+    ends shows when the mesh is divided along it.
+    """
+    (low_y, low_z), (high_y, high_z) = points[:, 1:].min(axis=0), points[:, 1:].max(axis=0)
+    z = 1e-3 * (high_z - low_z) if placing.half else 0.0
+    heights = [placing.curve + side * 1e-4 * (high_y - low_y) for side in (1.0, -1.0)]
+    step, corners = 1e-5 * (ends[1] - ends[0]), points[boundary]
+
+    def is_inside(x: float, y: float) -> bool:
+        return abs(windings(np.array([x, y, z]), corners)) > 0.5
+
+    for name, x, outwards in (("clamp", ends[0], -step), ("tip", ends[1], step)):
+        if any(is_inside(x - outwards, y) and is_inside(x + outwards, y) for y in heights):
+            raise goes_on(name, x)
 
 
 @dataclass(frozen=True)
@@ -254,6 +274,8 @@ def _named(mesh: Mesh, placing: Placing, move: Move) -> tuple[tuple[str, ...], d
     if placing.plug:
         mirrors.append((0, clamp))
     cavities = named_cavities(original, inner, boundary, placing.air, mirrors)
+    if placing.plug:
+        refuse_idle_plug(original, cavities.values(), clamp)
     walls = np.vstack(list(cavities.values()))
     outside = free[find_rows(free, walls, len(points)) < 0]
     for name, position in (("clamp", 0.0), ("tip", length)):

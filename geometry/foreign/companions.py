@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 #: suffixes of files that are read together, whichever of them is named (TetGen)
 PAIRS = {".node": ".ele", ".ele": ".node"}
 #: a line of an Abaqus file that reads another one
-_INCLUDE = re.compile(r"\*include\s*,[^=]*=\s*(.+?)\s*$", re.IGNORECASE)
+_INCLUDE = re.compile(r"\s*\*include\s*,[^=]*=\s*\"?(.+?)\"?\s*$", re.IGNORECASE)
 
 
 def companions(path: Path) -> tuple[Path, ...]:

@@ -71,6 +71,11 @@ def read_mesh_file(path: Path) -> FileMesh:
     except MeshError as refused:
         return _read_otherwise(path, refused)
     _refuse_other_volumes(path, _other_volumes(content))
+    if np.any(content.point_data.get("nastran:ref", 0)):
+        raise MeshError(
+            f"the mesh file {path} has nodes in a coordinate system of their own (CP of GRID); save it with the basic "
+            "coordinate system"
+        )
     blocks = [block.data for block in content.cells if block.type in TETRAHEDRA]
     points = np.asarray(content.points, dtype=np.float64)
     return _collected(path, points, blocks, named_triangles(content), _named_rows(content))
@@ -131,6 +136,8 @@ def _collected(
         if block.shape[1] == 10:
             curved = curved.joined(_curved(path, points, block))
     tets = np.vstack([block[:, :4] for block in blocks])
+    if not np.isfinite(points[tets[(tets >= 0) & (tets < len(points))]]).all():
+        raise MeshError(f"the mesh file {path} has a point whose coordinates are no numbers")
     used = np.unique(np.concatenate([tets.ravel(), *(triangles.ravel() for triangles in faces.values())]))
     if used[0] < 0 or used[-1] >= len(points):
         return FileMesh(points, tets, faces, curved, regions)  # refused with the file's own numbers

@@ -15,7 +15,7 @@ from geometry.curved import CurvedEdges
 from geometry.foreign.file import FileMesh
 from geometry.foreign.surface import Surface
 from geometry.mesh_error import MeshError
-from geometry.meshing.solid import collect_mesh, optimize, session
+from geometry.meshing.solid import collect_mesh, optimize, session, told
 
 #: two triangles that are turned against each other by more than this belong to different patches, rad
 EDGE = radians(30)
@@ -23,6 +23,8 @@ EDGE = radians(30)
 FLAT = 0.1
 #: distance of a middle from the straight edge, over the length of the edge, up to which it is rounding of the file
 ROUNDING = 1e-3
+#: why Gmsh may not fill a surface, and what helps
+MAY_TOUCH = "it may touch itself or pass through itself: repair it, or try another mesh.size"
 
 
 def fill(surface: Surface, size: float) -> FileMesh:
@@ -35,7 +37,8 @@ def fill(surface: Surface, size: float) -> FileMesh:
         volume = _volume(gmsh, surface)
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
-        gmsh.model.mesh.generate(3)
+        with told("Gmsh could not fill the surface", MAY_TOUCH):
+            gmsh.model.mesh.generate(3)
         if not len(gmsh.model.mesh.getElementsByType(4)[0]):
             raise MeshError("Gmsh put no tetrahedra into the surface; does it pass through itself?")
         optimize(gmsh, FLAT)

@@ -8,10 +8,10 @@ from geometry.arrays import Array, Index, Mask
 from geometry.design import DesignError
 from geometry.topology import open_edges, row_keys, triangle_edges
 
+#: why `plug: true` is refused for a body that is closed there
+NOTHING_OPEN = "no cavity under pressure is open in the plane of the clamp; leave plug out"
 #: a point in the middle of the air sees the walls around it under the solid angle 4 pi
 FULL_ANGLE = 4 * np.pi
-#: names of faces that are no cavities
-TAKEN = ("clamp", "tip", "sym", "outer")
 
 
 def shells(triangles: Index, count: int) -> list[Index]:
@@ -103,9 +103,6 @@ def named_cavities(
     (axis, position) in which walls may be open: x of the clamp, z = 0 of a half. Raises `DesignError` unless every
     cavity has exactly one point in it.
     """
-    for name in TAKEN:
-        if name in air:
-            raise DesignError(f"air.{name}", f"a cavity cannot be named {name}; choose another name")
     if not air:
         if len(inner) > 1:
             positions = "; ".join(_position(points, walls) for walls in inner)
@@ -145,6 +142,13 @@ def named_cavities(
                 "air", f"the body has one more cavity, around {_position(points, walls)}; name it by a point in it"
             )
     return named
+
+
+def refuse_idle_plug(points: Array, walls: Iterable[Index], clamp: float) -> None:
+    """Raise `DesignError` where none of the cavities, walls (k, 3) each, is open in the plane x = clamp (mm), which
+    `plug: true` would close."""
+    if not any(_opens_at(points, of_one, [(0, clamp)]) for of_one in walls):
+        raise DesignError("plug", NOTHING_OPEN)
 
 
 def _opens_at(points: Array, walls: Index, mirrors: list[tuple[int, float]]) -> bool:

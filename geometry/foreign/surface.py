@@ -132,6 +132,8 @@ def _oriented(points: Array, triangles: Index) -> Surface:
     outside, *inner = [_consistent(part) for part in outside_first(points, shells(triangles, len(points)))]
     if enclosed(points, outside) < 0:
         outside = outside[:, ::-1]
+    corners = points[outside].reshape(-1, 3)
+    low, high = corners.min(axis=0), corners.max(axis=0)
     faced = []
     for part in inner:
         at = points[part[0]].mean(axis=0)
@@ -141,10 +143,16 @@ def _oriented(points: Array, triangles: Index) -> Surface:
                 f"the surface has a part near ({where}) outside of the largest one; it must be that of one body: join "
                 "the parts, or save the body alone"
             )
+        if (points[part] < low).any() or (points[part] > high).any():
+            where = ", ".join(f"{x:.4g}" for x in points[part].reshape(-1, 3).mean(axis=0))
+            raise MeshError(f"the walls around ({where}) in the surface pass through its outside; repair it")
         around = [k for k, other in enumerate(inner) if other is not part and abs(windings(at, points[other])) > 0.5]
         if around:
             where = ", ".join(f"{x:.4g}" for x in at)
-            raise MeshError(f"the surface has a part near ({where}) inside a cavity; remove it, or save the body alone")
+            raise MeshError(
+                f"the surface has a part near ({where}) that lies in a cavity or overlaps one; remove it, or save the "
+                "body alone"
+            )
         faced.append(part[:, ::-1] if enclosed(points, part) > 0 else part)
     return Surface(points, (outside, *faced))
 

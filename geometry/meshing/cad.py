@@ -14,6 +14,7 @@ import numpy as np
 
 from geometry.curved import CurvedEdges
 from geometry.design import DesignError
+from geometry.foreign.shells import NOTHING_OPEN
 from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.cad_curve import check_curve
@@ -48,7 +49,7 @@ class CadMeasures:
 
 def measure(body: CadBody) -> CadMeasures:
     """Read the file and check all that can be checked without a mesh. Raises `DesignError` with the config key."""
-    with cad_session(body) as (gmsh, blocks, air, plug_depths):
+    with cad_session(body, checked=False) as (gmsh, blocks, air, plug_depths):
         occ = gmsh.model.occ
         halves = 2 if body.half else 1
         volumes = {name: halves * float(occ.getMass(*volume)) for volume, name in air.items()}
@@ -132,9 +133,14 @@ def _named_mesh(body: CadBody, mesh: SolidMesh) -> Mesh:
 
 
 @contextmanager
-def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Volume, str], dict[str, float]]]:
+def cad_session(
+    body: CadBody, checked: bool = True
+) -> Iterator[tuple[Any, dict[Volume, str], dict[Volume, str], dict[str, float]]]:
     """A session with the body: its blocks, cut at the planes of the material curve, with the names of their parts, its
-    named cavities, and the depths (mm) of the plugs in its inlets."""
+    named cavities, and the depths (mm) of the plugs in its inlets.
+
+    checked: whether `measure` has compared its halves before, which takes longest.
+    """
     with session() as gmsh:
         solids = import_solids(gmsh, body.source)
         low, high = bounds(gmsh, solids)
@@ -150,7 +156,7 @@ def cad_session(body: CadBody) -> Iterator[tuple[Any, dict[Volume, str], dict[Vo
         check_curve(gmsh, body, solids, low, high, holes)
         parts = named_parts(gmsh, body, solids, low, high)
         if body.half and low[2] < -rounding:
-            for name in dict.fromkeys(parts.values()):
+            for name in dict.fromkeys(parts.values()) if not checked else ():
                 check_symmetric(gmsh, [solid for solid in solids if parts[solid] == name])
             low = (low[0], low[1], 0.0)
         blocks, air = _fragments(gmsh, body, parts, low, high)
@@ -205,12 +211,33 @@ def _named_air(
     corner = np.add(high, 0.05 * max(np.subtract(high, low)))
     outside = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(corner))]
     inner = [volume for volume in air if volume not in outside]
+    named = _by_points(gmsh, body, blocks, air, outside, (low, high), remedy) if body.air else {}
     if not body.air:
-        return {_only(gmsh, body, inner, remedy): "cavity"}
+        named = {_only(gmsh, body, inner, remedy): "cavity"}
+    for volume in inner:
+        if volume not in named and not _at_plug(gmsh, body, volume):
+            raise DesignError(
+                "air", f"the body has one more cavity, around {_middle(gmsh, body, volume)}; name it by a point in it"
+            )
+    if body.plug_at_clamp and not any(_at_plug(gmsh, body, volume) for volume in named):
+        raise DesignError("plug", NOTHING_OPEN)
+    return named
+
+
+def _by_points(
+    gmsh: Any,
+    body: CadBody,
+    blocks: Collection[Volume],
+    air: list[Volume],
+    outside: list[Volume],
+    corners: tuple[Point, Point],
+    remedy: str,
+) -> dict[Volume, str]:
+    """The name of each cavity with a given point in it; corners: of the bounding box, mm."""
     named: dict[Volume, str] = {}
     for name, point in body.air.items():
         coordinates = body.words(point)
-        inner_point = list(body.within_half(point, low, high))
+        inner_point = list(body.within_half(point, *corners))
         holders = [volume for volume in air if gmsh.model.isInside(3, volume[1], inner_point)]
         if not holders:
             where = "in the material" if is_in_material(gmsh, blocks, inner_point) else "away from the body"
@@ -226,11 +253,6 @@ def _named_air(
                 f"air.{name}", f"the point {coordinates} lies in the same cavity as that of {named[holders[0]]}{image}"
             )
         named[holders[0]] = name
-    for volume in inner:
-        if volume not in named and not _at_plug(gmsh, body, volume):
-            raise DesignError(
-                "air", f"the body has one more cavity, around {_middle(gmsh, body, volume)}; name it by a point in it"
-            )
     return named
 
 

@@ -1,5 +1,6 @@
 """The solids of a CAD file, in mm and in the directions of the arm, in the session of `geometry.meshing.solid`."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,8 +22,11 @@ SUFFIXES = (*STEP, ".brep", ".brp")
 OVERLAP = 1e-6
 #: largest change of the volume of the material where narrow faces are removed
 MOST_CHANGE = 0.01
-#: distance by which a box around it may grow then, over its largest side
-BEYOND = 1e-5
+#: distance by which a box around it may grow then, over its largest side; boxes of splines are known to a few parts in
+#: 10^4
+BEYOND = 1e-3
+#: the end of a BREP file: that of the last shape in the list, and which shape is the whole, its orientation first
+_END_OF_BREP = re.compile(rb"\*\s+[+-]\d+ \d+\s*\Z")
 _IN_CAD = "remove them in the CAD program"
 
 
@@ -74,13 +78,7 @@ class CadBody:
 def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
     """The solids of the file, in mm: one, or several that touch where they stay apart. Raises `DesignError`."""
     occ = gmsh.model.occ
-    if source.defeatured is None:
-        solids = _of_file(gmsh, source)
-        if source.unit != 1:
-            occ.dilate(solids, 0, 0, 0, source.unit, source.unit, source.unit)
-            occ.synchronize()
-    else:
-        solids = _of_brep(gmsh, source.defeatured)
+    solids = _of_file(gmsh, source) if source.defeatured is None else _of_brep(gmsh, source.defeatured)
     axis, angle = _axis_and_angle(np.array(source.turn))
     if angle:
         occ.rotate(solids, 0, 0, 0, *axis, angle)
@@ -98,17 +96,25 @@ def _of_brep(gmsh: Any, brep: bytes) -> list[Volume]:
 
 
 def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
-    """In the unit and the directions of the file (STEP files: in mm)."""
+    """In mm and in the directions of the file."""
     occ, path = gmsh.model.occ, source.path
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
+    gmsh.option.setNumber(
+        "Geometry.OCCScaling", source.unit
+    )  # keeps planes and cylinders, which `dilate` makes splines
+    is_brep = path.suffix.lower() not in STEP
+    if is_brep:
+        _refuse_truncated(path)
     try:
-        occ.importShapes(str(path), format="brep" if path.suffix.lower() in (".brep", ".brp") else "step")
+        occ.importShapes(str(path), format="brep" if is_brep else "step")
     except Exception as error:
         raise DesignError("file", f"{path} cannot be read as STEP or BREP: {error}") from error
     occ.synchronize()
     solids = gmsh.model.getEntities(3)
     if not solids:
         raise DesignError("file", f"{path} holds no solid, only surfaces or curves; close them to one solid")
+    if any(occ.getMass(*solid) <= 0 for solid in solids):
+        raise DesignError("file", f"{path} holds a solid without a volume, which may pass through itself; repair it")
     if len(solids) > 1 and not (source.unite or source.apart):
         raise DesignError(
             "file",
@@ -120,11 +126,18 @@ def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
     return solids
 
 
+def _refuse_truncated(path: Path) -> None:
+    """Raise `DesignError` for a BREP file that does not end with the shape that it holds: the CAD kernel would wait for
+    the rest forever."""
+    content = path.read_bytes()
+    if b"TShapes" not in content or not _END_OF_BREP.search(content):
+        raise DesignError("file", f"{path} is not a complete BREP file; save it again")
+
+
 def defeatured(source: CadSource, length: float) -> bytes:
     """The one solid of the file without faces narrower than `length` mm, as BREP, in mm and in the directions of the
     file. Raises `DesignError`."""
     with session() as gmsh, TemporaryDirectory() as folder:
-        gmsh.option.setNumber("Geometry.OCCScaling", source.unit)  # keeps planes, which `dilate` makes splines
         (solid,) = _of_file(gmsh, source)
         low, high = bounds(gmsh, [solid])
         volume = float(gmsh.model.occ.getMass(*solid))
@@ -153,10 +166,7 @@ def _check_defeatured(gmsh: Any, solids: list[Volume], volume: float, low: Point
         )
     grown = np.concatenate([np.subtract(low, bounds(gmsh, solids)[0]), np.subtract(bounds(gmsh, solids)[1], high)])
     if grown.max() > BEYOND * max(np.subtract(high, low)):
-        raise DesignError(
-            "defeature",
-            f"faces of the body are splines, which Gmsh extends beyond the body where it removes others; {_IN_CAD}",
-        )
+        raise DesignError("defeature", f"without its narrow faces the body would reach farther than before; {_IN_CAD}")
 
 
 def _touching(gmsh: Any, solids: list[Volume]) -> list[Volume]:
@@ -203,11 +213,33 @@ def is_in_material(gmsh: Any, solids: Iterable[Volume], point: Sequence[float] |
 
 
 def bounds(gmsh: Any, volumes: list[Volume]) -> tuple[Point, Point]:
-    """Corners of the bounding box of some volumes, mm, rounded because the CAD kernel adds a margin of 1e-7."""
-    boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in volumes])
+    """Corners of the bounding box of some volumes, mm, rounded because the CAD kernel adds a margin of 1e-7.
+
+    Those of splines are the bounds of triangles on them, a few parts in 10^4 of the size too small: the kernel's own
+    hold the poles of the splines, which may lie far outside.
+    """
+    faces = gmsh.model.getBoundary(volumes, combined=False, oriented=False)
+    if any("spline" in gmsh.model.getType(*face).lower() for face in faces):
+        boxes = _boxes_of_triangles(gmsh, volumes)
+    else:
+        boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in volumes])
     left, bottom, near = (round(float(x), 6) + 0.0 for x in boxes[:, :3].min(axis=0))
     right, top, far = (round(float(x), 6) + 0.0 for x in boxes[:, 3:].max(axis=0))
     return (left, bottom, near), (right, top, far)
+
+
+def _boxes_of_triangles(gmsh: Any, volumes: list[Volume]) -> Array:
+    """Bounding boxes (k, 6) of triangles on the volumes. On copies, because the kernel crashes where it moves a volume
+    that has triangles."""
+    occ = gmsh.model.occ
+    copies = occ.copy(volumes)
+    occ.synchronize()
+    gmsh.option.setNumber("Geometry.OCCBoundsUseStl", 1)
+    boxes = np.array([gmsh.model.getBoundingBox(*volume) for volume in copies])
+    gmsh.option.setNumber("Geometry.OCCBoundsUseStl", 0)
+    occ.remove(copies, recursive=True)
+    occ.synchronize()
+    return boxes
 
 
 def _axis_and_angle(turn: Array) -> tuple[Point, float]:

@@ -13,18 +13,27 @@ from geometry.meshing.shapes import Volume
 SMALLEST, LARGEST = 1.0, 3000.0
 #: A body smaller than this (mm) may be in inches or cm.
 USUAL = 10.0
+#: The two sides of a symmetric body reach equally far but for this part of its size, because the bounds of splines are
+#: those of triangles; `check_symmetric` compares the halves themselves.
+UNEQUAL = 1e-3
 #: A face all of which is nearer to the plane of an end than this, over the length, may lie in it: the CAD kernel draws
 #: boxes wider than faces, by more in files in metres.
 NEAR_END = 1e-3
 
 
-def check_dimensions(sides: Array, unit: float) -> None:
-    """Raise `DesignError` unless the sides (3,) of a body, mm, are those of an arm; unit: mm per unit of its file."""
-    if not SMALLEST <= sides.max() <= LARGEST:
-        measures = " x ".join(f"{side:.4g}" for side in sides)
-        raise DesignError(
-            ("file", "unit"), f"the body measures {measures} mm; is its file in another unit than {unit:g} mm?"
-        )
+def check_dimensions(sides: Array, unit: float | None) -> None:
+    """Raise `DesignError` unless the sides (3,) of a body, mm, are those of an arm.
+
+    unit: mm per unit of its file; None for a file that stores its unit.
+    """
+    if SMALLEST <= sides.max() <= LARGEST:
+        return
+    measures = " x ".join(f"{side:.4g}" for side in sides)
+    if unit is None:
+        raise DesignError("file", f"the body measures {measures} mm; scale it in the CAD program")
+    raise DesignError(
+        ("file", "unit"), f"the body measures {measures} mm; is its file in another unit than {unit:g} mm?"
+    )
 
 
 def doubt_of_unit(sides: Array, remedy: str = "give the unit of its file, geometry.unit") -> str:
@@ -35,8 +44,12 @@ def doubt_of_unit(sides: Array, remedy: str = "give the unit of its file, geomet
     return f"; the body measures {measures} mm: if that is too small, {remedy}"
 
 
+def _stores_unit(body: CadBody) -> bool:
+    return body.source.path.suffix.lower() in STEP
+
+
 def _doubt(body: CadBody, sides: Array) -> str:
-    if body.source.path.suffix.lower() in STEP:
+    if _stores_unit(body):
         return doubt_of_unit(sides, "scale it in the CAD program, because STEP files store their unit")
     return doubt_of_unit(sides)
 
@@ -44,7 +57,7 @@ def _doubt(body: CadBody, sides: Array) -> str:
 def check_position(body: CadBody, low: Point, high: Point) -> None:
     """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm)."""
     sides = np.subtract(high, low)
-    check_dimensions(sides, body.source.unit)
+    check_dimensions(sides, None if _stores_unit(body) else body.source.unit)
     tolerance = 1e-6 * sides.max()
     for key, axis in (("clamp", 0), ("tip", 0), ("curve", 1)):
         position, ends = getattr(body, key), (low[axis], high[axis])
@@ -68,7 +81,7 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
             f"{reach}, and the material curve runs at z = 0; write true if the file holds one half of an arm, else "
             f"move the body so that its middle is at z = 0{turned}",
         )
-    if body.half and abs(low[2]) > tolerance and abs(low[2] + high[2]) > tolerance:
+    if body.half and abs(low[2]) > tolerance and abs(low[2] + high[2]) > UNEQUAL * sides.max():
         raise DesignError(
             "symmetric",
             f"{reach}: it is neither one half, with z = 0 at its side, nor symmetric about z = 0; move it, or write "
@@ -96,6 +109,15 @@ def no_end_face(body: CadBody, name: str) -> DesignError:
         name,
         f"the body has no face in the plane x = {position:g} mm; clamp and tip are flat faces across x: cut a "
         "rounded end off in the CAD program, or turn the body with axes",
+    )
+
+
+def goes_on(name: str, x: float) -> DesignError:
+    """The refusal of a body with material on both sides of the plane of the end `name`; x: as the user gave it, mm."""
+    return DesignError(
+        name,
+        f"the body goes on beyond x = {x:g} mm at the height of the material curve, which ends there; give the x of "
+        "the face where the body ends at this height, another height (curve), or cut the rest off in the CAD program",
     )
 
 

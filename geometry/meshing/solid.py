@@ -25,6 +25,9 @@ POOR = 0.1
 #: A tetrahedron of a smaller radius ratio than this has no volume.
 DEGENERATE = 1e-9
 
+#: what helps where Gmsh cannot mesh
+SMALLER = "a smaller mesh.size follows thin or round walls better"
+
 _ONE_SESSION = threading.Lock()  # Gmsh has one global state per process
 
 
@@ -65,15 +68,21 @@ def session() -> Iterator[Any]:
         try:
             for option, value in _OPTIONS.items():
                 gmsh.option.setNumber(option, value)
-            yield gmsh
-        except Exception as error:
-            if type(error) is not Exception:  # Gmsh raises nothing more special than that
-                raise
-            raise MeshError(
-                f"Gmsh could not mesh the body ({error}); a smaller mesh.size follows thin or round walls better"
-            ) from error
+            with told("Gmsh cannot work with the body", "try another mesh.size, or repair the body in its own program"):
+                yield gmsh
         finally:
             gmsh.finalize()
+
+
+@contextmanager
+def told(failure: str, remedy: str) -> Iterator[None]:
+    """Raise `MeshError` with a sentence for an error of Gmsh in the block."""
+    try:
+        yield
+    except Exception as error:
+        if type(error) is not Exception:  # Gmsh raises nothing more special than that
+            raise
+        raise MeshError(f"{failure} ({error}); {remedy}") from error
 
 
 @contextmanager
@@ -135,7 +144,8 @@ def mesh_solid(solid: Solid, size: float, grading: Grading = OFF) -> SolidMesh:
         gmsh.model.mesh.setSize(gmsh.model.getEntities(0), size)  # without it Gmsh refines to a tenth of the body
         rounded = divide_round_walls(gmsh, size, grading)
         set_size_field(gmsh, size, grading, finer=rounded)
-        gmsh.model.mesh.generate(3)
+        with told("Gmsh could not mesh the body", SMALLER):
+            gmsh.model.mesh.generate(3)
         optimize(gmsh, 0.0 if grading == OFF else POOR)
         return collect_mesh(gmsh, material, walls, list(solid.material), list(solid.air))
 
@@ -145,7 +155,13 @@ def generate(gmsh: Any) -> None:
 
     HXT corrupts its memory where it puts such points (Steiner points) on the edges between surfaces, and ends the
     process. A mesh without inner points, which takes a hundredth of a second, shows whether some are needed.
+    Raises `MeshError`.
     """
+    with told("Gmsh could not mesh the body", SMALLER):
+        _generate(gmsh)
+
+
+def _generate(gmsh: Any) -> None:
     mesh = gmsh.model.mesh
     mesh.generate(2)
     report(f"the surface is meshed: {len(mesh.getElementsByType(2)[0])} triangles")

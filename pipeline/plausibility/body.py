@@ -62,7 +62,7 @@ def of_edges(config: Config) -> str:
         return ""
     length, where = small[0]
     width = round(WIDER * length, 2)
-    can_widen = not design.parts and (design.defeature or 0.0) < width < design.thinnest_wall
+    can_widen = not design.parts and (design.defeature or 0.0) < width <= design.thinnest_wall / 2
     how = f"with geometry.defeature, for example {width:g} mm, or " if can_widen else ""
     return (
         f"{len(small)} of the {len(design.edges)} edges in the CAD file are shorter than a third of mesh.size, "
