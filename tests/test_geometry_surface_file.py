@@ -16,12 +16,15 @@ from tests.foreign_bodies import (
     BAR_AIR,
     BAR_VOLUME,
     ROUNDED_VOLUME,
+    Draw,
     bar,
+    bar_with_inlet,
     rounded_bar,
     tube,
     two_chambers,
     write_surface,
 )
+from tests.step_bodies import box
 
 
 @pytest.fixture(scope="module")
@@ -364,3 +367,62 @@ def test_a_length_that_would_change_the_body_is_refused(
     with pytest.raises(DesignError, match=sentence) as caught:
         SurfaceFile(str(path), curve=1.5, defeature=length)
     assert caught.value.keys == ("defeature",)
+
+
+def below(occ: Any, *cylinders: tuple[float, float]) -> Any:
+    """The bar with round holes into its base around (30, 0, 0), each of a depth and a radius, mm."""
+    holes = [(3, occ.addCylinder(30, -1, 0, 0, 1 + depth, 0, radius)) for depth, radius in cylinders]
+    return occ.cut(bar(occ), holes)[0]
+
+
+INLETS: dict[str, tuple[Draw, tuple[float, float, float], float]] = {
+    "straight": (lambda occ: below(occ, (4.0, 1.2)), (30, 0, 0), 3.0),
+    "beside its middle": (lambda occ: below(occ, (4.0, 1.2)), (30.9, 0.01, 0.3), 3.0),
+    "from the cavity": (lambda occ: below(occ, (4.0, 1.2)), (30, 3, 0), 3.0),
+    "narrower behind a step": (lambda occ: below(occ, (4.0, 1.0), (1.0, 1.6)), (30, 0, 0), 3.0),
+    "with a bottom": (lambda occ: below(occ, (1.5, 1.2)), (30, 0, 0), 1.5),
+    "at the clamp": (bar_with_inlet, (0, 6, 0), 3.0),
+    "oblique": (
+        lambda occ: occ.cut(bar(occ), [(3, occ.addCylinder(29, -1, 0, 2.5, 5, 0, 1.0))])[0],
+        (29.5, 0, 0),
+        3.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", INLETS)
+def test_inlets_are_filled(name: str, folder: Path) -> None:
+    draw, mouth, depth = INLETS[name]
+    design = SurfaceFile(str(write_surface(folder / "inlet.stl", draw, 50)), 1.5, plug={"inlet": mouth})
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
+    assert design.cavity_volumes == pytest.approx({"cavity": BAR_AIR}, rel=1e-9)
+    assert design.plug_depths == pytest.approx({"inlet": depth}, rel=1e-6)
+    assert not design.is_open_at_clamp
+    body = design.body(5.0)
+    assert body.volume == pytest.approx(BAR_VOLUME, rel=1e-9)
+    assert body.mesh.quality.minimum > 0.05
+
+
+def test_an_inlet_into_a_round_cavity_and_a_second_one(folder: Path) -> None:
+    def draw(occ: Any) -> Any:
+        air = [(3, occ.addCylinder(3, 6, 0, 54, 0, 0, 3)), (3, occ.addCylinder(20, 6, 0, 0, 9, 0, 1))]
+        return occ.cut([box(occ, (0, 0, -7.5), (60, 12, 7.5))], [*air, (3, occ.addCylinder(40, 6, 0, 0, 9, 0, 1))])[0]
+
+    path = write_surface(folder / "round.stl", draw, 50)
+    with pytest.raises(DesignError, match="air, file: the body has no closed cavity"):
+        SurfaceFile(str(path), 1.5, plug={"one": (20, 12, 0)})
+    design = SurfaceFile(str(path), 1.5, plug={"one": (20, 12, 0), "two": (40, 12, 0)})
+    assert design.cavity_volume == pytest.approx(np.pi * 9 * 54, rel=0.02)
+    assert design.plug_depths == pytest.approx({"one": 3.0, "two": 3.0}, abs=0.2)
+    assert design.body(4.0).volume == pytest.approx(60 * 12 * 15 - np.pi * 9 * 54, rel=0.01)
+
+
+@pytest.mark.parametrize("point", [(20.0, 0.0, 0.0), (30.0, 1.5, 0.0), (30.0, 12.0, 0.0)])
+def test_points_in_no_mouth_are_refused(point: tuple[float, float, float], folder: Path) -> None:
+    path = write_surface(folder / "wrong.stl", lambda occ: below(occ, (4.0, 1.2)), 50)
+    with pytest.raises(
+        DesignError, match=r"plug.inlet: the point \(.*\) mm lies in no hole of a flat face behind which"
+    ):
+        SurfaceFile(str(path), 1.5, plug={"inlet": point})
+    with pytest.raises(DesignError, match=r"plug.inlet: must be a point \(x, y, z\) in mm"):
+        SurfaceFile(str(path), 1.5, plug={"inlet": point[:2]})

@@ -66,8 +66,6 @@ class CadFile(FileDesign):
         )
         self._keep_own_copies()
         object.__setattr__(self, "parts", dict(self.parts))
-        if isinstance(self.plug, Mapping):
-            object.__setattr__(self, "plug", dict(self.plug))
         try:
             self._read()
         except MeshError as error:

@@ -46,9 +46,11 @@ class FileDesign(Design):
             yield DesignError(key, f"must be a positive length, not {length!r}")
 
     def _keep_own_copies(self) -> None:
-        """Keep the values of `air` and `axes`, whatever happens to what was given."""
+        """Keep the values of `air`, `axes` and `plug`, whatever happens to what was given."""
         object.__setattr__(self, "air", dict(self.air))
         object.__setattr__(self, "axes", tuple(self.axes))
+        if isinstance(self.plug, Mapping):
+            object.__setattr__(self, "plug", dict(self.plug))
 
     @cached_property
     def digest(self) -> str:

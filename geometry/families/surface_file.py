@@ -9,13 +9,14 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import Body, DesignError, raise_together
-from geometry.families.from_file import FileDesign
+from geometry.families.from_file import FileDesign, Plug, wrong_points
 from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
 from geometry.foreign.defeatured import defeatured
 from geometry.foreign.fill import fill
 from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.shells import named_cavities, parts_of, refuse_idle_plug, refuse_open
 from geometry.foreign.surface import Surface, enclosed, read_surface, scaled, thinnest
+from geometry.foreign.surface_plug import plugged
 from geometry.grading import OFF, Grading
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
@@ -47,11 +48,12 @@ class SurfaceFile(FileDesign):
     cell: float | None = None  #: length over which curvature is averaged; a tenth of the length, at most 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
-    plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
+    plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
     defeature: float | None = None  #: edges shorter than this, and strips narrower than this, are removed
 
     def __post_init__(self) -> None:
-        raise_together((*self._wrong_values(), *self._not_positive("defeature", self.defeature)))
+        points = wrong_points("plug", self.plug) if isinstance(self.plug, Mapping) else ()
+        raise_together((*self._wrong_values(), *points, *self._not_positive("defeature", self.defeature)))
         self._keep_own_copies()
         _ = self.surface, self.length
         self._check_middle()
@@ -59,14 +61,25 @@ class SurfaceFile(FileDesign):
 
     @cached_property
     def surface(self) -> Surface:
-        """The surface in mm and in the directions of the arm, without its small features if `defeature` is given."""
+        """The surface in mm and in the directions of the arm, without its small features if `defeature` is given, and
+        with the inlets filled."""
+        return self._plugged[0]
+
+    @property
+    def plug_depths(self) -> Mapping[str, float]:
+        return self._plugged[1]
+
+    @cached_property
+    def _plugged(self) -> tuple[Surface, Mapping[str, float]]:
+        """The surface, and the depths of the plugs in its inlets, mm."""
         try:
-            read = read_surface(Path(self.file))
+            surface = scaled(read_surface(Path(self.file)), self.unit * rotation(self.axes).T)
+            check_dimensions(np.ptp(surface.points, axis=0), self.unit)
+            if self.defeature is not None:
+                surface = _without_small_features(surface, self.defeature)
+            return plugged(surface, self.plug) if isinstance(self.plug, Mapping) else (surface, {})
         except MeshError as error:
             raise DesignError("file", str(error)) from error
-        surface = scaled(read, self.unit * rotation(self.axes).T)
-        check_dimensions(np.ptp(surface.points, axis=0), self.unit)
-        return surface if self.defeature is None else _without_small_features(surface, self.defeature)
 
     def _check_middle(self) -> None:
         """Raise `DesignError` unless z = 0 lies within the body."""
@@ -81,7 +94,7 @@ class SurfaceFile(FileDesign):
 
     @property
     def _placing(self) -> Placing:
-        return Placing(self.curve, self.clamp, self.tip, self.air, False, 1.0, plug=self.plug)
+        return Placing(self.curve, self.clamp, self.tip, self.air, False, 1.0, plug=self.is_open_at_clamp)
 
     @cached_property
     def length(self) -> float:
@@ -106,12 +119,12 @@ class SurfaceFile(FileDesign):
         points, triangles = self.surface.points, self.surface.triangles
         clamp, tip = ends_of(points, self._placing)
         tolerance = FLAT * float(np.ptp(points, axis=0).max())
-        _, inner = parts_of(points, triangles, clamp if self.plug else None, tolerance)
+        _, inner = parts_of(points, triangles, clamp if self.is_open_at_clamp else None, tolerance)
         if not inner:
-            refuse_open(points, triangles, (clamp, tip), self.plug, tolerance)
-        mirrors = [(0, clamp)] if self.plug else []
+            refuse_open(points, triangles, (clamp, tip), self.is_open_at_clamp, tolerance)
+        mirrors = [(0, clamp)] if self.is_open_at_clamp else []
         named = named_cavities(points, inner, triangles, self.air, mirrors)
-        if self.plug:
+        if self.is_open_at_clamp:
             refuse_idle_plug(points, named.values(), clamp)
         return {name: -enclosed(points - [clamp, 0.0, 0.0], walls) for name, walls in named.items()}
 

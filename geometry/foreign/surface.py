@@ -58,6 +58,11 @@ def read_surface(path: Path) -> Surface:
     points, triangles = _merged(points, np.vstack(blocks))
     if not len(triangles):
         raise MeshError(f"the surface file {path} has no triangle with three different corners")
+    return of_parts(points, triangles)
+
+
+def of_parts(points: Array, triangles: Index) -> Surface:
+    """The surface of triangles (k, 3) in any order and direction. Raises `MeshError` unless it is that of one body."""
     _check_closed(points, triangles)
     return _oriented(points, triangles)
 

@@ -246,8 +246,8 @@ def _plug(value: Any) -> bool | dict[str, tuple[float, ...]]:
 def _plug_at_clamp(value: Any) -> bool:
     if isinstance(value, Mapping):
         raise ValueError(
-            "points in the mouths of inlets are for STEP and BREP files; allowed: true (closes an inlet in the plane "
-            "of the clamp) or false"
+            "points in the mouths of inlets are for CAD files and surfaces; allowed: true (closes an inlet in the "
+            "plane of the clamp) or false"
         )
     return _yes_or_no(value)
 

@@ -1,0 +1,173 @@
+"""Inlets of a surface that are filled with the material of the body.
+
+The mouth of an inlet is a hole in a flat face of the surface. Its channel is the smooth wall behind the rim of the
+hole. Where that ends at a flat ring the channel goes on with the wall behind the ring, and at a bottom it has ended.
+Where all these are left out and the ends are closed, the channel is filled up to where it becomes wider.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import cos, pi
+
+import numpy as np
+
+from geometry.arrays import Array, Index
+from geometry.design import DesignError
+from geometry.foreign.surface import Surface, of_parts
+from geometry.meshing.cad_import import Point
+from geometry.topology import normals, row_keys, triangle_edges
+
+#: cosine of the angle between triangles from which on their edge is one of the body
+SMOOTH = cos(pi / 6)
+#: distance of a point from the plane of its mouth, over the size of the body: points are read off the screen
+NEAR = 1e-3
+
+
+def plugged(surface: Surface, plugs: Mapping[str, Point]) -> tuple[Surface, dict[str, float]]:
+    """The surface with the inlets filled in whose mouths the points (mm) lie, and how deep each is, mm.
+
+    Raises `DesignError` with the key plug.NAME for a point that lies in no mouth, `MeshError` where what is left is no
+    body.
+    """
+    depths = {}
+    for name, point in plugs.items():
+        filled = _filled(surface.points, surface.triangles, np.array(point))
+        if filled is None:
+            coordinates = "(" + ", ".join(f"{x:g}" for x in point) + ") mm"
+            raise DesignError(
+                f"plug.{name}",
+                f"the point {coordinates} lies in no hole of a flat face behind which one smooth wall begins; give a "
+                "point in the mouth of the inlet, or close it in the CAD program",
+            )
+        points, triangles, depths[name] = filled
+        surface = of_parts(points, triangles)
+    return surface, depths
+
+
+def _filled(points: Array, triangles: Index, at: Array) -> tuple[Array, Index, float] | None:
+    """Points and triangles without the channel behind the mouth in which a point (3,) lies, and its depth."""
+    patches = _Patches.of(points, triangles)
+    for normal, rim in patches.mouths(at, NEAR * float(np.ptp(points, axis=0).max())):
+        channel = patches.channel(rim)
+        if channel is None:
+            continue
+        walls, ends, depth_at = channel
+        centres = np.array([points[patches.edges[end, 0]].mean(axis=0) for end in ends])
+        kept = [triangles[~np.isin(patches.number, walls)]]
+        for k, end in enumerate(ends):  # in the direction of the edges of the wall, which they replace
+            kept.append(np.column_stack([patches.edges[end], np.full(len(end), len(points) + k)]))
+        return np.vstack([points, centres]), np.vstack(kept), abs(float((depth_at - centres[0]) @ normal))
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Patches:
+    """The triangles of a closed surface, sorted into smooth patches."""
+
+    points: Array  #: (n, 3)
+    edges: Index  #: (3 k, 2) directed edges, triangle after triangle
+    across: Index  #: (3 k,) the triangle on the other side of each edge
+    number: Index  #: (k,) of the patch of each triangle
+    normals: Array  #: (k, 3), unit vectors
+
+    @staticmethod
+    def of(points: Array, triangles: Index) -> "_Patches":
+        """Those of a surface in which each edge belongs to two triangles."""
+        edges = triangle_edges(triangles)
+        pairs = np.argsort(row_keys(edges, len(points)), kind="stable").reshape(-1, 2)
+        across = np.empty(len(edges), dtype=np.int64)
+        across[pairs] = pairs[:, ::-1] // 3
+        facing = normals(points[triangles])
+        facing /= np.linalg.norm(facing, axis=1)[:, None]
+        own = np.arange(len(edges)) // 3
+        smooth = np.einsum("ij,ij->i", facing[own], facing[across]) > SMOOTH
+        number = np.arange(len(triangles))
+        while True:  # each patch gets the smallest number of its triangles
+            lower = number.copy()
+            np.minimum.at(lower, own[smooth], number[across[smooth]])
+            lower = lower[lower]
+            if np.array_equal(lower, number):
+                return _Patches(points, edges, across, number, facing)
+            number = lower
+
+    def rims(self, patch: int) -> list[Index]:
+        """The closed rims of a patch, each the rows of its edges one after the other."""
+        own = np.repeat(self.number, 3)
+        rows = np.flatnonzero((own == patch) & (self.number[self.across] != patch))
+        following = {int(self.edges[row, 0]): int(row) for row in rows}
+        rims = []
+        while following:
+            start, row = following.popitem()
+            rim = [row]
+            while (end := int(self.edges[rim[-1], 1])) != start and end in following:
+                rim.append(following.pop(end))
+            rims.append(np.array(rim))
+        return rims
+
+    def mouths(self, at: Array, near: float) -> Iterator[tuple[Array, Index]]:
+        """The normal (3,) of each flat patch in whose plane a point (3,) lies, and the rim of the hole around it."""
+        for patch in np.unique(self.number):
+            normal = self._normal_if_flat(int(patch), at, near)
+            if normal is None:
+                continue
+            for rim in self.rims(int(patch)):
+                if self._turn(rim, at, normal) < -pi:  # the rim of a hole runs clockwise
+                    yield normal, rim
+
+    def channel(self, rim: Index) -> tuple[list[int], list[Index], Array] | None:
+        """The patches of the channel behind the rim of a mouth, the rims of its walls that are to be closed, and the
+        middle (3,) of its end; None where it is not one wall after the other."""
+        walls: list[int] = []
+        ends: list[Index] = []
+        while True:
+            wall = self._behind(rim)
+            if wall is None or wall in walls:
+                return None
+            here, others = self._parted(wall, rim)
+            if len(others) != 1:
+                return None
+            walls.append(wall)
+            ends = ends or [here]
+            (exit_rim,) = others
+            ring = self._behind(exit_rim)
+            middle = self.points[self.edges[exit_rim, 0]].mean(axis=0)
+            if ring is None or not self._narrows(ring, exit_rim, middle):
+                return walls, [*ends, exit_rim], middle
+            walls.append(ring)
+            _, holes = self._parted(ring, exit_rim)
+            if not holes:  # a bottom
+                return walls, ends, middle
+            if len(holes) > 1:
+                return None
+            (rim,) = holes
+
+    def _behind(self, rim: Index) -> int | None:
+        """The patch on the other side of a rim; None where there are several."""
+        behind = np.unique(self.number[self.across[rim]])
+        return int(behind[0]) if len(behind) == 1 else None
+
+    def _parted(self, patch: int, rim: Index) -> tuple[Index, list[Index]]:
+        """The rim of a patch along the rim of its neighbour, and its other rims."""
+        shared = set(map(tuple, self.edges[rim, ::-1].tolist()))
+        rims = self.rims(patch)
+        along = [other for other in rims if tuple(self.edges[other[0]].tolist()) in shared]
+        return along[0], [other for other in rims if other is not along[0]]
+
+    def _narrows(self, patch: int, rim: Index, middle: Array) -> bool:
+        """Whether a patch is flat and lies within the rim of its neighbour: a bottom, or the ring of a step."""
+        size = float(np.linalg.norm(self.points[self.edges[rim, 0]] - middle, axis=1).max())
+        normal = self._normal_if_flat(patch, middle, NEAR * size)
+        return normal is not None and self._turn(self._parted(patch, rim)[0], middle, normal) > pi
+
+    def _normal_if_flat(self, patch: int, at: Array, near: float) -> Array | None:
+        """The normal (3,) of a patch that lies in one plane with a point (3,)."""
+        rows = np.flatnonzero(self.number == patch)
+        normal = self.normals[rows].mean(axis=0)
+        corners = self.points[self.edges.reshape(-1, 3, 2)[rows, :, 0]].reshape(-1, 3)
+        return normal if np.abs((corners - at) @ normal).max() <= near else None
+
+    def _turn(self, rim: Index, at: Array, normal: Array) -> float:
+        """The angle by which a rim runs around a point (3,), seen against the normal, rad."""
+        start, stop = self.points[self.edges[rim, 0]] - at, self.points[self.edges[rim, 1]] - at
+        sine, cosine = np.cross(start, stop) @ normal, np.einsum("ij,ij->i", start, stop)
+        return float(np.arctan2(sine, cosine).sum())
