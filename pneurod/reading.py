@@ -40,13 +40,14 @@ def read_results(directory: Path | str) -> Results:
             check_parameters(parameters)
         frames = parameter_frames(parameters)
         slopes = _slopes(parameters)
+        length_mm, mass_g = _number(parameters.get("length_mm")), _number(parameters.get("mass_g"))
     except (KeyError, TypeError, ValueError, AttributeError) as failure:
         raise _unreadable(folder / "parameters.json", failure) from None
     return Results(
         directory=folder,
         run=_record(folder, contents),
-        length_mm=_number(parameters.get("length_mm")),
-        mass_g=_number(parameters.get("mass_g")),
+        length_mm=length_mm,
+        mass_g=mass_g,
         slopes=slopes,
         mesh_error_reason=str(parameters.get("mesh_error_reason", "")),
         **frames,

@@ -53,7 +53,7 @@ def check_table(
         expected = tuple(counts.get(size, -1) if isinstance(size, str) else size for size in shape)
         array = arrays[key]
         if array is None or array.shape != expected or not np.isfinite(array).all():
-            size = " × ".join(map(str, expected)) or "one"
+            size = " × ".join("n" if count == -1 else str(count) for count in expected) or "one"
             plural = "" if size in ("one", "1") else "s"
             raise RodError(f"{key}{of} must be {size} finite number{plural}{_instead(array, expected)}.")
 

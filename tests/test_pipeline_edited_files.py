@@ -30,7 +30,7 @@ def parameters() -> dict[str, Any]:
         "length_mm": LENGTH,
         "mass_g": 16.5,
         "solid_volume_mm3": 14600.0,
-        "material": {"E": 1.2, "density_tonne_mm3": 1.13e-9},
+        "material": {"law": "svk", "E": 1.2, "nu": 0.495, "density_tonne_mm3": 1.13e-9},
         "pressures_kPa": [17.0, 37.0],
         **law,
         "alpha1_N_mm2_std": [2.0, None],

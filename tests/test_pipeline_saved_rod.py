@@ -21,7 +21,7 @@ def results(tmp_path: Path) -> Path:
     content = {
         "length_mm": LENGTH,
         "mass_g": 16.5,
-        "material": {"E": 1.2, "density_tonne_mm3": 1.13e-9},
+        "material": {"law": "svk", "E": 1.2, "nu": 0.495, "density_tonne_mm3": 1.13e-9},
         "pressures_kPa": [17.0, 37.0],
         "alpha1_N_mm2": [60.0, 55.0],
         "alpha2_N_mm2": [300.0, 440.0],

@@ -73,7 +73,7 @@ def between(pressure: float) -> Rod:
     for name in ("alpha1", "alpha2"):
         mean[name] = (1 - t) * getattr(LOWER.five, name) + t * getattr(ROD.five, name)
     s = np.linspace(0.0, 112.0, 2241)
-    rows = [table(rod, 2241) for rod in (LOWER, ROD)]
+    rows = [table(rod, s) for rod in (LOWER, ROD)]
     moments = [row["alpha_N_mm2"] * row["kappa_rest_per_mm"] for row in rows]
     alpha = (1 - t) * rows[0]["alpha_N_mm2"] + t * rows[1]["alpha_N_mm2"]
     rest = ((1 - t) * moments[0] + t * moments[1]) / alpha
@@ -160,13 +160,32 @@ def test_tables_carry_the_law(tmp_path: Path) -> None:
     assert {"pressure_kPa", "kappa_0_smooth_per_mm", "alpha_N_mm2_std", "m0_N_mm_std"} <= set(whole)
     rows = np.loadtxt(lines[1:], delimiter=",")
     assert np.array_equal(np.unique(rows[:, 0]), PRESSURES)
-    assert rows[225:, 5] == pytest.approx(columns["kappa_rest_per_mm"])
+    upper = {name: column[rows[:, 0] == PRESSURES[1]] for name, column in zip(whole, rows.T, strict=True)}
+    rest = np.interp(columns["s_mm"], upper["s_mm"], upper["kappa_rest_per_mm"])
+    assert rest == pytest.approx(columns["kappa_rest_per_mm"], abs=1e-4)
+    assert set(upper["theta0_rad"]) == {ROD.theta0}
     content = json.loads(export_arm(arm(), "json", tmp_path)[0].read_text())
     assert (content["alpha1_N_mm2"], content["d_mm"], content["mass_g"]) == ([160.0, 150.0], [12.0, 14.0], 20.0)
     assert content["alpha2_N_mm2_std"] == [1.0, 2.0]
     profile = np.column_stack([content["s_mm"], content["kappa_0_per_mm"][1]])
     back = Rod(112.0, profile, LAW, theta0=content["theta0_rad"][1])
     assert back.solve(force=FORCE).y[-1] == pytest.approx(SETTLED.y[-1], abs=1e-6)
+
+
+def test_tables_turn_the_end_as_the_rod() -> None:
+    """kappa_0 is linear between its own positions, which are no multiples of the spacing of a table."""
+    s = np.arange(0.0, 112.1, 1.25)
+    ripple = -0.02 * (1.0 + np.where(np.arange(len(s)) % 8 == 1, 3.0, -0.4))
+    rod = Rod(112.0, np.column_stack([np.append(s, 112.0), np.append(ripple, ripple[-1])]), LAW, theta0=-0.01)
+    free, columns = rod.solve(), table(rod)
+    turned = free.theta[-1] - free.theta[0]
+    assert np.trapezoid(columns["kappa_0_per_mm"], columns["s_mm"]) == pytest.approx(turned, rel=1e-9)
+    coarse = table(rod, np.linspace(0.0, 112.0, 225))
+    assert abs(np.trapezoid(coarse["kappa_0_per_mm"], coarse["s_mm"]) / turned - 1.0) > 1e-3
+    smooth = np.column_stack([np.linspace(5.0, 107.0, 30), np.full(30, -0.02)])
+    arms = Arm((17.0,), (rod,), None, None, smooth=(smooth,))
+    both = arm_table(arms)
+    assert np.trapezoid(both["kappa_0_smooth_per_mm"], both["s_mm"]) == pytest.approx(turned, rel=1e-9)
 
 
 def test_the_smooth_curve_has_no_ripple_and_the_rotation_of_the_end() -> None:
@@ -203,7 +222,7 @@ def test_somo_has_one_spring_per_joint_and_a_urdf_of_the_same_chain(tmp_path: Pa
 def test_springs_turn_the_end_as_the_rod(tmp_path: Path) -> None:
     springs = Springs.of(arm())
     for rod, neutral in zip((LOWER, ROD), springs.neutral, strict=True):
-        columns = table(rod, 22401)
+        columns = table(rod, np.linspace(0.0, 112.0, 22401))
         turned = rod.theta0 + np.trapezoid(columns["kappa_rest_per_mm"], columns["s_mm"])
         assert neutral.sum() == pytest.approx(turned, abs=1e-3)
 

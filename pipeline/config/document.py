@@ -56,7 +56,7 @@ class Document:
 
     def wrong_together(self, keys: tuple[Key, ...], complaint: str) -> InputError:
         """The refusal of values that do not go together; it names the one that was overridden, or the first."""
-        given = [key for key in keys if key in self.overridden]
+        given = [key for key in keys if any(other[: len(key)] == key for other in self.overridden)]
         return self.wrong((given or list(keys))[0], complaint)
 
 
@@ -98,7 +98,10 @@ def _override(content: dict[Any, Any], text: str, override: str) -> Key:
         raise InputError(f"{override} {shortened(text)}: is not KEY=VALUE; for example --set mesh.size='4 mm'")
     inside = content
     for depth, name in enumerate(names[:-1], start=1):
-        inside = inside.setdefault(name, {})
+        value_there = inside.setdefault(name, {})
+        if names[0] == "effects" and depth == 2 and isinstance(value_there, str | bool):
+            inside[name] = {"state": value_there}  # `self_contact: auto` beside parameters of the effect
+        inside = inside[name]
         if not isinstance(inside, dict):
             raise InputError(f"{override} {_dotted(names)}: '{_dotted(names[:depth])}' holds a value, not keys")
     try:
@@ -141,6 +144,13 @@ def _mapping(loader: _Loader, node: yaml.MappingNode) -> dict[Hashable, Any]:
 
 
 _Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping)
+# YAML 1.1 reads 010 as 8, 1:30 as 90 and 0x10 as 16: texts here, which no number takes
+_INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]*)$")
+_Loader.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in resolvers if tag != "tag:yaml.org,2002:int"]
+    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+_Loader.add_implicit_resolver("tag:yaml.org,2002:int", _INTEGER, list("-+0123456789"))
 # YAML 1.1 reads 1e-6 as a text, because it has no decimal point
 _EXPONENT = re.compile(r"[-+]?[0-9]+[eE][-+]?[0-9]+$")
 _Loader.add_implicit_resolver("tag:yaml.org,2002:float", _EXPONENT, list("-+0123456789"))

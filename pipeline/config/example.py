@@ -44,6 +44,10 @@ def example(family: str) -> str:
     return text if family == OWN else text.replace("{cavity: 1}", f"{{{FAMILIES[family]().cavities[0]}: 1}}")
 
 
+#: states of effects that auto leaves out: their sections act once they are no comments any more
+_SWITCHED_ON = ("effects.gravity.state", "effects.strain_limiting_layer.state")
+
+
 def effect_keys_in_section() -> list[KeyEntry]:
     """The keys of the effects below `effects`."""
     return [KeyEntry(f"effects.{e.key}", e.unit, e.allowed, e.default, e.meaning, e.example) for e in effect_keys()]
@@ -64,6 +68,7 @@ def _section(name: str, entries: list[KeyEntry]) -> list[str]:
 def _line(entry: KeyEntry, indent: str, *, live: bool) -> str:
     """A key with its value, and a comment."""
     value = entry.example if entry.default in (REQUIRED, "none") else entry.default
+    value = "on" if entry.key in _SWITCHED_ON else value
     text = f"{'' if live else '# '}{indent}{entry.key.rpartition('.')[2]}: {value}"
     facts = [entry.plain_meaning, entry.unit if entry.unit != "1" else "", entry.allowed.replace("`", "")]
     return f"{text:<{_WIDTH + len(indent)}}  # {'; '.join(filter(None, facts))}"

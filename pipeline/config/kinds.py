@@ -16,6 +16,9 @@ from pipeline.config.effects import CavityPressure
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert, with_point
 from pipeline.errors import quoted
 
+#: sizes of the second mesh over that of the first
+LEAST_COARSER, MOST_COARSER = 1.1, 5.0
+
 
 @dataclass(frozen=True)
 class Written:
@@ -34,7 +37,10 @@ def _number(value: Any) -> float:
         raise ValueError(f"{quoted(value)} has a decimal comma; did you mean {meant}? Write decimals with a point")
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise ValueError(f"{quoted(value)} is not a plain number; write it without a unit, for example 0.495")
-    return float(value)
+    try:
+        return float(value)
+    except OverflowError:
+        raise ValueError(f"{quoted(value)} is too large") from None
 
 
 def _count(value: Any) -> int:
@@ -60,8 +66,11 @@ def _coarser(value: Any) -> Any:
     if value is False or value in ("auto", "off"):
         return value or "off"
     factor = _number(value)
-    if not factor > 1.0:
-        raise ValueError(f"{factor:g} is not coarser; allowed: above 1, for example 1.5")
+    if not LEAST_COARSER <= factor <= MOST_COARSER:
+        raise ValueError(
+            f"{factor:g} is not allowed; allowed: {LEAST_COARSER:g} to {MOST_COARSER:g}, for example 1.5: meshes that "
+            "differ less or more do not show how the results converge"
+        )
     return factor
 
 
@@ -170,8 +179,8 @@ def _effect(value: Any) -> Any:
 
 def _fraction_or_pressure(value: Any) -> CavityPressure:
     """A plain number is a fraction of the pressure of the run, one with a unit is a constant pressure."""
-    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value):
-        return CavityPressure(float(value), 0.0)
+    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(_number(value)):
+        return CavityPressure(_number(value), 0.0)
     try:
         return CavityPressure(0.0, convert(value, PRESSURE))
     except ValueError:
@@ -344,7 +353,7 @@ Coarser = Annotated[
     float | Literal["auto", "off"],
     BeforeValidator(_coarser),
     Field(examples=["1.5"]),
-    Written("1", "above 1, `auto` or `off`"),
+    Written("1", "1.1 to 5, `auto` or `off`"),
 ]
 PoissonRatio = Annotated[
     float,

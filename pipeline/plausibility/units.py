@@ -22,6 +22,10 @@ LARGEST_PULL = 0.5
 #: activation distance of contact over the smallest gap: errors of kappa_0 are 1 % with 0.02, 4 % with 0.08
 #: (docs/accuracy.md), and 0.0025 is the smallest with which an arm was solved
 LARGEST_PART, SMALLEST_PART = 0.1, 1e-3
+#: Poisson ratio below which a bulk modulus is likely in another unit than the shear modulus
+LEAST_POISSON = 0.2
+#: m/s2, of gravity
+LEAST_GRAVITY, MOST_GRAVITY = 0.1, 100.0
 #: activation distance of contact over the thinnest wall
 LARGEST_PART_OF_WALL = 0.25
 
@@ -71,6 +75,37 @@ def _density(key: str, material: Material, heaviest: float, substances: str) -> 
     )
 
 
+def _poisson_ratios(config: Config) -> Iterator[str]:
+    for region, material in {"": config.material, **config.materials}.items():
+        ratio = material.built().poisson_ratio
+        if ratio < LEAST_POISSON and "nu" not in material.constants:
+            key = f"materials.{region}" if region else "material"
+            yield (
+                f"{key}: its bulk and shear moduli mean a Poisson ratio of {ratio:.2g}, and rubbers have 0.45 to "
+                "0.4999; check the unit of kappa (kPa, MPa), or give nu: 0.495 instead"
+            )
+
+
+def _fractions(config: Config) -> Iterator[str]:
+    for name, cavity in config.effects.pressure.cavities.items():
+        if abs(cavity.fraction) > 1.0:
+            yield (
+                f"effects.pressure.cavities.{name}: {cavity.fraction:g} without a unit is {cavity.fraction:g} times "
+                f"the pressure of the run, {cavity.fraction * config.pressures_kPa[-1]:g} kPa at most; write "
+                f"'{cavity.fraction:g} kPa' if a pressure is meant"
+            )
+
+
+def _gravity(config: Config) -> Iterator[str]:
+    gravity = config.effects.gravity
+    size = hypot(*gravity.acceleration_mm_s2) / 1000.0
+    if gravity.on and not LEAST_GRAVITY <= size <= MOST_GRAVITY:
+        yield (
+            f"effects.gravity.acceleration is {size:g} m/s2 in all, and that of the earth is 9.81 m/s2; check its unit "
+            "(m/s^2, mm/s^2)"
+        )
+
+
 def _heights(config: Config) -> Iterator[str]:
     """Of the end in experiment III and in the loads that a user has given."""
     given = {"end.y": [config.end.y_mm or 0.0]}
@@ -97,23 +132,28 @@ def _forces(config: Config) -> Iterator[str]:
     """On the end in experiment III and in the loads that a user has given."""
     design = config.design
     length, height, width = design.extent
-    modulus = max(initial_modulus(material) for material in (config.material, *config.materials.values()))
-    bends, pulls = modulus * width * height**3 / 12.0 / length**2, modulus * design.solid_volume / length
+    moduli = [initial_modulus(material) for material in (config.material, *config.materials.values())]
+    stiff, soft = max(moduli), min(moduli)
+    bends, pulls = stiff * width * height**3 / 12.0 / length**2, stiff * design.solid_volume / length
+    softly = soft / stiff * bends  # a stiff region may be a thin part of the section
     for key, forces in {"end": [config.end.force_N], "validation.forces": config.validation.forces_N}.items():
         for along, across in forces:
             largest = max(hypot(min(along, 0.0), across) / (LARGEST_FORCE * bends), along / (LARGEST_PULL * pulls))
             size = hypot(along, across)
             if largest > 1.0:
                 what = f"{largest:.2g} times what would fold or tear a bar of this material without cavities"
-            elif 0.0 < size < SMALLEST_FORCE * bends:
+            elif 0.0 < size < SMALLEST_FORCE * softly:
                 what = "too small to move the arm"
             else:
                 continue
             yield (
                 f"{key}: a force of {size:.3g} N on the end is {what}; check its unit (N, mN), or give "
-                f"{0.01 * bends:.2g} to {0.3 * bends:.2g} N"
+                f"{0.01 * softly:.2g} to {0.3 * softly:.2g} N"
             )
 
 
 #: the rules on a configuration
-RULES: tuple[Callable[[Config], Iterator[str]], ...] = (_densities, _heights, _forces)
+RULES: tuple[Callable[[Config], Iterator[str]], ...] = (
+    *(_densities, _poisson_ratios, _fractions, _heights, _forces),
+    _gravity,
+)

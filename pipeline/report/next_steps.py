@@ -26,12 +26,12 @@ def _after_failure(results: Results) -> list[str]:
         return ["Next: lower the pressures or change the design, because no pressure was reached."]
     if given and results.identified_pressures and not set(given) & set(results.identified_pressures):
         return [
-            "Next: give lower pressures (a note says below which), or change the wall, the material or the mesh. What "
-            "was reached is kept and is not solved again."
+            "Next: give lower pressures (a note says below which), or change the wall, the material or the mesh, with "
+            "another --out."
         ]
     return [
         "Next: the first sentence names what was not reached and its cause; leave this pressure or load out, or "
-        "change the wall, the material or the mesh there. What was reached is kept and is not solved again."
+        "change the wall, the material or the mesh there, with another --out."
     ]
 
 

@@ -86,6 +86,10 @@ def _arm(path: Path, options: ExportOptions) -> Arm:
         deviations: Mapping[str, tuple[float, ...]] = saved.deviations
     else:
         pressures = (option_value("--pressure", options.pressure, PRESSURE),)
+        if pressures[0] <= 0.0:
+            raise InputError(
+                f"--pressure {options.pressure}: is not exported; give one above 0 kPa, at which the arm is at rest"
+            )
         rods, deviations = (saved.at(options.pressure, options.extrapolate).rod,), {}
     radius = None if saved.area_mm2 is None else math.sqrt(saved.area_mm2 / math.pi)
     smooth = saved.smooth(pressures)

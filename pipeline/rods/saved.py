@@ -33,7 +33,7 @@ class SavedRod:
 
     rods: PressurisedRod
     mass_g: float | None  #: None where the configuration has no density
-    modulus_MPa: float  #: Young's modulus of the material, 1 where its law has none
+    material: Mapping[str, Any]  #: the law and its constants, as in the file
     area_mm2: float | None  #: of the solid, averaged along the arm; None where an earlier file has no density
     deviations: Mapping[str, tuple[float, ...]]  #: standard deviations by PARAMETER_NAMES; empty: not in the file
     averaged: tuple[Array, Array] | None  #: s (m,) in mm and kappa_0 (n, m) averaged over a cell; None likewise
@@ -51,7 +51,7 @@ class SavedRod:
             return SavedRod(
                 default_rod(content) if extensible is None else pressurised_rod(content, extensible),
                 mass,
-                float(material.get("E", 1.0)),
+                dict(material),
                 _area(content, mass),
                 _deviations(content),
                 _averaged(content["kappa_0"]),
@@ -64,6 +64,18 @@ class SavedRod:
         except (AttributeError, KeyError, TypeError, ValueError) as failure:
             problem = f"the key {failure} is missing" if isinstance(failure, KeyError) else str(failure)
             raise InputError(f"{path}: is not the parameters.json of a finished run: {problem}") from None
+
+    @property
+    def modulus_MPa(self) -> float:
+        """Young's modulus of the law at small strain. Raises RodError where the file has no such law."""
+        from fem.materials import LAWS  # only an export needs the laws
+
+        constants = {name: value for name, value in self.material.items() if name not in ("law", "density_tonne_mm3")}
+        try:
+            law = LAWS[self.material["law"]](**constants)
+        except (KeyError, TypeError, ValueError) as failure:
+            raise RodError(f"The material of the file is not a law with its constants: {failure}.") from None
+        return 2.0 * law.shear_modulus * (1.0 + law.poisson_ratio)
 
     @staticmethod
     def has_extensible(path: Path) -> bool:

@@ -79,7 +79,7 @@ def _refuse_axes(sweep: Sweep, refused: dict[int, InputError]) -> None:
     for axis in sweep.axes:
         for value in axis.settings:
             having = _numbers(sweep.settings, value)
-            if all(number in refused for number in having):
+            if having and all(number in refused for number in having):
                 raise refused[having[0]]
 
 

@@ -1,5 +1,6 @@
 """The file of a sweep: a base configuration, what is run on every point, and the axes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from json import dumps
 from pathlib import Path
@@ -81,11 +82,23 @@ def read_sweep(path: Path) -> Sweep:
     doubled = sorted(set(common) & {key for axis in axes for key in axis.keys})
     if doubled:
         raise document.wrong(("set", doubled[0]), "is on an axis too; leave it out of one of them")
+    _refuse_nested(document, [*common, *(key for axis in axes for key in axis.keys)])
     try:
         settings = combined(axes)
     except ValueError as refused:
         raise document.wrong(("axes",), str(refused)) from None
     return Sweep(path, content.name, path.parent / content.base, content.run, common, axes, tuple(settings))
+
+
+def _refuse_nested(document: Document, keys: Sequence[str]) -> None:
+    """Raise InputError where a key holds another one, which it would replace."""
+    for outer in keys:
+        for inner in keys:
+            if inner.startswith(f"{outer}."):
+                raise document.wrong(
+                    ("axes",),
+                    f"{outer} and {inner} are both given, and the first replaces the second; give one of them",
+                )
 
 
 def _axes(document: Document, content: _File) -> list[Axis]:

@@ -132,7 +132,8 @@ class _SweepInProgress:
     def begin(self, course: Course) -> None:
         """Clear what is left of interrupted writing and of earlier sweeps, and read the records that are kept."""
         directory = self.folder.directory
-        remove_parts([directory, *filter(Path.is_dir, directory.rglob("*"))])
+        of_points = (directory / POINTS).rglob("*")  # other folders below may belong to a run at work
+        remove_parts([directory, *filter(Path.is_dir, of_points)])
         if course.fresh:
             _clear(self.folder)
         self._refuse_other()

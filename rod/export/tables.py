@@ -1,6 +1,7 @@
 """The five parameters and kappa_0(s) over the pressures as tables: CSV, JSON, and a .mat file for SoRoSim."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,24 @@ from rod.export.arm import Arm
 from rod.law import PARAMETER_COLUMNS
 from rod.mechanics.equilibrium import Rod
 
+#: digits after the decimal point of a position in mm that is one of two that are the same
+DIGITS = 9
 
-def table(rod: Rod, points: int = 225) -> dict[str, Array]:
-    """Columns, (points,) each: s_mm, kappa_0_per_mm, alpha_N_mm2, m0_N_mm, kappa_rest_per_mm."""
-    s, rest = np.linspace(0.0, rod.length, points), rod.solve()
+
+def positions(rods: Sequence[Rod], points: int = 225) -> Array:
+    """Arc lengths of a table, mm: equally spaced ones, and those between which kappa_0 of a rod is linear.
+
+    Without the latter the peaks of its ripple would be cut at the same side in every cell, and the rotation of the end
+    of a pneu-net would be 2 % too small.
+    """
+    knots = [rod.kappa_0[:, 0] for rod in rods if isinstance(rod.kappa_0, np.ndarray) and rod.kappa_0.ndim == 2]
+    return np.unique(np.round(np.concatenate([np.linspace(0.0, rods[0].length, points), *knots]), DIGITS))
+
+
+def table(rod: Rod, s: Array | None = None) -> dict[str, Array]:
+    """Columns at s (n,), by default `positions`: s_mm, kappa_0_per_mm, alpha_N_mm2, m0_N_mm, kappa_rest_per_mm."""
+    s = positions([rod]) if s is None else s
+    rest = rod.solve()
     kappa_0 = np.interp(s, rest.s, rest.kappa)
     return {
         "s_mm": s,
@@ -25,14 +40,17 @@ def table(rod: Rod, points: int = 225) -> dict[str, Array]:
     }
 
 
-def arm_table(arm: Arm, points: int = 225) -> dict[str, Array]:
-    """`table` of all pressures one below the other, with the pressure, standard deviations and the smooth kappa_0."""
+def arm_table(arm: Arm) -> dict[str, Array]:
+    """`table` of all pressures one below the other, with the pressure, the angle at the clamp, standard deviations and
+    the smooth kappa_0."""
     smooth = arm.smoothed().rods if arm.smooth else ()
+    s = positions([*arm.rods, *smooth])
     parts: list[dict[str, Array]] = []
     for index, (pressure, rod) in enumerate(zip(arm.pressures, arm.rods, strict=True)):
-        part = {"pressure_kPa": np.full(points, pressure), **table(rod, points)}
+        ends = {"pressure_kPa": np.full(len(s), pressure), "theta0_rad": np.full(len(s), rod.theta0)}
+        part = {**ends, **table(rod, s)}
         if smooth:
-            part["kappa_0_smooth_per_mm"] = table(smooth[index], points)["kappa_0_per_mm"]
+            part["kappa_0_smooth_per_mm"] = table(smooth[index], s)["kappa_0_per_mm"]
         first = part["s_mm"] < rod.five.d
         for name, pair in {"alpha_N_mm2": ("alpha1", "alpha2"), "m0_N_mm": ("m01", "m02")}.items():
             if arm.deviations:
@@ -51,7 +69,9 @@ def write_csv(arm: Arm, path: Path) -> None:
 
 def write_json(arm: Arm, path: Path) -> None:
     """The five parameters with their standard deviations, the clamp and the curves over the pressures."""
-    tables = [table(rod) for rod in arm.rods]
+    smooth = arm.smoothed().rods if arm.smooth else ()
+    s = positions([*arm.rods, *smooth])
+    tables = [table(rod, s) for rod in arm.rods]
     content: dict[str, Any] = {
         "length_mm": arm.length,
         "mass_g": arm.mass,
@@ -62,12 +82,11 @@ def write_json(arm: Arm, path: Path) -> None:
         content[column] = [getattr(rod.five, name) for rod in arm.rods]
         if arm.deviations:
             content[f"{column}_std"] = list(arm.deviations[name])
-    content["s_mm"] = tables[0]["s_mm"].tolist()
+    content["s_mm"] = s.tolist()
     for name in ("kappa_0_per_mm", "kappa_rest_per_mm"):
         content[name] = [columns[name].tolist() for columns in tables]
-    if arm.smooth:
-        smooth = [table(rod)["kappa_0_per_mm"].tolist() for rod in arm.smoothed().rods]
-        content["kappa_0_smooth_per_mm"] = smooth
+    if smooth:
+        content["kappa_0_smooth_per_mm"] = [table(rod, s)["kappa_0_per_mm"].tolist() for rod in smooth]
     path.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
@@ -80,8 +99,9 @@ def write_sorosim(arm: Arm, path: Path) -> None:
     from scipy.io import savemat
 
     mass, radius = arm.dynamics
-    tables = [table(rod) for rod in arm.rods]
-    xi = np.zeros((6, len(tables[0]["s_mm"]), len(arm.rods)))
+    s = positions(arm.rods)
+    tables = [table(rod, s) for rod in arm.rods]
+    xi = np.zeros((6, len(s), len(arm.rods)))
     for k, columns in enumerate(tables):
         xi[2, :, k], xi[3, :, k] = 1e3 * columns["kappa_rest_per_mm"], 1.0
     content: dict[str, Any] = {
@@ -91,7 +111,7 @@ def write_sorosim(arm: Arm, path: Path) -> None:
         "r": radius,
         "E": 1e6 * arm.modulus,
         "theta0": np.array([rod.theta0 for rod in arm.rods]),
-        "X": tables[0]["s_mm"] / arm.length,
+        "X": s / arm.length,
         "xi_star": xi,
         "EI": 1e-6 * np.column_stack([columns["alpha_N_mm2"] for columns in tables]),
         **{f"{PARAMETER_COLUMNS[name]}_std": np.array(values) for name, values in arm.deviations.items()},
