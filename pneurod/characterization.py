@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pipeline.config.load import load_config
-from pipeline.errors import RunFailed
+from pipeline.errors import InputError, RunFailed
 from pipeline.processes import available_cores
 from pipeline.progress import Silent, progress_for
 from pipeline.run import run
@@ -37,6 +37,10 @@ def characterize(
     Raises `pneurod.InputError` for a wrong configuration or a folder that cannot be used, and `pneurod.RunFailed`
     when something could not be solved: its `directory` holds what was reached, for `pneurod.read_results`.
     """
+    if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
+        raise InputError(f"jobs: {jobs!r} is not allowed; give a whole number from 1 on")
+    if settings is not None and not isinstance(settings, Mapping):
+        raise InputError('settings: give values by their keys, for example {"mesh.size": "6 mm"}')
     overrides = [f"{key}={_written(value)}" for key, value in (settings or {}).items()]
     design = load_config(config, [*overrides, *([f"accuracy={accuracy}"] if accuracy else [])])
     folder = Path("results") / design.name if out is None else Path(out)

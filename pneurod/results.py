@@ -2,7 +2,8 @@
 
 import copyreg
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -14,6 +15,7 @@ from pipeline.errors import InputError
 from pipeline.report.verdict import Verdict
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
 from rod.checked import finite
+from rod.solution import RodSolution
 
 
 def _read_only(content: dict[str, object]) -> MappingProxyType[str, object]:
@@ -158,18 +160,29 @@ class Results:
         extensible: the rod whose curve stretches; None for the one that stretches where the free curve of the arm is
         longer by more than 0.5 %. extrapolate: also outside the identified pressures, down to 0 kPa and up by half of
         their range, see `rod.PressurisedRod.at`. Raises InputError where nothing was identified, and outside these
-        pressures. A rod with the arm's own law is `Rod(length, law=results.arm_law.at(pressure))`.
+        pressures. A rod with the arm's own law is `Rod(length, law=results.arm_law.at(pressure))`. What a load may be
+        is told by `warning`.
         """
+        rods = self._rods(extensible)
+        with _told():
+            return rods.at(pressure_kPa, extrapolate=extrapolate)
+
+    def warning(
+        self, pressure_kPa: float, shape: RodSolution, *, extensible: bool | None = None, extrapolate: bool = False
+    ) -> str:
+        """One sentence where the moments of a shape of the rod leave those of its identification; else empty.
+
+        shape: from `rod(...).solve(...)` with the same other arguments. Raises as `rod`.
+        """
+        rods = self._rods(extensible)
+        with _told():
+            moments = rods.moment_range_at(pressure_kPa, extrapolate=extrapolate)
+        return moments.warning(shape) if moments else ""
+
+    def _rods(self, extensible: bool | None) -> PressurisedRod:
         if not self.rods:
             raise self._nothing_identified()
-        if extensible is None:
-            extensible = self.rods[1].stretches
-        try:
-            return self.rods[1 if extensible else 0].at(pressure_kPa, extrapolate=extrapolate)
-        except OutsidePressures as failure:
-            raise InputError(f"{failure} Give extrapolate=True to go beyond it.") from None
-        except RodError as failure:
-            raise InputError(str(failure)) from None
+        return self.rods[1 if (self.rods[1].stretches if extensible is None else extensible) else 0]
 
     def _row(self, pressure_kPa: float) -> "pd.Series":
         if not len(self.parameters):
@@ -187,6 +200,17 @@ class Results:
     def _nothing_identified(self) -> InputError:
         reason = self.run.failure or "the run has not come to the identification"
         return InputError(f"{self.directory}: holds no parameters of a rod: {reason}")
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """Raise InputError for the error of a rod in the block."""
+    try:
+        yield
+    except OutsidePressures as failure:
+        raise InputError(f"{failure} Give extrapolate=True to go beyond it.") from None
+    except RodError as failure:
+        raise InputError(str(failure)) from None
 
 
 #: the five parameters -> their columns

@@ -248,6 +248,10 @@ def test_the_end_angle_printed_is_that_of_the_material_curve(results: Path) -> N
 
 
 def test_a_folder_and_a_file_in_the_wrong_place_are_named(results: Path) -> None:
+    assert call("rod", str(results), "--pressure", "17 kPa") == call(
+        "rod", str(results / "parameters.json"), "--pressure", "17 kPa"
+    )
+    (results / "law.json").write_text("{}")
     status, _, sentence = call("rod", str(results), "--pressure", "17 kPa")
     assert status == 2
     assert "is a folder; give its law.json (the arm's own law) or parameters.json" in sentence

@@ -185,6 +185,25 @@ def test_the_rod_of_results_is_the_rod_of_the_validation(results: pneurod.Result
     assert results.rod(20.0, extrapolate=True).length == 72.0
 
 
+def test_a_load_beyond_the_identification_is_told(results: pneurod.Results) -> None:
+    pressure = results.pressures_kPa[-1]
+    rod = results.rod(pressure)
+    assert results.warning(pressure, rod.solve()) == ""
+    shape = rod.solve(force=(0.0, -3.0))
+    assert "N mm of the identification on" in results.warning(pressure, shape)
+    assert "N mm of the identification on" in results.warning(pressure, shape, extensible=True)
+    with pytest.raises(pneurod.InputError, match=r"Give extrapolate=True to go beyond it"):
+        results.warning(1.2 * pressure, shape)
+
+
+def test_arguments_of_a_run_that_are_none_are_refused(design: Path) -> None:
+    for jobs in (0, -1, "x", 1.5, True):
+        with pytest.raises(pneurod.InputError, match=r"jobs: .* is not allowed; give a whole number from 1 on"):
+            pneurod.characterize(design, jobs=jobs)  # type: ignore[arg-type]
+    with pytest.raises(pneurod.InputError, match="settings: give values by their keys"):
+        pneurod.characterize(design, settings=["mesh.size=6 mm"])  # type: ignore[arg-type]
+
+
 def test_wrong_names_and_pressures_are_refused(results: pneurod.Results) -> None:
     with pytest.raises(pneurod.InputError, match="no parameters at 9 kPa; identified are 8, 16 kPa"):
         results.law(9.0)

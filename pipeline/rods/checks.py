@@ -29,6 +29,10 @@ def check_parameters(content: Mapping[str, Any]) -> None:
     check_format(content)
     length, pressures = positive(content["length_mm"], "length_mm"), content["pressures_kPa"]
     check_table({"pressures_kPa": pressures}, {"pressures_kPa": ("n",)})
+    if pressures[0] < 0.0:
+        raise RodError(f"pressures_kPa begin with {pressures[0]:g}; a rod has pressures from 0 on.")
+    if content.get("mass_g") is not None:
+        positive(content["mass_g"], "mass_g")
     if any(second <= first for first, second in pairwise(pressures)):
         raise RodError("pressures_kPa must rise.")
     sizes = {"n": len(pressures), "m": len(content["kappa_0"]["s_mm"])}

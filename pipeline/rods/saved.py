@@ -155,9 +155,12 @@ class RodAtPressure:
 def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool | None) -> RodAtPressure:
     """The rod of a parameters.json or of a law.json at a pressure written with its unit. Raises InputError."""
     if path.is_dir():
-        raise InputError(
-            f"{path}: is a folder; give its law.json (the arm's own law) or parameters.json (five parameters)"
-        )
+        there = [file for name in ("law.json", "parameters.json") if (file := path / name).is_file()]
+        if len(there) != 1:
+            raise InputError(
+                f"{path}: is a folder; give its law.json (the arm's own law) or parameters.json (five parameters)"
+            )
+        (path,) = there
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
