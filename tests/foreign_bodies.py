@@ -181,6 +181,7 @@ def write_tried(folder: Path) -> list[Tried]:
     save(folder / "finger_inlet_below.step", finger_with_inlet_below)
     save(folder / "half.brep", half_finger)
     write_surface(folder / "finger.stl", finger, 50)
+    write_surface(folder / "finger_inlet_below.stl", finger_with_inlet_below, 50)
     content = meshio.read(folder / "finger.stl")
     meshio.Mesh(content.points, content.cells).write(folder / "finger.obj")
     x, y, z = content.points.astype(float).T
@@ -202,6 +203,11 @@ def write_tried(folder: Path) -> list[Tried]:
         ),
         Tried("half.brep", "BREP, half z ≥ 0", "curve: 2 mm"),
         Tried("finger.stl", "STL", "curve: 2 mm"),
+        Tried(
+            "finger_inlet_below.stl",
+            "STL, open inlet in the base, filled",
+            "curve: 2 mm, plug: {inlet: [35 mm, 0 mm, 0 mm]}",
+        ),
         Tried("finger_inch.stl", "STL in inches, z up", "curve: 2 mm, unit: inch, axes: [x, z, -y]"),
         Tried("finger.obj", "OBJ", "curve: 2 mm"),
         Tried("finger.vtk", "VTK, 4 nodes", "curve: 2 mm"),

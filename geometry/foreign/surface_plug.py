@@ -78,7 +78,7 @@ class _Patches:
         across = np.empty(len(edges), dtype=np.int64)
         across[pairs] = pairs[:, ::-1] // 3
         facing = normals(points[triangles])
-        facing /= np.linalg.norm(facing, axis=1)[:, None]
+        facing /= np.maximum(np.linalg.norm(facing, axis=1), np.finfo(float).tiny)[:, None]
         own = np.arange(len(edges)) // 3
         smooth = np.einsum("ij,ij->i", facing[own], facing[across]) > SMOOTH
         number = np.arange(len(triangles))

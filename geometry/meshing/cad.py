@@ -209,10 +209,12 @@ def _named_air(
     """The name of each cavity. Raises `DesignError` unless every cavity has exactly one of the given points in it, or
     there is one cavity alone and no point; remedy: what to do where the air is open to the outside."""
     corner = np.add(high, 0.05 * max(np.subtract(high, low)))
-    outside = [volume for volume in air if gmsh.model.isInside(3, volume[1], list(corner))]
-    inner = [volume for volume in air if volume not in outside]
-    named = _by_points(gmsh, body, blocks, air, outside, (low, high), remedy) if body.air else {}
-    if not body.air:
+    is_outside = {volume: bool(gmsh.model.isInside(3, volume[1], list(corner))) for volume in air}
+    inner = [volume for volume in air if not is_outside[volume]]
+    if body.air:
+        within = {name: body.within_half(point, low, high) for name, point in body.air.items()}
+        named = _by_points(gmsh, body, blocks, is_outside, within, remedy)
+    else:
         named = {_only(gmsh, body, inner, remedy): "cavity"}
     for volume in inner:
         if volume not in named and not _at_plug(gmsh, body, volume):
@@ -228,21 +230,23 @@ def _by_points(
     gmsh: Any,
     body: CadBody,
     blocks: Collection[Volume],
-    air: list[Volume],
-    outside: list[Volume],
-    corners: tuple[Point, Point],
+    is_outside: Mapping[Volume, bool],
+    within: Mapping[str, Point],
     remedy: str,
 ) -> dict[Volume, str]:
-    """The name of each cavity with a given point in it; corners: of the bounding box, mm."""
+    """The name of each cavity with a given point in it.
+
+    is_outside: whether a volume of air is the outside; within: the points in the half that is meshed, by name.
+    """
     named: dict[Volume, str] = {}
     for name, point in body.air.items():
         coordinates = body.words(point)
-        inner_point = list(body.within_half(point, *corners))
-        holders = [volume for volume in air if gmsh.model.isInside(3, volume[1], inner_point)]
+        inner_point = list(within[name])
+        holders = [volume for volume in is_outside if gmsh.model.isInside(3, volume[1], inner_point)]
         if not holders:
             where = "in the material" if is_in_material(gmsh, blocks, inner_point) else "away from the body"
             raise DesignError(f"air.{name}", f"the point {coordinates} lies {where}; give a point in the cavity")
-        if holders[0] in outside:
+        if is_outside[holders[0]]:
             raise DesignError(
                 f"air.{name}",
                 f"the point {coordinates} lies outside the body or in a cavity that is open to the outside; {remedy}",

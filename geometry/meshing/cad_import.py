@@ -99,9 +99,8 @@ def _of_file(gmsh: Any, source: CadSource) -> list[Volume]:
     """In mm and in the directions of the file."""
     occ, path = gmsh.model.occ, source.path
     gmsh.option.setString("Geometry.OCCTargetUnit", "MM")
-    gmsh.option.setNumber(
-        "Geometry.OCCScaling", source.unit
-    )  # keeps planes and cylinders, which `dilate` makes splines
+    # `dilate` would make planes and cylinders splines
+    gmsh.option.setNumber("Geometry.OCCScaling", source.unit)
     is_brep = path.suffix.lower() not in STEP
     if is_brep:
         _refuse_truncated(path)
