@@ -94,8 +94,6 @@ class CadFile(FileDesign):
         if self.unit != 1 and Path(self.file).suffix.lower() in STEP:
             yield DesignError("unit", "STEP files store their unit; leave it out")
         yield from wrong_points("parts", self.parts)
-        if isinstance(self.plug, Mapping):
-            yield from wrong_points("plug", self.plug)
         if self.parts and self.unite:
             yield DesignError(
                 ("parts", "unite"), "solids of another material stay solids of their own; give one of the two"

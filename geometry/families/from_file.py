@@ -37,6 +37,8 @@ class FileDesign(Design):
             yield from self._not_positive("cell", self.cell)
         yield from self._not_positive("unit", self.unit)
         yield from wrong_points("air", self.air)
+        if isinstance(self.plug, Mapping):
+            yield from wrong_points("plug", self.plug)
         for name in TAKEN:
             if name in self.air:
                 yield DesignError(f"air.{name}", f"a cavity cannot be named {name}; choose another name")

@@ -14,7 +14,7 @@ from geometry.families.from_file import FileDesign, nominal_pitch
 from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
 from geometry.foreign.file import FileMesh, read_mesh_file
 from geometry.foreign.frame import SAME, Axes
-from geometry.foreign.shells import parts_of
+from geometry.foreign.shells import opens_at, parts_of
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh
@@ -85,9 +85,8 @@ class MeshFile(FileDesign):
     @cached_property
     def is_open_at_clamp(self) -> bool:
         """Whether a cavity is open in the plane of the clamp; the names of a file may say so too."""
-        mesh = self.fixed_body.mesh
-        rims = (mesh.points[open_edges(mesh.faces[name], len(mesh.points))] for name in self.fixed_body.cavities)
-        return any(bool((np.abs(rim[:, :, 0]) <= 1e-9 * self.length).all(axis=1).any()) for rim in rims)
+        mesh, cavities = self.fixed_body.mesh, self.fixed_body.cavities
+        return any(opens_at(mesh.points, mesh.faces[name], [(0, 0.0)]) for name in cavities)
 
     @property
     def length(self) -> float:

@@ -9,12 +9,12 @@ from typing import ClassVar, final
 import numpy as np
 
 from geometry.design import Body, DesignError, raise_together
-from geometry.families.from_file import FileDesign, Plug, wrong_points
+from geometry.families.from_file import FileDesign, Plug
 from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
 from geometry.foreign.defeatured import defeatured
 from geometry.foreign.fill import fill
 from geometry.foreign.frame import SAME, Axes, rotation
-from geometry.foreign.shells import named_cavities, parts_of, refuse_idle_plug, refuse_open
+from geometry.foreign.shells import named_cavities, parts_of, refuse_open
 from geometry.foreign.surface import Surface, enclosed, read_surface, scaled, thinnest
 from geometry.foreign.surface_plug import plugged
 from geometry.grading import OFF, Grading
@@ -52,8 +52,7 @@ class SurfaceFile(FileDesign):
     defeature: float | None = None  #: edges shorter than this, and strips narrower than this, are removed
 
     def __post_init__(self) -> None:
-        points = wrong_points("plug", self.plug) if isinstance(self.plug, Mapping) else ()
-        raise_together((*self._wrong_values(), *points, *self._not_positive("defeature", self.defeature)))
+        raise_together((*self._wrong_values(), *self._not_positive("defeature", self.defeature)))
         self._keep_own_copies()
         _ = self.surface, self.length
         self._check_middle()
@@ -124,8 +123,6 @@ class SurfaceFile(FileDesign):
             refuse_open(points, triangles, (clamp, tip), self.is_open_at_clamp, tolerance)
         mirrors = [(0, clamp)] if self.is_open_at_clamp else []
         named = named_cavities(points, inner, triangles, self.air, mirrors)
-        if self.is_open_at_clamp:
-            refuse_idle_plug(points, named.values(), clamp)
         return {name: -enclosed(points - [clamp, 0.0, 0.0], walls) for name, walls in named.items()}
 
     @property

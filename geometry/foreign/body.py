@@ -16,7 +16,7 @@ from geometry.design import DesignError
 from geometry.foreign.curve import with_curve
 from geometry.foreign.file import FileMesh
 from geometry.foreign.frame import SAME, Axes, rotation
-from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_idle_plug, refuse_open, windings
+from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
 from geometry.meshing.cad_import import Point
@@ -274,8 +274,6 @@ def _named(mesh: Mesh, placing: Placing, move: Move) -> tuple[tuple[str, ...], d
     if placing.plug:
         mirrors.append((0, clamp))
     cavities = named_cavities(original, inner, boundary, placing.air, mirrors)
-    if placing.plug:
-        refuse_idle_plug(original, cavities.values(), clamp)
     walls = np.vstack(list(cavities.values()))
     outside = free[find_rows(free, walls, len(points)) < 0]
     for name, position in (("clamp", 0.0), ("tip", length)):

@@ -101,8 +101,21 @@ def named_cavities(
 
     points: (n, 3), mm. inner: walls (k, 3) of each cavity. surface: all triangles of the boundary. mirrors: planes
     (axis, position) in which walls may be open: x of the clamp, z = 0 of a half. Raises `DesignError` unless every
-    cavity has exactly one point in it.
+    cavity has exactly one point in it, and one of them is open at the clamp where walls may be.
     """
+    named = _named_walls(points, inner, surface, air, mirrors)
+    if any(axis == 0 for axis, _ in mirrors) and not any(opens_at(points, walls, mirrors) for walls in named.values()):
+        raise DesignError("plug", NOTHING_OPEN)
+    return named
+
+
+def _named_walls(
+    points: Array,
+    inner: list[Index],
+    surface: Index,
+    air: Mapping[str, tuple[float, float, float]],
+    mirrors: list[tuple[int, float]],
+) -> dict[str, Index]:
     if not air:
         if len(inner) > 1:
             positions = "; ".join(_position(points, walls) for walls in inner)
@@ -137,22 +150,15 @@ def named_cavities(
         taken[holder] = name
         named[name] = inner[holder]
     for k, walls in enumerate(inner):
-        if k not in taken and not _opens_at(points, walls, mirrors):  # a hole in the clamped face may have no name
+        if k not in taken and not opens_at(points, walls, mirrors):  # a hole in the clamped face may have no name
             raise DesignError(
                 "air", f"the body has one more cavity, around {_position(points, walls)}; name it by a point in it"
             )
     return named
 
 
-def refuse_idle_plug(points: Array, walls: Iterable[Index], clamp: float) -> None:
-    """Raise `DesignError` where none of the cavities, walls (k, 3) each, is open in the plane x = clamp (mm), which
-    `plug: true` would close."""
-    if not any(_opens_at(points, of_one, [(0, clamp)]) for of_one in walls):
-        raise DesignError("plug", NOTHING_OPEN)
-
-
-def _opens_at(points: Array, walls: Index, mirrors: list[tuple[int, float]]) -> bool:
-    """Whether walls are open in the plane of the clamp, one of axis 0."""
+def opens_at(points: Array, walls: Index, mirrors: list[tuple[int, float]]) -> bool:
+    """Whether walls (k, 3) are open in the plane of the clamp, one of axis 0."""
     rim = points[open_edges(walls, len(points))]
     tolerance = 1e-5 * float(np.ptp(points, axis=0).max())
     return any(

@@ -13,14 +13,14 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.design import DesignError
+from geometry.foreign.fill import EDGE
 from geometry.foreign.surface import Surface, of_parts
 from geometry.meshing.cad_import import Point
+from geometry.meshing.cad_plug import NEAR
 from geometry.topology import normals, row_keys, triangle_edges
 
-#: cosine of the angle between triangles from which on their edge is one of the body
-SMOOTH = cos(pi / 6)
-#: distance of a point from the plane of its mouth, over the size of the body: points are read off the screen
-NEAR = 1e-3
+#: cosine of the angle between triangles of one patch
+SMOOTH = cos(EDGE)
 
 
 def plugged(surface: Surface, plugs: Mapping[str, Point]) -> tuple[Surface, dict[str, float]]:

@@ -156,7 +156,7 @@ def cad_session(
         check_curve(gmsh, body, solids, low, high, holes)
         parts = named_parts(gmsh, body, solids, low, high)
         if body.half and low[2] < -rounding:
-            for name in dict.fromkeys(parts.values()) if not checked else ():
+            for name in () if checked else dict.fromkeys(parts.values()):
                 check_symmetric(gmsh, [solid for solid in solids if parts[solid] == name])
             low = (low[0], low[1], 0.0)
         blocks, air = _fragments(gmsh, body, parts, low, high)

@@ -163,7 +163,8 @@ def _check_defeatured(gmsh: Any, solids: list[Volume], volume: float, low: Point
             f"without its narrow faces the volume of the material changes by {100 * change:.2g} %, and at most "
             f"{100 * MOST_CHANGE:g} % are allowed; give a smaller length",
         )
-    grown = np.concatenate([np.subtract(low, bounds(gmsh, solids)[0]), np.subtract(bounds(gmsh, solids)[1], high)])
+    new_low, new_high = bounds(gmsh, solids)
+    grown = np.concatenate([np.subtract(low, new_low), np.subtract(new_high, high)])
     if grown.max() > BEYOND * max(np.subtract(high, low)):
         raise DesignError("defeature", f"without its narrow faces the body would reach farther than before; {_IN_CAD}")
 

@@ -179,8 +179,8 @@ def _effect(value: Any) -> Any:
 
 def _fraction_or_pressure(value: Any) -> CavityPressure:
     """A plain number is a fraction of the pressure of the run, one with a unit is a constant pressure."""
-    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(_number(value)):
-        return CavityPressure(_number(value), 0.0)
+    if isinstance(value, int | float) and not isinstance(value, bool) and isfinite(number := _number(value)):
+        return CavityPressure(number, 0.0)
     try:
         return CavityPressure(0.0, convert(value, PRESSURE))
     except ValueError:

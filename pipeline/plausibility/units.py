@@ -154,6 +154,10 @@ def _forces(config: Config) -> Iterator[str]:
 
 #: the rules on a configuration
 RULES: tuple[Callable[[Config], Iterator[str]], ...] = (
-    *(_densities, _poisson_ratios, _fractions, _heights, _forces),
+    _densities,
+    _poisson_ratios,
+    _fractions,
     _gravity,
+    _heights,
+    _forces,
 )
