@@ -137,6 +137,11 @@ class Material(ABC):
         """Poisson's ratio at small strain."""
 
     @property
+    def young_modulus(self) -> float:
+        """Young's modulus at small strain, MPa."""
+        return 2.0 * self.shear_modulus * (1.0 + self.poisson_ratio)
+
+    @property
     @abstractmethod
     def stretch_limits(self) -> tuple[float, float]:
         """Uniaxial stretches between which the law can be trusted to be stable."""

@@ -60,8 +60,7 @@ def _bulk_modulus(document: Document, key: tuple[str, ...], section: Any, law: s
 def initial_modulus(document: Document, material: Material, key: tuple[str, ...] = ("material",)) -> float:
     """Young's modulus at small strain, MPa. Raises InputError for constants that the law cannot have together."""
     try:
-        law = material.built()
-        return 2.0 * law.shear_modulus * (1.0 + law.poisson_ratio)
+        return material.built().young_modulus
     except fem.materials.MaterialError as failure:
         raise InputError(f"{document.path}: {'.'.join(key)}: {failure}") from None
 

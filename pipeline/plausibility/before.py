@@ -4,7 +4,7 @@ from collections.abc import Callable
 from math import inf
 
 from geometry import PneuNet
-from pipeline.config.config import Config, Material
+from pipeline.config.config import Config
 from pipeline.identification.too_short import too_short
 from pipeline.plausibility.body import of_edges
 
@@ -31,15 +31,9 @@ def before_solving(config: Config, end_kPa: float = inf) -> tuple[str, ...]:
     return tuple(filter(None, (*of_pressures, *(rule(config) for rule in ON_DESIGN))))
 
 
-def initial_modulus(material: Material) -> float:
-    """Young's modulus at small strain, MPa."""
-    law = material.built()
-    return 2.0 * law.shear_modulus * (1.0 + law.poisson_ratio)
-
-
 def _load(config: Config) -> tuple[float, str]:
     """The largest pressure as p V_air / (E V_solid), and the beginning of a sentence about it."""
-    modulus, design, pressure = initial_modulus(config.material), config.design, config.pressures_kPa[-1]
+    modulus, design, pressure = config.material.built().young_modulus, config.design, config.pressures_kPa[-1]
     air = design.cavity_volume / design.solid_volume
     beginning = (
         f"{pressure:g} kPa on walls with a Young's modulus of {modulus:.3g} MPa and {air:.2g} times as much air as "

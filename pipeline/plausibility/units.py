@@ -4,7 +4,6 @@ from collections.abc import Callable, Iterator
 from math import hypot, isfinite
 
 from pipeline.config.config import Config, Material
-from pipeline.plausibility.before import initial_modulus
 from pipeline.simulation.scene import Scene
 
 #: kg/m^3, from foams to rubbers with heavy fillers; a region with a material of its own may be of metal, up to copper
@@ -132,7 +131,7 @@ def _forces(config: Config) -> Iterator[str]:
     """On the end in experiment III and in the loads that a user has given."""
     design = config.design
     length, height, width = design.extent
-    moduli = [initial_modulus(material) for material in (config.material, *config.materials.values())]
+    moduli = [material.built().young_modulus for material in (config.material, *config.materials.values())]
     stiff, soft = max(moduli), min(moduli)
     bends, pulls = stiff * width * height**3 / 12.0 / length**2, stiff * design.solid_volume / length
     softly = soft / stiff * bends  # a stiff region may be a thin part of the section

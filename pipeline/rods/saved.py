@@ -72,10 +72,9 @@ class SavedRod:
 
         constants = {name: value for name, value in self.material.items() if name not in ("law", "density_tonne_mm3")}
         try:
-            law = LAWS[self.material["law"]](**constants)
+            return LAWS[self.material["law"]](**constants).young_modulus
         except (KeyError, TypeError, ValueError) as failure:
             raise RodError(f"The material of the file is not a law with its constants: {failure}.") from None
-        return 2.0 * law.shear_modulus * (1.0 + law.poisson_ratio)
 
     @staticmethod
     def has_extensible(path: Path) -> bool:
