@@ -62,7 +62,7 @@ def export(
 ) -> None:
     """The identified rod as a file for another rod code, with the pressure as its input."""
     with errors_as_sentences():
-        from pipeline.rods.export import ExportOptions, exported, stretch_left_out
+        from pipeline.rods.export import ExportOptions, exported, left_out
 
         options = ExportOptions(pressure, law, out, smooth, extrapolate, force)
-        print_lines(*(f"written: {file}" for file in exported(folder, to, options)), *stretch_left_out(folder, options))
+        print_lines(*(f"written: {file}" for file in exported(folder, to, options)), *left_out(folder, to, options))

@@ -12,6 +12,7 @@ from pipeline.rods.saved import SavedRod, option_value
 from pipeline.store.result_folder import open_folder
 from rod import EXPORTS, Arm, RodError, export_arm
 from rod.export.formats import export_files
+from rod.export.tables import unloaded_distance
 
 #: the laws of a result folder that can be exported
 LAWS = ("five", "cell")
@@ -54,22 +55,33 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> list[P
         raise RunFailed(str(failure)) from None
 
 
-def stretch_left_out(folder: Path, options: ExportOptions) -> list[str]:
-    """A sentence on what the exported inextensible rod leaves out; none for a law or without an extensible rod.
+def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[str]:
+    """Sentences on what the exported rod leaves out: its stretch, and its shape without load; none for a law.
 
     Raises as `exported`.
     """
     path = folder / "parameters.json"
-    if _takes_law(folder, options) or not SavedRod.has_extensible(path):
+    if target is None or _takes_law(folder, options):
         return []
-    pair = [SavedRod.read(path, extensible=extensible) for extensible in (False, True)]
-    pressure = options.pressure or f"{pair[0].rods.pressures[-1]:.12g} kPa"
-    shown = options.pressure or f"{pair[0].rods.pressures[-1]:g} kPa"
-    ends = [saved.at(pressure, options.extrapolate).rod.solve().end for saved in pair]
-    return [
-        "The exported rod is inextensible (five). Without load its end is "
-        f"{math.dist(*ends):.3g} mm from that of the rod that stretches (five_extensible) at {shown}."
-    ]
+    saved = SavedRod.read(path, extensible=False)
+    pressure = options.pressure or f"{saved.rods.pressures[-1]:.12g} kPa"
+    shown = options.pressure or f"{saved.rods.pressures[-1]:g} kPa"
+    rod = saved.at(pressure, options.extrapolate).rod
+    sentences = []
+    if SavedRod.has_extensible(path):
+        stretching = SavedRod.read(path, extensible=True).at(pressure, options.extrapolate).rod
+        sentences.append(
+            "The exported rod is inextensible (five). Without load its end is "
+            f"{math.dist(rod.solve().end, stretching.solve().end):.3g} mm from that of the rod that stretches "
+            f"(five_extensible) at {shown}."
+        )
+    if not EXPORTS[target].has_kappa_0:
+        sentences.append(
+            "The file describes a loaded rod, with the rest curvature kappa_0 - m0/alpha. Without load its end is "
+            f"{unloaded_distance(rod):.3g} mm from that of the five parameters at {shown}; csv and json have kappa_0, "
+            "the curvature without load, too."
+        )
+    return sentences
 
 
 def _takes_law(folder: Path, options: ExportOptions) -> bool:

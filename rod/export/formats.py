@@ -25,12 +25,13 @@ class Format:
     write: Callable[[Arm, Path], None]
     one_pressure: bool = False  #: whether every pressure needs a file of its own
     beside: tuple[str, ...] = ()  #: suffixes of further files with the same name
+    has_kappa_0: bool = False  #: whether it has the shape without load beside the rest curvature of a loaded rod
 
 
 #: what `pneurod export --to` offers
 EXPORTS: dict[str, Format] = {
-    "csv": Format("rod_{}.csv", write_csv),
-    "json": Format("rod_{}.json", write_json),
+    "csv": Format("rod_{}.csv", write_csv, has_kappa_0=True),
+    "json": Format("rod_{}.json", write_json, has_kappa_0=True),
     "pyelastica": Format("rod_pyelastica_{}.py", write_pyelastica),
     "mujoco": Format("rod_mujoco_{}.xml", write_mujoco),
     "somo": Format("rod_somo_{}.yaml", write_somo, one_pressure=True, beside=(".urdf",)),
