@@ -30,6 +30,8 @@ from rod.mechanics.equilibrium import Rod
 STRETCHES = 0.005
 #: how far beyond the highest identified pressure a rod is extrapolated, over the range of identified pressures
 FARTHEST = 0.5
+#: where the numbers at an identified pressure come from
+IDENTIFIED = "identified"
 
 
 @final
@@ -122,6 +124,16 @@ class PressurisedRod:
         i, j, t = self._interval(pressure, extrapolate)
         t = min(max(t, 0.0), 1.0)
         return self.moment_ranges[i].between(self.moment_ranges[j], t) if self.moment_ranges else None
+
+    def origin_at(self, pressure: float) -> str:
+        """Where the numbers at a pressure (kPa) come from, in words. Raises `RodError` as `at` does on request."""
+        i, j, _ = self._interval(pressure, extrapolate=True)
+        p = self.pressures
+        if pressure in p:
+            return IDENTIFIED
+        if p[0] <= pressure <= p[-1]:
+            return f"interpolated between those identified at {p[i]:g} and {p[j]:g} kPa"
+        return f"extrapolated from those identified at {p[i]:g} and {p[j]:g} kPa"
 
     def _interval(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
         """Indices of the two pressures between which to interpolate, and the fraction of the interval between them."""

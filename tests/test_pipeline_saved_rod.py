@@ -117,6 +117,31 @@ def test_an_export_of_a_loaded_rod_says_where_its_unloaded_end_is(results: Path)
     assert stated > 0.5
 
 
+def test_numbers_that_were_not_identified_are_called_so(results: Path) -> None:
+    file = str(results / "parameters.json")
+    content = json.loads(Path(file).read_text())
+    names = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+    Path(file).write_text(json.dumps(content | {f"{name}_std": [0.1, 0.2] for name in names}))
+    between = "interpolated between those identified at 17 and 37 kPa"
+    beyond = ("--pressure", "40 kPa", "--extrapolate")
+    for options, origin in (
+        (("--pressure", "17 kPa"), "identified"),
+        (("--pressure", "27 kPa"), between),
+        (beyond, "extrapolated from those identified at 17 and 37 kPa"),
+    ):
+        code, out, _ = call("rod", file, *options)
+        assert code == 0
+        assert (origin in out) == (origin != "identified")
+        code, out, _ = call("export", str(results), "--to", "json", *options)
+        assert code == 0
+        assert (f"are {origin}." in out) == (origin != "identified")
+        table = json.loads((results / f"rod_{options[1].split()[0]}kPa.json").read_text())
+        assert table["origin"] == origin
+        assert ("alpha1_N_mm2_std" in table) == (origin == "identified")
+        assert call("export", str(results), "--to", "mujoco", *options)[0] == 0
+        assert f": {origin}; " in (results / f"rod_mujoco_{options[1].split()[0]}kPa.xml").read_text()
+
+
 def test_an_end_beyond_the_reach_of_a_rod_that_stretches_is_named(tmp_path: Path) -> None:
     file = tmp_path / "law.json"
     file.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(20.0)))))

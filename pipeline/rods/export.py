@@ -13,6 +13,7 @@ from pipeline.store.result_folder import open_folder
 from rod import EXPORTS, Arm, RodError, export_arm
 from rod.export.formats import export_files
 from rod.export.tables import unloaded_distance
+from rod.pressurised_rod import IDENTIFIED
 
 #: the laws of a result folder that can be exported
 LAWS = ("five", "cell")
@@ -56,7 +57,8 @@ def exported(folder: Path, target: str | None, options: ExportOptions) -> list[P
 
 
 def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[str]:
-    """Sentences on what the exported rod leaves out: its stretch, and its shape without load; none for a law.
+    """Sentences on numbers that are not identified ones, and on what the exported rod leaves out: its stretch and its
+    shape without load; none for a law.
 
     Raises as `exported`.
     """
@@ -66,8 +68,9 @@ def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[s
     saved = SavedRod.read(path, extensible=False)
     pressure = options.pressure or f"{saved.rods.pressures[-1]:.12g} kPa"
     shown = options.pressure or f"{saved.rods.pressures[-1]:g} kPa"
-    rod = saved.at(pressure, options.extrapolate).rod
-    sentences = []
+    selected = saved.at(pressure, options.extrapolate)
+    rod, origin = selected.rod, selected.origin
+    sentences = [] if origin == IDENTIFIED else [f"The numbers at {shown} are {origin}."]
     if SavedRod.has_extensible(path):
         stretching = SavedRod.read(path, extensible=True).at(pressure, options.extrapolate).rod
         sentences.append(
@@ -91,7 +94,7 @@ def _takes_law(folder: Path, options: ExportOptions) -> bool:
 
 def _arm(path: Path, options: ExportOptions) -> Arm:
     """The inextensible rod of a parameters.json: no format takes a stretch that follows the curvature."""
-    saved = SavedRod.read(path, extensible=False)
+    saved, origin = SavedRod.read(path, extensible=False), IDENTIFIED
     if options.pressure is None:
         pressures = tuple(float(pressure) for pressure in saved.rods.pressures)
         rods = tuple(saved.rods.at(pressure) for pressure in pressures)
@@ -102,10 +105,19 @@ def _arm(path: Path, options: ExportOptions) -> Arm:
             raise InputError(
                 f"--pressure {options.pressure}: is not exported; give one above 0 kPa, at which the arm is at rest"
             )
-        rods, deviations = (saved.at(options.pressure, options.extrapolate).rod,), {}
+        selected = saved.at(options.pressure, options.extrapolate)
+        rods, deviations, origin = (selected.rod,), saved.deviations_at(pressures[0]), selected.origin
     radius = None if saved.area_mm2 is None else math.sqrt(saved.area_mm2 / math.pi)
-    smooth = saved.smooth(pressures)
-    return Arm(pressures, rods, saved.mass_g, radius, saved.modulus_MPa, deviations=deviations, smooth=smooth)
+    return Arm(
+        pressures,
+        rods,
+        saved.mass_g,
+        radius,
+        saved.modulus_MPa,
+        origin=origin,
+        deviations=deviations,
+        smooth=saved.smooth(pressures),
+    )
 
 
 def _law_table(path: Path, target: str, into: Path, options: ExportOptions) -> Path:

@@ -23,7 +23,7 @@ from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_COLUMNS, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
-from rod.pressurised_rod import OutsidePressures, PressurisedRod
+from rod.pressurised_rod import IDENTIFIED, OutsidePressures, PressurisedRod
 from rod.solution import RodSolution
 
 
@@ -93,7 +93,13 @@ class SavedRod:
             raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
         except RodError as failure:
             raise InputError(f"--pressure {pressure}: {failure}") from None
-        return RodAtPressure(rod, self.rods.moment_range_at(value, extrapolate=extrapolate))
+        moments = self.rods.moment_range_at(value, extrapolate=extrapolate)
+        return RodAtPressure(rod, moments, self.rods.origin_at(value))
+
+    def deviations_at(self, pressure: float) -> Mapping[str, tuple[float, ...]]:
+        """The standard deviations at an identified pressure (kPa) by PARAMETER_NAMES; elsewhere they are not known."""
+        identified = np.flatnonzero(self.rods.pressures == pressure)
+        return {name: (values[k],) for name, values in self.deviations.items() for k in identified}
 
     def smooth(self, pressures: Sequence[float]) -> tuple[Array, ...]:
         """Columns (m, 2) of s and the averaged kappa_0 at pressures (kPa), straight lines between; empty without it."""
@@ -136,6 +142,7 @@ class RodAtPressure:
 
     rod: Rod
     moment_range: MomentRange | None  #: of the identification, None where the file has none
+    origin: str = IDENTIFIED  #: where the five parameters at this pressure come from
 
     @property
     def description(self) -> str:
@@ -143,8 +150,10 @@ class RodAtPressure:
         if isinstance(self.rod.law, LawRod):
             return f"{ARM_LAW}: the arm's own law"
         if self.rod.extension is None:
-            return f"{FIVE}: five parameters, inextensible"
-        return f"{EXTENSIBLE}: five parameters of the key eccentricity, with the stretch of the curve"
+            which = f"{FIVE}: five parameters, inextensible"
+        else:
+            which = f"{EXTENSIBLE}: five parameters of the key eccentricity, with the stretch of the curve"
+        return which if self.origin == IDENTIFIED else f"{which}; {self.origin}"
 
     def warning(self, shape: RodSolution) -> str:
         """A sentence where the moments of a shape leave the range of the identification; empty elsewhere."""

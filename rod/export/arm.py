@@ -9,6 +9,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.law import RodError
 from rod.mechanics.equilibrium import Rod
+from rod.pressurised_rod import IDENTIFIED
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class Arm:
     )  #: mm, of a round section of about the arm's area: it only sets how stiff stretch and shear are
     modulus: float = 1.2  #: MPa, for stretch and shear
     elements: int = 60  #: pieces of the chain
+    origin: str = IDENTIFIED  #: where the numbers at these pressures come from
     #: standard deviations by PARAMETER_NAMES, one per pressure; empty: not known
     deviations: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     smooth: tuple[Array, ...] = ()  #: (m, 2) columns s and kappa_0 averaged over a cell, per pressure; empty: not known

@@ -55,7 +55,8 @@ def write_mujoco(arm: Arm, path: Path) -> None:
         )
     path.write_text(
         '<mujoco model="pneurod">\n'
-        f"<!-- identified at {', '.join(f'{p:g} kPa' for p in arm.pressures)}; data.ctrl[:] = pressure in kPa -->\n"
+        f"<!-- numbers at {', '.join(f'{p:g} kPa' for p in arm.pressures)}: {arm.origin}; "
+        "data.ctrl[:] = pressure in kPa -->\n"
         '<compiler angle="radian"/>\n'
         '<option timestep="0.0005" integrator="implicitfast" gravity="0 0 0"><flag contact="disable"/></option>\n'
         f"<custom>\n{_numerics(arm)}</custom>\n"

@@ -22,6 +22,7 @@ def write_pyelastica(arm: Arm, path: Path) -> None:
     cuts = [joints(rod, edges) for rod in arm.rods]
     content: dict[str, object] = {
         "pressures_kPa": list(arm.pressures),
+        "origin": arm.origin,
         "elements": arm.elements,
         "length": 1e-3 * arm.length,
         "radius": radius,
@@ -57,7 +58,7 @@ ROD = @ROD@
 def spring(pressure_kPa):
     """Bending stiffness (N m2) and rest curvature (1/m) at the inner nodes, and the angle of the clamp (rad).
 
-    Between the identified pressures the moment is interpolated linearly; without pressure the arm is straight.
+    Between the pressures of ROD the moment is interpolated linearly; without pressure the arm is straight.
     """
     known = [0.0, *ROD["pressures_kPa"]]
     if not 0.0 <= pressure_kPa <= known[-1]:

@@ -88,6 +88,7 @@ def write_json(arm: Arm, path: Path) -> None:
         "length_mm": arm.length,
         "mass_g": arm.mass,
         "pressures_kPa": list(arm.pressures),
+        "origin": arm.origin,
         "theta0_rad": [rod.theta0 for rod in arm.rods],
     }
     for name, column in PARAMETER_COLUMNS.items():
