@@ -147,6 +147,17 @@ def test_exchanged_columns_are_named(tmp_path: Path) -> None:
     assert notes(tmp_path, UP, stress, "strain (%),stress (MPa)") == ()  # another mistake
 
 
+def test_stretches_in_a_column_of_strains_are_named(tmp_path: Path) -> None:
+    stretch = np.linspace(1.0, 3.0, 21)
+    stress = 0.2 * (stretch - stretch**-2)
+    (note,) = notes(tmp_path, stretch, stress)
+    assert "column 'strain (1)' begins at a strain of 100 % with a stress of 0 MPa" in note
+    assert note.endswith("if these are stretches, call the column 'stretch (1)'")
+    assert notes(tmp_path, stretch, stress, "stretch (1),stress (MPa)") == ()
+    from_one = np.linspace(2.0, 7.0, 21)  # measured beyond a strain of 1 only
+    assert notes(tmp_path, from_one - 1, 0.2 * (from_one - from_one**-2)) == ()
+
+
 def test_several_tests_in_one_file_and_in_several(tmp_path: Path) -> None:
     rows = [
         f"{name},{e},{share * s}"

@@ -23,8 +23,17 @@ SMALLEST_STRAIN, LARGEST_STRAIN = 0.02, 15.0
 
 #: largest strain of the points that tell the stress at rest, and the strain at which the stress is compared with it
 STRAIN_NEAR_REST, COMPARED_STRAIN = 0.5, 0.1
+#: the least strain of a column that has stretches, and the stress there over the largest one; a rubber that is measured
+#: from a strain of 1 to one of 6 has a third
+STRETCH_AT_REST, STRESS_AT_REST = (0.95, 1.05), 0.1
 #: standard errors from which a stress at rest is none of chance
 CERTAIN = 4.0
+
+
+def are_stretches(least_strain: float, stress: float, largest_stress: float) -> bool:
+    """Whether values called strains are more likely stretches: the least of them is 1 and has hardly any stress."""
+    low, high = STRETCH_AT_REST
+    return low <= least_strain <= high and abs(stress) <= STRESS_AT_REST * largest_stress
 
 
 def goes_back(strain: Array) -> int | None:

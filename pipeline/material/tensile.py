@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.errors import InputError
-from pipeline.material.doubts import SMALLEST_STRAIN, breaks_after, goes_back, usual
+from pipeline.material.doubts import SMALLEST_STRAIN, are_stretches, breaks_after, goes_back, usual
 from pipeline.material.table import Table, number_of, read_table
 
 #: smallest number of points of a test: three constants at most, and residuals that show the scatter
@@ -82,8 +82,8 @@ def _tests(path: Path, alone: bool) -> Iterator[TensileTest]:
         points.setdefault(name, []).append(point)
     if not points:
         raise InputError(f"{path}: has a header and no points under it; give at least {MIN_POINTS}")
-    swapped = _swapped(table, [point for group in points.values() for point in group])
-    notes = (f"{path}: {swapped}",) if swapped else ()
+    every = [point for group in points.values() for point in group]
+    notes = tuple(f"{path}: {doubt}" for doubt in (_swapped(table, every), _stretches(table, every)) if doubt)
     for name, group in points.items():
         label = name if alone and name else f"{path.stem} {name}".strip()
         yield _test(f"{path}: test '{label}'", label, group, notes)
@@ -131,6 +131,20 @@ def _swapped(table: Table, points: Sequence[_Point]) -> str:
     return (
         f"strains reach {100 * strain:.3g} % and stresses {stress:.3g} MPa: are the columns "
         f"'{columns.titles[columns.strain]}' and '{columns.titles[columns.stress]}' swapped?"
+    )
+
+
+def _stretches(table: Table, points: Sequence[_Point]) -> str:
+    """The question whether strains are stretches, where the least of them is 1 with hardly any stress; else empty."""
+    columns = table.columns
+    first = min(points, key=lambda point: point.stretch)
+    largest = max(abs(point.stress) for point in points)
+    if columns.rest or not are_stretches(first.stretch - 1, first.stress, largest):
+        return ""
+    return (
+        f"column '{columns.titles[columns.strain]}' begins at a strain of {100 * (first.stretch - 1):.4g} % with a "
+        f"stress of {first.stress:.3g} MPa, of {largest:.3g} MPa at most: if these are stretches, call the column "
+        "'stretch (1)'"
     )
 
 
