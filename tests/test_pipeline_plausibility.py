@@ -90,6 +90,7 @@ def test_pressures_that_are_suggested_lie_below_the_lowest_end_of_an_experiment(
     assert (without == sentences) == (end == 1e3)
 
 
+LAYER = "effects.strain_limiting_layer={state: on, %s}"
 STEEL = "materials={base: {law: svk, E: 200 GPa, nu: 0.3, density: 7850 %s}}"
 
 
@@ -101,6 +102,14 @@ STEEL = "materials={base: {law: svk, E: 200 GPa, nu: 0.3, density: 7850 %s}}"
         ("material.density=1070 g/cm^3", "perhaps 1070 kg/m^3 is meant"),
         ("material.density=5 kg/m^3", "5 kg/m^3, and rubbers and foams have 20 to 3000 kg/m^3; check its unit"),
         (STEEL % "g/cm^3", "materials.base.density is 7.85e+06 kg/m^3, and foams, rubbers and metals"),
+        (
+            STEEL.replace("200 GPa", "200 TPa") % "kg/m^3",
+            "materials.base: Young's modulus is 2e+08 MPa, and foams, rubbers, papers and metals have 0.001 to",
+        ),
+        (LAYER % "E: 6500 GPa", "effects.strain_limiting_layer: Young's modulus is 6.5e+06 MPa"),
+        (LAYER % "E: 6.5 kPa", "Young's modulus is 0.0065 MPa, less than that of the arm, 1.2 MPa, so"),
+        (LAYER % "thickness: 10 mm", "strain_limiting_layer.thickness is 10 mm, and the arm is"),
+        (LAYER % "thickness: 0.1 um", "strain_limiting_layer.thickness is 0.0001 mm, and the arm is"),
         ("end.y=20 cm", "end.y moves the end by 200 mm, 1.8 times the length of the arm, and an arm that is bent"),
         ("end.y=-20 um", "end.y moves the end by -0.02 mm, 0.00018 times the length of the arm, which is hardly"),
         ("validation={end_y: [5 mm, 1 m]}", "validation.end_y moves the end by 1000 mm, 8.9 times the length"),
@@ -120,6 +129,7 @@ def test_numbers_in_another_unit_are_named(setting: str, sentence: str) -> None:
     "setting",
     [
         *("material.density=30 kg/m^3", "material.density=2.5 g/cm^3", "material={law: svk, E: 1.2 MPa, nu: 0.495}"),
+        *(LAYER % "thickness: 0.3 mm", LAYER % "E: 200 GPa"),
         *("end.y=30 mm", "end.y=-60 mm", "end={x: 0.175 N, y: 0.07 N}", "end={x: 5 N}", "validation=off"),
         *("validation={forces: [[0 N, 0.01 N]], end_y: [0.2 mm]}", STEEL % "kg/m^3"),
     ],

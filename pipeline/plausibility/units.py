@@ -21,6 +21,10 @@ LARGEST_PULL = 0.5
 #: activation distance of contact over the smallest gap: errors of kappa_0 are 1 % with 0.02, 4 % with 0.08
 #: (docs/accuracy.md), and 0.0025 is the smallest with which an arm was solved
 LARGEST_PART, SMALLEST_PART = 0.1, 1e-3
+#: MPa, Young's moduli of foams and of tool steel
+SOFTEST, STIFFEST = 1e-3, 3e5
+#: thickness of a strain-limiting layer over the height of the arm, and the smallest one, mm
+LARGEST_LAYER, THINNEST_LAYER = 0.1, 1e-3
 #: Poisson ratio below which a bulk modulus is likely in another unit than the shear modulus
 LEAST_POISSON = 0.2
 #: m/s2, of gravity
@@ -83,6 +87,35 @@ def _poisson_ratios(config: Config) -> Iterator[str]:
                 f"{key}: its bulk and shear moduli mean a Poisson ratio of {ratio:.2g}, and rubbers have 0.45 to "
                 "0.4999; check the unit of kappa (kPa, MPa), or give nu: 0.495 instead"
             )
+
+
+def _moduli(config: Config) -> Iterator[str]:
+    """Of regions of another material and of the layer; that of the arm is compared with its pressures."""
+    moduli = {f"materials.{name}": material.built().young_modulus for name, material in config.materials.items()}
+    layer = config.effects.strain_limiting_layer
+    if layer.on:
+        moduli["effects.strain_limiting_layer"] = layer.E_MPa
+    for key, modulus in moduli.items():
+        if not SOFTEST <= modulus <= STIFFEST:
+            yield (
+                f"{key}: Young's modulus is {modulus:.3g} MPa, and foams, rubbers, papers and metals have "
+                f"{SOFTEST:g} to {STIFFEST:g} MPa; check its unit (kPa, MPa, GPa)"
+            )
+    rubber = config.material.built().young_modulus
+    if layer.on and SOFTEST <= layer.E_MPa < rubber:
+        yield (
+            f"effects.strain_limiting_layer: Young's modulus is {layer.E_MPa:.3g} MPa, less than that of the arm, "
+            f"{rubber:.3g} MPa, so that it limits no strain; check its unit (MPa, GPa)"
+        )
+
+
+def _layer(config: Config) -> Iterator[str]:
+    layer, height = config.effects.strain_limiting_layer, config.design.extent[1]
+    if layer.on and not THINNEST_LAYER <= layer.thickness_mm <= LARGEST_LAYER * height:
+        yield (
+            f"effects.strain_limiting_layer.thickness is {layer.thickness_mm:g} mm, and the arm is {height:.3g} mm "
+            "high; the layer is a sheet without bending stiffness, such as 0.1 mm of paper: check its unit (mm, um)"
+        )
 
 
 def _fractions(config: Config) -> Iterator[str]:
@@ -155,6 +188,8 @@ def _forces(config: Config) -> Iterator[str]:
 RULES: tuple[Callable[[Config], Iterator[str]], ...] = (
     _densities,
     _poisson_ratios,
+    _moduli,
+    _layer,
     _fractions,
     _gravity,
     _heights,

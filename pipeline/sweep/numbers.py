@@ -6,6 +6,7 @@ import numpy as np
 
 from pipeline.cell.build import MeasuredLaw
 from pipeline.config.config import Config
+from pipeline.identification.mesh_error import RELATIVE
 from pipeline.identification.parameters import Parameters
 from pipeline.run_report import RunReport
 from pipeline.simulation.outcome import Outcomes, Record
@@ -16,11 +17,11 @@ from rod.arm_law.curves import CellCurve
 
 #: the numbers of a point at one pressure by column
 Row = dict[str, Json]
-#: columns of the five parameters
 
 
 def rows_of_run(report: RunReport) -> list[Row]:
-    """Experiments, five parameters, how far the rods are from the finite elements, and the cell without moment."""
+    """Experiments, five parameters with the error of the mesh, how far the rods are from the finite elements, the cell
+    without moment, and the notes on the design and its results, which are the same at every pressure."""
     outcomes, pitch = report.outcomes, report.config.design.pitch
     pressures = sorted({record.pressure_kPa for record in outcomes.records} | set(report.config.pressures_kPa))
     rows = {pressure: {**_arm(report.config), "pressure_kPa": pressure} for pressure in pressures}
@@ -30,6 +31,7 @@ def rows_of_run(report: RunReport) -> list[Row]:
             if parameters.pressure_kPa == pressure:
                 row |= _five(parameters)
         row |= _errors(c for c in report.comparisons if c.state.in_sample and c.record.pressure_kPa == pressure)
+        row["notes"] = "; ".join(report.remarks)
     return _merged(list(rows.values()), rows_of_law(report.config, report.arm.measured))
 
 
@@ -102,7 +104,8 @@ def _five(parameters: Parameters) -> Row:
     for name, column in PARAMETER_COLUMNS.items():
         number = parameters.numbers[name]
         row |= {column: number.value, f"{column}_std": number.std}
-    return {**row, "two_lines": bool(parameters.two_lines)}
+    errors: Row = {f"{name}_mesh_error": parameters.mesh_errors.get(name) for name in RELATIVE}
+    return {**row, "two_lines": bool(parameters.two_lines), **errors}
 
 
 def _errors(comparisons: Iterable[Comparison]) -> Row:
