@@ -37,9 +37,9 @@ class MeasuredLaw:
     half_cells: int  #: in each end piece
     added_kPa: tuple[float, ...]  #: pressures that are none of the configuration
     error_along: float  #: of the curvature between two moments of a curve, over the largest curvature of the law
-    error_between: float  #: of the curvature between two pressures, where it was checked; over the same
+    error_between: float | None  #: of the curvature between two pressures where it was checked; None: nowhere
     error_along_clamp: float  #: of the rotation of the clamped end between two moments, rad
-    error_ends: float  #: of the arm's end by cells that the end pieces still disturb, over the length
+    error_ends: float | None  #: of the arm's end by cells that the end pieces still disturb, over it; None: not known
     mesh_error: MeshError  #: of the cell
     limits: tuple[str, ...]  #: sentences: where the law ends before the loads that it was made for, and why
     failures: tuple[str, ...]  #: sentences: pressures that the pieces do not bear
@@ -79,7 +79,8 @@ class _Builder:
         self.errors_above: dict[tuple[float, float], tuple[float, ...]] = {}
         self.not_borne: set[float] = set()  #: kPa, between those of the configuration
         self.bends: dict[float, Bend] = {}  #: by pressure, kPa
-        self.error_between = 0.0
+        self.error_between: float | None = None
+        self.unchecked: set[tuple[float, float]] = set()  #: intervals of pressures, kPa, that could not be checked
         self.error_along_clamp = 0.0
         self.unknowns: dict[str, Pending[int]] = {}  #: displacement components by piece
 
@@ -210,7 +211,8 @@ class _Builder:
         allowed = BETWEEN * max(float(np.abs(cell.curve.kappa).max()) for cell in cells)
         while True:
             errors = self._errors_between(cells)
-            self.error_between = max(errors.values()) / allowed * BETWEEN
+            checked = [errors[lower, upper] for lower, upper in errors if _interval(lower, upper) not in self.unchecked]
+            self.error_between = max(checked) / allowed * BETWEEN if checked else None
             worst = sorted((pair for pair in errors if errors[pair] > allowed), key=lambda pair: -errors[pair])
             middles = [middle for lower, upper in worst if (middle := self._divided(lower, upper, allowed))]
             more = sorted(p for p in middles[: MOST_ADDED - len(added)] if p not in self.not_borne)
@@ -223,7 +225,7 @@ class _Builder:
                 else:
                     added.append(pressure)
                     cells = sorted([*cells, cell], key=lambda measured: measured.curve.pressure)
-        if self.error_between > BETWEEN:
+        if self.error_between is not None and self.error_between > BETWEEN:
             self.limits.append(
                 f"between two pressures the curvature is interpolated to {100 * self.error_between:.2g} % of the "
                 f"largest one; at most {MOST_ADDED} pressures are added, and none where that does not help"
@@ -247,7 +249,7 @@ class _Builder:
 
         Zero, and a sentence among the limits, where it cannot be found.
         """
-        neighbours = [(lower, upper, (lower.curve.pressure, upper.curve.pressure)) for lower, upper in pairwise(cells)]
+        neighbours = [(lower, upper, _interval(lower, upper)) for lower, upper in pairwise(cells)]
         pending = {
             pair: self.tasks.submit(tasks.between, lower.curve, upper.curve)
             for lower, upper, pair in neighbours
@@ -263,6 +265,7 @@ class _Builder:
         except (PieceFailed, RodError) as failure:
             reason = str(failure).rstrip(".")
             self.limits.append(f"the interpolation at {0.5 * sum(pair):g} kPa could not be checked: {reason}")
+            self.unchecked.add(pair)
             return 0.0
         self._count("between", deviation)
         return deviation.curve.kappa
@@ -292,6 +295,11 @@ class _Builder:
     def _count(self, part: str, measured: Measured[Any]) -> None:
         self.factorizations[part] += measured.factorizations
         self.seconds[part] += measured.seconds
+
+
+def _interval(lower: Measured[CellCurve], upper: Measured[CellCurve]) -> tuple[float, float]:
+    """The pressures of two cells, kPa."""
+    return lower.curve.pressure, upper.curve.pressure
 
 
 def _error_along(cells: Sequence[Measured[CellCurve]]) -> float:

@@ -22,7 +22,7 @@ class Decayed(NamedTuple):
     """The end pieces in which the disturbance has decayed."""
 
     half_cells: int  #: in each of them
-    error: float  #: of the arm's end by cells that they still disturb, over the length
+    error: float | None  #: of the arm's end by cells that they still disturb, over the length; None: not known
     limit: str  #: a sentence where it could not be seen, or has not decayed; empty otherwise
 
 
@@ -44,28 +44,30 @@ class Decay:
 
     def decided(self) -> Decayed:
         """So many half cells that two more change the arm's end by less than DECAY. Raises `NoArmLaw`."""
-        available, error = self.pieces.repetition.half_cells, 0.0
+        available, failure = self.pieces.repetition.half_cells, ""
+        compared: tuple[int, float] | None = None  # half cells and error of the last pair that was solved
         for half_cells in range(1, available // 2 + 1, 2):
             if half_cells + 2 > available:
-                return Decayed(half_cells, error, "the arm is too short to see how far its ends disturb the cells")
+                return Decayed(half_cells, None, "the arm is too short to see how far its ends disturb the cells")
             self.begin(half_cells)
             try:
                 shorter, longer = (self._pending[k].result().curve for k in (half_cells, half_cells + 2))
-            except PieceFailed:  # reported with the ends
-                return Decayed(half_cells, error, "")
+            except PieceFailed as failed:  # longer ones may have an equilibrium
+                failure = str(failed).rstrip(".")
+                continue
             error = difference(shorter, longer, self.cell, self.pieces.design.length)
             if error <= DECAY:
                 return Decayed(half_cells, error, "")
+            compared, failure = (half_cells, error), ""
+        if compared is None:
+            return Decayed(half_cells, None, f"how far the ends of the arm disturb its cells is not known: {failure}")
+        half_cells, error = compared
+        pair = f"end pieces of {half_cells} and {half_cells + 2} half cells"
+        differ = f"{pair} differ by {100 * error:.2g} % of the length"
         if error > NOT_DECAYED:
-            raise NoArmLaw(
-                f"the two ends disturb all cells of the arm: end pieces of {half_cells} and {half_cells + 2} half "
-                f"cells differ by {100 * error:.2g} % of the length at its end"
-            )
-        limit = (
-            f"end pieces of {half_cells} and {half_cells + 2} half cells differ by {100 * error:.2g} % of the length "
-            "at the end of the arm, which has no room for longer ones"
-        )
-        return Decayed(half_cells, error, limit)
+            raise NoArmLaw(f"the two ends disturb all cells of the arm: {differ} at its end")
+        why = f"longer ones were not solved ({failure})" if failure else "which has no room for longer ones"
+        return Decayed(half_cells, error, f"{differ} at the end of the arm{';' if failure else ','} {why}")
 
 
 def difference(first: ClampCurve, second: ClampCurve, cell: CellCurve, length: float) -> float:

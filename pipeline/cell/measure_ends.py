@@ -61,6 +61,8 @@ def clamp_curve(piece: BendingPiece, cell: CellCurve) -> MeasuredClamp:
     limits: list[str] = []
     behind, ahead = (_followed(piece, cell, first, moment, limits) for moment in (lowest, last))
     points = [*reversed(behind), first, *ahead]
+    if len(points) < 2:
+        raise PieceFailed(limits[0] if limits else f"the clamped end has one state at {cell.pressure:.4g} kPa only")
     error = _refine(piece, cell, points)
     return MeasuredClamp(_curve(piece, cell, points), tuple(limits), error)
 

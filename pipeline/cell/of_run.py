@@ -98,10 +98,14 @@ def _law(choice: str, pieces: ArmPieces, context: RunContext, highest_kPa: Calla
     except (NoArmLaw, InputError, RunFailed) as failure:
         return _none(choice, failure)
     law = measured.law
+    between = "between pressures the curvature is interpolated"
+    if measured.error_between is None:
+        between += ", which could not be checked"
+    else:
+        between += f" to {100 * measured.error_between:.2g} % of the largest one"
     reason = (
         f"moment, stretch and rigidities of one cell from {law.pressures[0]:g} to {law.pressures[-1]:g} kPa, "
-        f"and of both ends; nothing is fitted to the arm as a whole; between pressures the curvature is interpolated "
-        f"to {100 * measured.error_between:.2g} % of the largest one"
+        f"and of both ends; nothing is fitted to the arm as a whole; {between}"
     )
     remarks = "; ".join((*measured.failures, *measured.limits))
     failures = measured.failures if choice == "cell" else ()

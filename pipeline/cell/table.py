@@ -66,7 +66,8 @@ def law_sentences(report: LawReport) -> list[str]:
             f", of which {_list(measured.added_kPa)} kPa were added for the interpolation" if measured.added_kPa else ""
         ),
         f"interpolated curvature: within {100 * measured.error_along:.2g} % of the largest one along a curve, "
-        f"{100 * measured.error_between:.2g} % between pressures",
+        + ("not checked" if measured.error_between is None else f"{100 * measured.error_between:.2g} %")
+        + " between pressures",
     ]
     for i, pressure in enumerate(error.pressures_kPa):
         kappa_0, rigidity, moment = (error.deviations[name][i] for name in NUMBERS)

@@ -45,6 +45,7 @@ class ArmLaw:
     def at(self, pressure: float, length: float | None = None) -> "LawRod":
         """The rod at a pressure in kPa, of the arm's length or another one that is made of the same cells (mm).
 
+        A body with cells has lengths that differ from the arm's by whole cells; that is not checked here.
         Raises `RodError` for a pressure outside those of the law and a length without room for both ends.
         """
         pressure = finite(pressure, "The pressure in kPa")
