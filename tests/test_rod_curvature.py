@@ -157,6 +157,17 @@ def test_standard_deviation_of_cell_averages_is_calibrated():
     assert np.std(errors) == pytest.approx(1.0, abs=0.15)
 
 
+def test_ends_that_bend_quickly_do_not_widen_the_deviation_of_cell_averages_elsewhere():
+    quiet, disturbed = arc(0.02, noise=1e-4, seed=3), arc(0.02, noise=1e-4, seed=3)
+    s = disturbed.s - disturbed.s[0]
+    disturbed = dataclasses.replace(disturbed, y=disturbed.y + 0.5 * np.exp(-((s / PITCH) ** 2) * 16.0))
+    alone, beside = (cell_averaged(curve, PITCH) for curve in (quiet, disturbed))
+    inside = (alone.s > 3 * PITCH) & (alone.s < alone.length - 3 * PITCH)
+    np.testing.assert_allclose(beside.kappa_std[inside], alone.kappa_std[inside], rtol=1e-9)
+    assert beside.kappa_std[0] > 5 * alone.kappa_std[0]
+    assert np.sqrt(np.diag(beside.covariance))[inside].mean() > 2 * beside.kappa_std[inside].mean()
+
+
 def test_the_length_scale_keeps_the_rule_and_is_shared():
     free, loaded, _ = SyntheticArm(LAW, ripple=0.3).curves()
     smoothing = shared_smoothing([free, loaded], PITCH)

@@ -16,6 +16,7 @@ import numpy as np
 
 from geometry import Centreline
 from geometry.arrays import Array
+from rod.curves.uncertainty import local_deviation
 from rod.law import RodError
 from rod.load import Load
 
@@ -58,8 +59,13 @@ class Curvature:
 
     @property
     def kappa_std(self) -> Array:
-        """(n,) 1/mm, standard deviation of kappa."""
-        return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        """(n,) 1/mm, standard deviation of kappa; of white noise that from the roughness within a pitch.
+
+        The curvature changes quickly at both ends, so that the noise of the whole curve is too large elsewhere.
+        """
+        if self.response is None:
+            return np.sqrt(np.maximum(np.diag(self.covariance), 0.0))
+        return local_deviation(self.response, self.kappa, self.s, self.pitch)
 
 
 @dataclass(frozen=True)

@@ -49,10 +49,27 @@ def white_noise(response: Array, kappa: Array) -> Array:
     The variance of the noise is that which explains the third differences of kappa along the curve, to which a smooth
     curvature contributes next to nothing.
     """
-    differences = np.diff(np.eye(len(kappa)), 3, axis=0)
-    rough = differences @ kappa
-    variance = float(rough @ rough) / float(np.sum((differences @ response) ** 2))
+    rough, expected = _roughness(response, kappa)
+    variance = float(np.sum(rough)) / float(np.sum(expected))
     return variance * response @ response.T
+
+
+def local_deviation(response: Array, kappa: Array, s: Array, pitch: float) -> Array:
+    """(n,) standard deviation of kappa at s (n,) mm from noise as in `white_noise` that differs along the curve: at
+    each point that which explains the third differences within half a pitch."""
+    rough, expected = _roughness(response, kappa)
+    middle = 0.5 * (s[1:-2] + s[2:-1])
+    distance = np.abs(s[:, None] - middle[None, :])
+    reach = np.maximum(0.5 * pitch, distance.min(axis=1))  # beyond the outermost differences the nearest one
+    near = distance <= reach[:, None]
+    variance = (near @ rough) / (near @ expected)
+    return np.sqrt(variance * np.sum(response**2, axis=1))
+
+
+def _roughness(response: Array, kappa: Array) -> tuple[Array, Array]:
+    """(n - 3,) squares of the third differences of kappa, and what they are in the mean for noise of variance one."""
+    differences = np.diff(np.eye(len(kappa)), 3, axis=0)
+    return (differences @ kappa) ** 2, np.sum((differences @ response) ** 2, axis=1)
 
 
 def misfit_correlation(pitch: float, s: Array) -> Array:
