@@ -78,3 +78,14 @@ def test_predictions_from_both_sides_agree_where_the_law_is_known_and_differ_whe
     )
     assert exact < 1e-5
     assert wrong > 1e-3
+
+
+def test_rigidities_between_two_pressures_are_near_those_of_the_curves() -> None:
+    """Kinks that nearly meet the end of the curves: lines that belong to other states cross there."""
+    first, second = curve(0.0, 0.019, -5e-4), curve(20.0, -0.02, 2e-3)
+    for pressure in np.linspace(0.5, 19.5, 39):
+        law = section_at((first, second), pressure)
+        rigidity = 1.0 / law.kappa_slope
+        assert rigidity.min() > 0.7 * SOFT
+        assert rigidity.max() < 1.3 * STIFF
+        assert law.stretch_slope / law.kappa_slope == pytest.approx(1.5, rel=0.26)

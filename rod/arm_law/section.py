@@ -21,6 +21,9 @@ Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)
 
 #: moments of the table
 POINTS = 257
+#: how far rigidity and dstretch/dkappa between two pressures may lie beyond those of the states that are joined, over
+#: the larger one: where walls meet the joined lines may cross, and their derivatives by the moment tell nothing there
+BEYOND = 0.25
 #: moments of the clamped end between two pressures
 CLAMP_POINTS = 65
 #: of a tip, interpolated between pressures
@@ -59,23 +62,31 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
     first, second = curves[lower], curves[upper]
     pairs = joined(first, second, pressure)
     moment = np.linspace(pairs.moment[0], pairs.moment[-1], POINTS)
-    values = {
-        name: cubic(pairs.moment, column, np.gradient(column, pairs.moment, edge_order=2), moment)
-        for name, column in (("kappa", pairs.kappa), ("stretch", pairs.stretch))
-    }
-    slopes = {name: np.gradient(column, moment, edge_order=2) for name, column in values.items()}
+    kappa, stretch = (
+        (pairs.moment, column, monotone_slopes(pairs.moment, column)) for column in (pairs.kappa, pairs.stretch)
+    )
+
+    sides = (pairs.first, first), (pairs.second, second)
 
     def straight(name: str) -> Array:
         column = pairs.straight((getattr(first, name), getattr(second, name)), (first.moment, second.moment))
         return columns(moment, pairs.moment, column)
 
+    def near(name: str, values: Array) -> Array:
+        """Values (n,) no farther from those of both curves than `BEYOND` of the larger one."""
+        ends = [columns(moment, pairs.moment, columns(at, curve.moment, getattr(curve, name))) for at, curve in sides]
+        margin = BEYOND * np.max(np.abs(ends), axis=0)
+        return np.clip(values, np.min(ends, axis=0) - margin, np.max(ends, axis=0) + margin)
+
+    with np.errstate(divide="ignore"):
+        kappa_slope = 1.0 / near("rigidity", 1.0 / cubic_slope(*kappa, moment))
     return SectionLaw(
         pressure,
         moment,
-        values["kappa"],
-        slopes["kappa"],
-        values["stretch"],
-        slopes["stretch"],
+        cubic(*kappa, moment),
+        kappa_slope,
+        cubic(*stretch, moment),
+        kappa_slope * near("stretch_by_kappa", cubic_slope(*stretch, moment) / kappa_slope),
         straight("axial_rigidity"),
         straight("shear_rigidity"),
         first.s,
