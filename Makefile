@@ -83,6 +83,8 @@ foreign: $(READY)  ## bodies from files of other programs, run from file to repo
 scaling: $(READY)  ## arms of 7, 11 and 20 cells from one parameterization, against their own finite elements
 	@$(BIN)/python benchmarks/scaling.py
 
+# one process per core; with more threads of the linear algebra they wait for each other, and take three times as long
+test: export OMP_NUM_THREADS := 1
 test: $(READY)  ## all tests but the slow ones
 	@# a test that hangs fails after a quarter of an hour, with the lines it stands at; the longest takes a minute
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --timeout 900 --durations 15
