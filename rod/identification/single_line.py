@@ -33,7 +33,7 @@ class LineFit:
 
     alpha: Interval  #: N mm2
     m0: Interval  #: N mm
-    r2: float  #: fraction of the variance of Delta that is explained
+    r2: float  #: fraction of the variance of Delta that is explained, with the ripple within the cells
 
 
 def single_line(observed: Observed, bootstrap: Bootstrap) -> LineFit:

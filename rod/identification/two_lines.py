@@ -46,7 +46,7 @@ CLEAR = 6.0
 class Identification(ParameterEstimate):
     """The five parameters by regression, and whether a single line suffices."""
 
-    r2: float  #: fraction of the variance of Delta that the two lines explain
+    r2: float  #: fraction of the variance of Delta that the two lines explain, with the ripple within the cells
     single_line: LineFit
     observations: float  #: effective number of independent observations
     criterion_two_lines: float  #: Bayesian information criterion; the smaller one wins
