@@ -15,6 +15,7 @@ from pipeline.errors import InputError
 from pipeline.report.verdict import Verdict
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
 from rod.checked import finite
+from rod.export.tables import unloaded_distance
 from rod.solution import RodSolution
 
 
@@ -170,14 +171,15 @@ class Results:
     def warning(
         self, pressure_kPa: float, shape: RodSolution, *, extensible: bool | None = None, extrapolate: bool = False
     ) -> str:
-        """One sentence where the moments of a shape of the rod leave those of its identification; else empty.
+        """What to know where the moments of a shape of the rod leave those of its identification; else empty.
 
         shape: from `rod(...).solve(...)` with the same other arguments. Raises as `rod`.
         """
         rods = self._rods(extensible)
         with _told():
             moments = rods.moment_range_at(pressure_kPa, extrapolate=extrapolate)
-        return moments.warning(shape) if moments else ""
+            rod = rods.at(pressure_kPa, extrapolate=extrapolate)
+        return moments.warning(shape, unloaded_distance(rod)) if moments else ""
 
     def _rods(self, extensible: bool | None) -> PressurisedRod:
         if not self.rods:

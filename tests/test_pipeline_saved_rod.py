@@ -1,6 +1,7 @@
 """The rod of a parameters.json from the command line: shapes under loads, exports, one sentence for wrong input."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -62,6 +63,13 @@ def test_a_load_beyond_the_identified_moments_gets_a_warning(results: Path) -> N
     code, out, _ = call("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.1 N]")
     assert code == 0
     assert "The moment leaves the 0.2 to 3 N mm" in out
+    tiny = call("rod", str(file), "--pressure", "17 kPa", "--force", "[0 N, 0.001 mN]")[1]
+    none = call("rod", str(file), "--pressure", "17 kPa")[1]
+    ends = [np.array(re.findall(r"[xy] = (-?[\d.]+) mm", text), float) for text in (tiny, none)]
+    jump = np.linalg.norm(ends[0] - ends[1])
+    assert jump > 0.5
+    stated = float(tiny.split("moves the end of this rod by ")[1].split(" mm")[0])
+    assert stated == pytest.approx(jump, rel=0.03)
     assert "farthest off at s = 0 mm" in out
     code, out, _ = call("rod", str(file), "--pressure", "27 kPa")
     assert "The moment leaves" not in out

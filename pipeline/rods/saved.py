@@ -20,6 +20,7 @@ from pipeline.store.result_folder import open_file
 from rod.arm_law.law import LawRod
 from rod.checked import positive
 from rod.curves.extension import Extension
+from rod.export.tables import unloaded_distance
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_COLUMNS, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
@@ -156,8 +157,8 @@ class RodAtPressure:
         return which if self.origin == IDENTIFIED else f"{which}; {self.origin}"
 
     def warning(self, shape: RodSolution) -> str:
-        """A sentence where the moments of a shape leave the range of the identification; empty elsewhere."""
-        return self.moment_range.warning(shape) if self.moment_range is not None else ""
+        """What to know where the moments of a shape leave the range of the identification; empty elsewhere."""
+        return "" if self.moment_range is None else self.moment_range.warning(shape, unloaded_distance(self.rod))
 
 
 def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool | None) -> RodAtPressure:
