@@ -57,6 +57,19 @@ def triangle_edges(triangles: Index) -> Index:
     return triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
 
 
+def parts_of_graph(count: int, pairs: Index) -> Index:
+    """The number of the part to which each of `count` nodes belongs, (count,); pairs (m, 2) are connected.
+
+    Parts are numbered in the order of their first nodes.
+    """
+    from scipy.sparse import coo_array  # its import takes longer than most of what needs no parts
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(pairs), dtype=bool), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    _, number = connected_components(graph, directed=False)
+    return np.asarray(number, dtype=np.int64)
+
+
 def open_edges(triangles: Index, count: int) -> Index:
     """Edges (e, 2) that belong to only one of the triangles (k, 3) on `count` points."""
     pairs = triangle_edges(triangles)

@@ -6,7 +6,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index, Mask
 from geometry.design import DesignError
-from geometry.topology import open_edges, row_keys, triangle_edges
+from geometry.topology import open_edges, parts_of_graph, row_keys, triangle_edges
 
 #: why `plug: true` is refused for a body that is closed there
 NOTHING_OPEN = "no cavity under pressure is open in the plane of the clamp; leave plug out"
@@ -16,18 +16,11 @@ FULL_ANGLE = 4 * np.pi
 
 def shells(triangles: Index, count: int) -> list[Index]:
     """The triangles (k, 3) on `count` points in parts that share no edge with each other."""
-    pairs = row_keys(triangle_edges(triangles), count)
-    _, edge = np.unique(pairs, return_inverse=True)
-    edge = edge.reshape(-1, 3)
-    label = np.arange(len(triangles))
-    while True:
-        lowest = np.full(int(edge.max()) + 1, len(triangles))
-        np.minimum.at(lowest, edge.ravel(), np.repeat(label, 3))
-        new = lowest[edge].min(axis=1)
-        new = new[new]  # the triangle it points to may point to a smaller one
-        if np.array_equal(new, label):
-            return [triangles[label == part] for part in np.unique(label)]
-        label = new
+    edges = row_keys(triangle_edges(triangles), count)
+    order = np.argsort(edges, kind="stable")
+    same = edges[order[1:]] == edges[order[:-1]]
+    number = parts_of_graph(len(triangles), np.column_stack([order[1:][same], order[:-1][same]]) // 3)
+    return [triangles[number == part] for part in range(int(number.max()) + 1)]
 
 
 def outside_first(points: Array, parts: list[Index]) -> list[Index]:

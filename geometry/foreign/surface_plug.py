@@ -17,7 +17,7 @@ from geometry.foreign.fill import EDGE
 from geometry.foreign.surface import Surface, of_parts
 from geometry.meshing.cad_import import Point
 from geometry.meshing.cad_plug import NEAR
-from geometry.topology import normals, row_keys, triangle_edges
+from geometry.topology import normals, parts_of_graph, row_keys, triangle_edges
 
 #: cosine of the angle between triangles of one patch
 SMOOTH = cos(EDGE)
@@ -81,14 +81,8 @@ class _Patches:
         facing /= np.maximum(np.linalg.norm(facing, axis=1), np.finfo(float).tiny)[:, None]
         own = np.arange(len(edges)) // 3
         smooth = np.einsum("ij,ij->i", facing[own], facing[across]) > SMOOTH
-        number = np.arange(len(triangles))
-        while True:  # each patch gets the smallest number of its triangles
-            lower = number.copy()
-            np.minimum.at(lower, own[smooth], number[across[smooth]])
-            lower = lower[lower]
-            if np.array_equal(lower, number):
-                return _Patches(points, edges, across, number, facing)
-            number = lower
+        number = parts_of_graph(len(triangles), np.column_stack([own[smooth], across[smooth]]))
+        return _Patches(points, edges, across, number, facing)
 
     def rims(self, patch: int) -> list[Index]:
         """The closed rims of a patch, each the rows of its edges one after the other."""
