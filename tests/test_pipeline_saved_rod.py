@@ -210,6 +210,28 @@ def test_other_files_are_rejected(tmp_path: Path) -> None:
     assert "is not the parameters.json of a finished run" in sentence
 
 
+@pytest.mark.parametrize(
+    ("run", "reason"),
+    [
+        ({"remarks": ["no five parameters: the arm has 4.4 pitches"]}, "the arm has 4.4 pitches"),
+        ({"failures": ["no five parameters at 10 kPa: no moment"]}, "no five parameters at 10 kPa: no moment"),
+        (None, "the identification needs II and III at the same pressure"),
+    ],
+)
+def test_a_run_without_parameters_is_refused_with_its_reason(
+    results: Path, run: dict[str, object] | None, reason: str
+) -> None:
+    file = results / "parameters.json"
+    lists = {key: [] for key, value in json.loads(file.read_text()).items() if isinstance(value, list)}
+    file.write_text(json.dumps({**json.loads(file.read_text()), **lists, "kappa_0": {}}))
+    if run is not None:
+        (results / "run.json").write_text(json.dumps(run))
+    for command in (("rod", str(file), "--pressure", "10 kPa"), ("export", str(results), "--to", "csv")):
+        status, _, sentence = call(*command)
+        assert status == 2
+        assert sentence == f"pneurod: {file}: holds no parameters of a rod: {reason}\n"
+
+
 @pytest.mark.parametrize("target", ["csv", "json", "pyelastica", "mujoco", "somo", "sorosim"])
 def test_every_export_is_written_and_replaced_on_request_only(results: Path, tmp_path: Path, target: str) -> None:
     command = ("export", str(results), "--to", target, "--out", str(tmp_path / "files"))

@@ -7,6 +7,7 @@ import numpy as np
 
 from pipeline.report.formatting import listed, number, percent, seconds
 from pipeline.report.results import Results, ValidationRow
+from pipeline.rods.without_parameters import why_no_parameters
 from pipeline.validation.rods import EXTENSIBLE, FIVE
 
 #: what a reason remarks on the elements, as `fem.path.diagnosis` writes it
@@ -59,11 +60,7 @@ def _together(sentences: Iterable[str]) -> list[str]:
 
 def not_identified(results: Results) -> str:
     """Why there are no five parameters, for the same reason as at the end of the run."""
-    sentences = [*(results.run.get("failures") or ()), *(results.run.get("remarks") or ())]
-    named = (sentence for sentence in sentences if sentence.startswith("no five parameters"))
-    reasons = [sentence.removeprefix("no five parameters: ") for sentence in named]
-    why = "; ".join(dict.fromkeys(reasons)) if reasons else "the identification needs II and III at the same pressure"
-    return f"They were not identified: {why}."
+    return f"They were not identified: {why_no_parameters(results.run)}."
 
 
 def third_experiment(results: Results) -> str:

@@ -29,6 +29,8 @@ def check_parameters(content: Mapping[str, Any]) -> None:
     check_format(content)
     length, pressures = positive(content["length_mm"], "length_mm"), content["pressures_kPa"]
     check_table({"pressures_kPa": pressures}, {"pressures_kPa": ("n",)})
+    if not pressures:
+        raise RodError("pressures_kPa must have one number at least.")
     if pressures[0] < 0.0:
         raise RodError(f"pressures_kPa begin with {pressures[0]:g}; a rod has pressures from 0 on.")
     if content.get("mass_g") is not None:

@@ -14,6 +14,7 @@ from pipeline.cell.saved import SavedLaw, is_law
 from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
 from pipeline.errors import InputError, RunFailed
 from pipeline.rods.checks import check_parameters
+from pipeline.rods.without_parameters import refuse_without_parameters
 from pipeline.store.atomic_file import write_atomic
 from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE, with_present_keys
 from pipeline.store.result_folder import open_file
@@ -47,6 +48,7 @@ class SavedRod:
         """
         try:
             content = with_present_keys(json.loads(path.read_text(encoding="utf-8")))
+            refuse_without_parameters(path, content)
             material = content["material"]
             mass = None if content["mass_g"] is None else float(content["mass_g"])
             return SavedRod(
