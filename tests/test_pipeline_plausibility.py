@@ -374,6 +374,12 @@ def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scen
     assert f"Note: {reason.partition(' for the arm')[0]} for the arm" in page
 
 
+def test_a_short_arm_without_a_law_of_its_own_is_not_sent_to_it() -> None:
+    weight = "effects.gravity=on"
+    sentence = notes_before(PRESSURES, "geometry.chambers=6", weight)
+    assert sentence.endswith("this arm of 62 mm has 6.2 of 10 mm; give more geometry.chambers")
+
+
 def test_a_flat_element_is_named_before_solving() -> None:
     design = PneuNet(chambers=2)
     mesh = design.body(5).mesh

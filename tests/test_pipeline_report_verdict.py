@@ -10,7 +10,7 @@ import pneurod
 from fem.path.diagnosis import EARLY_LIMITS
 from pipeline.report.next_steps import next_steps
 from pipeline.report.results import Results, read_results
-from pipeline.report.sentences import in_short, not_reached
+from pipeline.report.sentences import in_short, not_reached, opening
 from pipeline.report.untested import untested
 from pipeline.report.verdict import Verdict, verdict_of
 
@@ -166,6 +166,34 @@ def test_a_failed_run_says_so_first(folder: Path) -> None:
     verdict = verdict_of(read_results(folder))
     assert verdict.sentences[0] == "Not everything was reached: experiment II stopped before 45 kPa: a limit point."
     assert verdict.on("next")[0].startswith("Next: the first sentence names what was not reached")
+
+
+SHORT = "no five parameters: five parameters need a length of 6.5 pitches; give more geometry.chambers"
+
+
+def test_the_next_step_of_a_short_arm_is_a_longer_one(folder: Path) -> None:
+    change(folder, "run", failure=SHORT, failures=[SHORT])
+    (step, *others) = verdict_of(read_results(folder)).on("next")
+    assert step == (
+        "Next: whatever the pressures, five parameters need a length of 6.5 pitches; give more geometry.chambers."
+    )
+    assert not any("leave this pressure" in other for other in others)
+    limit = "experiment II stopped before 45 kPa: a limit point"
+    change(folder, "run", failure=f"{limit}; {SHORT}", failures=[limit, SHORT])
+    steps = verdict_of(read_results(folder)).on("next")
+    assert steps[0] == step
+    assert "leave this pressure or load out" in steps[1]
+
+
+def test_the_opening_names_the_rods_that_there_are(folder: Path) -> None:
+    assert "and rods were made that replace it" in opening(read_results(folder))
+    columns = json.loads((folder / "parameters.json").read_text(encoding="utf-8"))
+    change(folder, "parameters", **{key: [] for key, value in columns.items() if isinstance(value, list)})
+    assert opening(read_results(folder)).endswith(
+        "17, 37 kPa. It has no rod, because neither five parameters nor a law of its own were found."
+    )
+    (folder / "law.json").write_text(json.dumps({"format": 1, "pressures_kPa": [0.0, 37.0]}))
+    assert "and a rod with the arm's own law was made that replaces it" in opening(read_results(folder))
 
 
 LIMIT = (

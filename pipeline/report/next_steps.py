@@ -6,6 +6,7 @@ from pipeline.report.formatting import percent
 from pipeline.report.mesh import from_file
 from pipeline.report.numbers import largest_mesh_error
 from pipeline.report.results import Results
+from pipeline.rods.without_parameters import why_at_no_pressure
 from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
 
 #: relative error of the mesh from which a finer one is suggested, and its size over the present one
@@ -21,9 +22,18 @@ def _after_failure(results: Results) -> list[str]:
     if not results.run.get("failure") and not results.failures:
         return []
     reached = [row.pressure_kPa for row in results.experiments if row.reached]
-    given = results.run.get("config", {}).get("pressures_kPa", ())
     if not reached:
         return ["Next: lower the pressures or change the design, because no pressure was reached."]
+    short = why_at_no_pressure(results.run)
+    if not short:
+        return _after_limit(results)
+    others = [] if len(results.run["failures"]) == 1 else _after_limit(results)
+    return [f"Next: whatever the pressures, {short}.", *others]
+
+
+def _after_limit(results: Results) -> list[str]:
+    """What to do about pressures and loads that were not reached."""
+    given = results.run.get("config", {}).get("pressures_kPa", ())
     if given and results.identified_pressures and not set(given) & set(results.identified_pressures):
         return [
             "Next: give lower pressures (a note says below which), or change the wall, the material or the mesh, with "

@@ -22,9 +22,12 @@ def opening(results: Results) -> str:
     if not results.curves and not results.experiments:
         return "No pressure was reached; the report shows the configuration only."
     body = f"A body {number(results.length)} mm long was simulated at {pressures} kPa"
-    if not results.parameters:
-        return f"{body}. The five parameters were not identified."
-    return f"{body}, and rods were made that replace it in design and control. The verdict comes first."
+    if results.identified_pressures:
+        return f"{body}, and rods were made that replace it in design and control. The verdict comes first."
+    if results.arm_law:
+        made = "a rod with the arm's own law was made that replaces it in design and control"
+        return f"{body}, and {made}. The verdict comes first."
+    return f"{body}. It has no rod, because neither five parameters nor a law of its own were found."
 
 
 def not_reached(failures: Iterable[str]) -> list[str]:
