@@ -31,7 +31,13 @@ from pipeline.simulation.waiting import meshed_with_progress
 from pipeline.store.store import open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.validation.rods import ArmRods
-from pipeline.validation.validate import Validated, validate, validation_outcomes, with_reached_loads
+from pipeline.validation.validate import (
+    Validated,
+    beyond_end_of_II,
+    validate,
+    validation_outcomes,
+    with_reached_loads,
+)
 
 #: which of the tasks that wait for a worker are next: those of the longest chain first
 _OF_LAW, _OF_EXPERIMENTS, _OF_COARSER_MESH, _OF_VALIDATION = range(4)
@@ -105,7 +111,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
         validated.save(store, comparisons)
     with stages.timed("report"):
         other_rod = arm.law is not None
-        not_identified = identified.failures(other_rod)
+        not_identified, left_out = identified.failures(other_rod), beyond_end_of_II(config, outcomes)
         of_design = (*before_solving(config, outcomes.lowest_end_kPa()), *of_units(config))
         of_states = after_solving(Solved(config, outcomes, parameters))
         remarks = (*of_design, *unusual, *identified.remarks(other_rod), *arm.remarks(outcomes), *of_states)
@@ -123,7 +129,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
             accuracy=ReviewedPlan(plan, reviewed) if plan else None,
             mesh=MeshRecord.of(scene),
             seconds=dict(stages.seconds),
-            failures=(*outcomes.failures, *arm.failures, *not_identified, *validated.failures),
+            failures=(*outcomes.failures, *arm.failures, *not_identified, *validated.failures, *left_out),
             remarks=remarks,
         )
         save_report(store, report.record())

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from test_pipeline_outcome import outcome, record
 
 import fem
 from pipeline.config.config import Config, End
@@ -16,10 +17,13 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.progress import Silent
 from pipeline.run import run
+from pipeline.simulation.failure import Failure
 from pipeline.simulation.loadcase import LoadCase, PressureSchedule, up_to, validation_cases
+from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
+from pipeline.validation.validate import beyond_end_of_II
 
 SHORT = """
 name: seven
@@ -62,6 +66,21 @@ def test_cases_are_named_by_their_load_and_go_on_from_the_run(config: Config) ->
     assert list(reached) == list(cases)
     assert reached["II"].schedule.pressures_kPa == (6.0, 15.0)  # nothing is solved at a pressure that was not reached
     assert up_to(config, "III", 18.0) == LoadCase("III", "III", PressureSchedule((6.0, 12.0, 18.0), 24.0), config.end)
+
+
+def test_a_requested_load_beyond_the_end_of_II_is_named(config: Config) -> None:
+    limit = Failure(12.0, "a limit point", 0, 0, limit_kPa=11.46)
+    ended = Outcomes({"II": outcome("II", record(6.0), failure=limit)})
+    assert beyond_end_of_II(config, ended) == (
+        "validation dead force 0, 0.01 N at 12, 15 kPa was not solved: experiment II ended at 11.46 kPa",
+        "validation end at +3 mm at 12, 15 kPa was not solved: experiment II ended at 11.46 kPa",
+        "validation III at 15 kPa was not solved: experiment II ended at 11.46 kPa",
+        "validation II at 15 kPa was not solved: experiment II ended at 11.46 kPa",
+    )
+    bears_all = Outcomes({"II": outcome("II", record(6.0), record(12.0), record(24.0))})
+    assert beyond_end_of_II(config, bears_all) == ()
+    of_program = replace(config, validation=replace(config.validation, with_experiments=False))
+    assert beyond_end_of_II(of_program, ended) == ()
 
 
 def test_rows_out_of_sample_stand_behind_those_in_sample(results: Path) -> None:

@@ -2,7 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from math import isinf
 
+from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.identification.parameters import Parameters, observed
 from pipeline.simulation.loadcase import LoadCase, validation_cases
@@ -56,9 +58,34 @@ def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
 
     Behind a limit they would take long to end without a result, and there is no rod to compare them with.
     """
-    highest = max((record.pressure_kPa for record in outcomes["II"].records), default=0.0)
-    validation = scene.config.validation.among(outcomes.reached_kPa).up_to(highest)
+    validation = scene.config.validation.among(outcomes.reached_kPa).up_to(_highest_of_II(outcomes))
     return replace(scene, config=replace(scene.config, validation=validation))
+
+
+def beyond_end_of_II(config: Config, outcomes: Outcomes) -> tuple[str, ...]:
+    """The requested loads that `with_reached_loads` leaves out, a sentence for each; the one that the program chooses
+    is not requested."""
+    if not config.validation.with_experiments:
+        return ()
+    highest, end = _highest_of_II(outcomes), outcomes.lowest_end_kPa("II")
+    reason = "experiment II ended before" if isinf(end) else f"experiment II ended at {end:.4g} kPa"
+    sentences = []
+    for case in validation_cases(config):
+        of_run = () if case.load else config.pressures_kPa  # on the path to a pressure between
+        left_out = [f"{p:g}" for p in case.schedule.pressures_kPa if p > highest and p not in of_run]
+        if left_out:
+            sentences.append(f"{_subject(case)} at {', '.join(left_out)} kPa was not solved: {reason}")
+    return tuple(sentences)
+
+
+def _highest_of_II(outcomes: Outcomes) -> float:
+    """The highest pressure that II has reached, 0 where none, kPa."""
+    return max((record.pressure_kPa for record in outcomes["II"].records), default=0.0)
+
+
+def _subject(case: LoadCase) -> str:
+    """A load of the validation as the subject of a sentence."""
+    return f"validation {case.load or case.name}"
 
 
 def validation_outcomes(scene: Scene, context: RunContext, reached_kPa: tuple[float, ...]) -> Outcomes:
@@ -72,11 +99,7 @@ def validation_outcomes(scene: Scene, context: RunContext, reached_kPa: tuple[fl
 def validate(scene: Scene, outcomes: Outcomes, rods: ArmRods) -> Validated:
     """Compare the rods with the solved validation loads."""
     cases = {case.name: case for case in validation_cases(scene.config)}
-    failures = tuple(
-        outcome.failure_sentence(f"validation {cases[outcome.name].load or outcome.name}")
-        for outcome in outcomes
-        if outcome.failure
-    )
+    failures = tuple(outcome.failure_sentence(_subject(cases[outcome.name])) for outcome in outcomes if outcome.failure)
     comparisons = _comparisons(scene, cases, outcomes, rods)
     return Validated(comparisons, failures, _laws(rods.parameters, comparisons))
 
