@@ -83,11 +83,20 @@ def test_pressures_that_are_suggested_lie_below_the_lowest_end_of_an_experiment(
     config = load_config(CONFIGS / "pneunet_coarse.yaml", [f"pressures={pressures}"])
     without, sentences = before_solving(config), before_solving(config, end)
     assert len(without) == len(sentences)
-    suggested = re.findall(r"well below ([\d.]+) kPa|([\d.]+) kPa(?=[,\]])", "; ".join(sentences))
+    suggested = re.findall(r"stay below ([\d.]+) kPa|([\d.]+) kPa(?=[,\]])", "; ".join(sentences))
     numbers = [float(number) for pair in suggested for number in pair if number]
     assert len(numbers) >= 3
     assert max(numbers) <= 1.01 * WELL_BELOW * end
-    assert (without == sentences) == (end == 1e3)
+    (few, few_after) = (next(text for text in both if "give three" in text) for both in (without, sentences))
+    assert (few == few_after) == (end == 1e3)
+
+
+def test_a_high_pressure_has_an_estimate_before_and_the_end_of_an_experiment_after() -> None:
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", ["pressures=[10 kPa, 30 kPa, 500 kPa]"])
+    (before,), (after,) = before_solving(config), before_solving(config, 29.36)
+    common, _, estimate = before.partition(", or ")
+    assert re.fullmatch(r"stay well below [\d.]+ kPa, an estimate from stiffness and volumes alone", estimate)
+    assert after == f"{common}, or stay below 18 kPa, because an experiment ended at 29.4 kPa"
 
 
 LAYER = "effects.strain_limiting_layer={state: on, %s}"

@@ -1,7 +1,7 @@
 """Sentences on a design, known from its configuration alone."""
 
 from collections.abc import Callable
-from math import inf
+from math import inf, isinf
 
 from geometry import PneuNet
 from pipeline.config.config import Config
@@ -46,11 +46,15 @@ def _strong_pressure(config: Config, end_kPa: float) -> str:
     load, beginning = _load(config)
     if config.effects.pressure.off or load <= LARGEST_LOAD:
         return ""
-    pressure = config.pressures_kPa[-1]
+    estimate = _two_digits(config.pressures_kPa[-1] * LARGEST_LOAD / load)
+    limit = (
+        f"stay well below {estimate:g} kPa, an estimate from stiffness and volumes alone"
+        if isinf(end_kPa)
+        else f"stay below {_two_digits(WELL_BELOW * end_kPa):g} kPa, because an experiment ended at {end_kPa:.3g} kPa"
+    )
     return (
         f"{beginning} are {load / LARGEST_LOAD:.2g} times what such an arm usually bears before its walls inflate like "
-        "balloons; check the units (kPa, MPa), or stay well below "
-        f"{_suggested(pressure * LARGEST_LOAD / load, end_kPa):g} kPa"
+        f"balloons; check the units (kPa, MPa), or {limit}"
     )
 
 
