@@ -14,7 +14,7 @@ from pipeline.identification.mesh_error import mesh_deviations, with_mesh_error,
 from pipeline.identification.parameters import Parameters
 from pipeline.identification.richardson import extrapolated
 from pipeline.progress import Silent
-from pipeline.report.numbers import mesh_error
+from pipeline.report.mesh_error import mesh_error
 from pipeline.report.results import read_results
 from pipeline.run import run
 from pipeline.store.store import open_store

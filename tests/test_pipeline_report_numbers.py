@@ -5,15 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.report.numbers import (
-    Cell,
-    eccentricity,
-    estimators,
-    five_parameters,
-    linear_range,
-    mesh_besides,
-    observations,
-)
+from pipeline.report.mesh_error import mesh_besides
+from pipeline.report.numbers import Cell, eccentricity, estimators, five_parameters, linear_range, observations
 from pipeline.report.page import render_report
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import third_experiment

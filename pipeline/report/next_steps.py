@@ -4,7 +4,7 @@ from math import inf
 
 from pipeline.report.formatting import percent
 from pipeline.report.mesh import from_file
-from pipeline.report.numbers import largest_mesh_error
+from pipeline.report.mesh_error import largest_mesh_error
 from pipeline.report.results import Results
 from pipeline.rods.without_parameters import why_at_no_pressure
 from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE

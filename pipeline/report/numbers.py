@@ -1,11 +1,10 @@
-"""What the report says about the five parameters: three estimators, the error of the mesh, the linear range."""
+"""What the report says about the five parameters: three estimators, eccentricity, the linear range."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.report.formatting import decimals_of, fixed, interval, listed, percent, with_spread
-from pipeline.report.mesh import from_file
+from pipeline.report.formatting import decimals_of, interval, percent, with_spread
 from pipeline.report.results import Results
 from pipeline.rods.saved import pressurised_rod
 from rod.pressurised_rod import STRETCHES
@@ -23,12 +22,6 @@ _TITLES = {
     "gaussian_process": "Gaussian process",
     "rod_fit": "rod fit",
     "arm_law": "cell averages of the rod with the arm's own law",
-}
-#: of `mesh_error` in law.json
-_LAW_QUANTITIES = {
-    "kappa_0_per_mm": "κ₀",
-    "rigidity_N_mm2": "the bending rigidity of a cell",
-    "moment_N_mm": "its moment at half of κ₀",
 }
 _QUANTITIES = {"alpha1": "α₁", "alpha2": "α₂", "kappa_0": "κ₀(l/2)"}
 #: relative departure from the straight line from which on it is reported
@@ -92,91 +85,6 @@ def stretch_of_rod(results: Results) -> str:
         f"Without load the curve is longer or shorter than at rest by {limit} {100 * STRETCHES:g} %, so that "
         f"pneurod rod {choice} this rod by itself."
     )
-
-
-def mesh_error(results: Results) -> str:
-    """Whether the standard deviations contain the error of the mesh, and how large that is."""
-    if not results.identified_pressures:
-        return ""
-    error = results.parameters.get("mesh_error")
-    if not error and results.run.get("accuracy"):
-        return "Mesh error: that of the requested accuracy, which the standard deviations do not contain."
-    if not error:
-        coarser = (results.run.get("config", {}).get("mesh") or {}).get("coarser")
-        why = results.parameters.get("mesh_error_reason") or (
-            f"a mesh {coarser:g} times as coarse gave no parameters"
-            if coarser
-            else "this needs another mesh, and this one is from a file"
-            if from_file(results)
-            else "mesh.coarser in the configuration adds it"
-        )
-        return f"Mesh error: not estimated. The standard deviations do not contain the error of the mesh: {why}."
-    sizes = listed([f"{size:g}" for size in error["sizes_mm"]])
-    mixed_at = error.get("mixed_at_kPa")
-    mixed = "" if mixed_at is None else f" and from mixed elements at {mixed_at:g} kPa"
-    parts = []
-    for key, symbol, unit in NUMBERS:
-        stds = [std for std in error[f"{key}_std"] if std]
-        if stds:
-            parts.append(f"{fixed(max(stds), decimals_of([], [max(stds)]))} {unit} of {symbol}")
-    relative = f"{_relative(error)} at the worst pressure, " if _relative(error) else ""
-    return (
-        f"Mesh error: {relative}estimated from mesh sizes of {sizes} mm{mixed}. It is included in the standard "
-        f"deviations, with up to {listed(parts)}."
-    )
-
-
-def largest_mesh_error(results: Results) -> float:
-    """The largest relative error of κ₀(l/2), α₂ and F due to the mesh, over the pressures; 0 where none is known."""
-    return max(_largest(results.parameters.get("mesh_error") or {}).values(), default=0.0)
-
-
-def _largest(error: Mapping[str, Any]) -> dict[str, float]:
-    """The largest relative errors over the pressures that are known, by symbol."""
-    symbols = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
-    known = {s: [e for e in error.get(f"{name}_relative") or () if e is not None] for name, s in symbols.items()}
-    return {symbol: max(errors) for symbol, errors in known.items() if errors}
-
-
-def _relative(error: Mapping[str, Any]) -> str:
-    """The largest relative errors over the pressures; empty where they are not known."""
-    parts = [f"{100 * largest:.1f} % in {symbol}" for symbol, largest in _largest(error).items()]
-    return f"about {listed(parts)}" if parts else ""
-
-
-def law_mesh_error(results: Results) -> str:
-    """The error of the mesh in the arm's own law; empty where there is no law, a sentence where it is not known."""
-    if not results.arm_law:
-        return ""
-    largest = _relative_of_law(results)
-    if not largest:
-        return "Mesh error of the arm's own law: not estimated."
-    reason = (results.arm_law.get("mesh_error") or {}).get("reason")
-    why = f"; {reason}" if reason else ""
-    return f"Mesh error of the arm's own law: {largest}, one standard deviation{why}."
-
-
-def _relative_of_law(results: Results) -> str:
-    """The largest relative errors of the law due to its mesh; empty where they are not known."""
-    error = results.arm_law.get("mesh_error") or {}
-    parts = []
-    for key, symbol in _LAW_QUANTITIES.items():
-        pairs = zip(error.get(key) or (), error.get(f"{key}_std") or (), strict=False)
-        errors = [abs(std / value) for value, std in pairs if value and std is not None]
-        if errors:
-            parts.append(f"{percent(max(errors))} of {symbol}")
-    return f"about {listed(parts)}" if parts else ""
-
-
-def mesh_besides(results: Results) -> str:
-    """The sentence on the error of the mesh beside that of the rods, which are compared on the same mesh."""
-    of_five = _relative(results.parameters.get("mesh_error") or {}) if results.parameters else ""
-    largest = of_five or _relative_of_law(results)
-    if not largest and results.run.get("accuracy"):
-        return "The error of the mesh comes on top of that; it was estimated for the requested accuracy."
-    if not largest:
-        return "The error of the mesh comes on top of that; it was not estimated."
-    return f"The error of the mesh comes on top of that: {largest}."
 
 
 def eccentricity(results: Results) -> list[tuple[str, list[str]]]:

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 
 from pipeline.report.formatting import number
 from pipeline.report.mesh import mesh_sentences
+from pipeline.report.mesh_error import law_mesh_error, mesh_besides, mesh_error
 from pipeline.report.next_steps import next_steps
-from pipeline.report.numbers import NUMBERS, Cell, five_parameters, law_mesh_error, mesh_besides, mesh_error
+from pipeline.report.numbers import NUMBERS, Cell, five_parameters
 from pipeline.report.results import EffectRow, Results
 from pipeline.report.sentences import in_short, lines_needed
 from pipeline.report.untested import untested
