@@ -49,7 +49,7 @@ def verdict_table(verdict: Verdict) -> list[Table]:
         return []
     heads = [f"{symbol}\n{unit}" for _, symbol, unit in NUMBERS]
     table = Table("p\nkPa", *heads, box=None, padding=(0, 2, 0, 0))
-    table.caption = "± one standard deviation, below it the 95 % interval"
+    table.caption = f"± {verdict.spread}; below it the 95 % interval"
     table.caption_justify = "left"
     for column in table.columns:
         column.justify = "right"

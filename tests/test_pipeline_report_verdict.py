@@ -9,10 +9,12 @@ import pytest
 import pneurod
 from fem.path.diagnosis import EARLY_LIMITS
 from pipeline.report.next_steps import next_steps
+from pipeline.report.page import render_report
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import in_short, not_reached, opening
 from pipeline.report.untested import untested
 from pipeline.report.verdict import Verdict, verdict_of
+from pipeline.terminal import verdict_table
 
 OLD = Path(__file__).parent / "data" / "results_format_1"
 OUT = {"sample": "out", "pressure_kPa": 17.0, "distance_over_length": 0.01}
@@ -109,6 +111,10 @@ def test_pressures_and_straight_lines_that_were_not_tested(folder: Path) -> None
 def test_the_error_of_the_mesh_is_a_number_or_not_estimated(folder: Path) -> None:
     before = verdict_of(read_results(folder))
     assert before.on("mesh error")[0].startswith("Mesh error: not estimated.")
+    assert before.spread == "one standard deviation, without the error of the mesh"
+    assert verdict_table(before)[0].caption == f"± {before.spread}; below it the 95 % interval"
+    assert render_report(folder).count(f"± {before.spread}.") == 1
+    assert f"± is {before.spread}; below it is the 95 % interval." in render_report(folder)
     assert any("mesh.coarser" in text for text in before.on("next"))
     names = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
     error = {"sizes_mm": [4.0, 6.0], **{f"{name}_std": [1.0, 2.6] for name in names}}
@@ -116,6 +122,7 @@ def test_the_error_of_the_mesh_is_a_number_or_not_estimated(folder: Path) -> Non
     after = verdict_of(read_results(folder))
     assert "estimated from mesh sizes of 4 and 6 mm" in after.on("mesh error")[0]
     assert "2.6 N mm² of α₁" in after.on("mesh error")[0]
+    assert after.spread == "one standard deviation"
     assert not any("mesh.coarser" in text for text in after.on("next"))
 
 

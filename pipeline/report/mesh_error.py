@@ -48,6 +48,12 @@ def mesh_error(results: Results) -> str:
     )
 
 
+def what_spread_is(results: Results) -> str:
+    """What the standard deviations of the five parameters are, and whether the error of the mesh is in them."""
+    included = "" if results.parameters.get("mesh_error") else ", without the error of the mesh"
+    return f"one standard deviation{included}"
+
+
 def largest_mesh_error(results: Results) -> float:
     """The largest relative error of κ₀(l/2), α₂ and F due to the mesh, over the pressures; 0 where none is known."""
     return max(_largest(results.parameters.get("mesh_error") or {}).values(), default=0.0)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from pipeline.report.formatting import number
 from pipeline.report.mesh import mesh_sentences
-from pipeline.report.mesh_error import law_mesh_error, mesh_besides, mesh_error
+from pipeline.report.mesh_error import law_mesh_error, mesh_besides, mesh_error, what_spread_is
 from pipeline.report.next_steps import next_steps
 from pipeline.report.numbers import NUMBERS, Cell, five_parameters
 from pipeline.report.results import EffectRow, Results
@@ -47,6 +47,7 @@ class Verdict:
     design: str  #: its name
     length_mm: float  #: NaN where the body was not meshed
     five: tuple[FiveNumbers, ...]  #: by pressure; empty where the parameters were not identified
+    spread: str  #: what stands behind ±: one standard deviation, with or without the error of the mesh
     rod: str  #: the rod to take: one of the names in `pipeline.validation.rods`; empty where none is recommended
     errors: tuple[RodErrors, ...]  #: of every rod, that to take first
     statements: tuple[Statement, ...]
@@ -102,6 +103,7 @@ def verdict_of(results: Results) -> Verdict:
         design=str(results.run.get("config", {}).get("name", results.directory.name)),
         length_mm=results.length,
         five=tuple(FiveNumbers(pressure, tuple(cells)) for pressure, cells in five_parameters(results)),
+        spread=what_spread_is(results),
         rod=rod,
         errors=tuple(errors),
         statements=tuple(Statement(topic, tuple(sentences)) for topic, sentences in topics.items() if sentences),
