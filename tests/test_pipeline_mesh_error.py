@@ -83,7 +83,7 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
         in sentence
     )
     largest = max(contribution["kappa_0_relative"])
-    assert sentence.startswith(f"Mesh error: about {100 * largest:.1f} % in κ₀(l/2), ")
+    assert sentence.startswith(f"Mesh error of the five parameters: about {100 * largest:.1f} % in κ₀(l/2), ")
     assert all(error > 0.0 for name in ("alpha2", "force") for error in contribution[f"{name}_relative"])
     assert "N mm² of α₁" in sentence
     (evidence,), (is_single,) = record["evidence_of_choice"], record["single_line_suffices"]

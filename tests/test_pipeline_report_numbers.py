@@ -58,24 +58,33 @@ def test_a_single_line_has_no_break(tmp_path: Path) -> None:
     assert cells[-1] == Cell("-", "single line")
 
 
+LAW = {
+    "pressures_kPa": [17.0, 37.0],
+    "kappa_0_per_mm": [-0.01, -0.02],
+    "kappa_0_per_mm_std": [0.0005, 0.0004],
+}
+
+
 @pytest.mark.parametrize(
-    ("error", "law", "ending"),
+    ("error", "law", "rod", "ending"),
     [
         (
             {"alpha2_relative": [0.01, 0.035], "kappa_0_relative": [0.044, None]},
-            {},
-            "4.4 % in κ₀(l/2) and 3.5 % in α₂.",
+            LAW,
+            "five",
+            ", one standard deviation: about 4.4 % in κ₀(l/2) and 3.5 % in α₂ at the worst pressure.",
         ),
-        (None, {"kappa_0_per_mm": [-0.01, -0.02], "kappa_0_per_mm_std": [0.0005, 0.0004]}, "about 5 % of κ₀."),
-        (None, {}, "it was not estimated."),
+        ({"alpha2_relative": [0.01]}, LAW, "arm_law", ", one standard deviation: about 5 % of κ₀ (at 17 kPa)."),
+        (None, LAW, "five", "about 5 % of κ₀ (at 17 kPa)."),
+        (None, {}, "five", "it was not estimated."),
     ],
-    ids=["of the five parameters", "of the arm's own law alone", "of none"],
+    ids=["of the five parameters", "of the arm's own law", "of the arm's own law alone", "of none"],
 )
 def test_the_error_of_the_mesh_is_named_beside_that_of_the_rods(
-    error: object, law: object, ending: str, tmp_path: Path
+    error: object, law: object, rod: str, ending: str, tmp_path: Path
 ) -> None:
     parameters = {"pressures_kPa": [17.0], **columns(False), "mesh_error": error}
-    sentence = mesh_besides(results(tmp_path, parameters=parameters, law={"mesh_error": law}))
+    sentence = mesh_besides(results(tmp_path, parameters=parameters, law={"mesh_error": law}), rod)
     assert sentence.startswith("The error of the mesh comes on top of that")
     assert sentence.endswith(ending)
 

@@ -110,7 +110,7 @@ def test_pressures_and_straight_lines_that_were_not_tested(folder: Path) -> None
 
 def test_the_error_of_the_mesh_is_a_number_or_not_estimated(folder: Path) -> None:
     before = verdict_of(read_results(folder))
-    assert before.on("mesh error")[0].startswith("Mesh error: not estimated.")
+    assert before.on("mesh error")[0].startswith("Mesh error of the five parameters: not estimated.")
     assert before.spread == "one standard deviation, without the error of the mesh"
     assert verdict_table(before)[0].caption == f"± {before.spread}; below it the 95 % interval"
     assert render_report(folder).count(f"± {before.spread}.") == 1
@@ -153,19 +153,33 @@ def test_a_mesh_from_a_file_has_no_size_to_change(folder: Path) -> None:
 def test_a_requested_accuracy_is_not_called_missing(folder: Path) -> None:
     change(folder, "run", accuracy={"sentence": "errors estimated: 2 %"})
     verdict = verdict_of(read_results(folder))
-    assert "Mesh error: that of the requested accuracy, which the standard deviations do not contain." in verdict.on(
-        "mesh error"
-    )
+    sentence = "that of the requested accuracy, which the standard deviations do not contain."
+    assert f"Mesh error of the five parameters: {sentence}" in verdict.on("mesh error")
     assert not any("not estimated" in text for text in (*verdict.on("rod"), *verdict.on("mesh error")))
 
 
 def test_the_error_of_the_mesh_in_the_law_is_relative(folder: Path) -> None:
     assert len(verdict_of(read_results(folder)).on("mesh error")) == 1
     error = {"kappa_0_per_mm": [-0.01, -0.02], "kappa_0_per_mm_std": [1e-4, 4e-4], "reason": ""}
-    (folder / "law.json").write_text(json.dumps({"format": 1, "mesh_error": error}))
-    assert verdict_of(read_results(folder)).on("mesh error")[1] == (
-        "Mesh error of the arm's own law: about 2 % of κ₀, one standard deviation."
+    for more, at in (({}, ""), ({"pressures_kPa": [17.0, 37.0]}, " (at 37 kPa)")):
+        (folder / "law.json").write_text(json.dumps({"format": 1, "mesh_error": error | more}))
+        assert verdict_of(read_results(folder)).on("mesh error")[1] == (
+            f"Mesh error of the arm's own law: about 2 % of κ₀{at}, one standard deviation."
+        )
+
+
+@pytest.mark.parametrize(("rod", "advised"), [("arm_law", True), ("five", False)])
+def test_a_large_error_of_the_mesh_in_the_law_counts_where_the_law_is_taken(
+    folder: Path, rod: str, advised: bool
+) -> None:
+    change(folder, "run", mesh=MESH)
+    error = {"pressures_kPa": [17.0, 37.0], "moment_N_mm": [1.0, 2.0], "moment_N_mm_std": [0.17, 0.2], "reason": ""}
+    (folder / "law.json").write_text(json.dumps({"format": 1, "pressures_kPa": [0.0, 37.0], "mesh_error": error}))
+    expected = (
+        "Next: take smaller elements, in another --out, because the error of the mesh in the arm's own law is about "
+        "17 %: for example --set mesh.size='4 mm'."
     )
+    assert (expected in next_steps(read_results(folder), rod)) is advised
 
 
 def test_a_failed_run_says_so_first(folder: Path) -> None:

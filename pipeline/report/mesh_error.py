@@ -1,13 +1,18 @@
 """What the report says about the error of the mesh, in the five parameters and in the arm's own law."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Any
 
 from pipeline.report.formatting import decimals_of, fixed, listed, percent
 from pipeline.report.mesh import from_file
 from pipeline.report.numbers import NUMBERS
 from pipeline.report.results import Results
+from pipeline.validation.rods import ARM_LAW
 
+#: how the sentence on `mesh_error` in parameters.json begins
+_OF_FIVE = "Mesh error of the five parameters"
 #: of `mesh_error` in law.json
 _LAW_QUANTITIES = {
     "kappa_0_per_mm": "κ₀",
@@ -17,12 +22,12 @@ _LAW_QUANTITIES = {
 
 
 def mesh_error(results: Results) -> str:
-    """Whether the standard deviations contain the error of the mesh, and how large that is."""
+    """Whether the standard deviations of the five parameters contain the error of the mesh, and how large that is."""
     if not results.identified_pressures:
         return ""
     error = results.parameters.get("mesh_error")
     if not error and results.run.get("accuracy"):
-        return "Mesh error: that of the requested accuracy, which the standard deviations do not contain."
+        return f"{_OF_FIVE}: that of the requested accuracy, which the standard deviations do not contain."
     if not error:
         coarser = (results.run.get("config", {}).get("mesh") or {}).get("coarser")
         why = results.parameters.get("mesh_error_reason") or (
@@ -32,7 +37,7 @@ def mesh_error(results: Results) -> str:
             if from_file(results)
             else "mesh.coarser in the configuration adds it"
         )
-        return f"Mesh error: not estimated. The standard deviations do not contain the error of the mesh: {why}."
+        return f"{_OF_FIVE}: not estimated. Their standard deviations do not contain the error of the mesh: {why}."
     sizes = listed([f"{size:g}" for size in error["sizes_mm"]])
     mixed_at = error.get("mixed_at_kPa")
     mixed = "" if mixed_at is None else f" and from mixed elements at {mixed_at:g} kPa"
@@ -43,7 +48,7 @@ def mesh_error(results: Results) -> str:
             parts.append(f"{fixed(max(stds), decimals_of([], [max(stds)]))} {unit} of {symbol}")
     relative = f"{_relative(error)} at the worst pressure, " if _relative(error) else ""
     return (
-        f"Mesh error: {relative}estimated from mesh sizes of {sizes} mm{mixed}. It is included in the standard "
+        f"{_OF_FIVE}: {relative}estimated from mesh sizes of {sizes} mm{mixed}. It is included in the standard "
         f"deviations, with up to {listed(parts)}."
     )
 
@@ -54,8 +59,13 @@ def what_spread_is(results: Results) -> str:
     return f"one standard deviation{included}"
 
 
-def largest_mesh_error(results: Results) -> float:
-    """The largest relative error of κ₀(l/2), α₂ and F due to the mesh, over the pressures; 0 where none is known."""
+def largest_mesh_error(results: Results, rod: str) -> float:
+    """The largest relative error due to the mesh, of all numbers and pressures; 0 where none is known.
+
+    rod: whose numbers, those of the arm's own law or the five parameters (κ₀(l/2), α₂ and F).
+    """
+    if rod == ARM_LAW:
+        return max((error.relative for error in _errors_of_law(results)), default=0.0)
     return max(_largest(results.parameters.get("mesh_error") or {}).values(), default=0.0)
 
 
@@ -84,24 +94,52 @@ def law_mesh_error(results: Results) -> str:
     return f"Mesh error of the arm's own law: {largest}, one standard deviation{why}."
 
 
+@dataclass(frozen=True)
+class _ErrorOfLaw:
+    """The largest error of a quantity of the arm's own law due to its mesh."""
+
+    relative: float  #: one standard deviation
+    pressure_kPa: float | None  #: where it is largest; None in files without their pressures
+    quantity: str
+
+    def __str__(self) -> str:
+        at = "" if self.pressure_kPa is None else f" (at {self.pressure_kPa:g} kPa)"
+        return f"{percent(self.relative)} of {self.quantity}{at}"
+
+
+def _errors_of_law(results: Results) -> list[_ErrorOfLaw]:
+    """The largest error of every quantity whose error is known."""
+    error = results.arm_law.get("mesh_error") or {}
+    largest = []
+    for key, quantity in _LAW_QUANTITIES.items():
+        columns = (error.get(name) or () for name in (key, f"{key}_std", "pressures_kPa"))
+        errors = [
+            _ErrorOfLaw(abs(std / value), pressure, quantity)
+            for value, std, pressure in zip_longest(*columns)
+            if value and std is not None
+        ]
+        if errors:
+            largest.append(max(errors, key=lambda one: one.relative))
+    return largest
+
+
 def _relative_of_law(results: Results) -> str:
     """The largest relative errors of the law due to its mesh; empty where they are not known."""
-    error = results.arm_law.get("mesh_error") or {}
-    parts = []
-    for key, symbol in _LAW_QUANTITIES.items():
-        pairs = zip(error.get(key) or (), error.get(f"{key}_std") or (), strict=False)
-        errors = [abs(std / value) for value, std in pairs if value and std is not None]
-        if errors:
-            parts.append(f"{percent(max(errors))} of {symbol}")
+    parts = [str(error) for error in _errors_of_law(results)]
     return f"about {listed(parts)}" if parts else ""
 
 
-def mesh_besides(results: Results) -> str:
-    """The sentence on the error of the mesh beside that of the rods, which are compared on the same mesh."""
+def mesh_besides(results: Results, rod: str) -> str:
+    """The sentence on the error of the mesh beside that of the rods, which are compared on the same mesh.
+
+    rod: the one to take, whose error is named first; of another one where only that is known.
+    """
     of_five = _relative(results.parameters.get("mesh_error") or {}) if results.parameters else ""
-    largest = of_five or _relative_of_law(results)
+    of_five = f"{of_five} at the worst pressure" if of_five else ""
+    of_law = _relative_of_law(results)
+    largest = (of_law or of_five) if rod == ARM_LAW else (of_five or of_law)
     if not largest and results.run.get("accuracy"):
         return "The error of the mesh comes on top of that; it was estimated for the requested accuracy."
     if not largest:
         return "The error of the mesh comes on top of that; it was not estimated."
-    return f"The error of the mesh comes on top of that: {largest}."
+    return f"The error of the mesh comes on top of that, one standard deviation: {largest}."

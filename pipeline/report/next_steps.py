@@ -15,7 +15,7 @@ LARGE_MESH_ERROR, SMALLER = 0.1, 2 / 3
 
 def next_steps(results: Results, rod: str) -> list[str]:
     """The next steps, the most urgent one first. `rod`: the name of the rod to take, empty where there is none."""
-    return [*_after_failure(results), *_mesh(results), *_loads(results), *_use(results, rod)]
+    return [*_after_failure(results), *_mesh(results, rod), *_loads(results), *_use(results, rod)]
 
 
 def _after_failure(results: Results) -> list[str]:
@@ -45,22 +45,30 @@ def _after_limit(results: Results) -> list[str]:
     ]
 
 
-def _mesh(results: Results) -> list[str]:
-    if not results.identified_pressures or results.run.get("accuracy"):
+def _mesh(results: Results, rod: str) -> list[str]:
+    """A finer mesh, or another one that shows the error of the present one."""
+    if results.run.get("accuracy") or not (results.identified_pressures or results.arm_law):
         return []
     if from_file(results):
         return ["Next: run the body with a finer mesh in its file too; the difference shows the error of the mesh."]
-    if not results.parameters.get("mesh_error"):
-        return [
-            "Next: have the error of the mesh estimated, in another --out, with --set mesh.coarser=1.5 (II and III "
-            "once more on a coarser mesh) or with --set mesh.size=auto --accuracy 5%."
-        ]
-    error, mesh = largest_mesh_error(results), results.run.get("mesh")
+    steps = _smaller(results, rod)
+    if results.identified_pressures and not results.parameters.get("mesh_error"):
+        steps.append(
+            "Next: have the error of the mesh in the five parameters estimated, in another --out, with --set "
+            "mesh.coarser=1.5 (II and III once more on a coarser mesh) or with --set mesh.size=auto --accuracy 5%."
+        )
+    return steps
+
+
+def _smaller(results: Results, rod: str) -> list[str]:
+    """Smaller elements, where the error of the mesh is large in the numbers of the rod to take."""
+    error, mesh = largest_mesh_error(results, rod), results.run.get("mesh")
     if error < LARGE_MESH_ERROR or not mesh:
         return []
+    of_law = " in the arm's own law" if rod == ARM_LAW else ""
     return [
-        f"Next: take smaller elements, in another --out, because the error of the mesh is about {percent(error)}: for "
-        f"example --set mesh.size='{SMALLER * mesh['size_mm']:.2g} mm'."
+        f"Next: take smaller elements, in another --out, because the error of the mesh{of_law} is about "
+        f"{percent(error)}: for example --set mesh.size='{SMALLER * mesh['size_mm']:.2g} mm'."
     ]
 
 

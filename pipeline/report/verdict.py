@@ -89,7 +89,7 @@ def verdict_of(results: Results) -> Verdict:
     rod = recommended_rod(errors)
     topics = {
         FAILURE: _failure(results),
-        "rod": _rod(results),
+        "rod": _rod(results, rod),
         "errors": rod_to_take(results)[1:],
         "single line": _single_line(results),
         "unusual": [f"Note: {sentence}." for sentence in results.run.get("remarks") or ()],
@@ -134,10 +134,10 @@ def _lost(results: Results) -> list[str]:
     return [f"{row.experiment} at {number(row.pressure_kPa)} kPa: {row.reason}" for row in results.failures]
 
 
-def _rod(results: Results) -> list[str]:
+def _rod(results: Results, rod: str) -> list[str]:
     """Which rod to take, and the error of the mesh beside its own."""
     to_take = rod_to_take(results)[:1]
-    return [*to_take, mesh_besides(results)] if to_take else ["No rod was compared with the finite elements."]
+    return [*to_take, mesh_besides(results, rod)] if to_take else ["No rod was compared with the finite elements."]
 
 
 def _single_line(results: Results) -> list[str]:
