@@ -217,6 +217,14 @@ def test_the_opening_names_the_rods_that_there_are(folder: Path) -> None:
     assert "and a rod with the arm's own law was made that replaces it" in opening(read_results(folder))
 
 
+def test_parameters_that_were_not_requested_are_called_so(folder: Path) -> None:
+    config = json.loads((folder / "run.json").read_text(encoding="utf-8"))["config"]
+    (folder / "parameters.json").unlink()
+    for law, sentence in (("cell", "not requested (law: cell)"), ("both", "not identified: the identification needs")):
+        change(folder, "run", config={**config, "law": law})
+        assert f"<p>They were {sentence}" in render_report(folder)
+
+
 LIMIT = (
     "stopped before 150 kPa: no equilibrium found beyond 64.65 kPa on the way to 150 kPa: the limit is at 64.74 kPa; "
     "the tangent becomes indefinite (1 negative pivots); the smallest J is 0.622 at (102.8, 13.1, 0.4) mm; the "

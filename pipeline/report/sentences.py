@@ -63,6 +63,8 @@ def _together(sentences: Iterable[str]) -> list[str]:
 
 def not_identified(results: Results) -> str:
     """Why there are no five parameters, for the same reason as at the end of the run."""
+    if (results.run.get("config") or {}).get("law") == "cell":
+        return "They were not requested (law: cell)."
     return f"They were not identified: {why_no_parameters(results.run)}."
 
 
