@@ -100,6 +100,15 @@ def test_loads_that_were_not_tested_are_named(folder: Path, loads: list[dict[str
     assert bool(to_do) == (not loads)
 
 
+def test_a_dead_force_in_III_is_not_called_untested(folder: Path) -> None:
+    config = json.loads((folder / "run.json").read_text(encoding="utf-8"))["config"]
+    change(folder, "run", config={**config, "end": {"x_mm": None, "y_mm": None, "force_N": [0.0, 0.02]}})
+    assert untested(read_results(folder))[0] == (
+        "Not tested: the rods under a prescribed height of the end, another dead force on the end or a pressure "
+        "between those of the run."
+    )
+
+
 def test_pressures_and_straight_lines_that_were_not_tested(folder: Path) -> None:
     sentences = verdict_of(read_results(folder)).on("not tested")
     assert "Not tested: pressures below 17 kPa and above 37 kPa." in sentences

@@ -13,12 +13,15 @@ def untested(results: Results) -> list[str]:
 
 
 def _loads(results: Results) -> list[str]:
-    """Loads that no parameter was fitted to and that were not solved."""
+    """Loads that no parameter was fitted to and that were not solved: others than those of experiment III."""
     rows = [row for row in results.validation if row.sample == "out" and (row.load or row.rod == FIVE)]
     of_run = {row.pressure_kPa for row in results.experiments}
+    end = (results.run.get("config") or {}).get("end") or {}
+    height = "a prescribed height" if end.get("y_mm", 0.0) is None else "another height"
+    force = "another dead force" if any(end.get("force_N", ())) else "a dead force"
     kinds = {
-        "another height of the end": any(row.experiment == "III" and row.load for row in rows),
-        "a dead force on the end": any(row.experiment == "dead" for row in rows),
+        f"{height} of the end": any(row.experiment == "III" and row.load for row in rows),
+        f"{force} on the end": any(row.experiment == "dead" for row in rows),
         "a pressure between those of the run": any(row.pressure_kPa not in of_run for row in rows),
     }
     missing = [kind for kind, tested in kinds.items() if not tested]
