@@ -177,6 +177,24 @@ def test_the_error_of_the_mesh_in_the_law_is_relative(folder: Path) -> None:
         )
 
 
+def test_the_error_of_the_mesh_in_a_law_that_hardly_bends_is_not_relative_to_nothing(folder: Path) -> None:
+    error = {
+        "pressures_kPa": [5.0],
+        "kappa_0_per_mm": [1.5e-6],
+        "kappa_0_per_mm_std": [5e-6],
+        "rigidity_N_mm2": [200.0],
+        "rigidity_N_mm2_std": [2.0],
+        "moment_N_mm": [-1e-5],
+        "moment_N_mm_std": [1e-3],
+    }
+    (folder / "law.json").write_text(json.dumps({"format": 1, "length_mm": 100.0, "mesh_error": error}))
+    assert verdict_of(read_results(folder)).on("mesh error")[1] == (
+        "Mesh error of the arm's own law: about 0.5 % of the curvature that turns the arm by 0.1 rad, which is above "
+        "κ₀ (at 5 kPa), 1 % of the bending rigidity of a cell (at 5 kPa) and 1 % of the moment of a cell at half of "
+        "the curvature that turns the arm by 0.1 rad (at 5 kPa), one standard deviation."
+    )
+
+
 @pytest.mark.parametrize(("rod", "advised"), [("arm_law", True), ("five", False)])
 def test_a_large_error_of_the_mesh_in_the_law_counts_where_the_law_is_taken(
     folder: Path, rod: str, advised: bool

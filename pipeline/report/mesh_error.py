@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from typing import Any
 
+from pipeline.cell.refinement import SMALLEST_TURN
 from pipeline.report.formatting import decimals_of, fixed, listed, percent
 from pipeline.report.mesh import from_file
 from pipeline.report.numbers import NUMBERS
@@ -18,6 +19,11 @@ _LAW_QUANTITIES = {
     "kappa_0_per_mm": "κ₀",
     "rigidity_N_mm2": "the bending rigidity of a cell",
     "moment_N_mm": "its moment at half of κ₀",
+}
+#: the same where κ₀ is so small that an error relative to it says nothing
+_OF_SMALLEST_TURN = {
+    "kappa_0_per_mm": f"the curvature that turns the arm by {SMALLEST_TURN:g} rad, which is above κ₀",
+    "moment_N_mm": f"the moment of a cell at half of the curvature that turns the arm by {SMALLEST_TURN:g} rad",
 }
 
 
@@ -109,18 +115,31 @@ class _ErrorOfLaw:
 
 def _errors_of_law(results: Results) -> list[_ErrorOfLaw]:
     """The largest error of every quantity whose error is known."""
-    error = results.arm_law.get("mesh_error") or {}
+    known = results.arm_law.get("mesh_error") or {}
+    smallest = _smallest_of_law(results.arm_law, known)
     largest = []
     for key, quantity in _LAW_QUANTITIES.items():
-        columns = (error.get(name) or () for name in (key, f"{key}_std", "pressures_kPa"))
-        errors = [
-            _ErrorOfLaw(abs(std / value), pressure, quantity)
-            for value, std, pressure in zip_longest(*columns)
-            if value and std is not None
-        ]
+        columns = (known.get(name) or () for name in (key, f"{key}_std", "pressures_kPa"))
+        errors = []
+        for value, std, pressure, least in zip_longest(*columns, smallest.get(key, ())):
+            if value is None or std is None or not (value or least):
+                continue
+            is_small = abs(value) < (least or 0.0)
+            over, named = (least, _OF_SMALLEST_TURN[key]) if is_small else (abs(value), quantity)
+            errors.append(_ErrorOfLaw(std / over, pressure, named))
         if errors:
-            largest.append(max(errors, key=lambda one: one.relative))
+            largest.append(max(errors, key=lambda error: error.relative))
     return largest
+
+
+def _smallest_of_law(law: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, list[float]]:
+    """By key and pressure: what errors are relative to at least. It is the curvature that turns the arm by
+    SMALLEST_TURN, as for the mesh of a requested accuracy, and the moment that half of it takes."""
+    if "length_mm" not in law:
+        return {}
+    kappa, rigidities = SMALLEST_TURN / law["length_mm"], known.get("rigidity_N_mm2") or ()
+    moments = [0.5 * kappa * abs(rigidity or 0.0) for rigidity in rigidities]
+    return {"kappa_0_per_mm": [kappa] * len(known.get("kappa_0_per_mm") or ()), "moment_N_mm": moments}
 
 
 def _relative_of_law(results: Results) -> str:
