@@ -10,6 +10,7 @@ import pytest
 from test_pipeline_outcome import outcome, record
 
 import pneurod
+from pipeline.cell import of_run
 from pipeline.cell.of_run import LawOfRun, law_of_run
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
@@ -125,6 +126,16 @@ def test_an_arm_that_is_too_short_for_a_law_alone_fails_with_the_reason(tmp_path
 def law_up_to(pressure: float, not_borne: bool) -> LawOfRun:
     measured: Any = SimpleNamespace(law=SimpleNamespace(pressures=(0.0, pressure)))
     return LawOfRun(measured, "of one cell", (), not_borne)
+
+
+def test_the_reason_of_a_limit_has_no_number_of_pivots(monkeypatch: pytest.MonkeyPatch) -> None:
+    limit = "no equilibrium of the clamped end at 37 kPa: the tangent stays indefinite (1 negative pivots)"
+    law = SimpleNamespace(pressures=(0.0, 37.0))
+    measured = SimpleNamespace(law=law, error_between=None, failures=(), limits=(limit,))
+    monkeypatch.setattr(of_run, "build_law", lambda pieces, context, highest: measured)
+    pieces: Any = None
+    made = of_run._law("both", pieces, pieces, None)
+    assert made.reason.endswith("at 37 kPa: the tangent stays indefinite")
 
 
 def test_where_the_whole_arm_ends_is_named_beside_its_law() -> None:

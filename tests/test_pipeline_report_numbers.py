@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.report.law_range import moments_sentence, moments_table
 from pipeline.report.mesh_error import mesh_besides
 from pipeline.report.numbers import Cell, eccentricity, estimators, five_parameters, linear_range, observations
 from pipeline.report.page import render_report
@@ -87,6 +88,21 @@ def test_the_error_of_the_mesh_is_named_beside_that_of_the_rods(
     sentence = mesh_besides(results(tmp_path, parameters=parameters, law={"mesh_error": law}), rod)
     assert sentence.startswith("The error of the mesh comes on top of that")
     assert sentence.endswith(ending)
+
+
+def test_the_moments_of_the_law_are_those_that_cell_and_clamped_end_have(tmp_path: Path) -> None:
+    def curves(**moments: float) -> list[dict[str, object]]:
+        return [{"pressure_kPa": float(p[1:]), "moment_N_mm": [-low, 0.0, 1.5]} for p, low in moments.items()]
+
+    law = {"curves": curves(p0=1.0, p17=2.0, p20=3.0), "clamp": {"curves": curves(p17=1.5, p20=9.0)}}
+    states = [{"experiment": "II", "pressure_kPa": pressure} for pressure in (17.0, 20.0)]
+    read = results(tmp_path, law=law, experiments=states)
+    assert moments_table(read) == [["17", "-2 to 1.5", "-1.5 to 1.5"], ["20", "-3 to 1.5", "-9 to 1.5"]]
+    assert moments_sentence(read) == (
+        "The arm's own law is known for moments from -1.5 to 1.5 N mm at 17 kPa, from -3 to 1.5 N mm at 20 kPa, and "
+        "not extrapolated."
+    )
+    assert moments_sentence(results(tmp_path, law={}, experiments=states)) == ""
 
 
 def test_a_break_at_the_upper_end_of_its_range_is_marked(tmp_path: Path) -> None:

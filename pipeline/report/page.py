@@ -12,6 +12,7 @@ from pipeline.report import figures
 from pipeline.report.body_view import body_view
 from pipeline.report.formatting import number, percent, seconds
 from pipeline.report.law_figure import arm_law
+from pipeline.report.law_range import moments_table
 from pipeline.report.numbers import eccentricity, estimators, linear_range, observations, slopes, stretch_of_rod
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import (
@@ -158,6 +159,7 @@ def _validation(results: Results) -> dict[str, object]:
         "beyond": beyond_identified(results),
         "laws": law_rows(results),
         "simplest_laws": simplest_laws(results),
+        "moments_of_law": moments_table(results),
     }
 
 

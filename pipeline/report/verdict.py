@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.report.formatting import number
+from pipeline.report.law_range import moments_sentence
 from pipeline.report.mesh import mesh_sentences
 from pipeline.report.mesh_error import law_mesh_error, mesh_besides, mesh_error, what_spread_is
 from pipeline.report.next_steps import next_steps
@@ -17,6 +18,7 @@ from pipeline.report.sentences import in_short, lines_needed
 from pipeline.report.untested import untested
 from pipeline.report.validation import RodErrors, recommended_rod, rod_errors, rod_to_take
 from pipeline.store.json_values import JsonObject
+from pipeline.validation.rods import ARM_LAW
 
 #: the topic of what was not reached
 FAILURE = "failure"
@@ -90,7 +92,7 @@ def verdict_of(results: Results) -> Verdict:
     topics = {
         FAILURE: _failure(results),
         "rod": _rod(results, rod),
-        "errors": rod_to_take(results)[1:],
+        "errors": [*rod_to_take(results)[1:], *_moments(results, rod)],
         "single line": _single_line(results),
         "unusual": [f"Note: {sentence}." for sentence in results.run.get("remarks") or ()],
         "simulated": _simulated(results.effects),
@@ -138,6 +140,11 @@ def _rod(results: Results, rod: str) -> list[str]:
     """Which rod to take, and the error of the mesh beside its own."""
     to_take = rod_to_take(results)[:1]
     return [*to_take, mesh_besides(results, rod)] if to_take else ["No rod was compared with the finite elements."]
+
+
+def _moments(results: Results, rod: str) -> list[str]:
+    """Up to which moments the rod to take is known, where it is that with the arm's own law."""
+    return [sentence] if rod == ARM_LAW and (sentence := moments_sentence(results)) else []
 
 
 def _single_line(results: Results) -> list[str]:

@@ -1,0 +1,68 @@
+"""The moments for which the arm's own law is known; it is not extrapolated."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.report.formatting import number
+from pipeline.report.results import Results
+
+#: pressures that the sentence names; with more it names the first and the last
+MOST_NAMED = 4
+
+
+@dataclass(frozen=True)
+class MomentsOfLaw:
+    """The moments that the law has at one pressure, N mm."""
+
+    pressure_kPa: float
+    cell: tuple[float, float]
+    clamp: tuple[float, float] | None  #: of the clamped end; None in files without it
+
+    @property
+    def both(self) -> tuple[float, float]:
+        """The moments that both have."""
+        low, high = zip(self.cell, self.clamp or self.cell, strict=True)
+        return max(low), min(high)
+
+
+def moments_of_law(results: Results) -> list[MomentsOfLaw]:
+    """By pressure of the experiments, those between which the law is interpolated left out."""
+    requested = results.pressures
+    clamps = {_pressure(curve): curve for curve in (results.arm_law.get("clamp") or {}).get("curves", ())}
+    return [
+        MomentsOfLaw(_pressure(curve), _ends(curve), _ends(clamp) if (clamp := clamps.get(_pressure(curve))) else None)
+        for curve in results.arm_law.get("curves", ())
+        if _pressure(curve) in requested
+    ]
+
+
+def moments_sentence(results: Results) -> str:
+    """The moments for which the law is known, for the verdict; empty without a law."""
+    rows = moments_of_law(results)
+    named = rows if len(rows) <= MOST_NAMED else [rows[0], rows[-1]]
+    parts = [f"from {_to(row.both)} N mm at {row.pressure_kPa:g} kPa" for row in named]
+    more = "" if named == rows else "; the report has those at the other pressures"
+    return f"The arm's own law is known for moments {', '.join(parts)}, and not extrapolated{more}." if parts else ""
+
+
+def moments_table(results: Results) -> list[list[str]]:
+    """Rows of the table of the report: p, moments of a cell and of the clamped end."""
+    return [
+        [f"{row.pressure_kPa:g}", _to(row.cell), _to(row.clamp) if row.clamp else "-"]
+        for row in moments_of_law(results)
+    ]
+
+
+def _pressure(curve: Mapping[str, Any]) -> float:
+    return float(curve["pressure_kPa"])
+
+
+def _ends(curve: Mapping[str, Any]) -> tuple[float, float]:
+    moments: Sequence[float] = curve["moment_N_mm"]
+    return moments[0], moments[-1]
+
+
+def _to(ends: tuple[float, float]) -> str:
+    low, high = (number(float(f"{end:.3g}")) for end in ends)
+    return f"{low} to {high}"
