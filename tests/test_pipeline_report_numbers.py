@@ -172,6 +172,14 @@ def test_loads_with_large_errors_are_named(tmp_path: Path) -> None:
     ]
 
 
+def test_of_rods_that_stretch_no_shape_is_given_without_stretch(tmp_path: Path) -> None:
+    whole = {**row("in", 0.02, 0.02), "distance_over_length_without_stretch": 0.01, "end_angle_error_rad": 0.0349066}
+    rows = [{**whole, "rod": rod} for rod in ("five", "five_extensible", "arm_law")]
+    shown = validation_rows(results(tmp_path, validation=rows))
+    assert [cells[4:7] for cells in shown] == [["2 %", "1 %", "2"], ["2 %", "-", "2"], ["2 %", "-", "2"]]
+    assert "end angle error (°)" in render_report(tmp_path)
+
+
 def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path: Path) -> None:
     five = [row("in", 0.02, 0.02), row("out", 0.04, None, "dead force 0, 1 N"), row("out", 0.03, -0.2, "end at +10 mm")]
     law = [{**r, "rod": "arm_law", "sample": "out", "distance_over_length": 0.002} for r in five]

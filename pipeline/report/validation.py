@@ -190,7 +190,10 @@ def rod_table(results: Results) -> list[list[str]]:
 
 
 def validation_rows(results: Results) -> list[list[str]]:
-    """Rows of the table: load, rod, in or out of sample, p, shape with and without stretch, angle, force, curvature."""
+    """Rows of the table: load, rod, in or out of sample, p, shape, angle (°), force, curvature.
+
+    The shape with and without the stretch of the curve; without it only of a rod that does not stretch itself.
+    """
     return [
         [
             row.title,
@@ -198,8 +201,8 @@ def validation_rows(results: Results) -> list[list[str]]:
             row.sample,
             number(row.pressure_kPa),
             percent(row.distance_over_length),
-            percent(row.distance_over_length_without_stretch),
-            number(row.end_angle_error_rad),
+            percent(row.distance_over_length_without_stretch if row.rod == FIVE else None),
+            number(None if row.end_angle_error_rad is None else math.degrees(row.end_angle_error_rad)),
             percent(row.force_error),
             percent(row.curvature_error),
             number(row.curvature_error_at_s_mm),
