@@ -126,6 +126,7 @@ class Lines:
         self._verbose = verbose
         self._clock = RemainingTime()
         self._iterations: dict[str, int] = {}
+        self._has_explained = False
 
     def stage(self, name: str) -> None:
         if self._clock.is_over:
@@ -152,6 +153,9 @@ class Lines:
         counted = f"{iterations} iterations, " if iterations else ""
         work = f"{counted}{duration(seconds)}" if seconds > 0.0 else "stored by an earlier run"
         left = self._clock.remaining()
+        if left and not self._has_explained:
+            self._print("time left: an estimate for the experiments that have begun; others may follow")
+            self._has_explained = True
         after = f"; {left}" if left else ""
         self._print(f"{experiment}: {pressure_kPa:g} kPa ({work}){after}")
 
@@ -239,7 +243,7 @@ class Terminal:
             return Group(table)
         left = self._clock.remaining()
         head = f"{self._stage}: {duration(time.monotonic() - self._began)}"
-        return Group(Text(f"{head}, {left}" if left else head), table)
+        return Group(Text(f"{head}, {left} for experiments begun" if left else head), table)
 
 
 def _stopped(experiment: str, pressures: Sequence[float], why: str) -> str:

@@ -37,11 +37,12 @@ class RemainingTime:
         self._lowest_end = min((self._lowest_end, *pressures))
 
     def remaining(self) -> str:
-        """The time until all of them are reached, in words; empty where it is not known or over."""
+        """The time until all of them are reached, in words; empty where it is not known or over. Experiments that begin
+        later are not in it."""
         if self._solved == 0 or self.is_over:
             return ""
         pace = (time.monotonic() - self._began) / self._solved
-        return f"begun: {duration(pace * self._left)} left"
+        return f"{duration(pace * self._left)} left"
 
     @property
     def is_over(self) -> bool:

@@ -1,6 +1,6 @@
 """A run from beginning to end: configuration, body, experiments, five parameters, rod, report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -51,17 +51,17 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     nothing more can be solved (faces that cannot touch, a process that was ended from outside).
     """
     with open_store(out, config, fresh=fresh) as store:
-        stages = _Stages(progress)
         for sentence in (*before_solving(config), *of_units(config)):
             progress.remark(sentence)
         config, plan = plan_discretisation(config, store, progress)
         with run_context(store, jobs, progress) as context:
-            return _solved(config, plan, context, stages)
+            return _solved(config, plan, context)
 
 
-def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_Stages") -> RunReport:
+def _solved(config: Config, plan: Plan | None, context: RunContext) -> RunReport:
     """The stages of the run. One waits for what it needs; tasks of later ones are done meanwhile."""
     store, progress, workers = context.store, context.progress, context.workers
+    stages = _Stages(progress, stage_names(config))
     loading = loaded(context, config.mesh.formulation, material_of(config))
     with stages.timed("mesh"):
         scene = meshed_with_progress(config, progress)
@@ -97,11 +97,11 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
         arm.save(store)
         effects = (*effect_states(scene, outcomes), arm.effect)
         store.save_json("effects.json", [state.row() for state in effects])
-    with stages.timed("coarser mesh"):
+    with stages.timed(_COARSER_MESH):
         parameters, no_mesh_error = improved.result()
+    with stages.timed("rod"):
         if config.law != "cell":
             store.save_json("parameters.json", parameters_record(config, parameters, arm.law, no_mesh_error))
-    with stages.timed("rod"):
         rods = ArmRods(parameters, arm.law, (0.0, scene.body.curve_y))
         comparisons = compare(outcomes, rods, scene.body.pitch)
         store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, scene.body.pitch))
@@ -136,23 +136,35 @@ def _solved(config: Config, plan: Plan | None, context: RunContext, stages: "_St
     return report
 
 
+#: the stage of a run whose configuration has a second mesh
+_COARSER_MESH = "coarser mesh"
 #: in their order
 _STAGES = (
-    *("mesh", "kernels (compiled once)", "experiments", "identification", "pictures", "cell law", "coarser mesh"),
+    *("mesh", "kernels (compiled once)", "experiments", "identification", "pictures", "cell law", _COARSER_MESH),
     *("rod", "validation", "report"),
 )
+
+
+def stage_names(config: Config) -> tuple[str, ...]:
+    """The stages of a run in their order; a second mesh only where the five parameters are to have its error."""
+    has_coarser = config.mesh.coarser is not None and config.law != "cell"
+    return tuple(name for name in _STAGES if has_coarser or name != _COARSER_MESH)
 
 
 class _Stages:
     """The stages of a run. Each is reported with its number as it begins; what is kept is how long the run waited."""
 
-    def __init__(self, progress: Progress) -> None:
+    def __init__(self, progress: Progress, names: Sequence[str]) -> None:
         self._progress = progress
+        self._names = names
         self.seconds: dict[str, float] = {}
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
-        self._progress.stage(f"{name} ({_STAGES.index(name) + 1} of {len(_STAGES)})")
+        if name not in self._names:
+            yield
+            return
+        self._progress.stage(f"{name} ({self._names.index(name) + 1} of {len(self._names)})")
         start = perf_counter()
         yield
         self.seconds[name] = perf_counter() - start

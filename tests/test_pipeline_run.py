@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ import pytest
 from pipeline.config.load import load_config
 from pipeline.errors import RunFailed
 from pipeline.progress import Silent
-from pipeline.run import run
+from pipeline.run import _Stages, run, stage_names
 
 SHORT = """
 name: short
@@ -53,6 +54,30 @@ def test_every_file_of_the_contract_is_there(results: Path) -> None:
     named += [f"pictures/{name}.png" for name in ("body", "body_open", "II_16kPa")]
     missing = [name for name in named if not (results / name).is_file()]
     assert not missing
+
+
+@pytest.mark.parametrize(
+    ("settings", "counted"),
+    [(("mesh.coarser=1.5",), True), (("mesh.coarser=off",), False), (("mesh.coarser=1.5", "law=cell"), False)],
+)
+def test_a_second_mesh_is_a_stage_where_there_is_one(
+    config_file: Path, settings: tuple[str, ...], counted: bool
+) -> None:
+    config = load_config(config_file, settings)
+    listener = Mock()
+    names = stage_names(config)
+    stages = _Stages(listener, names)
+    for name in ("mesh", "coarser mesh", "report"):
+        with stages.timed(name):
+            pass
+    count = 10 if counted else 9
+    of_second = [f"coarser mesh (7 of {count})"] if counted else []
+    assert [call.args[0] for call in listener.stage.mock_calls] == [
+        f"mesh (1 of {count})",
+        *of_second,
+        f"report ({count} of {count})",
+    ]
+    assert ("coarser mesh" in stages.seconds) is counted
 
 
 def test_parameters_are_those_of_a_rod(results: Path) -> None:
