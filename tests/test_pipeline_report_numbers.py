@@ -219,7 +219,8 @@ def test_the_error_of_a_small_force_counts_over_the_largest_one(tmp_path: Path) 
         "1 % of the largest force at the end, is the smallest of 2 rods (errors of the shape relative to the length, "
         "errors of the force at the end relative to the largest one).",
         "The rod with the arm's own law: out of sample (loads that nothing was fitted to) the shape is wrong by at "
-        "most 0.1 % of l, the force by at most 70 % (over the largest force of all loads at most 1 %).",
+        "most 0.1 % of l, the force by at most 70 % of itself and 1 % of the largest force of all "
+        "loads.",
     ]
 
 

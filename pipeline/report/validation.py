@@ -18,8 +18,6 @@ TITLES = {
 
 #: error of a good rod under other loads: distance over the length, and relative error of the force
 SHAPE_LIMIT, FORCE_LIMIT = 0.03, 0.10
-#: part of a relative error of the force above that limit below which the error over the largest force stands beside it
-SMALL_FORCE = 0.5
 #: distance over the length beyond which no rod is recommended
 POOR = 0.10
 
@@ -100,9 +98,9 @@ class RodErrors:
         force, of_largest = self.force[sample], self.force_of_largest[sample]
         if force is None or of_largest is None:
             return ""
-        over_largest = f" (over the largest force of all loads at most {percent(of_largest)})"
-        beside = over_largest if force > FORCE_LIMIT and of_largest < SMALL_FORCE * force else ""
-        return f", the force by at most {percent(force)}{beside}"
+        own, over_largest = percent(force), percent(of_largest)
+        beside = "" if own == over_largest else f" of itself and {over_largest} of the largest force of all loads"
+        return f", the force by at most {own}{beside}"
 
 
 def _worst_force(rows: Sequence[ValidationRow], results: Results) -> float | None:
