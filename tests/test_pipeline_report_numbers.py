@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.report.law_range import moments_sentence, moments_table
+from pipeline.report.laws import law_rows, simplest_laws
 from pipeline.report.mesh_error import mesh_besides
 from pipeline.report.numbers import Cell, eccentricity, estimators, five_parameters, linear_range, observations
 from pipeline.report.page import render_report
@@ -13,13 +14,11 @@ from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import third_experiment
 from pipeline.report.validation import (
     beyond_identified,
-    law_rows,
     out_of_sample,
     recommended_rod,
     rod_errors,
     rod_table,
     rod_to_take,
-    simplest_laws,
     validation_rows,
 )
 
@@ -292,6 +291,25 @@ def test_the_simplest_law_is_named(tmp_path: Path) -> None:
     assert law_rows(given)[0] == ["17", "one line", "2", "10 %", "10 %"]
     assert simplest_laws(given) == [
         "At 17 kPa the simplest law that predicts the other loads as well as any is “one line” with 2 parameters."
+    ]
+
+
+@pytest.mark.parametrize(("single", "explained"), [(True, True), (False, False)])
+def test_the_simplest_law_is_connected_to_the_lines_of_the_rod(tmp_path: Path, single: bool, explained: bool) -> None:
+    laws = [
+        {"pressure_kPa": 17.0, "law": law, "numbers": n, "in_sample": 0.1, "out_of_sample": 0.1, "simplest": n == 3}
+        for law, n in (("two slopes", 3), ("five parameters", 5))
+    ]
+    parameters = {"pressures_kPa": [17.0], **columns(False), "single_line_suffices": [single]}
+    given = results(tmp_path, laws=laws, parameters=parameters)
+    assert [cells[1] for cells in law_rows(given)] == ["two slopes, no offsets", "five parameters, free offsets"]
+    why = (
+        ", although the rod has a single line there: its lines are chosen by how well they describe experiment III, "
+        "these laws are compared by the other loads"
+    )
+    assert simplest_laws(given) == [
+        "At 17 kPa the simplest law that predicts the other loads as well as any is “two slopes, no offsets” with 3 "
+        f"parameters{why if explained else ''}."
     ]
 
 

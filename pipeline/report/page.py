@@ -13,6 +13,7 @@ from pipeline.report.body_view import body_view
 from pipeline.report.formatting import number, percent, seconds
 from pipeline.report.law_figure import arm_law
 from pipeline.report.law_range import moments_table
+from pipeline.report.laws import law_rows, simplest_laws
 from pipeline.report.numbers import eccentricity, estimators, linear_range, observations, slopes, stretch_of_rod
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import (
@@ -25,14 +26,7 @@ from pipeline.report.sentences import (
     third_experiment,
     time_of_factorization,
 )
-from pipeline.report.validation import (
-    beyond_identified,
-    law_rows,
-    out_of_sample,
-    rod_table,
-    simplest_laws,
-    validation_rows,
-)
+from pipeline.report.validation import beyond_identified, out_of_sample, rod_table, validation_rows
 from pipeline.report.verdict import verdict_of
 
 #: what the page is made of

@@ -252,24 +252,6 @@ def _beyond_the_limits(rows: Sequence[ValidationRow]) -> str:
     return f"Errors exceed {limits} at: {'; '.join(row.location for row in failed)}{where}."
 
 
-def law_rows(results: Results) -> list[list[str]]:
-    """Rows of the table of laws: p, law, numbers, errors in and out of sample."""
-    return [
-        [f"{row.pressure_kPa:g}", row.law, str(row.numbers), percent(row.in_sample), percent(row.out_of_sample)]
-        for row in results.laws
-    ]
-
-
-def simplest_laws(results: Results) -> list[str]:
-    """The simplest sufficient law, one sentence per pressure."""
-    return [
-        f"At {row.pressure_kPa:g} kPa the simplest law that predicts the other loads as well as any is "
-        f"“{row.law}” with {row.numbers} parameters."
-        for row in results.laws
-        if row.simplest
-    ]
-
-
 def _count(loads: int) -> str:
     return "one load" if loads == 1 else f"{loads} loads"
 
