@@ -222,6 +222,12 @@ def test_report_says_why_there_is_a_single_line(
     assert lines_needed(read_results(finished)) == sentence
 
 
+def test_the_figure_of_moments_says_why_dots_lie_beside_the_lines(finished: Path) -> None:
+    html = render_report(finished)
+    assert "one that is less than a cell away from s = d contains a part of both lines" in html
+    assert "below the dots" not in html
+
+
 def test_report_has_the_difference_of_I_and_II_and_the_computing_time(finished: Path) -> None:
     results = read_results(finished)
     assert [row[3] for row in difference_of_rest_curvatures(results)] == ["0.1 %", "0.1 %"]
