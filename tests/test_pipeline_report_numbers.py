@@ -304,7 +304,7 @@ def test_the_simplest_law_is_connected_to_the_lines_of_the_rod(tmp_path: Path, s
     given = results(tmp_path, laws=laws, parameters=parameters)
     assert [cells[1] for cells in law_rows(given)] == ["two slopes, no offsets", "five parameters, free offsets"]
     why = (
-        ", although the rod has a single line there: its lines are chosen by how well they describe experiment III, "
+        ", although the rod has a single line there: its lines are chosen from experiment III, "
         "these laws are compared by the other loads"
     )
     assert simplest_laws(given) == [

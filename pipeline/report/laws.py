@@ -38,7 +38,8 @@ def _otherwise(results: Results, row: LawRow) -> str:
     has_two = {"one line": False, "two slopes": True, "five parameters": True}.get(row.law)
     if single is None or has_two is None or has_two != bool(single):
         return ""
+    lines = "a single line" if single else "two lines"
     return (
-        f", although the rod has {'a single line' if single else 'two lines'} there: its lines are chosen by how well "
-        "they describe experiment III, these laws are compared by the other loads"
+        f", although the rod has {lines} there: its lines are chosen from experiment III, these laws are compared by "
+        "the other loads"
     )
