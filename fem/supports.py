@@ -11,6 +11,7 @@ from typing import final
 import numpy as np
 
 from fem.discretisation import Discretisation
+from fem.finite import check_finite
 from geometry.arrays import Array, Index
 
 COMPONENTS = "xyz"
@@ -112,13 +113,17 @@ class Fixed(Support):
 class Prescribed(Support):
     """One displacement component with a given value in mm at load factor 1.
 
-    With ramp=False the value is prescribed in full from the first target on.
+    With ramp=False the value is prescribed in full from the first target on. Raises `SupportError` for a value that is
+    not finite.
     """
 
     where: Where
     component: str
     value: float
     ramp: bool = True
+
+    def __post_init__(self) -> None:
+        check_finite(f"prescribed displacement {self.component}: value (mm)", self.value, SupportError)
 
     def equations(self, space: Discretisation) -> Equations:
         """u_i = value."""
@@ -132,13 +137,17 @@ class Symmetry(Support):
     """Nodes that move only within a plane of any direction: their displacement along its normal is prescribed.
 
     normal: (3,) of any length. offset: displacement along the normal in mm at load factor 1, zero by default; with
-    ramp=False it is prescribed in full from the first target on. Raises `SupportError` for a normal of length zero.
+    ramp=False it is prescribed in full from the first target on. Raises `SupportError` for a normal of length zero and
+    an offset that is not finite.
     """
 
     where: Where
     normal: tuple[float, float, float]
     offset: float = 0.0
     ramp: bool = True
+
+    def __post_init__(self) -> None:
+        check_finite("symmetry plane: offset (mm)", self.offset, SupportError)
 
     def equations(self, space: Discretisation) -> Equations:
         """n . u = offset."""

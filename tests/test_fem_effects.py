@@ -8,18 +8,21 @@ import numpy as np
 import pytest
 from bodies import box, bricks, difference, fork, hollow_box, named
 
-from fem import ContactError, Effect, Gravity, Pressure, SelfContact, StrainLimitingLayer, StVenantKirchhoff
+from fem import ContactError, Effect, Gravity, LineForce, Pressure, SelfContact, StrainLimitingLayer, StVenantKirchhoff
 from fem.discretisation import Discretisation
 from fem.effects import facing_pairs
 from fem.effects.barrier import CONTINUATION, FacingTerm, continued_barrier
 from fem.effects.contact import BarrierTerm
 from fem.effects.effect import Blocks, LoadTerm, Term, advanced, at_constant_fraction
 from fem.effects.facing_pairs import FacingPairs
+from fem.supports import Line
 from geometry import Mesh
 from geometry.arrays import Array
 
 LAW = StVenantKirchhoff(E=1.2, nu=0.4)
 GAP = 0.4
+FACE = np.array([[0, 1, 2]])
+LINE = Line(np.eye(3))
 
 
 def times(blocks: Blocks, dx: Array) -> Array:
@@ -239,6 +242,24 @@ def test_walls_that_meet_from_far_are_told_with_their_distance_at_rest(gap: floa
 def test_contact_that_cannot_be_is_refused(contact: SelfContact) -> None:
     with pytest.raises(ContactError, match=r"self-contact on '(above|prongs)': "):
         bound(fork(GAP), contact)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: Pressure("cavity", np.nan), r"pressure on 'cavity': value \(MPa\) must be finite, not nan"),
+        (lambda: Pressure("cavity", -np.inf), r"pressure on 'cavity': value \(MPa\) must be finite, not -inf"),
+        (lambda: Gravity(np.inf), r"gravity: density \(tonne/mm3\) must be finite, not inf"),
+        (lambda: Gravity(1e-9, (0.0, np.nan, 0.0)), r"acceleration \(mm/s2\) must be finite, not \(0.0, nan, 0.0\)"),
+        (lambda: Gravity(1e-9, regions={"core": np.nan}), r"density of region 'core' \(tonne/mm3\) must be finite"),
+        (lambda: LineForce(LINE, (0.0, np.inf, 0.0)), r"line force: force \(N\) must be finite, not \(0.0, inf, 0.0\)"),
+        (lambda: StrainLimitingLayer(FACE, np.inf, 1.0, 0.3), "thickness must be positive and finite, not inf mm"),
+        (lambda: StrainLimitingLayer(FACE, 0.1, np.inf, 0.3), "E = inf MPa: Young's modulus must be positive and fin"),
+    ],
+)
+def test_effects_with_numbers_that_are_not_finite_are_refused(make: Callable[[], Effect], sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        make()
 
 
 def test_a_face_that_faces_nothing_has_no_pairs() -> None:

@@ -178,6 +178,12 @@ def test_a_body_that_is_not_held_is_reported() -> None:
     assert caught.value.partial.factorizations < 20
 
 
+def test_a_load_that_is_not_a_number_has_no_equilibrium() -> None:
+    pulled = Traction("right", lambda x: np.full_like(x, np.nan))
+    with pytest.raises(NotConverged, match="the residual grew without bound after 0 iterations"):
+        follow(beam([pulled]), [1.0])
+
+
 def test_an_element_turned_inside_out_is_named() -> None:
     """The right end is pushed past the left one."""
     supports = [Fixed("left"), Prescribed("right", "x", -2.2), Fixed("right", "yz")]

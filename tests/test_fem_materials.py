@@ -339,6 +339,12 @@ def test_stretch_limits() -> None:
         (lambda: Ogden((0.1,), (-2.0,), 1.0), "Ogden: half the sum of mu times alpha = -0.1 MPa must be positive"),
         (lambda: Ogden((0.1,), (2.0,), 0.0), "Ogden: kappa = 0 MPa must be positive"),
         (lambda: Yeoh(0.1, 0.1, 0.0, float("nan")), "Yeoh: kappa = nan MPa must be positive"),
+        (lambda: Yeoh(0.1, float("nan"), 0.0, 1.0), r"Yeoh: c20 \(MPa\) must be finite, not nan"),
+        (lambda: Yeoh(0.1, 0.1, float("inf"), 1.0), r"Yeoh: c30 \(MPa\) must be finite, not inf"),
+        (lambda: NeoHooke(float("inf"), 1.0), "neo-Hooke: mu = inf MPa must be positive and finite"),
+        (lambda: Ogden((float("nan"),), (2.0,), 1.0), "half the sum of mu times alpha = nan MPa must be positive"),
+        (lambda: Hencky(float("inf"), 0.3), "E = inf MPa: Young's modulus must be positive and finite"),
+        (lambda: Hencky(1.2, float("nan")), "nu = nan: Poisson's ratio"),
     ],
 )
 def test_inadmissible_constants_are_refused(make, sentence: str) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from bodies import box
 
-from fem import Fixed, Model, Prescribed, Pressure, StVenantKirchhoff, follow
+from fem import Fixed, Model, Prescribed, Pressure, StVenantKirchhoff, Symmetry, follow
 from fem.discretisation import Discretisation
 from fem.equations.constraints import Constraints
 from fem.supports import SupportError, nodes_at
@@ -70,6 +70,18 @@ def test_a_component_may_be_prescribed_twice_with_one_value_but_not_with_two() -
 def test_a_support_that_names_nothing_is_refused_with_a_sentence(support: Fixed | Prescribed, sentence: str) -> None:
     with pytest.raises(ValueError, match=sentence):
         Constraints.of([support], SPACE)
+
+
+@pytest.mark.parametrize(
+    ("make", "sentence"),
+    [
+        (lambda: Prescribed("right", "x", np.nan), r"prescribed displacement x: value \(mm\) must be finite, not nan"),
+        (lambda: Symmetry("right", (1, 0, 0), np.inf), r"symmetry plane: offset \(mm\) must be finite, not inf"),
+    ],
+)
+def test_a_support_with_a_value_that_is_not_finite_is_refused(make, sentence: str) -> None:
+    with pytest.raises(SupportError, match=sentence):
+        make()
 
 
 def stretched(ramp: bool, factors: list[float]) -> list[float]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from fem.discretisation import Discretisation, Faces
 from fem.effects.effect import NO_BLOCKS, Blocks, Effect, LoadTerm
+from fem.finite import check_finite
 from fem.kernels.surface import FaceArrays, surface_pressure, surface_pressure_tangent
 from fem.materials.material import Material
 from fem.supports import Line, nodes_at
@@ -19,12 +20,15 @@ from geometry.arrays import Array
 class Pressure(Effect):
     """Pressure in MPa at load factor 1 on a named face, following the surface: Pi = -p V(x).
 
-    With ramp=False it is applied in full from the first target on.
+    With ramp=False it is applied in full from the first target on. Raises ValueError for a value that is not finite.
     """
 
     where: str
     value: float
     ramp: bool = True
+
+    def __post_init__(self) -> None:
+        check_finite(f"pressure on {self.where!r}: value (MPa)", self.value)
 
     def bind(self, space: Discretisation, material: Material) -> "PressureTerm":
         """The potential of the pressure; raises ValueError for a face that does not exist."""
@@ -93,13 +97,19 @@ class Gravity(Effect):
 
     regions: densities of regions of the mesh, by their names.
 
-    With ramp=False it is applied in full from the first target on.
+    With ramp=False it is applied in full from the first target on. Raises ValueError for numbers that are not finite.
     """
 
     density: float
     acceleration: tuple[float, float, float] = (0.0, -9810.0, 0.0)
     ramp: bool = True
     regions: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_finite("gravity: density (tonne/mm3)", self.density)
+        check_finite("gravity: acceleration (mm/s2)", self.acceleration)
+        for name, density in self.regions.items():
+            check_finite(f"gravity: density of region {name!r} (tonne/mm3)", density)
 
     def bind(self, space: Discretisation, material: Material) -> "DeadForceTerm":
         """The potential of the consistent nodal weights."""
@@ -118,11 +128,15 @@ class LineForce(Effect):
     """A force that keeps its direction, spread evenly over a line of edges.
 
     force: (3,) N on the meshed part at load factor 1. With ramp=False it is applied in full from the first target on.
+    Raises ValueError for a force that is not finite.
     """
 
     where: Line
     force: tuple[float, float, float]
     ramp: bool = True
+
+    def __post_init__(self) -> None:
+        check_finite("line force: force (N)", self.force)
 
     def bind(self, space: Discretisation, material: Material) -> "DeadForceTerm":
         """The potential of the nodal forces; raises `fem.supports.SupportError` where the line has no nodes."""

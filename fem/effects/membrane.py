@@ -51,8 +51,10 @@ class StrainLimitingLayer(Effect):
 
     def __post_init__(self) -> None:
         check_moduli(self.E, self.nu)
-        if not self.thickness > 0:
-            raise LayerError(f"strain-limiting layer: its thickness must be positive, not {self.thickness:g} mm")
+        if not 0 < self.thickness < np.inf:
+            raise LayerError(
+                f"strain-limiting layer: its thickness must be positive and finite, not {self.thickness:g} mm"
+            )
         if self.triangles.shape[0] == 0:
             raise LayerError("strain-limiting layer: the mesh has no face in the plane of the layer")
 

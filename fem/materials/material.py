@@ -160,9 +160,9 @@ class LinearLaw(Material):
 
 
 def check_moduli(E: float, nu: float) -> None:
-    """Refuse moduli for which the linearised law is not positive definite."""
-    if not E > 0:
-        raise MaterialError(f"E = {E:g} MPa: Young's modulus must be positive")
+    """Refuse moduli for which the linearised law is not positive definite and finite."""
+    if not 0 < E < np.inf:
+        raise MaterialError(f"E = {E:g} MPa: Young's modulus must be positive and finite")
     if not -1.0 < nu < 0.5:
         raise MaterialError(f"nu = {nu:g}: Poisson's ratio must lie between -1 and 0.5 (0.5 itself excluded)")
 

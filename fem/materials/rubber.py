@@ -11,7 +11,8 @@ from typing import final
 
 import numpy as np
 
-from fem.materials.material import LinearLaw, PositiveStress, Response, Stress
+from fem.finite import check_finite
+from fem.materials.material import LinearLaw, MaterialError, PositiveStress, Response, Stress
 from fem.materials.rubber_law import RubberLaw, check_positive
 from fem.materials.tensors import IDENTITY, CauchyGreen, Products, scaled
 from geometry.arrays import Array
@@ -143,6 +144,8 @@ class Yeoh(IsochoricLaw):
 
     def __post_init__(self) -> None:
         check_positive(Yeoh, {"c10": self.c10, "kappa": self.kappa})
+        check_finite("Yeoh: c20 (MPa)", self.c20, MaterialError)
+        check_finite("Yeoh: c30 (MPa)", self.c30, MaterialError)
 
     @classmethod
     def uniaxial_terms(cls, stretch: Array) -> dict[str, Array]:

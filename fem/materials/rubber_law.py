@@ -124,7 +124,7 @@ def range_of(holds: Callable[[Array], Mask]) -> tuple[float, float]:
 
 
 def check_positive(law: type[Material], positive: Mapping[str, float]) -> None:
-    """Raise `MaterialError` unless all values (MPa) are positive."""
+    """Raise `MaterialError` unless all values (MPa) are positive and finite."""
     for name, value in positive.items():
-        if not value > 0:
-            raise MaterialError(f"{law.title}: {name} = {value:g} MPa must be positive")
+        if not 0 < value < np.inf:
+            raise MaterialError(f"{law.title}: {name} = {value:g} MPa must be positive and finite")

@@ -203,7 +203,10 @@ def _iterate(before: _Iterate, control: Control, convex: bool, max_strain: float
 
 
 def _relative_residual(system: System, assembly: Assembly) -> float:
+    """Infinite where a force is not finite."""
     residual = float(np.linalg.norm(system.constraints.reduce(assembly.gradient)))
+    if not np.isfinite([residual, assembly.scale, assembly.roundoff]).all():
+        return np.inf
     if residual <= assembly.roundoff:  # a turned body without stress: nothing balances, so nothing to compare with
         return 0.0
     return residual / assembly.scale if assembly.scale > 0 else (np.inf if residual > 0 else 0.0)
