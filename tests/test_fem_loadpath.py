@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from bodies import box, hollow_box
+from laws import LAWS
 from loads import Traction
 
 from fem import (
@@ -27,6 +28,7 @@ from fem import (
     step_from_arrays,
     step_to_arrays,
 )
+from fem.elements import ELEMENTS
 from fem.path import newton
 from fem.path.control import LoadControl
 from fem.path.newton import Converged, Start, StepFailed
@@ -53,6 +55,24 @@ def test_steps_are_at_the_targets_in_their_order() -> None:
     np.testing.assert_allclose(solution.steps[0].displacement, solution.steps[2].displacement, atol=1e-5)
     assert solution.factorizations == sum(step.factorizations for step in solution.steps)
     assert solution.seconds.total > 0
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("formulation", ELEMENTS)
+def test_a_bent_beam_returns_to_a_millionth_of_its_load_and_to_none(formulation: str, law: str) -> None:
+    """Without load the rounding of the stress is all that is left; with little load the tolerance is the same."""
+    weight = Gravity(6e-8 if ELEMENTS[formulation].quadratic else 6e-7)  # linear elements lock
+    model = Model(box((4, 1, 1), (8.0, 1.0, 1.0)), LAWS[law], [Fixed("left")], [weight], formulation)
+    bent, nearly_unloaded, unloaded = follow(model, [1.0, 1e-6, 0.0]).steps
+    assert np.abs(bent.displacement).max() > 2.0
+    assert np.abs(unloaded.displacement).max() < 1e-14
+    assert (nearly_unloaded.cutbacks, unloaded.cutbacks) == (0, 0)
+    assert nearly_unloaded.factorizations + unloaded.factorizations <= 8
+    system = model.system()
+    state = system.state_at(nearly_unloaded.displacement, nearly_unloaded.factor)
+    assembly = system.assemble(state, system.terms)
+    residual = np.linalg.norm(system.constraints.reduce(assembly.gradient))
+    assert residual < NewtonOptions().tolerance * assembly.scale
 
 
 def test_newton_iterations_can_be_observed_and_are_counted() -> None:

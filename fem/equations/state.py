@@ -55,4 +55,5 @@ class Assembly:
     gradient: Array  #: (n, 3) d Pi / d x, N; zero on the free components in equilibrium
     pressure_residual: Array  #: (v,) d Pi / d p; zero where the pressures are those of the displacement
     scale: float  #: norm of the nodal forces that balance, N
-    roundoff: float  #: bound of the norm of the nodal forces that the rounding of the displacement makes, N
+    #: bound of the norm of the nodal forces that the rounding of the displacement and of the strain makes, N
+    roundoff: float

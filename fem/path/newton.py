@@ -207,6 +207,7 @@ def _relative_residual(system: System, assembly: Assembly) -> float:
     residual = float(np.linalg.norm(system.constraints.reduce(assembly.gradient)))
     if not np.isfinite([residual, assembly.scale, assembly.roundoff]).all():
         return np.inf
-    if residual <= assembly.roundoff:  # a turned body without stress: nothing balances, so nothing to compare with
+    # a turned body without stress, or one without load: nothing balances, so nothing to compare with
+    if residual <= assembly.roundoff:
         return 0.0
     return residual / assembly.scale if assembly.scale > 0 else (np.inf if residual > 0 else 0.0)
