@@ -21,6 +21,11 @@ class State:
     stress: Array  #: (e, q, 6), second Piola-Kirchhoff, MPa
 
     @property
+    def is_at_rest(self) -> bool:
+        """Whether nothing is displaced."""
+        return not self.displacement.any()
+
+    @property
     def change(self) -> "Change":
         """Of a rate of states: the rate of the unknowns alone."""
         return Change(self.factor, self.displacement, self.pressure)

@@ -22,6 +22,17 @@ OF_LAW = "a limit point; the law is beyond its limits there, and another law may
 #: of rubber, 78.8 instead of 93.7 kPa. With a law that ends, such as St. Venant-Kirchhoff's, mixed elements end earlier
 EARLY_LIMITS = {"p2p0": " (p2p0 elements are too soft and reach limit points up to 16 % early; mixed ones do not)"}
 
+#: begin of a clause about a path under a given load that has lost its stability, and what follows where it did
+NOT_FOLLOWED = "the path was not followed: it lost its stability"
+OTHER_BRANCH = "; smaller steps there end at a limit point or follow another branch"
+NOT_FOLLOWED_EARLIER = f"{NOT_FOLLOWED} on the way to an earlier state{OTHER_BRANCH}"
+
+
+def not_followed(stable: float, unstable: float) -> str:
+    """A clause about a path that lost its stability between these two fractions of the way to a target."""
+    where = f"between {100 * stable:.1f} and {100 * unstable:.1f} % of the way to this state"
+    return f"{NOT_FOLLOWED} {where}{OTHER_BRANCH}"
+
 
 def law_limit_clause(system: System, state: State) -> str:
     """A clause for a law that was driven out of its limits; empty otherwise."""

@@ -14,7 +14,14 @@ from fem.effects.effect import at_constant_fraction, smallest_gap
 from fem.path.active_set import ActiveSet
 from fem.path.control import Control
 from fem.path.costs import Costs
-from fem.path.diagnosis import instability, law_limit_clause, near_limit_point
+from fem.path.diagnosis import (
+    NOT_FOLLOWED,
+    NOT_FOLLOWED_EARLIER,
+    instability,
+    law_limit_clause,
+    near_limit_point,
+    not_followed,
+)
 from fem.path.effort import effort_of
 from fem.path.exact_contact import with_exact_distances
 from fem.path.increments import LIMIT_ACCURACY, MAX_NEAR_FAILURES, Increments
@@ -99,7 +106,8 @@ class PathFollower:
         #: the last point on the way to the first target, with its rate while constant loads grow as well
         self.arrival: PathPoint | None = None
         self.is_stable = True  #: whether the last equilibrium is
-        self.not_followed = ""  #: a clause where the path lost its stability on the way to the target
+        #: a clause where the path lost its stability on the way to the target, or before and has not regained it
+        self.not_followed = ""
 
     def resume(self, steps: Sequence[Step], goes_on: bool) -> None:
         """Go on from the last of the given steps; goes_on: whether more targets follow.
@@ -143,6 +151,7 @@ class PathFollower:
         state = self.system.state_at(step.displacement, step.factor)
         active_set = ActiveSet.of_step(self.system.terms, step)
         self.solver.active_set, self.is_stable = active_set, step.negative_pivots == 0
+        self.not_followed = NOT_FOLLOWED_EARLIER if NOT_FOLLOWED in step.instability else ""
         terms = at_constant_fraction(active_set.active, 1.0)
         return PathPoint(value, 1.0, state, active_set.touching(step.positions), terms=terms)
 
@@ -153,7 +162,7 @@ class PathFollower:
         of their motions hide a step that jumps past a limit of the driven load.
         """
         before, is_first, rest = Costs.of(self.system), len(self.points) == 1, self.points[0]
-        self.not_followed = ""
+        self.not_followed = NOT_FOLLOWED_EARLIER if self.not_followed and not self.is_stable else ""
         constant = None
         if is_first and self.control.gives_load and self.predictor.has_constant_loads:
             constant = self._with_constant_loads(target, before)
@@ -220,9 +229,7 @@ class PathFollower:
                     raise PathEnded(self._end_after(cause, last, increments, before)) from None
                 continue
             iterations += self.solver.iterations
-            if self.is_stable and converged.negative_pivots and fraction < 1.0:
-                self.not_followed = _not_followed(increments.reached, fraction)
-            self.is_stable = converged.negative_pivots == 0
+            self._note_stability(converged, increments.reached, fraction)
             limit = self._announced_limit(self.points[-1], point)
             self.points, self.arrival = [self.points[-1], point], arrival
             increments.accepted(fraction, converged.iterations, limit)
@@ -232,6 +239,18 @@ class PathFollower:
                 return _Reached(control, converged, iterations, increments.cutbacks, tuple(values))
             if increments.is_confirmed_or_exhausted:
                 raise PathEnded(self._end_after(cause, control, increments, before))
+
+    def _note_stability(self, converged: Converged, reached: float, fraction: float) -> None:
+        """Keep whether an equilibrium at a fraction of the way is stable, and where the path lost its stability.
+
+        reached: the fraction of the equilibrium before.
+        """
+        is_stable = converged.negative_pivots == 0
+        if self.is_stable and not is_stable and fraction < 1.0:
+            self.not_followed = not_followed(reached, fraction)
+        elif is_stable and self.not_followed == NOT_FOLLOWED_EARLIER:
+            self.not_followed = ""
+        self.is_stable = is_stable
 
     def _increment(self, control: Control, increments: Increments, announced: float) -> Increment:
         """The next one."""
@@ -351,11 +370,3 @@ class PathFollower:
             solver=type(self.system.solver).__name__,
             degrees_of_freedom=self.system.size,
         )
-
-
-def _not_followed(stable: float, unstable: float) -> str:
-    """A clause about a path that lost its stability between these two fractions of the way to a target."""
-    return (
-        f"the path was not followed: it lost its stability between {100 * stable:.1f} and {100 * unstable:.1f} % "
-        "of the way to this state; smaller steps there end at a limit point or follow another branch"
-    )

@@ -78,6 +78,11 @@ class Start:
     max_unstable: int | None = None  #: iterations with an indefinite tangent, after which it is given up; None: any
     stays_stable: bool = False  #: whether it is given up where the tangent has been definite and is no longer
 
+    @classmethod
+    def at(cls, state: State, terms: Terms) -> "Start":
+        """From an equilibrium of these or other terms; one beyond rest needs an iteration, to tell its stability."""
+        return cls(state, terms, iterates=not state.is_at_rest)
+
 
 @dataclass(frozen=True)
 class Converged:
@@ -91,7 +96,7 @@ class Converged:
 
     @property
     def negative_pivots(self) -> int:
-        """Of the last iteration's tangent; 0 where no iteration was needed."""
+        """Of the last iteration's tangent; 0 where no iteration was needed, as at rest."""
         return 0 if self.linearised is None else self.linearised.negative_pivots
 
 

@@ -93,7 +93,7 @@ class Predictor:
         small, full = _small_step(last, target.value), extrapolate(None, last, target.value)
         balanced = small_step_under_load(last, target.value)
         if small is None or full is None or balanced is None:
-            yield Start(last.state, terms)
+            yield Start.at(last.state, terms)
             return
         x = target.system.space.points + last.state.displacement
         with_stress = stressed(terms, x, full.displacement - last.state.displacement)

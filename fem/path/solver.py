@@ -88,7 +88,7 @@ class IncrementSolver:
         """An equilibrium without overlap and without an element that is turned inside out; raises `StepFailed`."""
         last = increment.points[-1].state
         if self.active_set.needs_admissible_start:
-            converged = self._solve(Start(last, self.active_set.active), increment)
+            converged = self._solve(Start.at(last, self.active_set.active), increment)
         else:
             converged = self._from_predictor(increment)
         converged = self._activate(converged, increment)
@@ -97,7 +97,7 @@ class IncrementSolver:
             if tightened is self.active_set:
                 raise NotAdmissible(violations[0])
             self.active_set = tightened
-            start = Start(last if tightened.needs_admissible_start else converged.state, tightened.active)
+            start = Start.at(last if tightened.needs_admissible_start else converged.state, tightened.active)
             try:
                 converged = self._activate(self._solve(start, increment), increment)
             except StepFailed as failure:
@@ -128,7 +128,7 @@ class IncrementSolver:
         """Equilibrium with those contacts too that a state activates; each may activate the next."""
         while (activated := self.active_set.activated(self.positions(converged))) is not self.active_set:
             self.active_set = activated
-            converged = self._solve(Start(converged.state, activated.active), increment)
+            converged = self._solve(Start.at(converged.state, activated.active), increment)
         return converged
 
     def _from_predictor(self, increment: Increment) -> Converged:

@@ -1,0 +1,37 @@
+"""What steps say of the stability of their state."""
+
+import numpy as np
+import pytest
+from bodies import box
+
+from fem import Fixed, Model, Prescribed, Step, StVenantKirchhoff, follow
+
+EARLIER = "the path was not followed: it lost its stability on the way to an earlier state"
+
+
+def pressed_column() -> Model:
+    """A clamped column that is shortened by a tenth, twice as much as it bears without buckling."""
+    supports = [Fixed("left"), Fixed("right", "yz"), Prescribed("right", "x", -0.8)]
+    return Model(box((8, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 1e-5), supports, [], "p2")
+
+
+@pytest.fixture(scope="module")
+def column_steps() -> tuple[Step, ...]:
+    return follow(pressed_column(), [1.0, 1.0, 1.0, 0.25]).steps
+
+
+def test_an_unstable_state_that_is_a_target_again_stays_unstable(column_steps: tuple[Step, ...]) -> None:
+    first, second, third, relieved = column_steps
+    assert [step.negative_pivots for step in column_steps] == [4, 4, 4, 0]
+    assert "of the way to this state" in first.instability
+    for step in (second, third):
+        np.testing.assert_allclose(step.displacement, first.displacement, atol=1e-8)
+        assert step.instability.startswith("unstable in 4 directions")
+        assert EARLIER in step.instability
+    assert relieved.instability == ""
+
+
+def test_a_resumed_path_tells_the_same_of_its_stability(column_steps: tuple[Step, ...]) -> None:
+    for count in (1, 2):
+        again = follow(pressed_column(), [1.0, 1.0, 1.0], resume=column_steps[:count]).steps
+        assert [step.instability for step in again] == [step.instability for step in column_steps[:3]]
