@@ -1,10 +1,10 @@
-"""What steps say of the stability of their state."""
+"""What steps say of the stability of their state, under a given load and under a given volume."""
 
 import numpy as np
 import pytest
-from bodies import box
+from bodies import box, hollow_box
 
-from fem import Fixed, Model, Prescribed, Step, StVenantKirchhoff, follow
+from fem import Fixed, Model, NeoHooke, Prescribed, Pressure, Step, StVenantKirchhoff, follow, follow_volume
 
 EARLIER = "the path was not followed: it lost its stability on the way to an earlier state"
 
@@ -13,6 +13,12 @@ def pressed_column() -> Model:
     """A clamped column that is shortened by a tenth, twice as much as it bears without buckling."""
     supports = [Fixed("left"), Fixed("right", "yz"), Prescribed("right", "x", -0.8)]
     return Model(box((8, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 1e-5), supports, [], "p2")
+
+
+def balloon() -> Model:
+    """Its largest load factor is 0.52, at nine times the volume at rest, 0.5 mm3."""
+    supports = [Fixed("clamp"), Fixed("sym", "z")]
+    return Model(hollow_box(half=True), NeoHooke(0.4, 20.0), supports, [Pressure("cavity", 1.0)])
 
 
 @pytest.fixture(scope="module")
@@ -35,3 +41,11 @@ def test_a_resumed_path_tells_the_same_of_its_stability(column_steps: tuple[Step
     for count in (1, 2):
         again = follow(pressed_column(), [1.0, 1.0, 1.0], resume=column_steps[:count]).steps
         assert [step.instability for step in again] == [step.instability for step in column_steps[:3]]
+
+
+def test_a_path_under_a_volume_goes_through_a_limit_of_the_load_and_is_followed() -> None:
+    (step,) = follow_volume(balloon(), "cavity", [5.5]).steps
+    assert len(step.increments) > 1
+    assert step.negative_pivots == 1
+    assert step.instability.startswith("unstable in 1 direction;")
+    assert "not followed" not in step.instability

@@ -243,10 +243,11 @@ class PathFollower:
     def _note_stability(self, converged: Converged, reached: float, fraction: float) -> None:
         """Keep whether an equilibrium at a fraction of the way is stable, and where the path lost its stability.
 
-        reached: the fraction of the equilibrium before.
+        reached: the fraction of the equilibrium before. Under a prescribed volume the path goes on where the given load
+        would lose its stability.
         """
         is_stable = converged.negative_pivots == 0
-        if self.is_stable and not is_stable and fraction < 1.0:
+        if self.control.gives_load and self.is_stable and not is_stable and fraction < 1.0:
             self.not_followed = not_followed(reached, fraction)
         elif is_stable and self.not_followed == NOT_FOLLOWED_EARLIER:
             self.not_followed = ""
