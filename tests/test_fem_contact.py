@@ -392,7 +392,7 @@ def test_a_carried_gap_is_where_the_pressure_of_the_barrier_has_moved_the_body()
 
 def test_the_force_of_a_carried_gap_is_linear_and_that_of_the_gap_where_both_are_equal() -> None:
     space = Discretisation.of(fork(0.4), "p2p0")
-    term = SelfContact("prongs", dhat=0.5).bind(space, LAW)
+    term = replace(SelfContact("prongs", dhat=0.3).bind(space, LAW), dhat=0.5)  # beyond the gap at rest
     x, dx = space.points, 1e-3 * np.random.default_rng(1).standard_normal(space.points.shape)
 
     def force(term: FacingTerm, x: Array) -> Array:

@@ -237,7 +237,8 @@ def test_walls_that_meet_from_far_are_told_with_their_distance_at_rest(gap: floa
 
 
 @pytest.mark.parametrize(
-    "contact", [SelfContact("above"), SelfContact("prongs", dhat=0.0), SelfContact("prongs", -1.0)]
+    "contact",
+    [SelfContact("above"), *(SelfContact("prongs", dhat) for dhat in (0.0, -1.0, GAP, 2 * GAP))],
 )
 def test_contact_that_cannot_be_is_refused(contact: SelfContact) -> None:
     with pytest.raises(ContactError, match=r"self-contact on '(above|prongs)': "):
@@ -260,6 +261,14 @@ def test_contact_that_cannot_be_is_refused(contact: SelfContact) -> None:
 def test_effects_with_numbers_that_are_not_finite_are_refused(make: Callable[[], Effect], sentence: str) -> None:
     with pytest.raises(ValueError, match=sentence):
         make()
+
+
+@pytest.mark.parametrize("starts_inactive", [False, True])
+def test_an_activation_distance_that_walls_are_within_at_rest_is_refused(starts_inactive: bool) -> None:
+    sentence = r"self-contact on 'prongs': dhat, 0.45 mm, must be below the smallest gap at rest, 0.4 mm"
+    with pytest.raises(ContactError, match=sentence):
+        bound(fork(GAP), SelfContact("prongs", 0.45, starts_inactive))
+    bound(fork(GAP), SelfContact("prongs", 0.39, starts_inactive))
 
 
 def test_a_face_that_faces_nothing_has_no_pairs() -> None:

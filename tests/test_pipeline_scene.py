@@ -92,6 +92,21 @@ def test_wrong_effects_are_refused_by_key(arm: Path, override: str, key: str, co
     assert complaint in sentence
 
 
+@pytest.mark.parametrize("distance", ["2 mm", "2.5 mm"])
+def test_an_activation_distance_that_walls_are_within_at_rest_is_refused(configs: Path, distance: str) -> None:
+    """The gap of the arm is 2 mm; just below it is allowed. Faces that never meet have no gap."""
+    short = ["geometry.chambers=2", "mesh.size=6 mm"]
+    path = configs / "pneunet_coarse.yaml"
+    with pytest.raises(
+        InputError, match=rf"effects.self_contact.dhat: self-contact on 'gap': dhat, {distance}, must be"
+    ):
+        Scene.meshed(load_config(path, [*short, f"effects.self_contact={{dhat: {distance}}}"]))
+    Scene.meshed(load_config(path, [*short, "effects.self_contact={dhat: 1.99 mm}"]))
+    Scene.meshed(load_config(path, [*short, "effects.self_contact=off"]))
+    named = "effects.self_contact={faces: [outer], dhat: 9 mm}"
+    Scene.meshed(load_config(configs / "semicircular_coarse.yaml", [*short[1:], named]))
+
+
 def test_gravity_across_the_plane_needs_the_whole_body(arm: Path) -> None:
     aside = "effects.gravity={acceleration: [0 m/s^2, 0 m/s^2, 9.81 m/s^2]}"
     assert Scene.meshed(load_config(arm, BISECTED)).body.half

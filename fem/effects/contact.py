@@ -46,7 +46,8 @@ class ContactError(ValueError):
 class SelfContact(Effect):
     """Faces that may touch but not cross.
 
-    dhat: activation distance of the barrier in mm, by default a fiftieth of the smallest gap at rest. starts_inactive:
+    dhat: activation distance of the barrier in mm, below the smallest gap at rest, so that walls do not press on each
+    other without load; by default a fiftieth of that gap. starts_inactive:
     the effect is left out until a state without it comes within dhat; a scene that never touches is then the scene
     without contact, and faces that can never meet do no harm. overlap: fraction of the barrier's width that lies behind
     the wall; with 0 walls rest further apart, nearly dhat, but no pressure on a small spot pushes them through each
@@ -104,6 +105,11 @@ class SelfContact(Effect):
         dhat = (ACTIVATION if self.overlap else ACTIVATION_NO_OVERLAP) * gap if self.dhat is None else self.dhat
         if not dhat > 0:
             raise ContactError(f"self-contact on {self.faces!r}: dhat must be positive and the faces apart at rest")
+        if self.dhat is not None and self.dhat >= gap:
+            raise ContactError(
+                f"self-contact on {self.faces!r}: dhat, {self.dhat:.3g} mm, must be below the smallest gap at rest, "
+                f"{gap:.3g} mm, because walls would press on each other without load"
+            )
         return dhat
 
 

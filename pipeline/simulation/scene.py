@@ -1,6 +1,6 @@
 """From a configuration to its scene: the part of the body that is meshed, its material, and the effects on it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 import fem
@@ -40,7 +40,9 @@ class Scene:
         _check_boundary(config, body)
         _check_faces(config, body)
         whole = config.effects.symmetry.off or config.effects.gravity.breaks_symmetry
-        return Scene(config, body.full() if whole else body)
+        scene = Scene(config, body.full() if whole else body)
+        scene._check_contact()
+        return scene
 
     @property
     def material(self) -> fem.Solid:
@@ -79,6 +81,17 @@ class Scene:
     def _intended_faces(self) -> tuple[str, ...]:
         """The faces that are expected to meet: those the user names, else the gap."""
         return self.config.effects.self_contact.faces or (GAP,)
+
+    def _check_contact(self) -> None:
+        """Refuse a given activation distance that walls are within at rest. Raises InputError."""
+        if self.config.effects.self_contact.dhat_mm is None:
+            return
+        space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
+        try:
+            for contact in self._intended_contacts:
+                replace(contact, starts_inactive=True).activation_distance(space)  # faces that never meet do no harm
+        except fem.ContactError as failure:
+            raise InputError(f"{self.config.source}: effects.self_contact.dhat: {failure}") from None
 
     def effects(self, largest_MPa: float) -> list[fem.Effect]:
         """The effects on the body, with `largest_MPa` as the pressure of the run at load factor 1."""
