@@ -4,7 +4,18 @@ import numpy as np
 import pytest
 from bodies import box, hollow_box
 
-from fem import Fixed, Model, NeoHooke, Prescribed, Pressure, Step, StVenantKirchhoff, follow, follow_volume
+from fem import (
+    Fixed,
+    Model,
+    NeoHooke,
+    NotConverged,
+    Prescribed,
+    Pressure,
+    Step,
+    StVenantKirchhoff,
+    follow,
+    follow_volume,
+)
 
 EARLIER = "the path was not followed: it lost its stability on the way to an earlier state"
 
@@ -49,3 +60,15 @@ def test_a_path_under_a_volume_goes_through_a_limit_of_the_load_and_is_followed(
     assert step.negative_pivots == 1
     assert step.instability.startswith("unstable in 1 direction;")
     assert "not followed" not in step.instability
+
+
+@pytest.mark.parametrize("before", [[], [4.0]])
+def test_the_end_of_a_path_under_a_volume_does_not_advise_a_volume(before: list[float]) -> None:
+    """It ends shortly behind the largest load, with 4 % of the elastic stiffness left."""
+    with pytest.raises(NotConverged) as caught:
+        follow_volume(balloon(), "cavity", [*before, 25.0])
+    cause = caught.value.end.cause
+    assert cause.startswith("no equilibrium after 12 iterations")
+    assert "limit point" not in cause
+    assert "volume (in Python" not in cause
+    assert cause.endswith("another formulation of the elements or volumes in between may lead further")

@@ -41,13 +41,18 @@ def law_limit_clause(system: System, state: State) -> str:
 
 
 def near_limit_point(
-    system: System, last: PathPoint, law_is_named: bool = False, limit_is_confirmed: bool = False
+    system: System,
+    last: PathPoint,
+    law_is_named: bool = False,
+    limit_is_confirmed: bool = False,
+    gives_load: bool = True,
 ) -> str:
     """A clause where the last equilibrium is about to lose its stability or has lost it. Factorizes.
 
     That is so where the path ended at the limit that it announced, whatever stiffness is left. Otherwise empty where
     the law was named as the reason, and a clause that says what was excluded where it was not. A singular tangent at
-    rest is no limit point: a part of the body is not held there.
+    rest is no limit point: a part of the body is not held there. gives_load: whether the load is prescribed; a path
+    under a prescribed volume goes through limit points of the load, which then explain nothing and are not named.
     """
     limit_point = OF_LAW if law_is_named else PASSABLE + EARLY_LIMITS.get(system.space.element.name, "")
     try:
@@ -55,7 +60,11 @@ def near_limit_point(
     except SingularMatrix:
         if last.constant_fraction == 0.0:
             return "; at rest the tangent is singular: a part of the body is not held"
+        if not gives_load:
+            return _unexplained_under_volume(law_is_named)
         return f"; the tangent at the last equilibrium is singular: {limit_point}"
+    if not gives_load:
+        return _unexplained_under_volume(law_is_named)
     is_near = limit_is_confirmed or mode.stiffness <= NEARLY_UNSTABLE
     if not is_near and law_is_named:
         return ""
@@ -68,6 +77,16 @@ def near_limit_point(
     return (
         f"; the last equilibrium has {max(mode.stiffness, 0.0):.1%} of its elastic stiffness left in a motion "
         f"that is largest at {position_text(mode.position)}: {limit_point}"
+    )
+
+
+def _unexplained_under_volume(law_is_named: bool) -> str:
+    """A clause about the end of a path under a prescribed volume; empty where the law was named as the reason."""
+    if law_is_named:
+        return ""
+    return (
+        "; the law does not explain it: a smaller mesh, another formulation of the elements or volumes in between may "
+        "lead further"
     )
 
 

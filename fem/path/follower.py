@@ -317,7 +317,8 @@ class PathFollower:
         limit = increments.limit if increments.limit_is_confirmed else None
         if limit is not None and limit > increments.lowest_failed > reached.value:
             limit = increments.lowest_failed  # a load without an equilibrium is not below the limit
-        cause = str(failure) + law + near_limit_point(self.system, last, bool(law), limit is not None)
+        gives_load = self.control.gives_load
+        cause = str(failure) + law + near_limit_point(self.system, last, bool(law), limit is not None, gives_load)
         if increments.is_stuck:
             failed = f"{MAX_NEAR_FAILURES} increments of at most {LIMIT_ACCURACY:.0%} of the load failed there"
             cause = f"{failed}; the last one: {cause}"
