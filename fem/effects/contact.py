@@ -56,6 +56,8 @@ class SelfContact(Effect):
     near: gap, over the smallest one at rest, below which a pair of walls takes part in the pattern of the matrix from
     the first contact on, because it may be the next to touch. Fewer pairs make a factorization cheaper; infinity stands
     for all pairs.
+
+    Raises `ContactError` for an overlap outside 0 <= overlap < 1 and a dhat that is not positive and finite.
     """
 
     faces: str
@@ -63,6 +65,14 @@ class SelfContact(Effect):
     starts_inactive: bool = False
     overlap: float = OVERLAP
     near: float = NEAR
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.overlap < 1:
+            raise ContactError(
+                f"self-contact on {self.faces!r}: overlap = {self.overlap:g} must be at least 0 and below 1"
+            )
+        if self.dhat is not None and not 0 < self.dhat < np.inf:
+            raise ContactError(f"self-contact on {self.faces!r}: dhat = {self.dhat:g} mm must be positive and finite")
 
     def bind(self, space: Discretisation, material: Material) -> FacingTerm:
         """The barrier; raises `ContactError`."""
@@ -102,15 +112,18 @@ class SelfContact(Effect):
         if pairs.nodes.size == 0 and not self.starts_inactive:
             raise ContactError(f"self-contact on {self.faces!r}: no two parts of these faces face each other")
         gap = _smallest_gap(pairs, space)
-        dhat = (ACTIVATION if self.overlap else ACTIVATION_NO_OVERLAP) * gap if self.dhat is None else self.dhat
-        if not dhat > 0:
-            raise ContactError(f"self-contact on {self.faces!r}: dhat must be positive and the faces apart at rest")
-        if self.dhat is not None and self.dhat >= gap:
+        if not gap > 0:
+            raise ContactError(
+                f"self-contact on {self.faces!r}: the faces must be apart at rest; their smallest gap is {gap:.3g} mm"
+            )
+        if self.dhat is None:
+            return (ACTIVATION if self.overlap else ACTIVATION_NO_OVERLAP) * gap
+        if self.dhat >= gap:
             raise ContactError(
                 f"self-contact on {self.faces!r}: dhat, {self.dhat:.3g} mm, must be below the smallest gap at rest, "
                 f"{gap:.3g} mm, because walls would press on each other without load"
             )
-        return dhat
+        return self.dhat
 
 
 def _smallest_gap(pairs: FacingPairs, space: Discretisation) -> float:
