@@ -8,7 +8,17 @@ import numpy as np
 import pytest
 from bodies import box, bricks, difference, fork, hollow_box, named
 
-from fem import ContactError, Effect, Gravity, LineForce, Pressure, SelfContact, StrainLimitingLayer, StVenantKirchhoff
+from fem import (
+    ContactError,
+    Effect,
+    Gravity,
+    LineForce,
+    MaterialError,
+    Pressure,
+    SelfContact,
+    StrainLimitingLayer,
+    StVenantKirchhoff,
+)
 from fem.discretisation import Discretisation
 from fem.effects import facing_pairs
 from fem.effects.barrier import CONTINUATION, FacingTerm, continued_barrier
@@ -140,6 +150,11 @@ def test_gravity_weighs_the_body(formulation: str) -> None:
     np.testing.assert_allclose(pull.sum(axis=0), [0.0, -6.0 * 2e-9 * 9810.0, 0.0], rtol=1e-12)
     turning = np.cross(space.points, pull).sum(axis=0)
     np.testing.assert_allclose(turning, np.cross([0.5, 1.0, 1.5], pull.sum(axis=0)), rtol=1e-12, atol=1e-18)
+
+
+def test_gravity_on_a_region_that_the_mesh_does_not_have_is_refused() -> None:
+    with pytest.raises(MaterialError, match="the mesh has no region 'core'; it has no regions"):
+        bound(box((1, 1, 1), (1.0, 1.0, 1.0)), Gravity(1e-9, regions={"core": 2e-9}))
 
 
 @pytest.mark.parametrize("formulation", ["p2p0", "p1"])

@@ -11,6 +11,7 @@ from fem.effects.effect import NO_BLOCKS, Blocks, Effect, LoadTerm
 from fem.finite import check_finite
 from fem.kernels.surface import FaceArrays, surface_pressure, surface_pressure_tangent
 from fem.materials.material import Material
+from fem.materials.regions import elements_of
 from fem.supports import Line, nodes_at
 from geometry.arrays import Array
 
@@ -112,10 +113,10 @@ class Gravity(Effect):
             check_finite(f"gravity: density of region {name!r} (tonne/mm3)", density)
 
     def bind(self, space: Discretisation, material: Material) -> "DeadForceTerm":
-        """The potential of the consistent nodal weights."""
+        """The potential of the consistent nodal weights; raises `MaterialError` for a region that does not exist."""
         mass, density = np.zeros(space.points.shape[0]), np.full(space.nodes.shape[0], self.density)
         for name, of_region in self.regions.items():
-            density[space.regions[name]] = of_region
+            density[elements_of(name, space.regions)] = of_region
         nodal = np.array(space.element.shape.nodal_weights)
         np.add.at(mass, space.nodes, (density * space.volume)[:, None] * nodal)
         force = mass[:, None] * np.asarray(self.acceleration)

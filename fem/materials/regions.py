@@ -27,6 +27,14 @@ class ByRegion:
             raise MaterialError("a body of several materials needs at least one region with a law of its own")
 
 
+def elements_of(name: str, regions: Mapping[str, Index]) -> Index:
+    """The numbers (m,) of a region's elements; raises `MaterialError` for a region that the mesh does not have."""
+    if name not in regions:
+        known = ", ".join(sorted(regions)) or "no regions"
+        raise MaterialError(f"the mesh has no region {name!r}; it has {known}")
+    return regions[name]
+
+
 #: what a body can be made of
 Solid = Material | ByRegion
 
@@ -57,12 +65,9 @@ class Laws:
         of_element = np.zeros(elements, dtype=np.int64)
         laws = [solid.body]
         for name, law in solid.regions.items():
-            if name not in regions:
-                known = ", ".join(sorted(regions)) or "no regions"
-                raise MaterialError(f"the mesh has no region {name!r}; it has {known}")
             if law not in laws:
                 laws.append(law)
-            of_element[regions[name]] = laws.index(law)
+            of_element[elements_of(name, regions)] = laws.index(law)
         members = [(law, np.flatnonzero(of_element == number)) for number, law in enumerate(laws)]
         return cls(tuple((law, elements) for law, elements in members if len(elements)), elements)
 
