@@ -25,6 +25,7 @@ from fem import (
     Step,
     StVenantKirchhoff,
     follow,
+    follow_volume,
     step_from_arrays,
     step_to_arrays,
 )
@@ -202,6 +203,14 @@ def test_a_load_that_is_not_a_number_has_no_equilibrium() -> None:
     pulled = Traction("right", lambda x: np.full_like(x, np.nan))
     with pytest.raises(NotConverged, match="the residual grew without bound after 0 iterations"):
         follow(beam([pulled]), [1.0])
+
+
+@pytest.mark.parametrize("target", [np.nan, np.inf])
+def test_targets_that_are_not_finite_are_refused(target: float) -> None:
+    with pytest.raises(ValueError, match=rf"^load factors must be finite, not \[0.5, {target}\]"):
+        follow(beam([WEIGHT]), [0.5, target])
+    with pytest.raises(ValueError, match=rf"^volumes \(mm3\) must be finite, not \[{target}\]"):
+        follow_volume(beam([WEIGHT]), "left", [target])
 
 
 def test_an_element_turned_inside_out_is_named() -> None:

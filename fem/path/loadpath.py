@@ -7,6 +7,7 @@ from itertools import zip_longest
 from time import perf_counter
 
 from fem.equations.linear import SingularMatrix
+from fem.finite import check_finite
 from fem.model import Model
 from fem.path.control import LoadControl, VolumeControl
 from fem.path.costs import Costs
@@ -32,8 +33,10 @@ def follow(
     None. The way from there is tried first, in one increment in which load factor and supports move together. Limit
     points on it are not seen: the same model should bear both load factors with the other displacements.
 
-    Raises `NotConverged`, which carries the reason and the steps reached so far.
+    Raises `NotConverged`, which carries the reason and the steps reached so far, and ValueError for a load factor that
+    is not finite.
     """
+    check_finite("load factors", factors)
     start, options = perf_counter(), options or PathOptions()
     path = PathFollower(LoadControl.of(model.system(options.solver)), options, observer or PathObserver())
     return _follow(path, factors, resume, start, begin)
@@ -53,8 +56,9 @@ def follow_volume(
     pressure, where `follow` ends.
 
     Raises `NotConverged`, which carries the reason and the steps reached so far, and ValueError for faces that do not
-    exist or prescribed displacements that grow with the load factor.
+    exist, prescribed displacements that grow with the load factor or a volume that is not finite.
     """
+    check_finite("volumes (mm3)", volumes)
     start, options = perf_counter(), options or PathOptions()
     path = PathFollower(VolumeControl.of(model.system(options.solver), where), options, observer or PathObserver())
     return _follow(path, volumes, resume, start)
