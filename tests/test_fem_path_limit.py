@@ -111,6 +111,19 @@ def test_few_increments_find_a_limit_from_any_target(target: float) -> None:
     assert len(tried) <= 22
 
 
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_load_without_an_equilibrium_is_not_before_the_limit_that_is_named(direction: float) -> None:
+    """The limit is announced a little behind the load that failed, on a way up as on a way down."""
+    way = Increments(0.0, 10.0 * direction, 1 / 256)
+    for fraction in (0.2995, 0.2998):
+        way.accepted(fraction, 3, 3.02 * direction)
+        assert way.confirmed_limit is None
+    way.failed(0.3005, unstable=True)
+    assert way.confirmed_limit == pytest.approx(3.005 * direction)
+    way.limit = 3.003 * direction
+    assert way.confirmed_limit == 3.003 * direction
+
+
 def test_a_limit_that_is_announced_and_passed_does_not_end_the_path() -> None:
     """The rates grow as if the path ended at the limit, but it goes on."""
     increments, tried = searched(LIMIT, 10.0, 11.0)

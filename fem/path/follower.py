@@ -314,9 +314,7 @@ class PathFollower:
     def _end_after(self, failure: StepFailed, reached: Control, increments: Increments, before: Costs) -> End:
         """The end of the path where increments fail, with what is known of the limit."""
         last, law = self.points[-1], law_limit_clause(self.system, self.points[-1].state)
-        limit = increments.limit if increments.limit_is_confirmed else None
-        if limit is not None and limit > increments.lowest_failed > reached.value:
-            limit = increments.lowest_failed  # a load without an equilibrium is not below the limit
+        limit = increments.confirmed_limit
         gives_load = self.control.gives_load
         cause = str(failure) + law + near_limit_point(self.system, last, bool(law), limit is not None, gives_load)
         if increments.is_stuck:

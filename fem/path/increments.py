@@ -199,9 +199,13 @@ class Increments:
         return self.cutbacks >= MAX_CUTBACKS or self.tried >= MAX_INCREMENTS
 
     @property
-    def lowest_failed(self) -> float:
-        """The lowest value that was not reached; infinite where none failed."""
-        return self.start + self._failed * (self.target - self.start)
+    def confirmed_limit(self) -> float | None:
+        """The announced limit where it is confirmed, or the first value without an equilibrium where that comes before
+        it on the way, up or down; None where no limit is confirmed."""
+        limit = self._limit_fraction
+        if limit is None or not self.limit_is_confirmed:
+            return None
+        return self.start + self._failed * (self.target - self.start) if limit > self._failed else self.limit
 
     @property
     def limit_is_confirmed(self) -> bool:
