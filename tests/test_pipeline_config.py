@@ -468,6 +468,7 @@ def test_a_region_has_a_material_of_its_own(configs: Path) -> None:
         ("materials.base={law: svk, E: 1 MPa}", "materials.base.nu: is missing; for example"),
         ("materials.base={law: svk, E: 1, nu: 0.4}", "E: 1 has no unit"),
         ("materials.base={law: yeoh, c10: 1 MPa, c20: 0 MPa, c30: 0 MPa}", "kappa: is missing"),
+        ("materials.base={law: yeoh, c10: 1 MPa, c20: 0 MPa, nu: 0.49}", "c30: is missing; for example 'c30: 0 MPa'"),
         (
             "materials.base={law: mooney_rivlin, c10: 1 MPa, c01: -1 MPa, kappa: 9 MPa}",
             "materials.base: Mooney-Rivlin: ",

@@ -121,10 +121,7 @@ _EXAMPLES = {
     "alpha": "2",
     "kappa": "20 MPa",
     "density": "1130 kg/m^3",
-    "c10": "0.12 MPa",
-    "c01": "0.08 MPa",
-    "c20": "0 MPa",
-    "c30": "0 MPa",
+    **schema.EXAMPLES,
 }
 _OWN_EXAMPLES = {
     "file": "finger.step",

@@ -249,9 +249,16 @@ def geometry_model(design: Any) -> Any:
     return pydantic.create_model("Geometry", __base__=_Section, family=(str, ...), **_geometry_fields(design))
 
 
+#: constants whose usual size is not that of other stresses
+EXAMPLES = {"c10": "0.12 MPa", "c01": "0.08 MPa", "c20": "0 MPa", "c30": "0 MPa"}
+
+
 def material_model(law: str) -> Any:
     """The keys of a material that obeys `law`; instead of its bulk modulus kappa nu may be given."""
-    constants: dict[str, Any] = {name: (CONSTANTS[kind], ...) for name, kind in LAWS[law].constants().items()}
+    constants: dict[str, Any] = {
+        name: (CONSTANTS[kind], pydantic.Field(examples=[EXAMPLES[name]]) if name in EXAMPLES else ...)
+        for name, kind in LAWS[law].constants().items()
+    }
     if BULK in constants:
         constants |= {BULK: (PositiveStress | None, None), "nu": (PoissonRatio | None, None)}
     return pydantic.create_model(
