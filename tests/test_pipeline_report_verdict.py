@@ -303,6 +303,8 @@ def test_without_a_failure_a_terminal_shows_the_same_sentences(folder: Path) -> 
 def test_the_law_is_not_offered_above_the_pressures_of_the_experiments(folder: Path) -> None:
     (folder / "law.json").write_text(json.dumps({"format": 1, "pressures_kPa": [0.0, 17.0, 37.0, 64.6]}))
     assert any("law.json --pressure '37 kPa'" in step for step in next_steps(read_results(folder), "arm_law"))
+    assert any("--law cell --to csv" in step for step in next_steps(read_results(folder), "arm_law"))
+    assert not any("--law cell" in step for step in next_steps(read_results(folder), "five"))
     (folder / "law.json").write_text(json.dumps({"format": 1, "pressures_kPa": [0.0, 40.0, 64.6]}))
     assert any("law.json --pressure '37 kPa'" in step for step in next_steps(read_results(folder), "arm_law"))
 

@@ -89,6 +89,11 @@ def _use(results: Results, rod: str) -> list[str]:
     stretch = {EXTENSIBLE: " --stretch", FIVE: " --no-stretch"}.get(rod, "")
     pressure = f"--pressure '{pressures[-1]:g} kPa'"
     steps = [f"To use the rod: pneurod rod {file} {pressure} --force '[0 N, 0.05 N]'{stretch}"]
+    if rod == ARM_LAW:
+        steps.append(
+            f"To use the arm's own law in another program (csv or json): pneurod export {results.directory} --law cell "
+            "--to csv"
+        )
     if results.identified_pressures:
         steps.append(
             "To use the rod with five parameters in another program (csv, json, pyelastica, mujoco, somo or sorosim): "
