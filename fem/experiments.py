@@ -91,6 +91,13 @@ class Experiment:
         positions = step.positions[nodes_at(self.curve, step.space)]
         return Centreline(s=self.curve.positions(step.space)[:, 0], x=positions[:, 0], y=positions[:, 1])
 
+    def stretch_of_curve(self, step: Step) -> float:
+        """Current length of the material curve over that at rest, out of the plane too."""
+        nodes = nodes_at(self.curve, step.space)
+        curves = (x[nodes] for x in (step.positions, step.space.points))
+        now, rest = (np.linalg.norm(np.diff(curve, axis=0), axis=1).sum() for curve in curves)
+        return float(now / rest)
+
     def distance_from_plane(self, step: Step) -> float:
         """Largest distance (mm) of the material curve from the plane z = 0, in which a planar rod lies."""
         return float(np.abs(step.positions[nodes_at(self.curve, step.space), 2]).max())

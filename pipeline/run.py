@@ -102,7 +102,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext) -> RunReport
     with stages.timed("rod"):
         if config.law != "cell":
             store.save_json("parameters.json", parameters_record(config, parameters, arm.law, no_mesh_error))
-        rods = ArmRods(parameters, arm.law, (0.0, scene.body.curve_y))
+        rods = ArmRods(parameters, arm.law, (0.0, scene.body.curve_y), config.effects.straight_without_pressure)
         comparisons = compare(outcomes, rods, scene.body.pitch)
         store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, comparisons, scene.body.pitch))
         store.save_json("validation.json", [row for c in comparisons for row in c.rows()])

@@ -5,12 +5,12 @@ pressures miss that. The five parameters and the eccentricity follow monotone cu
 neighbours, so that a rigidity stays positive. F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17 (1980).
 
 Outside the identified pressures, on request alone, the parameters follow the lines through the two outermost values; so
-do kappa_0 and the rest stretch above, while below they go to the arm without pressure, which is straight.
+do kappa_0 and the rest stretch above, while below they go to the arm without pressure where that is straight.
 
 kappa_0(s) and the rest stretch ripple along the arm by more than their mean, so that their interpolation must be linear
 in the values: only then is the mean of the interpolated profile the interpolated mean. They and theta0 follow cubics
 whose slopes are those of parabolas through three neighbours, and have one more value, that of the drawing without
-pressure. With two values a cubic is a straight line.
+pressure, unless something else than the pressure of the run bends the arm. With two values a cubic is a straight line.
 """
 
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ class OutsidePressures(RodError):
 class PressurisedRod:
     """The identified rod over a range of pressures: parameters and kappa_0 follow cubics between them.
 
-    At an identified pressure it has the identified numbers. The arm is taken to be straight without pressure.
+    At an identified pressure it has the identified numbers.
     Raises `RodError` unless pressures rise and each has a law, a theta0 and a row of kappa_0.
     """
 
@@ -56,6 +56,8 @@ class PressurisedRod:
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     extensions: tuple[Extension, ...] = ()  #: (n,) with the same s; empty: the rod is inextensible
     moment_ranges: tuple[MomentRange, ...] = ()  #: (n,) of the identification; empty: not given
+    #: whether the arm is straight without pressure; not where it has a weight or a cavity with a constant pressure
+    straight_without_pressure: bool = True
 
     def __post_init__(self) -> None:
         if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0):
@@ -69,9 +71,9 @@ class PressurisedRod:
     def at(self, pressure: float, *, extrapolate: bool = False) -> Rod:
         """The rod at a pressure (kPa) in the identified range; outside it only on request.
 
-        Below the range the rest shape goes to the straight arm without pressure. Above it kappa_0 and the rest stretch
-        follow the lines through the two outermost values, and theta0 keeps its last value. The parameters follow such
-        lines below and above.
+        Below the range the rest shape goes to the straight arm without pressure, if it is straight. Above it kappa_0
+        and the rest stretch follow the lines through the two outermost values, and theta0 keeps its last value. All
+        else follows such lines below and above.
 
         Raises `OutsidePressures`, a `RodError`, outside the range unless asked; `RodError` below 0 kPa, above the range
         by more than `FARTHEST` of it, and where the extrapolated parameters are no law.
@@ -83,11 +85,11 @@ class PressurisedRod:
             raise RodError(f"No rod can be extrapolated to {pressure:g} kPa: {failure}") from None
         extension = None
         if self.extensions:
-            rest = self._at([e.rest_stretch for e in self.extensions], pressure, 1.0)
+            rest = self._shape_at([e.rest_stretch for e in self.extensions], pressure, 1.0)
             eccentricity = self._at([e.eccentricity for e in self.extensions], pressure)
             extension = Extension(self.extensions[0].s, rest, float(eccentricity))
-        kappa_0 = self._at(self.kappa_0, pressure, 0.0)
-        theta0 = float(self._at(self.theta0, min(float(pressure), float(self.pressures[-1])), 0.0))
+        kappa_0 = self._shape_at(self.kappa_0, pressure, 0.0)
+        theta0 = float(self._shape_at(self.theta0, min(float(pressure), float(self.pressures[-1])), 0.0))
         return Rod(self.length, np.column_stack([self.s, kappa_0]), law, theta0, self.start, extension=extension)
 
     @property
@@ -99,24 +101,21 @@ class PressurisedRod:
         rest = [np.trapezoid(e.rest_stretch, e.s) / np.ptp(e.s) - 1.0 for e in self.extensions]
         return bool(max(np.abs(rest), default=0.0) > STRETCHES)
 
-    def _at(self, values: Any, pressure: float, without_pressure: float | None = None) -> Any:
-        """Values (n, ...) over the pressures at one of them, at one between, or beyond.
-
-        without_pressure: the value at 0 kPa of a quantity that is to be interpolated linearly in its values; None for a
-        monotone interpolation.
-        """
+    def _at(self, values: Any, pressure: float) -> Any:
+        """Values (n, ...) over the pressures at one of them, at one between by monotone cubics, or beyond by lines."""
         p, v = self.pressures, np.asarray(values, float)
-        if (exact := np.flatnonzero(p == pressure)).size:
-            return v[exact[0]]
-        i, j, t = self._interval(pressure, extrapolate=True)
-        if pressure > p[-1] or (pressure < p[0] and without_pressure is None):
-            return (1.0 - t) * v[i] + t * v[j]
-        if without_pressure is None:
-            return cubic(p, v, monotone_slopes(p, v), pressure)
-        if p[0] > 0.0:
-            p, v = np.append(0.0, p), np.concatenate([np.full_like(v[:1], without_pressure), v])
-        slopes = np.gradient(v, p, axis=0, edge_order=2 if len(p) > 2 else 1)
-        return cubic(p, v, slopes, pressure)
+        known = _at_or_beyond(p, v, pressure)
+        return cubic(p, v, monotone_slopes(p, v), pressure) if known is None else known
+
+    def _shape_at(self, values: Any, pressure: float, straight: float) -> Any:
+        """The same by cubics that are linear in the values; straight: the value of the straight arm."""
+        p, v = self.pressures, np.asarray(values, float)
+        if self.straight_without_pressure and p[0] > 0.0:
+            p, v = np.append(0.0, p), np.concatenate([np.full_like(v[:1], straight), v])
+        known = _at_or_beyond(p, v, pressure)
+        if known is not None:
+            return known
+        return cubic(p, v, np.gradient(v, p, axis=0, edge_order=2 if len(p) > 2 else 1), pressure)
 
     def moment_range_at(self, pressure: float, *, extrapolate: bool = False) -> MomentRange | None:
         """The range of moments behind the rod at a pressure (kPa), None where it is not given; outside the identified
@@ -151,3 +150,15 @@ class PressurisedRod:
             raise OutsidePressures(f"{outside}.")
         i = int(np.clip(np.searchsorted(p, pressure) - 1, 0, len(p) - 2))
         return i, i + 1, float((pressure - p[i]) / (p[i + 1] - p[i]))
+
+
+def _at_or_beyond(p: Array, v: Array, pressure: float) -> Any | None:
+    """Values v (n, ...) at one of the pressures p (n,), or beyond them by the line through the two outermost values;
+    None between them."""
+    if (exact := np.flatnonzero(p == pressure)).size:
+        return v[exact[0]]
+    if p[0] < pressure < p[-1]:
+        return None
+    i = 0 if pressure < p[0] else len(p) - 2
+    t = (pressure - p[i]) / (p[i + 1] - p[i])
+    return (1.0 - t) * v[i] + t * v[i + 1]

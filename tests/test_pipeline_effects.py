@@ -169,6 +169,23 @@ def test_equal_pressures_on_both_sides_do_not_bend_the_bar(tmp_path: Path) -> No
     assert alone < less < equal
 
 
+def test_the_volume_is_that_of_the_cavity_under_pressure_and_the_stretch_counts_what_leaves_the_plane(
+    tmp_path: Path,
+) -> None:
+    bar = ("bisected_circle_coarse", "geometry.length=48 mm", "mesh.size=5 mm", "pressures=[3 kPa, 6 kPa]")
+    weight = "effects.gravity={state: on, acceleration: [0 m/s^2, 0 m/s^2, 98.1 m/s^2]}"
+    below = "effects.pressure={cavities: {cavity_lower: 1}}"
+    plain, _ = simulated(tmp_path / "plain", *bar, below)
+    heavy, _ = simulated(tmp_path / "heavy", *bar, below, weight)
+    volumes = [record.summary.cavity_volume_mm3 for record in plain.records]
+    assert volumes[0] < volumes[1]
+    sides, straight = heavy.records[0].summary, plain.records[0].summary
+    assert sides.curve_z_mm > 2.0
+    planar = heavy.records[0].centreline.stretch
+    assert planar < straight.stretch_of_curve - 1e-3
+    assert sides.stretch_of_curve == pytest.approx(straight.stretch_of_curve, abs=3e-4)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["semicircular", "semicircular_single", "bisected_circle"])
 def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:

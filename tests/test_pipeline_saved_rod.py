@@ -125,6 +125,20 @@ def test_an_export_of_a_loaded_rod_says_where_its_unloaded_end_is(results: Path)
     assert stated > 0.5
 
 
+def test_an_arm_with_a_weight_does_not_become_straight_without_pressure(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    content["kappa_0"]["kappa_0_per_mm"] = [np.full(57, -0.012).tolist()] * 2
+    content["kappa_0"]["theta0_rad"] = [0.0, 0.0]
+    file.write_text(json.dumps(content | {"straight_without_pressure": False}))
+    ends = {re.findall(r"x = .* mm", call("rod", str(file), "--pressure", f"{p} kPa")[1])[0] for p in (17, 27, 37)}
+    assert len(ends) == 1
+    sentence = "do not apply that once more in the other program"
+    out = call("export", str(results), "--to", "json")[1]
+    assert f"{sentence}." in out
+    assert f"{sentence}, nor a pressure below those of the file" in call("export", str(results), "--to", "mujoco")[1]
+
+
 def test_numbers_that_were_not_identified_are_called_so(results: Path) -> None:
     file = str(results / "parameters.json")
     content = json.loads(Path(file).read_text())

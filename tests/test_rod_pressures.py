@@ -95,6 +95,24 @@ def test_the_mean_of_an_interpolated_profile_is_the_interpolated_mean():
     assert np.asarray(at.kappa_0)[:, 1].mean() == pytest.approx(-1e-6 * 28.5**2, rel=0.02)
 
 
+def test_an_arm_that_is_bent_without_pressure_does_not_go_to_a_straight_one():
+    """The same states at all pressures, as of an arm that carries its weight: so are those between and below."""
+    p = np.array([2.0, 4.0])
+    laws = (FiveParameters(200.0, 400.0, 0.0, 0.0, 12.0),) * 2
+    same = np.full((2, len(S)), -0.01)
+    stretched = (Extension(S, np.full(len(S), 1.02), 1.0),) * 2
+    bent = PressurisedRod(112.0, p, laws, S, same, np.full(2, 0.1), (0.0, 0.0), stretched, (), False)
+    for pressure in (0.0, 1.0, 2.0, 3.0, 4.0, 4.5):
+        rod = bent.at(pressure, extrapolate=True)
+        assert np.asarray(rod.kappa_0)[:, 1] == pytest.approx(-0.01, abs=1e-12)
+        assert rod.theta0 == pytest.approx(0.1, abs=1e-12)
+        assert rod.extension is not None
+        assert rod.extension.rest_stretch == pytest.approx(1.02, abs=1e-12)
+    straight = dataclasses.replace(bent, straight_without_pressure=True)
+    assert np.asarray(straight.at(3.0).kappa_0)[0, 1] == pytest.approx(-0.01125)
+    assert np.asarray(straight.at(0.0, extrapolate=True).kappa_0)[0, 1] == 0.0
+
+
 def test_an_arm_stretches_where_its_free_curve_is_longer_by_half_a_percent():
     def with_stretch(stretch):
         extension = Extension(S, np.full(len(S), 1.0 + stretch), 1.0)

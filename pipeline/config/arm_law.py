@@ -16,7 +16,7 @@ def why_no_arm_law(design: Design, effects: Effects) -> str:
     cavities = effects.pressure.cavities
     if any(cavity.constant_kPa for cavity in cavities.values()):
         return "a cavity has a constant pressure, and the law of a cell has one pressure that all follow"
-    if effects.pressure.off or not effects.pressure.follows_run:
+    if not effects.pressure.acts:
         return "no cavity is pressurised, so the law of a cell has nothing to depend on"
     faces = effects.self_contact.faces or ()
     if not effects.self_contact.off and (len(faces) > 1 or any(face in cavities for face in faces)):

@@ -41,9 +41,14 @@ class PressureEffect(Effect):
     cavities: Mapping[str, CavityPressure]  #: in the order of the design
 
     @property
-    def follows_run(self) -> bool:
-        """Whether a cavity has a fraction of the pressure of the run."""
-        return any(cavity.fraction for cavity in self.cavities.values())
+    def following(self) -> tuple[str, ...]:
+        """The cavities that have a fraction of the pressure of the run."""
+        return tuple(name for name, cavity in self.cavities.items() if cavity.fraction)
+
+    @property
+    def acts(self) -> bool:
+        """Whether the pressure of the run acts on a cavity."""
+        return not self.off and bool(self.following)
 
 
 @dataclass(frozen=True)
@@ -117,6 +122,12 @@ class Effects:
     incompressibility: Effect  #: whether the element does something against locking
     gravity: Gravity
     strain_limiting_layer: StrainLimitingLayer
+
+    @property
+    def straight_without_pressure(self) -> bool:
+        """Whether nothing bends the arm but the pressure of the run: no weight, no constant pressure in a cavity."""
+        constant = not self.pressure.off and any(cavity.constant_kPa for cavity in self.pressure.cavities.values())
+        return not (self.gravity.on or constant)
 
     @property
     def requested(self) -> dict[str, RequestedEffect]:

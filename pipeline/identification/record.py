@@ -33,6 +33,7 @@ def parameters_record(
         "length_mm": config.design.length,
         "mass_g": None if mass is None else mass * 1e6,
         "pressures_kPa": [p.pressure_kPa for p in parameters],
+        "straight_without_pressure": config.effects.straight_without_pressure,
         "estimator": DEFAULT,
         **_columns([p.numbers for p in parameters]),
         "d_given_mm": config.identification.d_mm,

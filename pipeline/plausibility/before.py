@@ -83,8 +83,11 @@ def _unequal_cells(config: Config) -> str:
 
 def _pressure_of_run_unused(config: Config) -> str:
     pressure = config.effects.pressure
-    if pressure.off or pressure.follows_run:
+    if pressure.acts:
         return ""
+    if pressure.off:
+        several = "effects.pressure is off, so that the states at all pressures are the same; switch it on, or give one"
+        return several if len(config.pressures_kPa) + config.added_pressures > 1 else ""
     name = next(iter(pressure.cavities), "cavity")
     return (
         "no cavity follows the pressure of the run, because each has a constant pressure or none, so that the states "
@@ -94,11 +97,11 @@ def _pressure_of_run_unused(config: Config) -> str:
 
 def _few_pressures(config: Config, end_kPa: float) -> str:
     count = len(config.pressures_kPa) + config.added_pressures
-    if count > 2 or config.law == "cell" or too_short(config):
+    if count > 2 or config.law == "cell" or too_short(config) or not config.effects.pressure.acts:
         return ""
     untested = "how the parameters change" if count == 1 else "whether the parameters are linear in the pressure"
     load, _ = _load(config)
-    is_weak = load < SMALLEST_LOAD and not config.effects.pressure.off
+    is_weak = load < SMALLEST_LOAD
     part = USUAL_LOAD / load if is_weak else min(1.0, LARGEST_LOAD / load)
     number = "one pressure" if count == 1 else "two pressures"
     sentence = f"{number} cannot tell {untested}; give three or more"

@@ -78,6 +78,13 @@ def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[s
             f"{math.dist(rod.solve().end, stretching.solve().end):.3g} mm from that of the rod that stretches "
             f"(five_extensible) at {shown}."
         )
+    if not saved.rods.straight_without_pressure:
+        below = ", nor a pressure below those of the file, where its arm becomes straight"
+        below = below if EXPORTS[target].from_rest else ""
+        sentences.append(
+            "kappa_0 contains what bends the arm besides the pressure of the run (its weight, a constant pressure in a "
+            f"cavity): do not apply that once more in the other program{below}."
+        )
     if not EXPORTS[target].has_kappa_0:
         sentences.append(
             "The file describes a loaded rod, with the rest curvature kappa_0 - m0/alpha. Without load its end is "

@@ -105,12 +105,15 @@ class SavedRod:
         return {name: (values[k],) for name, values in self.deviations.items() for k in identified}
 
     def smooth(self, pressures: Sequence[float]) -> tuple[Array, ...]:
-        """Columns (m, 2) of s and the averaged kappa_0 at pressures (kPa), straight lines between; empty without it."""
+        """Columns (m, 2) of s and the averaged kappa_0 at pressures (kPa), straight lines between; empty without it.
+
+        Below the lowest pressure that of the lowest one where the arm is not straight without pressure.
+        """
         if self.averaged is None:
             return ()
         s, kappa = self.averaged
         known = np.append(0.0, self.rods.pressures)
-        over = np.vstack([np.zeros_like(kappa[:1]), kappa])
+        over = np.vstack([kappa[:1] * (not self.rods.straight_without_pressure), kappa])
         columns = [[float(np.interp(pressure, known, values)) for values in over.T] for pressure in pressures]
         return tuple(np.column_stack([s, column]) for column in columns)
 
@@ -245,6 +248,7 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
         theta0=np.array(profile["theta0_rad"], dtype=float),
         extensions=tuple(Extension(np.array(profile["s_mm"]), np.array(rest), e) for rest, e in stretches),
         moment_ranges=tuple(MomentRange(*ends) for ends in content.get("moment_range_N_mm", ())),
+        straight_without_pressure=bool(content.get("straight_without_pressure", True)),
     )
 
 

@@ -103,7 +103,7 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
     pressures = case.schedule.pressures_kPa[: len(steps)]
     return Outcome(
         name=case.name,
-        records=tuple(_record(experiment, case, *state, material) for state in zip(pressures, steps, strict=True)),
+        records=tuple(_record(scene, experiment, case, *state) for state in zip(pressures, steps, strict=True)),
         failure=failure,
         seconds=seconds,
         factorizations=sum(step.factorizations for step in solution.steps),
@@ -127,27 +127,27 @@ def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Seque
     return steps, ""
 
 
-def _record(
-    experiment: fem.Experiment, case: LoadCase, pressure_kPa: float, step: fem.Step, material: fem.Solid
-) -> Record:
+def _record(scene: Scene, experiment: fem.Experiment, case: LoadCase, pressure_kPa: float, step: fem.Step) -> Record:
     force = experiment.end_force(step)
     curve = experiment.centreline(step)
     return Record(
-        summary=_summary(experiment, pressure_kPa, step, material),
+        summary=_summary(scene, experiment, pressure_kPa, step),
         centreline=curve,
         load=Load((float(force[0]), float(force[1])), experiment.end_couple(step)),
         displacement=step.displacement,
-        fields=fem.element_fields(step, material),
+        fields=fem.element_fields(step, scene.material),
         effects=step.effects,
         spent=step.spent,
         held=case.held,
     )
 
 
-def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, material: fem.Solid) -> StateSummary:
+def _summary(scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step: fem.Step) -> StateSummary:
+    material = scene.material
     end, force, clamp = experiment.end(step), experiment.end_force(step), experiment.clamp_force(step)
     error = fem.stress_error(step, material)
-    air = sum(step.cavity_volume(name) for name in experiment.body.cavities[:1])
+    cavities = scene.config.effects.pressure.following or experiment.body.cavities[:1]
+    air = sum(step.cavity_volume(name) for name in cavities)
     contact = ContactCheck.of(experiment, step)
     remarks = (
         fem.unstable_stretch(step.space, step.displacement, material),
@@ -162,7 +162,7 @@ def _summary(experiment: fem.Experiment, pressure_kPa: float, step: fem.Step, ma
         clamp_reaction_N=(float(clamp[0]), float(clamp[1])),
         clamp_moment_N_mm=experiment.clamp_moment(step),
         cavity_volume_mm3=experiment.symmetry_factor * air,
-        stretch_of_curve=experiment.centreline(step).stretch,
+        stretch_of_curve=experiment.stretch_of_curve(step),
         curve_z_mm=experiment.distance_from_plane(step),
         extremes=step.extremes,
         min_gap_mm=step.min_gap,

@@ -43,6 +43,7 @@ class ArmRods:
     parameters: tuple[Parameters, ...]  #: by ascending pressure; empty: no rods with five parameters
     law: ArmLaw | None  #: None: no rod with the law of the arm
     start: tuple[float, float] = (0.0, 0.0)  #: mm, the clamped end of the material curve
+    straight_without_pressure: bool = True  #: see `PressurisedRod`
 
     def at(self, pressure: float) -> Rods:
         """The rods at a pressure in kPa, between identified ones by cubics; a reason for each that is none."""
@@ -50,7 +51,7 @@ class ArmRods:
         if self.parameters:
             for name, of_pressure in ((FIVE, [p.rod for p in self.parameters]), (EXTENSIBLE, self._extensible)):
                 try:
-                    rods[name] = fitted_rod(_over_pressure(self.parameters, of_pressure), pressure)
+                    rods[name] = fitted_rod(self._over_pressure(of_pressure), pressure)
                 except RodError as failure:
                     rods[name] = NoSolution(str(failure))
         if self.law is not None:
@@ -64,6 +65,21 @@ class ArmRods:
     def _extensible(self) -> list[Rod]:
         return [p.extensible_rod for p in self.parameters]
 
+    def _over_pressure(self, rods: Sequence[Rod]) -> PressurisedRod:
+        """Rods at the pressures of the parameters."""
+        return PressurisedRod(
+            rods[0].length,
+            np.array([p.pressure_kPa for p in self.parameters]),
+            tuple(rod.five for rod in rods),
+            np.asarray(rods[0].kappa_0)[:, 0],
+            np.array([np.asarray(rod.kappa_0)[:, 1] for rod in rods]),
+            np.array([rod.theta0 for rod in rods]),
+            rods[0].start,
+            tuple(rod.extension for rod in rods if rod.extension is not None),
+            tuple(p.moment_range for p in self.parameters),
+            self.straight_without_pressure,
+        )
+
 
 def fitted_rod(rods: PressurisedRod, pressure: float) -> FittedRod:
     """The rod at a pressure (kPa) with its range of moments. Raises RodError."""
@@ -71,17 +87,3 @@ def fitted_rod(rods: PressurisedRod, pressure: float) -> FittedRod:
     if moment_range is None:
         raise RodError("The range of moments of the identification is missing.")
     return FittedRod(rods.at(pressure), moment_range)
-
-
-def _over_pressure(parameters: Sequence[Parameters], rods: Sequence[Rod]) -> PressurisedRod:
-    return PressurisedRod(
-        rods[0].length,
-        np.array([p.pressure_kPa for p in parameters]),
-        tuple(rod.five for rod in rods),
-        np.asarray(rods[0].kappa_0)[:, 0],
-        np.array([np.asarray(rod.kappa_0)[:, 1] for rod in rods]),
-        np.array([rod.theta0 for rod in rods]),
-        rods[0].start,
-        tuple(rod.extension for rod in rods if rod.extension is not None),
-        tuple(p.moment_range for p in parameters),
-    )

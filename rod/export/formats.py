@@ -25,6 +25,7 @@ class Format:
     write: Callable[[Arm, Path], None]
     one_pressure: bool = False  #: whether every pressure needs a file of its own
     beside: tuple[str, ...] = ()  #: suffixes of further files with the same name
+    from_rest: bool = False  #: whether its arm is straight without pressure, and bends from there to the lowest one
     has_kappa_0: bool = False  #: whether it has the shape without load beside the rest curvature of a loaded rod
 
 
@@ -32,8 +33,8 @@ class Format:
 EXPORTS: dict[str, Format] = {
     "csv": Format("rod_{}.csv", write_csv, has_kappa_0=True),
     "json": Format("rod_{}.json", write_json, has_kappa_0=True),
-    "pyelastica": Format("rod_pyelastica_{}.py", write_pyelastica),
-    "mujoco": Format("rod_mujoco_{}.xml", write_mujoco),
+    "pyelastica": Format("rod_pyelastica_{}.py", write_pyelastica, from_rest=True),
+    "mujoco": Format("rod_mujoco_{}.xml", write_mujoco, from_rest=True),
     "somo": Format("rod_somo_{}.yaml", write_somo, one_pressure=True, beside=(".urdf",)),
     "sorosim": Format("rod_sorosim_{}.mat", write_sorosim),
 }
