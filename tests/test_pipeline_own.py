@@ -112,6 +112,13 @@ def ready(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+def test_curvature_is_averaged_over_the_cell_that_is_given(ready: Path) -> None:
+    for given, pitch in (("7 mm", 7.0), ("12.5 mm", 12.5)):  # of 80 mm
+        config = load_config(ready, [f"geometry.cell={given}"])
+        assert config.design.pitch == pitch
+        assert Scene.meshed(config).body.pitch == pitch
+
+
 def test_ready_mesh_stays_as_it_is(ready: Path) -> None:
     config = load_config(ready)
     assert isinstance(config.design, MeshFile)

@@ -77,7 +77,7 @@ class FileDesign(Design):
     def pitch(self) -> float:
         if isinstance(self.cell, CellPlanes):
             return 2 * self.cell.half_pitch
-        return nominal_pitch(self.length, self.cell)
+        return averaging_length(self.length, self.cell)
 
 
 def wrong_points(key: str, points: Mapping[str, Point]) -> Iterator[DesignError]:
@@ -87,6 +87,6 @@ def wrong_points(key: str, points: Mapping[str, Point]) -> Iterator[DesignError]
             yield DesignError(f"{key}.{name}", f"must be a point (x, y, z) in mm, not {point!r}")
 
 
-def nominal_pitch(length: float, cell: float | None) -> float:
-    """Length (mm) of the equal parts of a length that are about `cell` long; None for the usual length of a cell."""
-    return slices(length, cell or usual_cell(length))[1]
+def averaging_length(length: float, cell: float | None) -> float:
+    """Length (mm) over which curvature is averaged: `cell`, or for None equal parts of about the usual length."""
+    return cell or slices(length, usual_cell(length))[1]

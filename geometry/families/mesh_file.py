@@ -10,7 +10,7 @@ from typing import ClassVar, Self, final
 import numpy as np
 
 from geometry.design import Body, DesignError, raise_together
-from geometry.families.from_file import FileDesign, nominal_pitch
+from geometry.families.from_file import FileDesign, averaging_length
 from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
 from geometry.foreign.file import FileMesh, read_mesh_file
 from geometry.foreign.frame import SAME, Axes
@@ -67,7 +67,7 @@ class MeshFile(FileDesign):
             given = self.clamp is not None or self.tip is not None or self.air or self.plug
             by_planes = given or not _has_names(content)
             placed = placed_by_planes(content, placing) if by_planes else _placed_by_names(content, placing)
-            pitch = nominal_pitch(placed.length, self.cell)
+            pitch = averaging_length(placed.length, self.cell)
             half = "sym" in placed.mesh.faces
             return Body(placed.mesh, self.family, placed.length, pitch, self.curve, half, placed.cavities)
         except MeshError as error:
