@@ -116,7 +116,7 @@ class _Validation(_Switch):
 
 
 class _SelfContact(_Switch):
-    dhat: ActivationDistance | None = None  #: activation distance; default: 1/50 of the smallest gap at rest
+    dhat: ActivationDistance | None = None  #: activation distance, below the smallest gap at rest; default: 1/50 of it
     faces: FaceNames | None = None  #: faces that can meet; default: faces named `gap`
 
 
