@@ -13,9 +13,9 @@ import pandas as pd
 
 from pipeline.errors import InputError
 from pipeline.report.verdict import Verdict
+from pipeline.rods.saved import RodAtPressure
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
 from rod.checked import finite
-from rod.export.tables import unloaded_distance
 from rod.solution import RodSolution
 
 
@@ -177,9 +177,8 @@ class Results:
         """
         rods = self._rods(extensible)
         with _told():
-            moments = rods.moment_range_at(pressure_kPa, extrapolate=extrapolate)
-            rod = rods.at(pressure_kPa, extrapolate=extrapolate)
-        return moments.warning(shape, unloaded_distance(rod)) if moments else ""
+            selected = RodAtPressure.of(rods, pressure_kPa, extrapolate)
+        return selected.warning(shape)
 
     def _rods(self, extensible: bool | None) -> PressurisedRod:
         if not self.rods:

@@ -91,13 +91,11 @@ class SavedRod:
         """
         value = option_value("--pressure", pressure, PRESSURE)
         try:
-            rod = self.rods.at(value, extrapolate=extrapolate)
+            return RodAtPressure.of(self.rods, value, extrapolate)
         except OutsidePressures as failure:
             raise InputError(f"--pressure {pressure}: {failure} Give --extrapolate to go beyond it.") from None
         except RodError as failure:
             raise InputError(f"--pressure {pressure}: {failure}") from None
-        moments = self.rods.moment_range_at(value, extrapolate=extrapolate)
-        return RodAtPressure(rod, moments, self.rods.origin_at(value))
 
     def deviations_at(self, pressure: float) -> Mapping[str, tuple[float, ...]]:
         """The standard deviations at an identified pressure (kPa) by PARAMETER_NAMES; elsewhere they are not known."""
@@ -150,6 +148,12 @@ class RodAtPressure:
     moment_range: MomentRange | None  #: of the identification, None where the file has none
     origin: str = IDENTIFIED  #: where the five parameters at this pressure come from
 
+    @staticmethod
+    def of(rods: PressurisedRod, pressure: float, extrapolate: bool) -> "RodAtPressure":
+        """That of a file at a pressure in kPa. Raises RodError."""
+        rod = rods.at(pressure, extrapolate=extrapolate)
+        return RodAtPressure(rod, rods.moment_range_at(pressure, extrapolate=extrapolate), rods.origin_at(pressure))
+
     @property
     def description(self) -> str:
         """Which rod it is: its name in validation.json, and where its numbers come from."""
@@ -163,7 +167,14 @@ class RodAtPressure:
 
     def warning(self, shape: RodSolution) -> str:
         """What to know where the moments of a shape leave the range of the identification; empty elsewhere."""
-        return "" if self.moment_range is None else self.moment_range.warning(shape, unloaded_distance(self.rod))
+        outside = "" if self.moment_range is None else self.moment_range.warning(shape)
+        if not outside:
+            return ""
+        jump = unloaded_distance(self.rod)
+        return (
+            f"{outside} Any load, however small, moves the end of this rod by {jump:.3g} mm from that without load, "
+            "because its lines do not pass through zero."
+        )
 
 
 def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool | None) -> RodAtPressure:

@@ -40,11 +40,10 @@ class MomentRange:
         low, high = ((1.0 - fraction) * a + fraction * b for a, b in ((self.low, other.low), (self.high, other.high)))
         return MomentRange(low, high)
 
-    def warning(self, shape: RodSolution, unloaded_mm: float | None = None) -> str:
-        """Where the moment of a rod leaves the range and how far, one sentence; empty where it does not.
+    def warning(self, shape: RodSolution) -> str:
+        """One sentence on where the moment of a rod leaves the range and how far; empty where it does not.
 
-        An unloaded rod has the shape of kappa_0 and needs no law. unloaded_mm: distance of its end from that of the rod
-        under next to no load, whose lines do not pass through zero; a second sentence says so.
+        An unloaded rod has the shape of kappa_0 and needs no law.
         """
         if shape.load_steps == 0 or not np.any(shape.moment):
             return ""
@@ -56,17 +55,10 @@ class MomentRange:
             return ""
         beyond = np.maximum(self.low - moment, moment - self.high)
         farthest = int(np.argmax(beyond))
-        jump = ""
-        if unloaded_mm is not None:
-            jump = (
-                f" Any load, however small, moves the end of this rod by {unloaded_mm:.3g} mm from that without load, "
-                "because its lines do not pass through zero."
-            )
         return (
             f"The moment leaves the {self.low:.3g} to {self.high:.3g} N mm of the identification on "
             f"{100 * fraction:.0f} % of the rod, {_intervals(s, outside)}; it is farthest off at "
             f"s = {s[farthest]:.3g} mm with {moment[farthest]:.3g} N mm, and the law is extrapolated there."
-            f"{jump}"
         )
 
 
