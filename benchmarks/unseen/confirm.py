@@ -30,8 +30,8 @@ NEAR_OF_LAWS = 0.25
 #: volumes that are prescribed beyond the last state, each larger by this part of what the first order expects up to the
 #: limit; the slope of the volume grows towards a limit point
 VOLUMES, STEP = 24, 0.35
-#: what in the sentence of a limit names the law
-OF_LAW = ("is below", "no longer stable")
+#: what in the sentence of a limit names the law, in compression and in tension (`fem.outside_stable_range`)
+OF_LAW = ("is no longer stable", "the largest at which the law")
 
 
 @dataclass(frozen=True)
