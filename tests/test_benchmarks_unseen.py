@@ -38,9 +38,9 @@ from benchmarks.unseen.sorting import (
 )
 from benchmarks.unseen.summary import largest_share, rods, seeds, targets
 from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, outcome_of, outcomes_of
-from fem.solution import Extremes
 from benchmarks.unseen.work import LIMIT as LIMIT_OF_CPU_TIME
 from fem.materials import LAWS
+from fem.solution import Extremes
 from geometry import FAMILIES
 from pipeline.config.config import Config
 from pipeline.config.load import load_config

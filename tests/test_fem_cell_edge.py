@@ -32,6 +32,13 @@ def supported(*supports: Support) -> tuple[Array, Array, Array, float]:
     return x[nodes], forces, x[piece.curve], at.moment
 
 
+def held_in(point: Array) -> tuple[Array, Array, Array, float]:
+    """What `supported` returns with the edge held in a point (2,) of the plane, mm."""
+    shift = point - EDGE.vertices[0, :2]
+    along, across = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    return supported(Symmetry(EDGE, along, shift[0], ramp=False), Symmetry(EDGE, across, shift[1], ramp=False))
+
+
 def couple_of(points: Array, forces: Array) -> float:
     """N mm about the first point."""
     lever = points - points[0]
@@ -70,16 +77,22 @@ def test_a_resultant_force_acts_at_its_lever(edge: FreeEdge) -> None:
 
 def test_an_edge_in_one_point(edge: FreeEdge) -> None:
     """Held where it would be without a resultant force, the edge carries next to none."""
-    held = edge.pinned()
-    rest = EDGE.vertices[0, :2]
-    shift = held[0] - rest
-    along, across = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
-    _, forces, curve, _ = supported(
-        Symmetry(EDGE, along, shift[0], ramp=False), Symmetry(EDGE, across, shift[1], ramp=False)
-    )
+    held, _ = edge.pinned()
+    _, forces, curve, _ = held_in(held[0])
     assert np.linalg.norm(forces.sum(axis=0)) < 0.05 * np.linalg.norm(forces, axis=1).sum()
     moved = np.linalg.norm(curve - edge.curve, axis=1).max()
     assert np.linalg.norm(held - curve, axis=1).max() < 0.06 * moved
+
+
+def test_an_edge_in_one_point_that_is_pushed(edge: FreeEdge) -> None:
+    """Two positions along x differ by a force, which moves the curve as its first order says."""
+    held, by_force = edge.pinned()
+    (_, low, first, _), (_, high, second, _) = (held_in(held[0] + change * by_force[0]) for change in (-0.02, 0.02))
+    change = (high - low).sum(axis=0)
+    assert change[0] == pytest.approx(0.04, rel=0.1)
+    assert abs(change[1]) < 0.1 * change[0]
+    expected = change[0] * by_force
+    assert np.linalg.norm(second - first - expected, axis=1).max() < 0.1 * np.linalg.norm(expected, axis=1).max()
 
 
 def test_a_force_spread_evenly_acts_in_the_middle_of_the_edge(edge: FreeEdge) -> None:

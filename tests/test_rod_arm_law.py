@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rod import FiveParameters, Rod, RodError
+from rod import FiveParameters, Load, Rod, RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.record import law_from_record, law_record
@@ -66,6 +66,7 @@ def straight_law(
         np.zeros(4),
         np.zeros((4, 2)),
         np.zeros((4, 2, 2)),
+        nothing,
         nothing,
     )
     return cell, clamp, tip
@@ -154,6 +155,26 @@ def test_the_support_of_a_turned_tip_is_a_couple_on_the_end() -> None:
         assert shape.moment[-1] == pytest.approx(couple, rel=1e-3)
         plain = law_of(straight_law(45.0, kappa_0)).at(45.0).solve(end_y=5.0, moment=couple)
         assert shape.force[1] == pytest.approx(plain.force[1], rel=1e-3)
+
+
+def test_an_end_that_is_held_along_x_gives_way() -> None:
+    """A straight bar between its clamp and the point that holds its end: two springs in a row."""
+    EA, compliance = 60.0, 0.4
+    cell, clamp, tip = straight_law(0.0, EA=EA)
+    tip = replace(tip, pinned_by_pull=np.array([[0.0, 0.0], [compliance, 0.0]]))
+    rod = law_of((cell, clamp, tip)).at(0.0)
+    for shape in (rod.solve(end=(LENGTH + 2.0, 0.0)), rod.under(Load(), end_x=LENGTH + 2.0)):
+        assert shape.force[0] == pytest.approx(2.0 / (LENGTH / EA + compliance))
+        assert shape.positions(np.array([LENGTH]))[0] == pytest.approx([LENGTH + 2.0, 0.0])
+
+
+def test_a_support_along_x_is_one_at_a_height_a_quarter_turn_on() -> None:
+    turns = np.linspace(-np.pi, np.pi, 24, endpoint=False)
+    tip = replace(straight_law(0.0)[2], couple=np.sin(2.0 * turns), acts_at=np.zeros((24, 2)))
+    tip = replace(tip, beside_held=np.zeros((24, 2, 2)))
+    assert tip.held_along_x.couple == pytest.approx(np.sin(2.0 * (turns + np.pi / 2.0)))
+    with pytest.raises(RodError, match="a multiple of four turns, not 6"):
+        replace(tip, couple=np.zeros(6))
 
 
 def test_a_dead_force_acts_in_the_middle_of_the_edge() -> None:

@@ -68,16 +68,20 @@ class FreeEdge:
             curve=self._moved(forces[:, None] * across),
         )
 
-    def pinned(self) -> Array:
-        """(m, 2) mm: the material curve where all nodes of the edge are held in one point, without a resultant force.
+    def pinned(self) -> tuple[Array, Array]:
+        """(m, 2) mm: the material curve where all nodes of the edge are held in one point, without a resultant force;
+        and (m, 2) mm/N: its displacement by a force on that point along x, the normal of the plane.
 
         Forces on nodes in one point have no couple.
         """
         k = len(self.positions)
         common = np.tile(np.eye(2), (k, 1))
         matrix = np.block([[self.by_force.reshape(2 * k, 2 * k), -common], [common.T, np.zeros((2, 2))]])
-        right = np.concatenate([-self.positions.ravel(), np.zeros(2)])
-        return self._moved(np.linalg.solve(matrix, right)[: 2 * k].reshape(k, 2))
+        right = np.zeros((2 * k + 2, 2))
+        right[: 2 * k, 0] = -self.positions.ravel()
+        right[2 * k, 1] = 1.0
+        together, pulled = np.linalg.solve(matrix, right)[: 2 * k].T.reshape(2, k, 2)
+        return self._moved(together), self._moved(pulled) - self.curve
 
     def _moved(self, forces: Array) -> Array:
         """The curve (m, 2) under forces (k, 2) on the edge."""

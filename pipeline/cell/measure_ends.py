@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import final
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from fem.cell.axis import circle
 from fem.cell.edge import free_edge
@@ -35,6 +36,8 @@ CLOSEST = 0.2
 TURNS = 24
 #: from the piece, which is the mirror image of the tip, to the tip
 MIRROR = np.array([-1.0, 1.0])
+#: points of the axis of the tip at which its displacement by a force on the end is integrated
+PULL_POINTS = 201
 #: change of the moment in difference quotients, over the range of the law
 DIFFERENCE = 1e-5
 
@@ -268,6 +271,9 @@ def tip_curve(piece: BendingPiece, cell: CellCurve) -> TipCurve:
     # the plane is turned by the curvature less than the end, and the support turns against both
     turns = np.linspace(-np.pi, np.pi, TURNS, endpoint=False) - kappa * length
     held = [edge.held(turn) for turn in turns]
+    pinned, by_force = edge.pinned()
+    # the piece is pulled against its x; what the cells give way is in the law already
+    by_pull = -by_force * MIRROR - axis_by_pull(cell, s, beside(pinned)[-1])
     lines = [state.lever * np.array([np.cos(turn), np.sin(turn)]) for state, turn in zip(held, turns, strict=True)]
     return TipCurve(
         pressure=cell.pressure,
@@ -277,8 +283,33 @@ def tip_curve(piece: BendingPiece, cell: CellCurve) -> TipCurve:
         couple=np.array([-state.couple for state in held]),
         acts_at=np.array([beside_end(state.curve[0] + line) for state, line in zip(held, lines, strict=True)]),
         beside_held=np.array([beside(state.curve) for state in held]),
-        beside_pinned=beside(edge.pinned()),
+        beside_pinned=beside(pinned),
+        pinned_by_pull=_components(by_pull, angle)[::-1],
     )
+
+
+def axis_by_pull(cell: CellCurve, s: Array, beside_end: Array) -> Array:
+    """Displacement (m, 2) per force, mm/N, of the axis at s (m,) mm behind a plane that does not turn, as the law of
+    the cells has it to first order without moment. The force acts beside the end of the axis, at max(s), along the
+    normal of the plane; beside_end (2,) mm, along and normal to the axis.
+    """
+    kappa, stretch, _ = cell.at(0.0)
+    rigidity, coupling, EA, GA = (
+        float(np.interp(0.0, cell.moment, getattr(cell, name)))
+        for name in ("rigidity", "stretch_by_kappa", "axial_rigidity", "shear_rigidity")
+    )
+    fine = np.linspace(0.0, float(s.max()), PULL_POINTS)
+    axis, angle = circle(fine, stretch, kappa), kappa * fine
+    along, normal = (
+        np.stack(pair, axis=1) for pair in ((np.cos(angle), np.sin(angle)), (-np.sin(angle), np.cos(angle)))
+    )
+    acts_at = axis[-1] + beside_end[0] * along[-1] + beside_end[1] * normal[-1]
+    bent = (axis[:, 1] - acts_at[1] + coupling * along[:, 0]) / rigidity
+    turned = cumulative_trapezoid(bent, fine, initial=0.0)
+    rate = (stretch * turned + normal[:, 0] / GA)[:, None] * normal
+    rate += (coupling * bent + along[:, 0] / EA)[:, None] * along
+    moved = cumulative_trapezoid(rate, fine, axis=0, initial=0.0)
+    return np.stack([np.interp(s, fine, moved[:, k]) for k in range(2)], axis=1)
 
 
 def _turned(points: Array, angle: float) -> Array:

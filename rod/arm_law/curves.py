@@ -122,7 +122,8 @@ class TipCurve:
 
     It is free, or a support keeps all nodes of its edge at one height as in experiment III, or in one point. What the
     support at a height does depends on the turn of the end, the angle of the axis at s = l. Turns are equally spaced
-    over a full turn from -pi on. Positions are relative to the axis, along and normal to it; arrays are read-only.
+    over a full turn from -pi on, a multiple of four. Positions are relative to the axis, along and normal to it; arrays
+    are read-only. Raises `RodError` for another number of turns.
     """
 
     pressure: float  #: kPa
@@ -133,24 +134,35 @@ class TipCurve:
     acts_at: Array  #: (n, 2) of the point in which a resultant force of that support acts, by turn, mm
     beside_held: Array  #: (n, m, 2) of the nodes where the edge is held at a height, by turn, mm
     beside_pinned: Array  #: (m, 2) of the nodes where the edge is held in one point, mm
+    pinned_by_pull: Array  #: (m, 2) displacement of these nodes beside the axis by an axial force on the point, mm/N
 
     def __post_init__(self) -> None:
         _freeze(self)
+        if len(self.couple) % 4:
+            raise RodError(f"The tip needs a multiple of four turns, not {len(self.couple)}.")
 
     @property
     def free(self) -> "TipState":
         """The end without a support."""
-        return TipState(self.s, np.zeros(1), self.edge[None], self.beside[None])
+        return TipState(self.s, np.zeros(1), self.edge[None], self.beside[None], np.zeros_like(self.beside))
 
     @property
     def held(self) -> "TipState":
         """The end whose edge is held at a height."""
-        return TipState(self.s, self.couple, self.acts_at, self.beside_held)
+        return TipState(self.s, self.couple, self.acts_at, self.beside_held, np.zeros_like(self.beside))
+
+    @property
+    def held_along_x(self) -> "TipState":
+        """The end whose edge is held at a position along x: a support at a height, a quarter turn on."""
+        quarter = len(self.couple) // 4
+        couple, acts_at, beside = (np.roll(a, -quarter, axis=0) for a in (self.couple, self.acts_at, self.beside_held))
+        return TipState(self.s, couple, acts_at, beside, self.pinned_by_pull)
 
     @property
     def pinned(self) -> "TipState":
         """The end whose edge is held in one point: forces there have no couple."""
-        return TipState(self.s, np.zeros(1), self.beside_pinned[None, -1], self.beside_pinned[None])
+        still = self.beside_pinned
+        return TipState(self.s, np.zeros(1), still[None, -1], still[None], self.pinned_by_pull)
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -164,16 +176,18 @@ class TipState:
     couple: Array  #: (n,) N mm, of the support without a resultant force
     acts_at: Array  #: (n, 2) of the point in which a force acts, mm
     beside: Array  #: (n, m, 2) of the nodes of the material curve, mm
+    by_pull: Array  #: (m, 2) their displacement by an axial force on the end, mm/N
 
     @property
     def turns(self) -> Array:
         """(n + 1,) rad, of the rows and of the first one again after a full turn."""
         return np.linspace(-np.pi, np.pi, len(self.couple) + 1)
 
-    def beside_at(self, turn: float) -> Array:
-        """(m, 2) mm: the nodes of the material curve at a turn in rad."""
+    def beside_at(self, turn: float, pull: float) -> Array:
+        """(m, 2) mm: the nodes of the material curve at a turn in rad and an axial force on the end in N."""
         values, slopes = self.over_turns(self.beside)
-        return cubic(self.turns, values, slopes, (turn + np.pi) % (2.0 * np.pi) - np.pi)
+        still = cubic(self.turns, values, slopes, (turn + np.pi) % (2.0 * np.pi) - np.pi)
+        return still + pull * self.by_pull
 
     def over_turns(self, rows: Array) -> tuple[Array, Array]:
         """Rows (n, ...) and their slopes per rad at the turns, (n + 1, ...) each, of a smooth periodic curve."""

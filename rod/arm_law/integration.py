@@ -120,6 +120,7 @@ class EndArrays(NamedTuple):
     #: axis to the point in which a force acts and to the end of the material curve, along and normal to the axis, mm
     tip: Array
     tip_slope: Array  #: (n + 1, 5) per rad
+    tip_by_pull: Array  #: (2,) displacement of the end of the material curve by an axial force, along and normal, mm/N
 
 
 class EndLoad(NamedTuple):
@@ -145,9 +146,9 @@ def _clamp(ends: EndArrays, moment: float, offset: Array) -> tuple[float, float]
     return _cubic(ends.rotation, ends.rotation_slope, i, t, step)[0], outside
 
 
-def tip_levers(ends: EndArrays, turn: float) -> tuple[Array, Array, float]:
-    """At a turn of the tip in rad: from the end of the axis to the end of the material curve, and to the point in which
-    a force acts, (2,) mm each; and the couple of the support, N mm."""
+def tip_levers(ends: EndArrays, turn: float, acting: Array) -> tuple[Array, Array, float]:
+    """At a turn of the tip in rad, under a force (2,) in N: from the end of the axis to the end of the material curve,
+    and to the point in which a force acts, (2,) mm each; and the couple of the support, N mm."""
     last = len(ends.tip) - 1
     step = 2.0 * math.pi / last
     position = (turn + math.pi) / step
@@ -157,6 +158,10 @@ def tip_levers(ends: EndArrays, turn: float) -> tuple[Array, Array, float]:
     for k in range(5):
         values[k] = _cubic(ends.tip[:, k], ends.tip_slope[:, k], i, position - i, step)[0]
     cosine, sine = math.cos(turn), math.sin(turn)
+    pull = acting[0] * cosine + acting[1] * sine
+    for k in range(2):  # such a force acts on the end of the curve
+        values[1 + k] += pull * ends.tip_by_pull[k]
+        values[3 + k] += pull * ends.tip_by_pull[k]
     force = np.array([values[1] * cosine - values[2] * sine, values[1] * sine + values[2] * cosine])
     end = np.array([values[3] * cosine - values[4] * sine, values[3] * sine + values[4] * cosine])
     return end, force, values[0]
@@ -171,7 +176,7 @@ def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, st
     force, offset = np.empty(2), np.empty(2)
     for k in range(2):
         force[k] = unknowns[1 + k] if load.held[k] else load.force[k]
-    to_end, lever, of_support = tip_levers(ends, unknowns[0])
+    to_end, lever, of_support = tip_levers(ends, unknowns[0], force)
     couple = of_support + load.couple + lever[0] * force[1] - lever[1] * force[0]
     outside = integrate(law, load.length, force, np.array([unknowns[0], couple, 0.0, 0.0]), states)
     n = len(states) - 1

@@ -114,7 +114,9 @@ class LawRod:
 
     def _equilibrium(self, conditions: EndConditions) -> RodSolution:
         solution = equilibrium(self._pieces, conditions)
-        at_tip = conditions.tip_state(self.tip).beside_at(float(solution.theta[-1]))
+        turn = float(solution.theta[-1])
+        pull = float(solution.force @ (math.cos(turn), math.sin(turn)))
+        at_tip = conditions.tip_state(self.tip).beside_at(turn, pull)
         return replace(solution, beside=_Beside(self, solution.s, solution.moment, at_tip))
 
 

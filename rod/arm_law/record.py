@@ -50,6 +50,7 @@ TIP_KEYS = {
     "acts_at_by_turn_mm": "acts_at",
     "beside_by_turn_mm": "beside_held",
     "beside_pinned_mm": "beside_pinned",
+    "pinned_by_pull_mm_per_N": "pinned_by_pull",
 }
 
 #: shapes of what the keys hold: k moments, m positions, n turns
@@ -67,6 +68,7 @@ _TIP_SHAPES: dict[str, Shape] = {
     "acts_at_by_turn_mm": ("n", 2),
     "beside_by_turn_mm": ("n", "m", 2),
     "beside_pinned_mm": ("m", 2),
+    "pinned_by_pull_mm_per_N": ("m", 2),
 }
 
 #: what is interpolated over; curvatures and moments of a cell are compared by `CellCurve`

@@ -27,7 +27,7 @@ BEYOND = 0.25
 #: moments of the clamped end between two pressures
 CLAMP_POINTS = 65
 #: of a tip, interpolated between pressures
-TIP_VALUES = ("beside", "edge", "couple", "acts_at", "beside_held", "beside_pinned")
+TIP_VALUES = ("beside", "edge", "couple", "acts_at", "beside_held", "beside_pinned", "pinned_by_pull")
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

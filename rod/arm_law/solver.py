@@ -60,6 +60,7 @@ class Pieces:
             clamp.offset_by_moment,
             clamp.position,
             *tip.over_turns(np.column_stack([tip.couple, tip.acts_at, tip.beside[:, -1]])),
+            tip.by_pull[-1],
         )
 
 
@@ -70,10 +71,12 @@ class EndConditions(NamedTuple):
     position: tuple[float | None, float | None]  #: mm, prescribed x and y of the end
 
     def tip_state(self, tip: TipCurve) -> TipState:
-        """The tip under these conditions: free, held at a height, or with x prescribed as well in one point."""
+        """The tip under these conditions: free, held along x or at a height, or along both in one point."""
         if self.position == (None, None):
             return tip.free
-        return tip.held if self.position[0] is None else tip.pinned
+        if self.position[0] is None:
+            return tip.held
+        return tip.held_along_x if self.position[1] is None else tip.pinned
 
 
 class _Shooting:
@@ -107,7 +110,7 @@ class _Shooting:
 
     def end(self, unknowns: Array) -> Array:
         """(2,) mm, of the material curve in the state last solved."""
-        lever, _, _ = tip_levers(self.ends, unknowns[0])
+        lever, _, _ = tip_levers(self.ends, unknowns[0], unknowns[1:])
         return np.asarray(self.states[-1, 2:] + lever)
 
 
