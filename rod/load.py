@@ -1,7 +1,7 @@
 """What acts on an arm besides its pressure, as one value: end force, end couple, dead weight.
 
-The rod in equilibrium and the moment of a curve (`moment_from_load`) take all three. An identification assumes that
-experiment II is free of load: with a weight its curve would not be the intrinsic one.
+The rod in equilibrium and the moment of a curve (`moment_from_load`) take all three. In an identification the weight
+acts in experiment II as well as in III; the end force in III alone (`rod.curves.curve.moment_between`).
 """
 
 import math
@@ -20,11 +20,23 @@ class Load:
     force: tuple[float, float] = (0.0, 0.0)  #: N, F_x and F_y on the end s = l
     couple: float = 0.0  #: N mm, on the end
     weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, q_x and q_y per rest length, all along the arm
+    weight_height: float = 0.0  #: mm, of the mass above the material curve, along the normal of the curve
 
     def __post_init__(self) -> None:
         for name in ("force", "weight"):
             object.__setattr__(self, name, pair(getattr(self, name), name))
         object.__setattr__(self, "couple", finite(self.couple, "The end moment"))
+        object.__setattr__(self, "weight_height", finite(self.weight_height, "weight_height"))
+
+    @property
+    def own_weight(self) -> "Load":
+        """The weight alone."""
+        return Load(weight=self.weight, weight_height=self.weight_height)
+
+    @property
+    def without_weight(self) -> "Load":
+        """Force and couple on the end."""
+        return Load(self.force, self.couple)
 
     @property
     def force_size(self) -> float:

@@ -58,6 +58,8 @@ class PressurisedRod:
     moment_ranges: tuple[MomentRange, ...] = ()  #: (n,) of the identification; empty: not given
     #: whether the arm is straight without pressure; not where it has a weight or a cavity with a constant pressure
     straight_without_pressure: bool = True
+    weight: tuple[float, float] = (0.0, 0.0)  #: N/mm, see `Rod`
+    weight_height: float = 0.0  #: mm
 
     def __post_init__(self) -> None:
         if len(self.pressures) < 1 or np.any(np.diff(self.pressures) <= 0.0):
@@ -90,7 +92,8 @@ class PressurisedRod:
             extension = Extension(self.extensions[0].s, rest, float(eccentricity))
         kappa_0 = self._shape_at(self.kappa_0, pressure, 0.0)
         theta0 = float(self._shape_at(self.theta0, min(float(pressure), float(self.pressures[-1])), 0.0))
-        return Rod(self.length, np.column_stack([self.s, kappa_0]), law, theta0, self.start, extension=extension)
+        profile = np.column_stack([self.s, kappa_0])
+        return Rod(self.length, profile, law, theta0, self.start, 0.0, extension, self.weight, self.weight_height)
 
     @property
     def stretches(self) -> bool:

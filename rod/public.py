@@ -4,7 +4,7 @@ from rod.arm_law.law import ArmLaw, LawRod
 from rod.arm_law.record import law_from_record, law_record
 from rod.curves.cell_average import cell_averaged
 from rod.curves.closure import Closure, end_displacement_closure
-from rod.curves.curve import Curvature, Moment, moment_from_load, without_stretch
+from rod.curves.curve import Curvature, Moment, moment_between, moment_from_load, without_stretch
 from rod.curves.extension import Extension, extension
 from rod.curves.gaussian_process import Smoothing, gaussian_process, shared_smoothing
 from rod.curves.uncertainty import Bootstrap, Interval
@@ -76,6 +76,7 @@ __all__ = [
     "law_record",
     "linear_range",
     "longest_break",
+    "moment_between",
     "moment_from_load",
     "next_pressure",
     "paper_cells",

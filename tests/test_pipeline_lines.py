@@ -54,7 +54,7 @@ def test_one_rigidity_holds_along_equal_cells_that_do_not_touch(
 ) -> None:
     # the numbers themselves do not matter here
     monkeypatch.setattr(identification, "identify", lambda *given, **keys: SimpleNamespace(evidence=4.0))
-    for name in ("cell_averaged", "shared_smoothing", "gaussian_process", "moment_from_load", "extension"):
+    for name in ("cell_averaged", "shared_smoothing", "gaussian_process", "moment_between", "extension"):
         monkeypatch.setattr(identification, name, lambda *given, **keys: None)
     monkeypatch.setattr(identification, "_moment_and_closure", lambda *given: (None, None))
     monkeypatch.setattr(identification, "_closest_rod", lambda *given: None)

@@ -12,13 +12,13 @@ import pytest
 from bodies import bricks, named, on_plane
 from typer.testing import CliRunner
 
-from geometry import Body, CadFile, Centreline, Mesh, PneuNet, position_text
+from geometry import Body, CadFile, Mesh, PneuNet, position_text
 from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
-from pipeline.plausibility.after import WEIGHT_IN_MOMENT, Solved, _part_of_weight, after_solving
+from pipeline.plausibility.after import Solved, after_solving
 from pipeline.plausibility.before import WELL_BELOW, before_solving
 from pipeline.plausibility.body import FLAT_ELEMENT, of_directions, of_half, of_mesh, of_volume
 from pipeline.plausibility.units import of_contact, of_units
@@ -28,7 +28,7 @@ from pipeline.simulation.contact_check import ContactCheck
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.waiting import remarks_while_waiting
-from rod import Interval, Load
+from rod import Interval
 from rod.identification.two_lines import CLEAR
 from tests.foreign_bodies import bar
 from tests.step_bodies import save
@@ -525,27 +525,3 @@ def test_every_command_that_solves_tells_of_pressures_in_another_unit(
     text = " ".join(result.output.split())
     assert "370 kPa on walls with a Young's modulus of 1.2 MPa" in text
     assert "check the units (kPa, MPa), or stay well below" in text
-
-
-@pytest.mark.parametrize(("sag", "is_named"), [(0.0, False), (12.0, True)])
-def test_moments_of_the_weight_that_the_end_force_does_not_have_are_named(sag: float, is_named: bool) -> None:
-    """A straight arm with a weight of 0.2 N along x: its moments change with the height of the curve."""
-    s = np.linspace(0.0, 112.0, 113)
-    free = Centreline(s, s, np.zeros(113))
-    loaded = Centreline(s, s, sag * (s / 112.0) ** 2)
-    weight = Load(weight=(0.2 / 112.0, 0.0))
-    force = Load((0.0, 0.02))
-    # minus the integral of (y(t) - y(s)) q dt from s to l, against F (l - s)
-    t = s / 112.0
-    added, of_force = -0.2 * sag * (1 / 3 - t**2 + 2 / 3 * t**3), 0.02 * 112.0 * (1 - t)
-    part = _part_of_weight(free, loaded, force, weight)
-    assert part == pytest.approx(float(added @ of_force / (of_force @ of_force)), rel=1e-3, abs=1e-12)
-    assert (abs(part) > WEIGHT_IN_MOMENT) == is_named
-    settings = ["effects.gravity={state: on, acceleration: [9.81 m/s^2, 0 m/s^2, 0 m/s^2]}"]
-    case = solved(0.9, (0.95, 1.05), 0.01, *settings)
-    for parameters in case.parameters:
-        parameters.free = SimpleNamespace(centreline=free)
-        parameters.loaded = SimpleNamespace(centreline=loaded, load=force)
-    notes = after_solving(case)
-    assert bool(notes) == is_named
-    assert all("the five parameters have the moments of the end force alone; at 20 kPa" in note for note in notes)

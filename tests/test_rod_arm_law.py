@@ -351,6 +351,8 @@ def test_what_the_law_has_itself_is_refused_beside_it() -> None:
     law = law_of(straight_law(0.0)).at(0.0)
     with pytest.raises(RodError, match="takes no kappa_0"):
         Rod(LENGTH, -0.01, law)
+    with pytest.raises(RodError, match="takes no weight"):
+        Rod(LENGTH, law=law, weight=(0.0, -1e-3))
     with pytest.raises(RodError, match="no five parameters"):
         _ = Rod(length=LENGTH, law=law).five
     with pytest.raises(RodError, match="order = 'together' is not possible"):

@@ -54,7 +54,7 @@ def test_a_path_without_equilibrium_is_told_in_plain_python_too(monkeypatch: pyt
         0.0,
     )
     states: Array = np.empty((steps + 1, 4))
-    result = plain("converge")(rod, unknowns, np.zeros(2), np.zeros(3), np.ones(3, bool), states)
+    result = plain("converge")(rod, unknowns, np.zeros(4), np.zeros(3), np.ones(3, bool), states)
     assert result == (False, 0.0)
     assert not math.isfinite(states[-1, 0]) or abs(states[-1, 0]) > 1e3
 

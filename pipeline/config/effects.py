@@ -83,9 +83,9 @@ class Gravity(RequestedEffect):
             return "not requested; in the experiments of the paper the arm lies on its side"
         x, y, z = (component / 1000 for component in self.acceleration_mm_s2)
         return (
-            f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the rod has no weight, so the moment of the weight is an "
-            "error of the five parameters; experiment I is not simulated, because nothing holds the weight of a "
-            "free body"
+            f"({x:g}, {y:g}, {z:g}) m/s2 at every pressure; the five parameters are those of the body, and the rod "
+            "carries the weight, spread evenly along it; experiment I is not simulated, because nothing holds the "
+            "weight of a free body"
         )
 
     @property

@@ -40,7 +40,7 @@ from rod import (
     identify,
     is_clear,
     longest_break,
-    moment_from_load,
+    moment_between,
     rest_curvature,
     shared_smoothing,
     shortest_break,
@@ -172,7 +172,8 @@ class Parameters:
         curve = self.free.centreline
         law = FiveParameters(**{name: number.value for name, number in numbers.items()})
         start = (float(curve.x[0]), float(curve.y[0]))
-        return Rod(curve.length, profile, law, theta0, start, extension=extension)
+        weight, height = self.free.load.weight, self.free.load.weight_height
+        return Rod(curve.length, profile, law, theta0, start, 0.0, extension, weight, height)
 
     @property
     def moment_range(self) -> MomentRange:
@@ -195,7 +196,7 @@ def choices_of(identified: Sequence[Identification], parameters: Sequence[Parame
 
 def observed(parameters: Parameters, record: Record) -> Observation:
     """A loaded record at the pressure of the parameters as laws are compared on it. Raises RodError."""
-    moment = moment_from_load(record.centreline, record.load)
+    moment = moment_between(parameters.free.centreline, record.centreline, record.load)
     return Observation(parameters.kappa_0, cell_averaged(record.centreline, parameters.kappa.pitch), moment)
 
 
@@ -244,7 +245,7 @@ def _identified(free: Record, loaded: Record, pitch: float, d: float | None, equ
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
     by_cells = identify(kappa_0, kappa, moment, closure, d=d)
     by_process = identify(smooth_0, smooth, moment, closure, d=d)
-    stretched_moment = moment_from_load(loaded.centreline, loaded.load)
+    stretched_moment = moment_between(*curves, loaded.load)
     return Parameters(
         pressure_kPa=free.pressure_kPa,
         free=free,
@@ -281,7 +282,8 @@ def numbers_of_curves(
 
 def _moment_and_closure(free: Centreline, loaded: Centreline, load: Load) -> tuple[Moment, Closure]:
     # levers of the curve without its stretch, for the rod that takes the numbers has none
-    return moment_from_load(without_stretch(loaded), load), end_displacement_closure(free, loaded, load)
+    moment = moment_between(without_stretch(free), without_stretch(loaded), load)
+    return moment, end_displacement_closure(free, loaded, load)
 
 
 def _closest_rod(shape: LoadedShape, d: float | None, starts: Sequence[Identification]) -> RodFit | NoFit:

@@ -9,7 +9,7 @@ from pipeline.identification.parameters import DEFAULT, NoFit, Parameters, choic
 from pipeline.identification.predicted import predicted_numbers
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import Json, JsonObject
-from rod import ArmLaw, Identification, Interval, LinearRange, ParameterEstimate, rest_curvature
+from rod import ArmLaw, Identification, Interval, LinearRange, Load, ParameterEstimate, rest_curvature
 
 ESTIMATORS = (DEFAULT, "gaussian_process", "rod_fit")
 
@@ -34,6 +34,7 @@ def parameters_record(
         "mass_g": None if mass is None else mass * 1e6,
         "pressures_kPa": [p.pressure_kPa for p in parameters],
         "straight_without_pressure": config.effects.straight_without_pressure,
+        **_weight(parameters),
         "estimator": DEFAULT,
         **_columns([p.numbers for p in parameters]),
         "d_given_mm": config.identification.d_mm,
@@ -64,6 +65,12 @@ def parameters_record(
             for p in parameters
         ],
     }
+
+
+def _weight(parameters: Sequence[Parameters]) -> JsonObject:
+    """The weight under which the arm has kappa_0, zero without gravity."""
+    load = parameters[0].free.load if parameters else Load()
+    return {"weight_N_per_mm": list(load.weight), "weight_height_mm": load.weight_height}
 
 
 def _columns(numbers: Sequence[Mapping[str, Interval] | None]) -> dict[str, Json]:

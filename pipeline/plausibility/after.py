@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from fem.elements import ELEMENTS, Volumetric
-from geometry import Centreline, position_text
+from geometry import position_text
 from pipeline.config.config import Config
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.contact_check import BESIDE, NOTHING
 from pipeline.simulation.outcome import Outcomes, StateSummary
-from rod import Interval, Load, moment_from_load
+from rod import Interval
 
 #: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
 KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
@@ -18,8 +18,6 @@ KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
 OUT_OF_PLANE = 1e-3
 #: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
 HARDLY_BENT = 0.05
-#: largest difference of the moments of the weight between II and III, over those of the end force, not mentioned
-WEIGHT_IN_MOMENT = 0.01
 #: largest ratio of the ends of the 95 % interval of a rigidity that counts as determined
 DETERMINED = 4.0
 
@@ -119,31 +117,6 @@ def _hardly_bent(solved: Solved) -> str:
     )
 
 
-def _moment_of_weight(solved: Solved) -> str:
-    """How far the rigidities would change with the moments of the weight, which differ between II and III."""
-    gravity, mass = solved.config.effects.gravity, solved.config.mass_tonne
-    if not gravity.on or mass is None:
-        return ""
-    along, across, _ = (mass * a / solved.config.design.length for a in gravity.acceleration_mm_s2)
-    weight = Load(weight=(along, across))
-    parts = [_part_of_weight(p.free.centreline, p.loaded.centreline, p.loaded.load, weight) for p in solved.parameters]
-    if not parts or max(map(abs, parts)) < WEIGHT_IN_MOMENT:
-        return ""
-    p, part = max(zip(solved.parameters, parts, strict=True), key=lambda pair: abs(pair[1]))
-    return (
-        f"the five parameters have the moments of the end force alone; at {p.pressure_kPa:g} kPa those of the "
-        f"weight differ between II and III by {100 * part:+.2g} % of them, so that α₁ and α₂ of the body alone differ "
-        "from the identified ones by about as much; identify without effects.gravity, and give the rod the weight"
-    )
-
-
-def _part_of_weight(free: Centreline, loaded: Centreline, force: Load, weight: Load) -> float:
-    """The moments by which the weight loads III more than II over those of the end force, by least squares."""
-    moment = moment_from_load(loaded, force).value
-    added = moment_from_load(loaded, weight).value - moment_from_load(free, weight).value
-    return float(added @ moment / (moment @ moment))
-
-
 def _not_determined(solved: Solved) -> str:
     """The data of an arm that hardly bends, or whose curvature no line describes, leave the rigidity open."""
     wide = [
@@ -232,7 +205,6 @@ AFTER: tuple[Callable[[Solved], str], ...] = (
     _large_strain,
     _out_of_plane,
     _hardly_bent,
-    _moment_of_weight,
     _not_determined,
     _one_line_or_two,
     _approximate_contact,

@@ -24,6 +24,7 @@ from rod.curves.extension import Extension
 from rod.export.tables import unloaded_distance
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_COLUMNS, FiveParameters, RodError
+from rod.load import pair
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import IDENTIFIED, OutsidePressures, PressurisedRod
 from rod.solution import RodSolution
@@ -260,6 +261,8 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
         extensions=tuple(Extension(np.array(profile["s_mm"]), np.array(rest), e) for rest, e in stretches),
         moment_ranges=tuple(MomentRange(*ends) for ends in content.get("moment_range_N_mm", ())),
         straight_without_pressure=bool(content.get("straight_without_pressure", True)),
+        weight=pair(content.get("weight_N_per_mm", (0.0, 0.0)), "weight_N_per_mm"),
+        weight_height=float(content.get("weight_height_mm", 0.0)),
     )
 
 

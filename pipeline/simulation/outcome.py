@@ -80,7 +80,7 @@ class Record:
 
     summary: StateSummary
     centreline: Centreline
-    load: Load  #: end force, and its couple about the end of the curve
+    load: Load  #: end force, its couple about the end of the curve, and the weight of the arm
     displacement: Array = field(repr=False)  #: (n, 3), mm
     fields: Mapping[str, Array] = field(repr=False)  #: per element
     effects: tuple[str, ...]  #: names of the effects that took part

@@ -1,6 +1,8 @@
 """From a configuration to its scene: the part of the body that is meshed, its material, and the effects on it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf
 
 import fem
@@ -8,6 +10,7 @@ from fem.elements import ELEMENTS, Volumetric
 from geometry import GRADINGS, Body, DesignError, MeshError, MeshFile, SurfaceFile, position_text
 from pipeline.config.config import AUTO, Config, Material
 from pipeline.errors import InputError
+from rod import Load
 
 #: The name of outer faces that can meet, where the user names no others.
 GAP = "gap"
@@ -98,11 +101,32 @@ class Scene:
         gravity = self.config.effects.gravity
         effects = [*self._pressures(largest_MPa), *self._contacts()]
         if gravity.on:
-            density = self.config.material.density_tonne_mm3
-            regions = {name: material.density_tonne_mm3 or 0.0 for name, material in self.config.materials.items()}
-            assert density is not None  # the configuration refuses gravity without it
+            density, regions = self._densities
             effects.append(fem.Gravity(density, gravity.acceleration_mm_s2, ramp=False, regions=regions))
         return [*effects, *layer_in(self.body, self.config)]
+
+    @property
+    def _densities(self) -> tuple[float, Mapping[str, float]]:
+        """Of the body and of its regions, tonne/mm3; asked for where gravity acts, which needs them."""
+        density = self.config.material.density_tonne_mm3
+        assert density is not None  # the configuration refuses gravity without it
+        return density, {name: material.density_tonne_mm3 or 0.0 for name, material in self.config.materials.items()}
+
+    @cached_property
+    def weight(self) -> Load:
+        """The weight of the arm in its plane, spread evenly along it at the height of its centre of mass; none without
+        gravity."""
+        gravity, mesh = self.config.effects.gravity, self.body.mesh
+        if not gravity.on:
+            return Load()
+        density, regions = self._densities
+        mass = density * mesh.volumes
+        for name, of_region in regions.items():
+            mass[mesh.regions[name]] *= of_region / density
+        height = mesh.points[mesh.tets, 1].mean(axis=1) @ mass / mass.sum() - self.body.curve_y
+        per_length = mass.sum() * (2.0 if self.body.half else 1.0) / self.body.length
+        x, y, _ = (per_length * component for component in gravity.acceleration_mm_s2)
+        return Load(weight=(x, y), weight_height=float(height))
 
     def _pressures(self, largest_MPa: float) -> list[fem.Effect]:
         effects: list[fem.Effect] = []

@@ -2,7 +2,7 @@
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import fem
 from pipeline.config.config import Config
@@ -19,7 +19,6 @@ from pipeline.simulation.loadcase import LoadCase, identification_case
 from pipeline.simulation.outcome import Outcome, Outcomes, Record, StateSummary
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
-from rod import Load
 
 #: II first, because the others ask where it ends; then the loaded one, which takes longest
 EXPERIMENTS = ("II", "III", "I")
@@ -133,7 +132,7 @@ def _record(scene: Scene, experiment: fem.Experiment, case: LoadCase, pressure_k
     return Record(
         summary=_summary(scene, experiment, pressure_kPa, step),
         centreline=curve,
-        load=Load((float(force[0]), float(force[1])), experiment.end_couple(step)),
+        load=replace(scene.weight, force=(float(force[0]), float(force[1])), couple=experiment.end_couple(step)),
         displacement=step.displacement,
         fields=fem.element_fields(step, scene.material),
         effects=step.effects,

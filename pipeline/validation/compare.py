@@ -1,7 +1,7 @@
 """The rod compared with the finite elements, and the curves of all experiments as one table."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -181,9 +181,9 @@ def _solution(rod: FittedRod | PredictedRod, record: Record) -> RodSolution | No
     length, identified = record.centreline.length, rod.rod.length
     if abs(length - identified) > 1e-6 * identified:
         return NoSolution(f"The numbers are those of an arm of {identified:g} mm, the shape is one of {length:g} mm.")
-    load = record.load if record.experiment in ("III", "dead") else Load()
-    if isinstance(rod, PredictedRod):
-        load = replace(load, couple=0.0)
+    load = Load()
+    if record.experiment in ("III", "dead"):  # of the weight the rod itself knows
+        load = Load(record.load.force, 0.0 if isinstance(rod, PredictedRod) else record.load.couple)
     end_x, end_y = record.held_end
     try:
         return rod.rod.under(load, end_y, end_x)

@@ -78,6 +78,8 @@ class ArmRods:
             tuple(rod.extension for rod in rods if rod.extension is not None),
             tuple(p.moment_range for p in self.parameters),
             self.straight_without_pressure,
+            rods[0].weight,
+            rods[0].weight_height,
         )
 
 

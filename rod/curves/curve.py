@@ -85,15 +85,28 @@ class Moment:
 def moment_from_load(centreline: Centreline, load: Load) -> Moment:
     """Bending moment at the nodes of the loaded curve (paper, equation (7), with couple and weight).
 
-        M(s) = (r(l) - r(s)) x F + couple + integral from s to l of (r(t) - r(s)) x q dt
+        M(s) = (r(l) - r(s)) x F + couple + integral from s to l of (r(t) + h n(t) - r(s)) x q dt
 
-    It is statics alone and holds whatever the law of the rod. The integral is by the trapezoidal rule.
+    with the height h of the mass above the curve and the normal n. It is statics alone and holds whatever the law of
+    the rod. The integral is by the trapezoidal rule.
     """
     s, x, y = centreline.s - centreline.s[0], centreline.x, centreline.y
     (fx, fy), (qx, qy) = load.force, load.weight
     moment = (x[-1] - x) * fy - (y[-1] - y) * fx
     moment += _lever_integral(s, x) * qy - _lever_integral(s, y) * qx
+    angle = centreline.angle
+    couples = -load.weight_height * np.diff(s) * (qy * np.sin(angle) + qx * np.cos(angle))
+    moment += np.append(np.cumsum(couples[::-1])[::-1], 0.0)
     return Moment(s, moment + load.couple)
+
+
+def moment_between(free: Centreline, loaded: Centreline, load: Load) -> Moment:
+    """Bending moment at the nodes of the loaded curve less that of the free one, which bears the weight alone.
+
+    This is the moment that changes the curvature of the free curve into that of the loaded one.
+    """
+    moment = moment_from_load(loaded, load)
+    return Moment(moment.s, moment.value - moment_from_load(free, load.own_weight).value)
 
 
 def _lever_integral(s: Array, x: Array) -> Array:

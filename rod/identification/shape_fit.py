@@ -21,7 +21,7 @@ from scipy.optimize import OptimizeResult, least_squares
 
 from geometry import Centreline
 from geometry.arrays import Array
-from rod.curves.curve import Moment, moment_from_load, without_stretch
+from rod.curves.curve import Moment, moment_between, without_stretch
 from rod.curves.uncertainty import (
     Bootstrap,
     effective_observations,
@@ -175,7 +175,7 @@ class _ShapeFit:
             raise RodError(f"The range of d over the length must lie between 0 and 1; {low:g} ... {high:g} does not.")
         if low < high:
             low = min(max(low, MIN_BREAK * shape.pitch / shape.length), high)
-        moment = moment_from_load(shape.loaded, shape.load)
+        moment = moment_between(shape.free, shape.loaded, shape.load)
         bent = max(float(np.abs(law.deviation(moment.s, moment.value)).max()) for law in starts)
         compliance, offset = 1.0 / starts[0].alpha2, OFFSET * bent
         n = len(shape.s)
@@ -215,10 +215,12 @@ class _ShapeFit:
         deviation = law.deviation(s, np.interp(s, self.moment.s, self.moment.value))
         ripple = deviation * (z[5:] @ np.array(harmonics(s, self.shape.pitch)))
         kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + ripple])
-        rod = Rod(self.shape.length, kappa_0, law, theta0=self.theta0, start=(float(loaded.x[0]), float(loaded.y[0])))
+        start, load = (float(loaded.x[0]), float(loaded.y[0])), self.shape.load
+        weight = load.weight, load.weight_height
+        rod = Rod(self.shape.length, kappa_0, law, self.theta0, start, 0.0, None, *weight)
         end = (float(loaded.x[-1]), float(loaded.y[-1]))
         x, y = (value if held else None for value, held in zip(end, self.shape.held, strict=True))
-        return rod.under(self.shape.load, end_y=y, end_x=x)
+        return rod.under(load.without_weight, end_y=y, end_x=x)
 
     def residual(self, z: Array) -> Array:
         prior = np.concatenate([z[[1, 3]], z[5:] / RIPPLE])

@@ -29,15 +29,18 @@ class Problem:
     """A dimensionless rod under one set of loads. The clamp is the origin."""
 
     steps: Steps
+    kappa_0: Array  #: (n, 6) of the rod without load and without its own weight, at the stages of every step
     alpha: Array  #: (n,)
     m0: Array  #: (n,)
     fade: float
-    stretch: Array  #: (n, 6) of the rod without load, at the stages of every step
+    stretch: Array  #: (n, 6) likewise
     eccentricity: float
     theta0: float  #: rad
     free: Mask  #: (3,): M(0), F_x, F_y are unknown
     force: Array  #: (2,) given components, zero where unknown
-    weight: Array  #: (2,)
+    weight: Array  #: (4,) of the load, as in `shooting`
+    own_weight: Array  #: (4,) of the rod itself, in full from the start, or growing with kappa_0 if `together`
+    rest_moment: Array  #: (n, 6) of the own weight on the rod without load
     moment: float  #: at the tip
     end: Array  #: (2,) prescribed x and y of the tip, used where the force is unknown
     together: bool  #: kappa_0 and the rest stretch grow with the loads, from the straight rod
@@ -46,19 +49,23 @@ class Problem:
     def start(self) -> "LoadPoint":
         """The rod before any load: straight, or with the shape of kappa_0."""
         states, end = np.empty((len(self.steps.s), 4)), np.empty(16)
-        nothing = np.zeros(3)
-        sweep(self.arrays(0.0)._replace(fade=0.0), nothing, nothing[:2], states, end)
+        unknowns = np.array([0.0 if self.together else self.rest_moment[0, 0], 0.0, 0.0])
+        sweep(self.arrays(0.0)._replace(fade=0.0), unknowns, self.weight_at(0.0), states, end)
         # columns of derivatives by M(0), F_x, F_y; rows M, x, y; a given force component keeps a trivial row
         matrix = np.where(np.outer(self.free, self.free), end[4:].reshape(3, 4)[:, 1:].T, np.eye(3))
-        return LoadPoint(0.0, nothing, states, float(np.linalg.det(matrix)))
+        return LoadPoint(0.0, unknowns, states, float(np.linalg.det(matrix)))
 
     def arrays(self, factor: float) -> RodArrays:
         """The rod at a load factor: its intercepts grow with the load, kappa_0 and rest stretch if `together`."""
-        kappa_0, stretch = self.steps.kappa_0, self.stretch
+        kappa_0, stretch = self.kappa_0, self.stretch
         if self.together:
             kappa_0, stretch = factor * kappa_0, 1.0 + factor * (stretch - 1.0)
         m0 = factor * self.m0
         return RodArrays(self.steps.s, kappa_0, stretch, self.alpha, m0, self.fade, self.eccentricity, self.theta0)
+
+    def weight_at(self, factor: float) -> Array:
+        """(4,) weight at a load factor."""
+        return factor * self.weight + (factor if self.together else 1.0) * self.own_weight
 
     @property
     def idle(self) -> bool:
@@ -110,7 +117,7 @@ def _at(problem: Problem, factor: float, guess: Array) -> LoadPoint | None:
     target = np.concatenate([[factor * problem.moment], start + factor * (problem.end - start)])
     states = np.empty((len(problem.steps.s), 4))
     converged, determinant = converge(
-        problem.arrays(factor), unknowns, factor * problem.weight, target, problem.free, states
+        problem.arrays(factor), unknowns, problem.weight_at(factor), target, problem.free, states
     )
     return LoadPoint(factor, unknowns, states, determinant) if converged else None
 

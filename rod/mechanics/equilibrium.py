@@ -5,7 +5,8 @@
 
 (times the stretch lambda where the rod has an `extension`; without one it is inextensible, lambda = 1)
 
-clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity). Given
+clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity; for
+that under which kappa_0 was measured see `own_weight`). Given
 are F or components of the end position, whose reactions are then unknown components of F. The unknowns, M(0) and those
 components, are found by shooting (`shooting`), for large loads with continuation (`continuation`).
 """
@@ -20,11 +21,12 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.law import ArmLaw, LawRod
-from rod.checked import positive
+from rod.checked import finite, positive
 from rod.curves.extension import Extension
 from rod.law import FiveParameters, RodError, TwoSlopes
 from rod.load import Load, held_at, pair
 from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load
+from rod.mechanics.own_weight import moment_of_weight
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.mechanics.shooting import ABSCISSAE
 from rod.solution import RodSolution
@@ -54,10 +56,15 @@ class Rod:
     start: tuple[float, float] = (0.0, 0.0)  #: mm, x and y of the clamp
     fade: float = 0.0  #: N mm, below this |M| the intercepts fade to zero (see `law`)
     extension: Extension | None = None  #: stretch of the curve; None: inextensible, or as the arm's own law says
+    #: N/mm, x and y of the weight of the arm per rest length, under which it has kappa_0 where nothing else acts
+    weight: tuple[float, float] = (0.0, 0.0)
+    weight_height: float = 0.0  #: mm, of its mass above the material curve
 
     def __post_init__(self) -> None:
         positive(self.length, "The length of a rod")
         pair(self.start, "start")
+        object.__setattr__(self, "weight", pair(self.weight, "weight"))
+        object.__setattr__(self, "weight_height", finite(self.weight_height, "weight_height"))
         if isinstance(self.law, ArmLaw):
             raise RodError("A rod has the law of an arm at one pressure: law = arm_law.at(pressure in kPa).")
         if isinstance(self.law, LawRod):
@@ -74,7 +81,7 @@ class Rod:
 
     def _check_nothing_twice(self) -> None:
         given = {"kappa_0": self.kappa_0 is not None, "extension": self.extension is not None}
-        given |= {"theta0": self.theta0 != 0.0, "fade": self.fade != 0.0}
+        given |= {"theta0": self.theta0 != 0.0, "fade": self.fade != 0.0, "weight": any(self.weight)}
         for name, is_given in given.items():
             if is_given:
                 raise RodError(f"A rod with the arm's own law takes no {name}: the law has it or needs none.")
@@ -204,7 +211,7 @@ def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, lo
 def _refinement(rod: Rod, solution: RodSolution, load: Load) -> float:
     """How much finer than the usual the steps must be: at large forces errors grow like exp(s sqrt(F/alpha))."""
     softest = min(abs(rod.lines.alpha1), abs(rod.lines.alpha2))
-    force = np.hypot(*solution.force) + rod.length * math.hypot(*load.weight)
+    force = np.hypot(*solution.force) + rod.length * (math.hypot(*load.weight) + math.hypot(*rod.weight))
     growth = rod.length * math.sqrt(force / softest)
     return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
 
@@ -222,21 +229,36 @@ def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
     unit = length**2 / base
     stages = steps.s[:-1, None] + np.diff(steps.s)[:, None] * ABSCISSAE
     extension = rod.extension
+    stretch = np.ones(stages.shape) if extension is None else extension.at(stages * length)
+    eccentricity = 0.0 if extension is None else extension.eccentricity / length
+    alpha = np.where(steps.first, law.alpha1, law.alpha2) / base
+    own_weight = _weight(Load(weight=rod.weight, weight_height=rod.weight_height), unit, length)
+    of_weight = moment_of_weight(steps, stretch, own_weight, rod.theta0) if any(rod.weight) else np.zeros(stages.shape)
+    bent = of_weight / alpha[:, None]
     return Problem(
         steps=steps,
-        stretch=np.ones(stages.shape) if extension is None else extension.at(stages * length),
-        eccentricity=0.0 if extension is None else extension.eccentricity / length,
-        alpha=np.where(steps.first, law.alpha1, law.alpha2) / base,
+        kappa_0=steps.kappa_0 - bent,
+        stretch=stretch - eccentricity * bent,
+        eccentricity=eccentricity,
+        alpha=alpha,
         m0=np.where(steps.first, law.m01, law.m02) * (length / base),
         fade=rod.fade * length / base,
         theta0=rod.theta0,
         free=np.array([True, case.end[0] is not None, case.end[1] is not None]),
         force=np.array(case.load.force) * unit,
-        weight=np.array(case.load.weight) * (unit * length),
+        weight=_weight(case.load, unit, length),
+        own_weight=own_weight,
+        rest_moment=of_weight,
         moment=case.load.couple * length / base,
         end=np.array(end),
         together=case.together,
     )
+
+
+def _weight(load: Load, unit: float, length: float) -> Array:
+    """(4,) weight per length and its couple, without dimension, as in `shooting`; unit: mm2 over the rigidity, 1/N."""
+    weight = np.array(load.weight) * (unit * length)
+    return np.concatenate([weight, weight * (load.weight_height / length)])
 
 
 def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSolution:
@@ -248,7 +270,10 @@ def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSo
     if rod.fade > 0.0:
         intercept_factor *= np.minimum(1.0, np.abs(moment) / rod.fade)
     first = np.append(steps.first, False)
-    kappa_0 = np.append(steps.kappa_0[:, 0], steps.kappa_0[-1, 1]) / length
+    kappa_0, rest, rest_moment = (
+        np.append(stages[:, 0], stages[-1, 1]) / length
+        for stages in (problem.kappa_0, steps.kappa_0, problem.rest_moment * base)
+    )
     intercept = intercept_factor * np.where(first, law.m01, law.m02)
     deviation = (moment - intercept) / np.where(first, law.alpha1, law.alpha2)
     arrays = {
@@ -258,7 +283,8 @@ def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSo
         "theta": point.states[:, 0].copy(),
         "kappa": kappa_0 + deviation,
         "moment": moment,
-        "stretch": _stretch(rod, steps.s * length, deviation),
+        "rest_moment": rest_moment,
+        "stretch": _stretch(rod, steps.s * length, kappa_0 + deviation - rest),
         "force": np.where(problem.free[1:], point.unknowns[1:], problem.force) * (base / length**2),
     }
     for array in arrays.values():

@@ -4,9 +4,11 @@ All quantities here are dimensionless: lengths over l, moments over B/l, forces 
 rod. The state is (theta, M, x, y); behind it stand its derivatives by the three unknowns M(0), F_x, F_y:
 
     theta' = kappa_0 + Delta,  Delta = (M - m0)/alpha          x' = lambda cos theta
-    M'     = lambda (n_x sin theta - n_y cos theta)            y' = lambda sin theta
+    M'     = lambda (n_x sin theta - n_y cos theta) + c_x cos theta + c_y sin theta
+                                                               y' = lambda sin theta
 
-with n(s) = F + q (1 - s) and the stretch lambda = lambda_0 + e Delta, which is 1 on an inextensible rod.
+with n(s) = F + q (1 - s), c = h q of a weight at the height h above the curve, and the stretch
+lambda = lambda_0 + e Delta, which is 1 on an inextensible rod.
 
 The scheme is the explicit sixth-order Runge-Kutta method of H. A. Luther, Math. Comp. 22 (1968) 434-436. Its steps are
 chosen by the caller so that every break (d, the samples of kappa_0) lies on a step boundary; nothing jumps inside a
@@ -74,7 +76,7 @@ class RodArrays(NamedTuple):
 
 
 class _Section(NamedTuple):
-    """The rod at one cross-section, and the force n that acts on it."""
+    """The rod at one cross-section, the force n that acts on it, and the couple c of its weight per length."""
 
     kappa_0: float
     rest_stretch: float
@@ -82,6 +84,8 @@ class _Section(NamedTuple):
     m0: float
     nx: float
     ny: float
+    cx: float
+    cy: float
 
 
 def _rate(z: Array, section: _Section, fade: float, eccentricity: float, out: Array) -> None:
@@ -101,7 +105,8 @@ def _rate(z: Array, section: _Section, fade: float, eccentricity: float, out: Ar
     c, s = stretch * cosine, stretch * sine
     across = nx * sine - ny * cosine
     out[0] = section.kappa_0 + deviation
-    out[1] = stretch * across
+    out[1] = stretch * across + section.cx * cosine + section.cy * sine
+    couple_rate = section.cy * cosine - section.cx * sine
     out[2] = c
     out[3] = s
     axial = nx * c + ny * s
@@ -110,7 +115,7 @@ def _rate(z: Array, section: _Section, fade: float, eccentricity: float, out: Ar
         angle_rate, moment_rate = float(z[j]), float(z[j + 1])
         stretch_rate = by_moment * moment_rate
         out[j] = slope * moment_rate
-        out[j + 1] = axial * angle_rate + across * stretch_rate
+        out[j + 1] = (axial + couple_rate) * angle_rate + across * stretch_rate
         out[j + 2] = cosine * stretch_rate - s * angle_rate
         out[j + 3] = sine * stretch_rate + c * angle_rate
     out[9] += s  # M' by F_x
@@ -120,12 +125,13 @@ def _rate(z: Array, section: _Section, fade: float, eccentricity: float, out: Ar
 def _sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: Array) -> None:
     """Integrate from clamp to tip: fills states (n + 1, 4) and end (16,), the last state with its derivatives.
 
-    unknowns = (M(0), F_x, F_y); weight = (q_x, q_y), a dead load per length.
+    unknowns = (M(0), F_x, F_y); weight = (q_x, q_y, h q_x, h q_y), a dead load per length at the height h.
     """
     z = end
     z[:] = 0.0
     z[0], z[1] = rod.theta0, unknowns[0]
     fx, fy, qx, qy = float(unknowns[1]), float(unknowns[2]), float(weight[0]), float(weight[1])
+    cx, cy = float(weight[2]), float(weight[3])
     z[5] = 1.0  # M(0) by itself
     k = np.empty((7, 16))
     stage = np.empty(16)
@@ -143,7 +149,7 @@ def _sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: A
             at = _STAGE_ABSCISSA[i]
             beyond = 1.0 - start - h * ABSCISSAE[at]
             kappa_0, rest_stretch = float(rod.kappa_0[step, at]), float(rod.rest_stretch[step, at])
-            section = _Section(kappa_0, rest_stretch, alpha, m0, fx + qx * beyond, fy + qy * beyond)
+            section = _Section(kappa_0, rest_stretch, alpha, m0, fx + qx * beyond, fy + qy * beyond, cx, cy)
             _rate(stage, section, rod.fade, rod.eccentricity, k[i])
         for i in range(7):
             if _WEIGHTS[i] != 0.0:
@@ -180,7 +186,7 @@ def _converge(
     """Newton's method for unknowns (3,) = (M(0), F_x, F_y), changed in place; fills states (n + 1, 4).
 
     Returns whether it converged, and the determinant of the last matrix. target (3,) = (M, x, y) at the tip; free (3,)
-    says which of the unknowns are solved for (the first always is); weight (2,) as in `_sweep`.
+    says which of the unknowns are solved for (the first always is); weight (4,) as in `_sweep`.
     """
     end, r, jac, column = np.empty(16), np.empty(3), np.empty((3, 3)), np.empty((3, 3))
     worst = math.inf
