@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
-import numpy as np
 import pandas as pd
 
 from pipeline.errors import InputError
@@ -16,6 +15,7 @@ from pipeline.report.verdict import Verdict
 from pipeline.rods.saved import RodAtPressure
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
 from rod.checked import finite
+from rod.same_pressure import known_at
 from rod.solution import RodSolution
 
 
@@ -192,11 +192,11 @@ class Results:
             pressure = finite(pressure_kPa, "The pressure in kPa")
         except RodError as failure:
             raise InputError(str(failure)) from None
-        same = np.isclose(self.parameters["pressure_kPa"], pressure, rtol=1e-9, atol=0.0)
-        if not same.any():
-            identified = ", ".join(f"{known:g}" for known in self.pressures_kPa)
+        known = known_at(self.pressures_kPa, pressure)
+        if known is None:
+            identified = ", ".join(f"{p:g}" for p in self.pressures_kPa)
             raise InputError(f"there are no parameters at {pressure:g} kPa; identified are {identified} kPa")
-        return self.parameters[same].iloc[0]
+        return self.parameters.iloc[known]
 
     def _nothing_identified(self) -> InputError:
         reason = self.run.failure or "the run has not come to the identification"

@@ -25,6 +25,7 @@ from rod.curves.extension import Extension
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_NAMES, FiveParameters, RodError
 from rod.mechanics.equilibrium import Rod
+from rod.same_pressure import as_known, known_at
 
 #: an arm whose curve is longer than at rest by more than this part, inflated without load, needs a rod that stretches
 STRETCHES = 0.005
@@ -131,7 +132,7 @@ class PressurisedRod:
         """Where the numbers at a pressure (kPa) come from, in words. Raises `RodError` as `at` does on request."""
         i, j, _ = self._interval(pressure, extrapolate=True)
         p = self.pressures
-        if pressure in p:
+        if known_at(p, pressure) is not None:
             return IDENTIFIED
         if p[0] <= pressure <= p[-1]:
             return f"interpolated between those identified at {p[i]:g} and {p[j]:g} kPa"
@@ -139,7 +140,8 @@ class PressurisedRod:
 
     def _interval(self, pressure: float, extrapolate: bool) -> tuple[int, int, float]:
         """Indices of the two pressures between which to interpolate, and the fraction of the interval between them."""
-        p, pressure = self.pressures, finite(pressure, "The pressure in kPa")
+        p = self.pressures
+        pressure = as_known(p, finite(pressure, "The pressure in kPa"))
         if len(p) == 1:
             if pressure != p[0]:
                 raise RodError(f"From one pressure, {p[0]:g} kPa, there is no line to extrapolate to {pressure:g} kPa.")
@@ -158,8 +160,8 @@ class PressurisedRod:
 def _at_or_beyond(p: Array, v: Array, pressure: float) -> Any | None:
     """Values v (n, ...) at one of the pressures p (n,), or beyond them by the line through the two outermost values;
     None between them."""
-    if (exact := np.flatnonzero(p == pressure)).size:
-        return v[exact[0]]
+    if (known := known_at(p, pressure)) is not None:
+        return v[known]
     if p[0] < pressure < p[-1]:
         return None
     i = 0 if pressure < p[0] else len(p) - 2

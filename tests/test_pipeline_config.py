@@ -179,6 +179,7 @@ SPOILT = [
     ("density: 1130 kg/m^3", "density: 1130 kg", "material.density", "is not a density"),
     ("[17 kPa, 37 kPa]", "[37 kPa, 17 kPa]", "pressures", "is not in ascending order"),
     ("[17 kPa, 37 kPa]", "[17 kPa, 17 kPa]", "pressures", "is not in ascending order"),
+    ("[17 kPa, 37 kPa]", "[17 kPa, 17.0001 kPa]", "pressures", "which differ by less than 1e-05 of themselves"),
     ("[17 kPa, 37 kPa]", "[-17 kPa, 37 kPa]", "pressures", "-17 kPa is not above zero"),
     ("[17 kPa, 37 kPa]", "[-17 kPa, -5 kPa]", "pressures", "for a vacuum give a cavity a negative fraction of them"),
     ("[17 kPa, 37 kPa]", "[0 kPa, 37 kPa]", "pressures", "0 kPa is not above zero"),
@@ -499,6 +500,14 @@ def test_a_load_between_the_pressures_with_the_end_elsewhere_is_part_of_every_ru
     single = load_config(coarse, ["pressures=[17 kPa]"]).validation
     assert (single.pressures_kPa, single.end_y_mm) == ((17.0,), (11.2,))
     assert load_config(coarse, ["validation=off"]).validation == Validation((), (), ())
+
+
+def test_validation_pressures_written_with_six_digits_are_those_of_the_run(configs: Path) -> None:
+    in_psi = "pressures=[0.4 psi, 0.8 psi]"
+    loads = "validation={pressures: [2.7579 kPa, 4 kPa, 5.51581 kPa], end_y: [5 mm]}"
+    config = load_config(configs / "pneunet_coarse.yaml", [in_psi, loads])
+    low, high = config.pressures_kPa
+    assert config.validation.pressures_kPa == (low, 4.0, high)
 
 
 @pytest.mark.parametrize(

@@ -56,6 +56,28 @@ def test_rod_between_two_pressures_has_the_means_of_the_numbers_and_a_rest_curva
     assert ours.y[-1] == pytest.approx(reference.y[-1], abs=1e-6)
 
 
+def test_pressures_written_with_six_digits_are_those_of_the_file(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text()) | {"pressures_kPa": [2.75790291727, 5.51580583453]}  # 0.4 and 0.8 psi
+    names = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
+    file.write_text(json.dumps(content | {f"{name}_std": [0.1, 0.2] for name in names}))
+    law = results / "law" / "law.json"
+    law.parent.mkdir()
+    law.write_text(json.dumps(law_record(law_of(straight_law(0.0), straight_law(2.75790291727, -0.02)))))
+    for path, printed, exact in ((file, "2.7579", 2.75790291727), (file, "5.51581", 5.51580583453), (law, "2.7579", 0)):
+        code, out, _ = call("rod", str(path), "--pressure", f"{printed} kPa")
+        assert code == 0
+        assert "polated" not in out
+        assert (exact == 0) or call("rod", str(path), "--pressure", f"{exact} kPa")[1] == out
+    assert call("export", str(results), "--to", "json", "--pressure", "5.51581 kPa")[0] == 0
+    table = json.loads((results / "rod_5.51581kPa.json").read_text())
+    assert (table["pressures_kPa"], table["origin"], table["d_mm_std"]) == ([5.51580583453], "identified", [0.2])
+    assert call("export", str(law.parent), "--to", "json", "--pressure", "2.7579 kPa")[0] == 0
+    assert json.loads((law.parent / "law_2.7579kPa.json").read_text())["pressures_kPa"] == [2.75790291727]
+    assert call("rod", str(file), "--pressure", "5.5159 kPa")[0] == 2
+    assert call("rod", str(law), "--pressure", "2.75795 kPa")[0] == 2
+
+
 def test_a_load_beyond_the_identified_moments_gets_a_warning(results: Path) -> None:
     file = results / "parameters.json"
     content = json.loads(file.read_text())

@@ -108,6 +108,9 @@ def test_parameters_carry_units_and_errors(results: pneurod.Results) -> None:
     assert [spread.low, spread.high] == content["alpha2_N_mm2_95"][1]
     assert spread.low <= spread.value <= spread.high
     assert results.law(16.0).alpha2 == content["alpha2_N_mm2"][1]
+    assert results.law(16.00005) == results.law(16.0)  # the same pressure with six digits
+    assert results.interval("alpha2", 16.00005) == spread
+    assert results.rod(16.00005).law == results.law(16.0)
     assert results.estimators["estimator"].unique().tolist() == ["cell_averaged", "gaussian_process", "rod_fit"]
     assert np.isfinite(results.kappa_0["kappa_0_per_mm"]).all()
     assert results.kappa_0.groupby("pressure_kPa")["s_mm"].max().tolist() == [72.0, 72.0]

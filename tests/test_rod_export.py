@@ -106,6 +106,7 @@ def test_the_program_for_pyelastica_settles_to_our_shape(tmp_path: Path) -> None
     assert stiffness * curvature == pytest.approx(0.5 * (low[0] * low[1] + high[0] * high[1]))
     assert (program["spring"](0.0)[1] == 0.0).all()
     assert theta0 == pytest.approx(0.08)
+    assert program["spring"](37.0001)[2] == pytest.approx(0.1)  # 37 kPa written with six digits
     with pytest.raises(ValueError, match="outside 0 to 37 kPa"):
         program["build"](50.0)
 

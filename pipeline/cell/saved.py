@@ -15,6 +15,7 @@ from rod.arm_law.law import ArmLaw
 from rod.arm_law.record import law_from_record
 from rod.law import RodError
 from rod.mechanics.equilibrium import Rod
+from rod.same_pressure import as_known
 
 #: formats that take the law itself; others take a straight line between moment and curvature
 TARGETS = ("csv", "json")
@@ -68,7 +69,8 @@ class SavedLaw:
 
         Raises `RodError` for a pressure outside the law.
         """
-        pressures = tuple(self.law.pressures) if pressure_kPa is None else (pressure_kPa,)
+        known = self.law.pressures
+        pressures = known if pressure_kPa is None else (as_known(known, pressure_kPa),)
         tables = [self.table(pressure) for pressure in pressures]
         if target == "csv":
             rows = [

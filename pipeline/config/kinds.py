@@ -15,6 +15,7 @@ from pipeline.config.config import LAW_CHOICES, AlongAxis
 from pipeline.config.effects import CavityPressure
 from pipeline.config.units import ACCELERATION, DENSITY, FORCE, LENGTH, PRESSURE, STRESS, Dimension, convert, with_point
 from pipeline.errors import quoted
+from rod.same_pressure import SAME, is_same
 
 #: sizes of the second mesh over that of the first
 LEAST_COARSER, MOST_COARSER = 1.1, 5.0
@@ -95,6 +96,12 @@ def _ascending(values: tuple[float, ...]) -> tuple[float, ...]:
     if any(later <= earlier for earlier, later in pairwise(values)):
         listed = ", ".join(f"{value:g} kPa" for value in values)
         raise ValueError(f"[{listed}] is not in ascending order; list every pressure once, the lowest first")
+    for earlier, later in pairwise(values):
+        if is_same(earlier, later):
+            raise ValueError(
+                f"has {earlier:.12g} kPa and {later:.12g} kPa, which differ by less than {SAME:g} of themselves and "
+                "count as one pressure; list every pressure once"
+            )
     return values
 
 

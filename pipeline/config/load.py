@@ -28,6 +28,7 @@ from pipeline.config.effects import CavityPressure, Effects, PressureEffect
 from pipeline.config.schema import OWN, checked, own_design
 from pipeline.config.solid import check_stiffness, solids
 from pipeline.errors import InputError
+from rod.same_pressure import as_known
 
 #: units at the end of the names of values; the keys of the YAML have none
 UNITS = ("_mm_s2", "_tonne_mm3", "_mm", "_kPa", "_MPa", "_N")
@@ -186,7 +187,8 @@ def _validation(document: Document, content: Any, length: float) -> Validation:
         raise document.wrong(
             ("validation", "end_y"), f"{end.y_mm:g} mm is what the numbers are identified with; give others"
         )
-    for pressure in loads.pressures or ():
+    pressures = tuple(as_known(of_run, pressure) for pressure in loads.pressures or ())
+    for pressure in pressures:
         if not of_run[0] <= pressure <= of_run[-1]:
             limits = f"{of_run[0]:g} to {of_run[-1]:g} kPa"
             raise document.wrong(
@@ -194,11 +196,11 @@ def _validation(document: Document, content: Any, length: float) -> Validation:
                 f"{pressure:g} kPa lies outside the pressures of the run; allowed: {limits}",
             )
     other_loads = bool(loads.end_y or loads.forces)
-    if loads.pressures and not other_loads and set(loads.pressures) <= set(of_run):
+    if pressures and not other_loads and set(pressures) <= set(of_run):
         raise document.wrong(
             ("validation", "pressures"), "are all pressures of the run; give one between them, or end_y, or forces"
         )
-    return Validation(loads.pressures or (of_run if other_loads else ()), loads.end_y, loads.forces)
+    return Validation(pressures or (of_run if other_loads else ()), loads.end_y, loads.forces)
 
 
 def _cavities(document: Document, design: Design, pressure: Any) -> dict[str, CavityPressure]:

@@ -1,6 +1,6 @@
 """What a run did not test, in sentences."""
 
-from pipeline.report.formatting import listed, number
+from pipeline.report.formatting import listed
 from pipeline.report.results import Results
 from pipeline.validation.rods import FIVE
 
@@ -37,9 +37,9 @@ def _range(results: Results) -> list[str]:
     tested = results.identified_pressures or results.reached_pressures
     low, high = tested[0], tested[-1]
     if low == high:
-        return [f"Not tested: pressures other than {number(low)} kPa."]
-    below = f"below {number(low)} kPa and " if low > 0.0 else ""
-    return [f"Not tested: pressures {below}above {number(high)} kPa."]
+        return [f"Not tested: pressures other than {low:g} kPa."]
+    below = f"below {low:g} kPa and " if low > 0.0 else ""
+    return [f"Not tested: pressures {below}above {high:g} kPa."]
 
 
 def _slopes(results: Results) -> list[str]:

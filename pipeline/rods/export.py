@@ -14,6 +14,7 @@ from rod import EXPORTS, Arm, RodError, export_arm
 from rod.export.formats import export_files
 from rod.export.tables import unloaded_distance
 from rod.pressurised_rod import IDENTIFIED
+from rod.same_pressure import as_known
 
 #: the laws of a result folder that can be exported
 LAWS = ("five", "cell")
@@ -107,7 +108,7 @@ def _arm(path: Path, options: ExportOptions) -> Arm:
         rods = tuple(saved.rods.at(pressure) for pressure in pressures)
         deviations: Mapping[str, tuple[float, ...]] = saved.deviations
     else:
-        pressures = (option_value("--pressure", options.pressure, PRESSURE),)
+        pressures = (as_known(saved.rods.pressures, option_value("--pressure", options.pressure, PRESSURE)),)
         if pressures[0] <= 0.0:
             raise InputError(
                 f"--pressure {options.pressure}: is not exported; give one above 0 kPa, at which the arm is at rest"

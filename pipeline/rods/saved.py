@@ -27,6 +27,7 @@ from rod.law import PARAMETER_COLUMNS, FiveParameters, RodError
 from rod.load import pair
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import IDENTIFIED, OutsidePressures, PressurisedRod
+from rod.same_pressure import known_at
 from rod.solution import RodSolution
 
 
@@ -100,8 +101,8 @@ class SavedRod:
 
     def deviations_at(self, pressure: float) -> Mapping[str, tuple[float, ...]]:
         """The standard deviations at an identified pressure (kPa) by PARAMETER_NAMES; elsewhere they are not known."""
-        identified = np.flatnonzero(self.rods.pressures == pressure)
-        return {name: (values[k],) for name, values in self.deviations.items() for k in identified}
+        k = known_at(self.rods.pressures, pressure)
+        return {} if k is None else {name: (values[k],) for name, values in self.deviations.items()}
 
     def smooth(self, pressures: Sequence[float]) -> tuple[Array, ...]:
         """Columns (m, 2) of s and the averaged kappa_0 at pressures (kPa), straight lines between; empty without it.

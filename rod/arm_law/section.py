@@ -16,6 +16,7 @@ from rod.arm_law.between import columns, hermite, joined
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.cubics import cubic, cubic_slope, monotone_slopes
 from rod.law import RodError
+from rod.same_pressure import known_at
 
 Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)
 
@@ -117,9 +118,8 @@ def bracket(pressures: Sequence[float], pressure: float) -> tuple[int, int, floa
     """The neighbouring entries of rising pressures and the position between them, 0 to 1; twice the same entry where
     the pressure is that of one. Raises `RodError` outside."""
     p = np.asarray(pressures, float)
-    exact = np.flatnonzero(np.abs(p - pressure) <= 1e-9 * max(1.0, abs(pressure)))
-    if exact.size:
-        return int(exact[0]), int(exact[0]), 0.0
+    if (known := known_at(p, pressure)) is not None:
+        return known, known, 0.0
     if not p[0] < pressure < p[-1]:
         raise RodError(
             f"The law goes from {p[0]:g} to {p[-1]:g} kPa; {pressure:g} kPa is outside, and it is not extrapolated."

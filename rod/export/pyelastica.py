@@ -9,6 +9,7 @@ import numpy as np
 from rod.export.arm import Arm
 from rod.export.lumped import joints
 from rod.law import PARAMETER_COLUMNS
+from rod.same_pressure import SAME
 
 
 def write_pyelastica(arm: Arm, path: Path) -> None:
@@ -36,7 +37,7 @@ def write_pyelastica(arm: Arm, path: Path) -> None:
         content[column] = [getattr(rod.five, name) for rod in arm.rods]
         if arm.deviations:
             content[f"{column}_std"] = list(arm.deviations[name])
-    path.write_text(_PROGRAM.replace("@ROD@", json.dumps(content)), encoding="utf-8")
+    path.write_text(_PROGRAM.replace("@ROD@", json.dumps(content)).replace("@SAME@", str(SAME)), encoding="utf-8")
 
 
 _PROGRAM = '''"""A pneumatic arm for PyElastica, written by pneurod. SI units; the arm bends in the plane x, y.
@@ -53,6 +54,8 @@ import numpy as np
 import elastica
 
 ROD = @ROD@
+#: a pressure above the highest one by no more than this part is that one, written with fewer digits
+SAME_PRESSURE = @SAME@
 
 
 def spring(pressure_kPa):
@@ -61,7 +64,7 @@ def spring(pressure_kPa):
     Between the pressures of ROD the moment is interpolated linearly; without pressure the arm is straight.
     """
     known = [0.0, *ROD["pressures_kPa"]]
-    if not 0.0 <= pressure_kPa <= known[-1]:
+    if not 0.0 <= pressure_kPa <= known[-1] * (1.0 + SAME_PRESSURE):
         raise ValueError(f"{pressure_kPa:g} kPa lies outside 0 to {known[-1]:g} kPa")
     stiffness = np.array([ROD["bending_stiffness"][0], *ROD["bending_stiffness"]])
     curvature = np.array([0.0 * stiffness[0], *ROD["rest_curvature"]])

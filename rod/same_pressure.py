@@ -1,0 +1,31 @@
+"""Which pressure is meant: one written with six digits, as they are printed, is the one of a file with all its digits.
+
+A number written with six digits differs from the number itself by less than SAME, and two that differ by more than SAME
+are written differently. Configurations therefore refuse two pressures of a run that are the same.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from geometry.arrays import Array
+
+#: largest difference of two pressures that are the same, over the larger one
+SAME = 1e-5
+
+
+def is_same(pressure: float, other: float) -> bool:
+    """Whether two pressures (kPa) are the same."""
+    return abs(pressure - other) <= SAME * max(abs(pressure), abs(other))
+
+
+def known_at(pressures: Sequence[float] | Array, pressure: float) -> int | None:
+    """The position of a pressure (kPa) among known ones, at least one; None where it is none of them."""
+    nearest = int(np.argmin(np.abs(np.asarray(pressures, float) - pressure)))
+    return nearest if is_same(float(pressures[nearest]), pressure) else None
+
+
+def as_known(pressures: Sequence[float] | Array, pressure: float) -> float:
+    """The known pressure (kPa) that is the same as a pressure, or else the pressure itself."""
+    k = known_at(pressures, pressure)
+    return pressure if k is None else float(pressures[k])
