@@ -3,7 +3,8 @@
     python benchmarks/exports.py results/pneunet_coarse [--programs mujoco pyelastica pybullet] [--force 0 0.02]
 
 Every program gets the files of `pneurod export` and the same dead force on the end; the largest distance between its
-curve and that of the rod is printed over the length. PyBullet is not among the packages of the project; it reads the
+curve and that of the rod is printed over the length, at the identified pressures and, where the pressure is an input of
+the file, between them. PyBullet is not among the packages of the project; it reads the
 URDF that goes with the file for SoMo, and the springs of that file are applied as torques, as SoMo does.
 """
 
@@ -12,6 +13,7 @@ import json
 import runpy
 import sys
 import tempfile
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +22,8 @@ sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from pipeline.rods.export import ExportOptions, exported
 from pipeline.rods.saved import SavedRod
+from rod import EXPORTS
+from rod.export.arm import PARTS
 
 
 def in_mujoco(files: list[Path], pressure: float, force: tuple[float, float]) -> np.ndarray:
@@ -28,7 +32,8 @@ def in_mujoco(files: list[Path], pressure: float, force: tuple[float, float]) ->
 
     model = mujoco.MjModel.from_xml_path(str(files[0]))
     data = mujoco.MjData(model)
-    mujoco.mj_resetDataKeyframe(model, data, model.key(f"{pressure:g}kPa").id)
+    known = model.numeric("pressures_kPa").data
+    mujoco.mj_resetDataKeyframe(model, data, int(np.argmin(np.abs(known - pressure))))
     data.ctrl[:] = pressure
     tip = model.site("tip").id
     for step in range(40000):
@@ -93,6 +98,8 @@ def in_pybullet(files: list[Path], pressure: float, force: tuple[float, float]) 
     return 1e3 * np.column_stack([at[:, 2], -at[:, 1]])
 
 
+#: where a pressure between two identified ones is tried, over the interval: in the middle of a part of `rod.export.arm`
+BETWEEN = 1.5 / PARTS
 PROGRAMS = {"mujoco": ("mujoco", in_mujoco), "pyelastica": ("pyelastica", in_pyelastica)}
 PROGRAMS["pybullet"] = ("somo", in_pybullet)
 
@@ -111,10 +118,12 @@ def main() -> None:
         for name in given.programs:
             target, solve = PROGRAMS[name]
             files = exported(given.folder, target, ExportOptions(out=Path(scratch)))
-            for pressure in saved.rods.pressures:
-                shape = saved.rods.at(float(pressure)).solve(force=given.force)
+            known = saved.rods.pressures.tolist()
+            between = [] if EXPORTS[target].one_pressure else [a + BETWEEN * (b - a) for a, b in pairwise(known)]
+            for pressure in sorted([*known, *between]):
+                shape = saved.rods.at(pressure).solve(force=given.force)
                 ours = np.column_stack([shape.x, shape.y])
-                theirs = solve(files, float(pressure), tuple(given.force))
+                theirs = solve(files, pressure, tuple(given.force))
                 off = max(_distance(point, ours) for point in theirs) / saved.rods.length
                 ends = ["({:.2f}, {:.2f})".format(*points[-1]) for points in (theirs, ours)]
                 write(f"| {name} | {pressure:g} | {100.0 * off:.3f} | {ends[0]} | {ends[1]} |\n")

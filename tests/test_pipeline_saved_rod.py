@@ -2,6 +2,7 @@
 
 import json
 import re
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -90,7 +91,7 @@ def test_a_load_beyond_the_identified_moments_gets_a_warning(results: Path) -> N
     ends = [np.array(re.findall(r"[xy] = (-?[\d.]+) mm", text), float) for text in (tiny, none)]
     jump = np.linalg.norm(ends[0] - ends[1])
     assert jump > 0.5
-    stated = float(tiny.split("moves the end of this rod by ")[1].split(" mm")[0])
+    stated = float(tiny.split("its end is then ")[1].split(" mm")[0])
     assert stated == pytest.approx(jump, rel=0.03)
     assert "farthest off at s = 0 mm" in out
     code, out, _ = call("rod", str(file), "--pressure", "27 kPa")
@@ -145,6 +146,43 @@ def test_an_export_of_a_loaded_rod_says_where_its_unloaded_end_is(results: Path)
     stated = float(out.split("Without load its end is ")[1].split(" mm from that of the five parameters")[0])
     assert stated == pytest.approx(np.linalg.norm(loaded - unloaded), rel=0.01)
     assert stated > 0.5
+
+
+def test_an_export_of_several_pressures_says_where_its_unloaded_end_is_worst(results: Path) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    numbers = {key: content[key] for key in ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")}
+    numbers |= {"m01_N_mm": [2.0, 0.2], "m02_N_mm": [-2.0, -0.4]}
+    eccentricity = numbers | {"eccentricity_mm": [1.2, 1.4], "rest_stretch": [[1.09] * 57, [1.04] * 57]}
+    file.write_text(json.dumps(content | numbers | {"eccentricity": eccentricity}))
+    stated = {}
+    for options in ((), ("--pressure", "17 kPa"), ("--pressure", "37 kPa")):
+        code, out, _ = call("export", str(results), "--to", "mujoco", *options, "--force")
+        assert code == 0
+        stated[options[1:]] = re.findall(r"its end is (?:up to )?([\d.]+ mm from .* at \d+ kPa)", out)
+        assert ("its end is up to" in out) == (not options)
+    assert len(stated[()]) == 2
+    assert stated[()] == stated["17 kPa",]
+    assert [float(at.split()[0]) for at in stated[()]] > [float(at.split()[0]) for at in stated["37 kPa",]]
+
+
+@pytest.mark.parametrize("smooth", [False, True])
+def test_files_that_interpolate_over_the_pressure_follow_the_cubics_of_the_rod(results: Path, smooth: bool) -> None:
+    file = results / "parameters.json"
+    content = json.loads(file.read_text())
+    content["kappa_0"] |= {"cell_s_mm": [20.0, 90.0], "cell_averaged_per_mm": [[-0.012] * 2, [-0.023] * 2]}
+    file.write_text(json.dumps(content))
+    springs = {}
+    for pressure in ("17 kPa", "24.5 kPa", "37 kPa", "17_to_37kPa"):
+        options = ("--pressure", pressure) if " " in pressure else ()
+        options += ("--smooth",) if smooth else ()
+        assert call("export", str(results), "--to", "pyelastica", *options)[0] == 0
+        program = runpy.run_path(str(results / f"rod_pyelastica_{pressure.replace(' ', '')}.py"))
+        stiffness, curvature, _ = program["spring"](float(pressure.split()[0]) if " " in pressure else 24.5)
+        springs[pressure] = stiffness * curvature
+    line = 0.625 * springs["17 kPa"] + 0.375 * springs["37 kPa"]  # 24.5 kPa lies between two pressures of the file
+    off = [np.abs(moment - springs["24.5 kPa"]).max() for moment in (springs["17_to_37kPa"], line)]
+    assert off[0] < 0.1 * off[1]
 
 
 def test_an_arm_with_a_weight_does_not_become_straight_without_pressure(results: Path) -> None:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pipeline.cell.saved import SavedLaw
@@ -11,6 +11,7 @@ from pipeline.errors import InputError, RunFailed
 from pipeline.rods.saved import SavedRod, option_value
 from pipeline.store.result_folder import open_folder
 from rod import EXPORTS, Arm, RodError, export_arm
+from rod.export.arm import divided
 from rod.export.formats import export_files
 from rod.export.tables import unloaded_distance
 from rod.pressurised_rod import IDENTIFIED
@@ -67,17 +68,17 @@ def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[s
     if target is None or _takes_law(folder, options):
         return []
     saved = SavedRod.read(path, extensible=False)
-    pressure = options.pressure or f"{saved.rods.pressures[-1]:.12g} kPa"
-    shown = options.pressure or f"{saved.rods.pressures[-1]:g} kPa"
-    selected = saved.at(pressure, options.extrapolate)
-    rod, origin = selected.rod, selected.origin
-    sentences = [] if origin == IDENTIFIED else [f"The numbers at {shown} are {origin}."]
+    pressures = [options.pressure] if options.pressure else [f"{known:g} kPa" for known in saved.rods.pressures]
+    selected = {pressure: saved.at(pressure, options.extrapolate) for pressure in pressures}
+    sentences = [f"The numbers at {p} are {at.origin}." for p, at in selected.items() if at.origin != IDENTIFIED]
     if SavedRod.has_extensible(path):
-        stretching = SavedRod.read(path, extensible=True).at(pressure, options.extrapolate).rod
+        stretching = SavedRod.read(path, extensible=True)
+        apart = {
+            p: math.dist(at.rod.solve().end, stretching.at(p, options.extrapolate).rod.solve().end)
+            for p, at in selected.items()
+        }
         sentences.append(
-            "The exported rod is inextensible (five). Without load its end is "
-            f"{math.dist(rod.solve().end, stretching.solve().end):.3g} mm from that of the rod that stretches "
-            f"(five_extensible) at {shown}."
+            f"The exported rod is inextensible (five). {_unloaded('the rod that stretches (five_extensible)', apart)}."
         )
     if not saved.rods.straight_without_pressure:
         below = ", nor a pressure below those of the file, where its arm becomes straight"
@@ -87,12 +88,22 @@ def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[s
             f"cavity): do not apply that once more in the other program{below}."
         )
     if not EXPORTS[target].has_kappa_0:
+        apart = {p: unloaded_distance(at.rod) for p, at in selected.items()}
         sentences.append(
-            "The file describes a loaded rod, with the rest curvature kappa_0 - m0/alpha. Without load its end is "
-            f"{unloaded_distance(rod):.3g} mm from that of the five parameters at {shown}; csv and json have kappa_0, "
-            "the curvature without load, too."
+            "The file describes a loaded rod, with the rest curvature kappa_0 - m0/alpha. "
+            f"{_unloaded('the five parameters', apart)}; csv and json have kappa_0, the curvature without load, too."
         )
     return sentences
+
+
+def _unloaded(other: str, apart: Mapping[str, float]) -> str:
+    """How far the end of the exported rod without load is from that of another rod at most, with the pressure.
+
+    apart: the distances in mm by pressure, at least one.
+    """
+    worst = max(apart, key=lambda pressure: apart[pressure])
+    at_most = "up to " if len(apart) > 1 else ""
+    return f"Without load its end is {at_most}{apart[worst]:.3g} mm from that of {other} at {worst}"
 
 
 def _takes_law(folder: Path, options: ExportOptions) -> bool:
@@ -116,7 +127,7 @@ def _arm(path: Path, options: ExportOptions) -> Arm:
         selected = saved.at(options.pressure, options.extrapolate)
         rods, deviations, origin = (selected.rod,), saved.deviations_at(pressures[0]), selected.origin
     radius = None if saved.area_mm2 is None else math.sqrt(saved.area_mm2 / math.pi)
-    return Arm(
+    arm = Arm(
         pressures,
         rods,
         saved.mass_g,
@@ -126,6 +137,11 @@ def _arm(path: Path, options: ExportOptions) -> Arm:
         deviations=deviations,
         smooth=saved.smooth(pressures),
     )
+    if len(pressures) == 1:
+        return arm
+    more = divided(pressures)
+    between = tuple(saved.rods.at(pressure) for pressure in more)
+    return replace(arm, finer=replace(arm, pressures=more, rods=between, deviations={}, smooth=saved.smooth(more)))
 
 
 def _law_table(path: Path, target: str, into: Path, options: ExportOptions) -> Path:

@@ -174,8 +174,8 @@ class RodAtPressure:
             return ""
         jump = unloaded_distance(self.rod)
         return (
-            f"{outside} Any load, however small, moves the end of this rod by {jump:.3g} mm from that without load, "
-            "because its lines do not pass through zero."
+            f"{outside} Under any load, however small, the offsets m0 bend this rod as well: its end is then "
+            f"{jump:.3g} mm from its place without load."
         )
 
 

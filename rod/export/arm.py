@@ -1,8 +1,9 @@
 """A rod over its pressures, with what the programs of other authors need beside it."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -10,6 +11,16 @@ from geometry.arrays import Array
 from rod.law import RodError
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import IDENTIFIED
+
+#: into how many parts a file with interpolation over the pressure divides the interval between two pressures. The
+#: straight lines of its program are then a sixteenth as far from the cubics of the rod as those over whole intervals
+PARTS = 4
+
+
+def divided(pressures: Sequence[float]) -> tuple[float, ...]:
+    """Rising pressures (n,) in kPa with those that divide each of their intervals into PARTS."""
+    inner = [low + (high - low) * k / PARTS for low, high in pairwise(pressures) for k in range(PARTS)]
+    return (*inner, pressures[-1])
 
 
 @dataclass(frozen=True)
@@ -31,6 +42,8 @@ class Arm:
     #: standard deviations by PARAMETER_NAMES, one per pressure; empty: not known
     deviations: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     smooth: tuple[Array, ...] = ()  #: (m, 2) columns s and kappa_0 averaged over a cell, per pressure; empty: not known
+    #: the same at more pressures, for files whose program interpolates between theirs; None: at these
+    finer: "Arm | None" = None
 
     def __post_init__(self) -> None:
         for name in ("mass", "radius", "modulus"):
@@ -62,6 +75,11 @@ class Arm:
         return 1e-3 * self.mass, 1e-3 * self.radius
 
     @property
+    def tabulated(self) -> "Arm":
+        """The arm at the pressures between which a program interpolates linearly."""
+        return self if self.finer is None else self.finer
+
+    @property
     def label(self) -> str:
         """The pressures in the name of a file: 17kPa, or 17_to_37kPa."""
         ends = dict.fromkeys(f"{pressure:g}" for pressure in (self.pressures[0], self.pressures[-1]))
@@ -72,7 +90,7 @@ class Arm:
         if not self.smooth:
             raise RodError("The file has no rest curvature averaged over the cells.")
         rods = tuple(_with_curve(rod, curve) for rod, curve in zip(self.rods, self.smooth, strict=True))
-        return replace(self, rods=rods)
+        return replace(self, rods=rods, finer=None if self.finer is None else self.finer.smoothed())
 
     def single(self, index: int) -> "Arm":
         """The same at one of its pressures."""
@@ -82,6 +100,7 @@ class Arm:
             rods=self.rods[index : index + 1],
             deviations={name: values[index : index + 1] for name, values in self.deviations.items()},
             smooth=self.smooth[index : index + 1],
+            finer=None,
         )
 
 

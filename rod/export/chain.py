@@ -37,8 +37,9 @@ def write_mujoco(arm: Arm, path: Path) -> None:
     """An MJCF chain of hinges whose input is the pressure; the last body carries the site `tip`.
 
     `data.ctrl[:] = p` with p in kPa sets the pressure: every hinge has one actuator per interval of pressure, and each
-    acts between the ends of its interval only (`ctrlrange`). There is a keyframe at every pressure. The first half
-    element is part of the clamp. Joint damping makes the chain settle.
+    acts between the ends of its interval only (`ctrlrange`). The intervals are those of `Arm.tabulated`. There is a
+    keyframe at every pressure of the arm itself. The first half element is part of the clamp. Joint damping makes the
+    chain settle.
     """
     springs, h, (arm_mass, radius) = Springs.of(arm), 1e-3 * arm.piece, arm.dynamics
     inner = f'<site name="tip" pos="{0.5 * h:.9g} 0 0"/>'
@@ -61,7 +62,7 @@ def write_mujoco(arm: Arm, path: Path) -> None:
         '<option timestep="0.0005" integrator="implicitfast" gravity="0 0 0"><flag contact="disable"/></option>\n'
         f"<custom>\n{_numerics(arm)}</custom>\n"
         f'<worldbody>\n<body name="clamp">\n{inner}</body>\n</worldbody>\n'
-        f"<actuator>\n{_actuators(arm, springs)}</actuator>\n"
+        f"<actuator>\n{_actuators(arm.tabulated)}</actuator>\n"
         f"<keyframe>\n{_keyframes(arm, springs)}</keyframe>\n</mujoco>\n",
         encoding="utf-8",
     )
@@ -76,8 +77,9 @@ def _numerics(arm: Arm) -> str:
     return "".join(f'<numeric name="{name}" data="{_spaced(data)}"/>\n' for name, data in values.items())
 
 
-def _actuators(arm: Arm, springs: Springs) -> str:
+def _actuators(arm: Arm) -> str:
     """Torque (g0 + g1 q)(p - p_low) of every hinge and interval, p limited to the interval."""
+    springs = Springs.of(arm)
     torques = springs.stiffness * springs.neutral
     lines = []
     for index, high in enumerate(arm.pressures):
@@ -95,7 +97,7 @@ def _actuators(arm: Arm, springs: Springs) -> str:
 
 def _keyframes(arm: Arm, springs: Springs) -> str:
     """The chain without load at every pressure."""
-    count = len(arm.pressures) * arm.elements
+    count = len(arm.tabulated.pressures) * arm.elements
     lines = [
         f'<key name="{pressure:g}kPa" qpos="{_spaced(neutral)}" ctrl="{_spaced([pressure] * count)}"/>\n'
         for pressure, neutral in zip(arm.pressures, springs.neutral, strict=True)

@@ -20,7 +20,8 @@ def write_pyelastica(arm: Arm, path: Path) -> None:
     """
     h, (mass, radius) = arm.piece, arm.dynamics
     edges = np.concatenate([[0.0], h * np.arange(1.5, arm.elements - 1.0), [arm.length]])
-    cuts = [joints(rod, edges) for rod in arm.rods]
+    table = arm.tabulated
+    cuts = [joints(rod, edges) for rod in table.rods]
     content: dict[str, object] = {
         "pressures_kPa": list(arm.pressures),
         "origin": arm.origin,
@@ -29,7 +30,8 @@ def write_pyelastica(arm: Arm, path: Path) -> None:
         "radius": radius,
         "density": mass / (math.pi * radius**2 * 1e-3 * arm.length),
         "modulus": 1e6 * arm.modulus,
-        "theta0": [rod.theta0 for rod in arm.rods],
+        "spring_pressures_kPa": list(table.pressures),
+        "theta0": [rod.theta0 for rod in table.rods],
         "bending_stiffness": [(1e-6 * h / cut.compliance).tolist() for cut in cuts],
         "rest_curvature": [(1e3 * cut.rest_rotation / h).tolist() for cut in cuts],
     }
@@ -61,9 +63,9 @@ SAME_PRESSURE = @SAME@
 def spring(pressure_kPa):
     """Bending stiffness (N m2) and rest curvature (1/m) at the inner nodes, and the angle of the clamp (rad).
 
-    Between the pressures of ROD the moment is interpolated linearly; without pressure the arm is straight.
+    Between "spring_pressures_kPa" of ROD the moment is interpolated linearly; without pressure the arm is straight.
     """
-    known = [0.0, *ROD["pressures_kPa"]]
+    known = [0.0, *ROD["spring_pressures_kPa"]]
     if not 0.0 <= pressure_kPa <= known[-1] * (1.0 + SAME_PRESSURE):
         raise ValueError(f"{pressure_kPa:g} kPa lies outside 0 to {known[-1]:g} kPa")
     stiffness = np.array([ROD["bending_stiffness"][0], *ROD["bending_stiffness"]])
