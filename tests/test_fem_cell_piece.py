@@ -190,7 +190,7 @@ def test_free_and_clamped_ends() -> None:
 
 def test_a_pressure_no_cell_can_bear_ends_with_a_sentence() -> None:
     piece = BendingPiece(DESIGN.half_cell(5.0), SVK, "mirror", dhat=0.04)
-    at = r"^no equilibrium of the half cell at [\d.]+ kPa and a mean curvature of 0 1/m"
+    at = r"^no equilibrium of the half cell at [\d.]+ kPa and a mean curvature of 0 1/mm"
     with pytest.raises(PieceFailed, match=rf"{at}, on the way to 5000 kPa: "):
         piece.solve(5.0, 0.0, piece.rest())
     with pytest.raises(PieceFailed, match=rf"{at}: "):

@@ -221,7 +221,7 @@ def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_st
     file.unlink()
 
     def fail(*arguments: object) -> None:
-        raise PieceFailed("no equilibrium of the half cell at 9 kPa and a mean curvature of -7 1/m: for a test")
+        raise PieceFailed("no equilibrium of the half cell at 9 kPa and a mean curvature of -0.007 1/mm: for a test")
 
     monkeypatch.setattr(curves, "sweep_cell", fail)
     again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())

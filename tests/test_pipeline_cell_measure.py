@@ -1,6 +1,6 @@
 """The arm's own law from a half cell and two ends, against finite elements of a whole arm on the same kind of mesh."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from pipeline.cell.measure import TOLERANCE, cell_without_moment, sweep_cell
 from pipeline.cell.measure_ends import NEAREST, STEPS, clamp_curve, clamp_without_moment, tip_curve
 from pipeline.cell.measure_ends import TOLERANCE as CLAMP_TOLERANCE
 from pipeline.cell.pieces import ArmPieces
+from pipeline.cell.point import PiecePoint
 from pipeline.cell.reach import Reach
 from pipeline.config.load import load_config
 from pipeline.simulation.scene import Scene
@@ -154,6 +155,23 @@ def test_a_clamped_end_that_bears_no_larger_moment_is_named(monkeypatch: pytest.
     assert clamp.limits == ("no equilibrium of the clamped end: for a test",)
     assert 0.6 * largest < clamp.curve.moment[-1] <= largest
     assert len(angles) < 30
+
+
+def test_where_the_moment_of_the_clamped_end_does_not_grow_its_law_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    measured = Measured(0.1)
+    piece = measured._end("clamp")
+    largest = float(measured.cell.moment[-1]) / 2.0
+    known = PiecePoint.of
+
+    def falling(piece: BendingPiece, state: PieceState) -> PiecePoint:
+        point = known(piece, state)
+        slope = -1.0 if state.moment > largest else point.slopes.moment_by_angle
+        return replace(point, slopes=replace(point.slopes, moment_by_angle=slope))
+
+    monkeypatch.setattr(PiecePoint, "of", falling)
+    (limit,) = clamp_curve(piece, measured.cell).limits
+    assert limit.startswith("at 20 kPa the clamped end is not described from a moment of ")
+    assert limit.endswith(" N mm on, because that moment does not grow when the end is bent further")
 
 
 def test_the_curves_of_a_cell_rise_and_name_their_contact(measured: Measured) -> None:

@@ -62,9 +62,20 @@ def test_it_is_the_same_in_python(folder: Path) -> None:
     assert verdict.rod == "five_extensible" == verdict.errors[0].rod
     assert verdict.on("rod")[0].startswith("Take the rod with five parameters that stretches")
     assert verdict.on("rod")[1].startswith("The error of the mesh comes on top of that")
-    assert len(verdict.on("errors")) == 2
+    assert "to a real arm both errors apply" in verdict.on("rod")[1]
+    assert len(verdict.on("errors")) == 3
+    assert (
+        "their end is then up to 3.58 mm (3.2 % of l, at 37 kPa) from its place without load" in verdict.on("errors")[2]
+    )
     assert "symmetry (body, pressure and loads are mirror images" in verdict.on("simulated")[0]
     assert verdict.on("weather") == ()
+
+
+def test_rods_without_offsets_do_not_jump_under_a_small_load(folder: Path) -> None:
+    content = json.loads((folder / "parameters.json").read_text(encoding="utf-8"))
+    offsets = {name: [1e-3 * value for value in content[name]] for name in ("m01_N_mm", "m02_N_mm")}
+    change(folder, "parameters", **offsets, sixth_number={**content["sixth_number"], **offsets})
+    assert not any("however small" in sentence for sentence in verdict_of(read_results(folder)).sentences)
 
 
 def test_its_record_has_the_numbers_unrounded(folder: Path) -> None:

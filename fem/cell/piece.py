@@ -275,11 +275,11 @@ class BendingPiece:
 
     def _sentence(self, pressure: float, angle: float, cause: str, target: float) -> str:
         """target: MPa, the pressure to which the way led."""
-        curvature = 1000.0 * angle / self.body.length
+        curvature = angle / self.body.length
         way = "" if pressure == target else f", on the way to {1000.0 * target:.4g} kPa"
         return (
             f"no equilibrium of the {self.name} at {1000.0 * pressure:.4g} kPa and a mean curvature of "
-            f"{curvature:.4g} 1/m{way}: {cause}"
+            f"{curvature:.4g} 1/mm{way}: {cause}"
         )
 
 

@@ -14,10 +14,10 @@ from rod.arm_law.section import section_at
 
 #: titles of the panels: of the panel, of its x axis, of its y axis
 PANELS = (
-    ("moment over curvature", "κ (1/m)", "M (N mm)"),
-    ("stretch of the axis", "κ (1/m)", "λ"),
-    ("curvature without moment", "p (kPa)", "κ₀ (1/m)"),
-    ("rigidity against bending", "κ (1/m)", "dM/dκ (N mm²)"),
+    ("moment over curvature", "κ (1/mm)", "M (N mm)"),
+    ("stretch of the axis", "κ (1/mm)", "λ"),
+    ("curvature without moment", "p (kPa)", "κ₀ (1/mm)"),
+    ("rigidity against bending", "κ (1/mm)", "dM/dκ (N mm²)"),
 )
 #: points of a line between the states of a cell
 POINTS = 200
@@ -88,21 +88,21 @@ def _lines(law: ArmLaw) -> Iterator[_Line]:
         colour, name = COLOURS[number % len(COLOURS)], f"{cell.pressure:g} kPa"
         moment = np.linspace(cell.moment[0], cell.moment[-1], POINTS)
         kappa, stretch = cell.on(moment)
-        yield _Line(0, name, colour, 1000.0 * kappa, moment)
-        yield _Line(1, name, colour, 1000.0 * kappa, stretch)
-        yield _Line(3, name, colour, 1000.0 * cell.kappa, cell.rigidity)
+        yield _Line(0, name, colour, kappa, moment)
+        yield _Line(1, name, colour, kappa, stretch)
+        yield _Line(3, name, colour, cell.kappa, cell.rigidity)
         for row in _onsets(cell):
-            yield _Line(0, "walls begin to touch", INK, 1000.0 * cell.kappa[[row]], cell.moment[[row]], is_marker=True)
+            yield _Line(0, "walls begin to touch", INK, cell.kappa[[row]], cell.moment[[row]], is_marker=True)
     pressures = np.linspace(law.pressures[0], law.pressures[-1], 41)
     yield _Line(
         2,
         "κ₀",
         GREY,
         pressures,
-        1000.0 * np.array([section_at(law.cells, float(pressure)).kappa_0 for pressure in pressures]),
+        np.array([section_at(law.cells, float(pressure)).kappa_0 for pressure in pressures]),
     )
     yield _Line(
-        2, "κ₀ of a cell", INK, np.array(law.pressures), 1000.0 * np.array([cell.at(0.0)[0] for cell in law.cells]),
+        2, "κ₀ of a cell", INK, np.array(law.pressures), np.array([cell.at(0.0)[0] for cell in law.cells]),
         is_marker=True,
     )  # fmt: skip
 

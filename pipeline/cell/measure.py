@@ -196,7 +196,7 @@ def _shear(piece: BendingPiece, point: CellPoint) -> float:
 
 
 def _beyond(piece: BendingPiece, sweep: CellSweep, point: CellPoint) -> str:
-    return f"at {sweep.pressure:g} kPa beyond a curvature of {1000.0 * point.state.angle / piece.body.length:.4g} 1/m"
+    return f"at {sweep.pressure:g} kPa beyond a curvature of {point.state.angle / piece.body.length:.4g} 1/mm"
 
 
 def _refine(piece: BendingPiece, sweep: CellSweep) -> None:
@@ -243,10 +243,10 @@ def _keep_rising(sweep: CellSweep, middle: CellPoint, half_pitch: float) -> None
     first = at - (int(np.argmin(rises[:at][::-1])) if not rises[:at].all() else at)
     for side, row in ((-1, first), (1, last)):
         if row not in (0, len(rises)):
-            curvature = 1000.0 * sweep.points[row].state.angle / half_pitch
+            curvature = sweep.points[row].state.angle / half_pitch
             sweep.ends[side] = (
-                f"the moment of the cell does not rise at {sweep.pressure:g} kPa beyond a curvature of "
-                f"{curvature:.4g} 1/m"
+                f"at {sweep.pressure:g} kPa the law of the cell ends at a curvature of {curvature:.4g} 1/mm, because "
+                "its moment does not grow when it is bent further"
             )
     sweep.points[:] = sweep.points[first : last + 1]
 

@@ -110,7 +110,8 @@ class _ClampPoint(PiecePoint):
         known = point.slopes
         if known.moment_by_angle <= 0.0:
             raise PieceFailed(
-                f"the moment of the clamped end does not rise at {cell.pressure:.4g} kPa beyond {state.moment:.4g} N mm"
+                f"at {cell.pressure:g} kPa the clamped end is not described from a moment of {state.moment:.4g} N mm "
+                "on, because that moment does not grow when the end is bent further"
             )
         x = (piece.space.points + state.state.displacement)[piece.curve, :2]
         turned = known.by_angle[piece.curve, :2]

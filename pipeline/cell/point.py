@@ -72,7 +72,7 @@ def stable(piece: BendingPiece, state: PieceState) -> Iterator[None]:
             raise SingularMatrix(f"its tangent is indefinite ({state.negative_pivots} negative pivots)")
         yield
     except SingularMatrix as failure:
-        curvature = 1000.0 * state.angle / piece.body.length
+        curvature = state.angle / piece.body.length
         raise PieceFailed(
-            f"the {piece.name} is not stable at {1000.0 * state.pressure:.4g} kPa and {curvature:.4g} 1/m: {failure}"
+            f"the {piece.name} is not stable at {1000.0 * state.pressure:.4g} kPa and {curvature:.4g} 1/mm: {failure}"
         ) from None

@@ -10,7 +10,7 @@ from rod.arm_law.curves import CellCurve
 #: heads of the table, two lines each
 COLUMNS = (
     "p\nkPa",
-    "κ₀\n1/m",
+    "κ₀\n1/mm",
     "dM/dκ\nN mm²",
     "EA\nN",
     "GA\nN",
@@ -33,7 +33,7 @@ def _row(cell: CellCurve, seconds: float) -> tuple[str, ...]:
     )
     return (
         f"{cell.pressure:g}",
-        f"{1000.0 * cell.at(0.0)[0]:.2f}",
+        f"{cell.at(0.0)[0]:.5f}",
         f"{rigidity:.4g}",
         f"{axial:.3g}",
         f"{shear:.3g}",
@@ -45,13 +45,13 @@ def _row(cell: CellCurve, seconds: float) -> tuple[str, ...]:
 
 
 def _contact(cell: CellCurve) -> str:
-    """The curvatures at which walls touch, in 1/m."""
+    """The curvatures at which walls touch, in 1/mm."""
     if not cell.contact.any():
         return "nowhere"
-    touching = 1000.0 * cell.kappa[cell.contact]
+    touching = cell.kappa[cell.contact]
     if cell.contact.all():
         return "everywhere"
-    return f"{touching[0]:.1f} 1/m" if cell.contact[-1] else f"{touching[0]:.1f} ... {touching[-1]:.1f} 1/m"
+    return f"{touching[0]:.4f} 1/mm" if cell.contact[-1] else f"{touching[0]:.4f} ... {touching[-1]:.4f} 1/mm"
 
 
 def law_sentences(report: LawReport) -> list[str]:
@@ -73,7 +73,7 @@ def law_sentences(report: LawReport) -> list[str]:
         kappa_0, rigidity, moment = (error.deviations[name][i] for name in NUMBERS)
         rigidity /= error.values["rigidity_N_mm2"][i]
         sentences.append(
-            f"standard deviations due to the mesh at {pressure:g} kPa: κ₀ {1000.0 * kappa_0:.2g} 1/m, mean dM/dκ from "
+            f"standard deviations due to the mesh at {pressure:g} kPa: κ₀ {kappa_0:.2g} 1/mm, mean dM/dκ from "
             f"there on {100 * rigidity:.2g} %, M at κ₀/2 {moment:.2g} N mm"
         )
     if report.refined is not None:

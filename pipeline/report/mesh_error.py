@@ -158,7 +158,12 @@ def mesh_besides(results: Results, rod: str) -> str:
     of_law = _relative_of_law(results)
     largest = (of_law or of_five) if rod == ARM_LAW else (of_five or of_law)
     if not largest and results.run.get("accuracy"):
-        return "The error of the mesh comes on top of that; it was estimated for the requested accuracy."
-    if not largest:
-        return "The error of the mesh comes on top of that; it was not estimated."
-    return f"The error of the mesh comes on top of that, one standard deviation: {largest}."
+        known = "It was estimated for the requested accuracy."
+    elif not largest:
+        known = "It was not estimated."
+    else:
+        known = f"One standard deviation: {largest}."
+    return (
+        "The error of the mesh comes on top of that, because the rod was compared with finite elements on the same "
+        f"mesh; to a real arm both errors apply. {known}"
+    )

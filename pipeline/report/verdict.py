@@ -13,6 +13,7 @@ from pipeline.report.mesh import mesh_sentences
 from pipeline.report.mesh_error import law_mesh_error, mesh_besides, mesh_error, what_spread_is
 from pipeline.report.next_steps import next_steps
 from pipeline.report.numbers import NUMBERS, Cell, five_parameters
+from pipeline.report.offsets import jump_sentence
 from pipeline.report.results import EffectRow, Results
 from pipeline.report.sentences import in_short, lines_needed
 from pipeline.report.untested import untested
@@ -92,7 +93,7 @@ def verdict_of(results: Results) -> Verdict:
     topics = {
         FAILURE: _failure(results),
         "rod": _rod(results, rod),
-        "errors": [*rod_to_take(results)[1:], *_moments(results, rod)],
+        "errors": [*rod_to_take(results)[1:], *filter(None, [jump_sentence(results)]), *_moments(results, rod)],
         "single line": _single_line(results),
         "unusual": [f"Note: {sentence}." for sentence in results.run.get("remarks") or ()],
         "simulated": _simulated(results.effects),

@@ -18,20 +18,19 @@ MOST_COLUMNS = 6
 
 @dataclass(frozen=True)
 class Quantity:
-    """A column of the table as it is drawn."""
+    """A column of the table as it is drawn, in its own unit."""
 
     column: str
     title: str
-    factor: float = 1.0  #: from the unit of the column to that of the title
 
 
 _OF_RUN = (
-    Quantity("kappa_0_middle_per_mm", "κ₀(l/2) (1/m)", 1000.0),
+    Quantity("kappa_0_middle_per_mm", "κ₀(l/2) (1/mm)"),
     Quantity("alpha2_N_mm2", "α₂ (N mm²)"),
     Quantity("III_force_y_N", "F in III (N)"),
 )
 _OF_CELL = (
-    Quantity("cell_kappa_0_per_mm", "κ₀ of a cell (1/m)", 1000.0),
+    Quantity("cell_kappa_0_per_mm", "κ₀ of a cell (1/mm)"),
     Quantity("cell_rigidity_N_mm2", "dM/dκ (N mm²)"),
     Quantity("cell_axial_rigidity_N", "EA (N)"),
 )
@@ -42,7 +41,7 @@ def quantities(run: Run) -> tuple[Quantity, ...]:
     if run in ((WHOLE,), (CELL,)):
         return _OF_RUN if run == (WHOLE,) else _OF_CELL
     drawn = [Quantity(f"{name}_end_y_mm", f"y of the end in {name} (mm)") for name in run]
-    drawn += [Quantity(f"{name}_kappa_middle_per_mm", f"κ(l/2) in {name} (1/m)", 1000.0) for name in run]
+    drawn += [Quantity(f"{name}_kappa_middle_per_mm", f"κ(l/2) in {name} (1/mm)") for name in run]
     return (*drawn, *([Quantity("III_force_y_N", "F in III (N)")] if "III" in run else []))
 
 
@@ -99,7 +98,7 @@ def _lines(rows: Sequence[Row], quantity: Quantity, x: str, fixed: Sequence[str]
     there.sort(key=lambda row: order[group(row)])
     lines = []
     for key, members in groupby(there, group):
-        points = [(row[x], quantity.factor * row[quantity.column]) for row in members]
+        points = [(row[x], row[quantity.column]) for row in members]
         if not any(isinstance(value, str) for value, _ in points):
             points.sort()
         lines.append(_Line(key[0], [value for value, _ in points], [y for _, y in points]))
