@@ -199,6 +199,29 @@ def test_an_arm_with_a_weight_does_not_become_straight_without_pressure(results:
     assert f"{sentence}, nor a pressure below those of the file" in call("export", str(results), "--to", "mujoco")[1]
 
 
+def test_a_rod_carries_the_weight_of_its_arm(results: Path) -> None:
+    """At rest it has the curvature that was measured under the weight; lifting it takes the weight off the clamp."""
+    file = results / "parameters.json"
+    command = ("rod", str(file), "--pressure", "37 kPa", "--force", "[0 N, 0.02 N]")
+    light = call(*command)[1]
+    content = json.loads(file.read_text())
+    file.write_text(json.dumps(content | {"weight_N_per_mm": [0.0, -0.001], "weight_height_mm": 5.0}))
+    rods = SavedRod.read(file, extensible=False)
+    rod, length = rods.at("37 kPa").rod, content["length_mm"]
+    rest = np.array(content["kappa_0"]["kappa_0_per_mm"][content["pressures_kPa"].index(37.0)])
+    alone = rod.solve()
+    at_rest = np.interp(content["kappa_0"]["s_mm"], alone.s, alone.kappa)
+    assert np.abs(at_rest - rest).max() < 0.02 * np.abs(rest).max()
+    code, out, _ = call(*command)
+    assert code == 0
+    assert f"[0, {-0.001 * length:.5g}] N, which the rod carries besides" in out
+    assert "carries" not in light
+    assert out.splitlines()[1] != light.splitlines()[1]  # the end
+    code, out, _ = call("export", str(results), "--to", "csv")
+    assert code == 0
+    assert "The exported rod keeps the moments that its weight has without load" in out
+
+
 def test_numbers_that_were_not_identified_are_called_so(results: Path) -> None:
     file = str(results / "parameters.json")
     content = json.loads(Path(file).read_text())

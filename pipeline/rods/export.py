@@ -87,6 +87,11 @@ def left_out(folder: Path, target: str | None, options: ExportOptions) -> list[s
             "kappa_0 contains what bends the arm besides the pressure of the run (its weight, a constant pressure in a "
             f"cavity): do not apply that once more in the other program{below}."
         )
+    if any(saved.rods.weight):
+        sentences.append(
+            "The exported rod keeps the moments that its weight has without load; how they change when a load moves it "
+            "is left out (pneurod rod has it)."
+        )
     if not EXPORTS[target].has_kappa_0:
         apart = {p: unloaded_distance(at.rod) for p, at in selected.items()}
         sentences.append(

@@ -289,6 +289,9 @@ def end_lines(selected: RodAtPressure, shape: RodSolution) -> list[str]:
         "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
         "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
     }
+    if any(selected.rod.weight):
+        x, y = (selected.rod.length * component for component in selected.rod.weight)
+        lines["weight"] = f"[{x:.5g}, {y:.5g}] N, which the rod carries besides"
     width = max(map(len, lines))
     return [f"{name:<{width}}  {value}" for name, value in lines.items()]
 
