@@ -42,7 +42,7 @@ def characterize(
     if settings is not None and not isinstance(settings, Mapping):
         raise InputError('settings: give values by their keys, for example {"mesh.size": "6 mm"}')
     overrides = [f"{key}={_written(value)}" for key, value in (settings or {}).items()]
-    design = load_config(config, [*overrides, *([f"accuracy={accuracy}"] if accuracy else [])])
+    design = load_config(config, [*overrides, *([f"accuracy={accuracy}"] if accuracy is not None else [])])
     folder = Path("results") / design.name if out is None else Path(out)
     listener = progress_for() if progress else Silent()
     try:

@@ -3,9 +3,11 @@
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from benchmarks.accuracy import markdown
 from fem.elements import ELEMENTS
@@ -25,12 +27,13 @@ from pipeline.accuracy.reference import (
     without_contact_distance,
 )
 from pipeline.accuracy.result import HEADLINE, Cost, RodNumbers, RungResult
-from pipeline.accuracy.study import run_study
-from pipeline.accuracy.table import COLUMNS, order_sentences, reference_sentences
+from pipeline.accuracy.study import RungRecord, run_study
+from pipeline.accuracy.table import COLUMNS, left_out_sentences, order_sentences, reference_sentences
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.errors import RunFailed
-from pipeline.progress import Silent
+from pipeline.progress import Lines, Silent
+from pipeline.store.store import open_store
 
 CONTACT_MM = 0.04
 EXACT = {"kappa_0_per_mm": -0.016, "alpha1_N_mm2": 50.0, "alpha2_N_mm2": 400.0, "d_mm": 12.0, "force_N": 0.03}
@@ -205,6 +208,33 @@ def test_failed_rungs_have_a_reason_and_no_error(config: Config) -> None:
     assert row.result.failure == "the body could not be meshed"
     with pytest.raises(RunFailed, match="17 kPa, 37 kPa"):
         convergence_study(config, [(rung, RungResult("no", (), None)) for rung, _ in results], CONTACT_MM)
+
+
+def test_a_pressure_that_too_few_meshes_reach_is_left_out(config: Config) -> None:
+    def stopped(result: RungResult) -> RungResult:
+        numbers = tuple(row for row in result.numbers if row.pressure_kPa == 17.0)
+        return replace(result, failure="III: no equilibrium found", numbers=numbers)
+
+    results = [(rung, made_up(rung)) for rung in ladder(config, CONTACT_MM)]
+    results = [(rung, stopped(result) if "mixed" in rung.series else result) for rung, result in results]
+    study = convergence_study(config, results, CONTACT_MM)
+    assert [references.pressure_kPa for references in study.references] == [17.0]
+    assert study.left_out_kPa == (37.0,)
+    assert [errors.pressure_kPa for errors in study.rows[0].errors] == [17.0]
+    assert all(row.largest_error is not None for row in study.rows)  # of the pressure that is reported
+    assert left_out_sentences(study)[0].startswith("Note: 37 kPa left out, because too few meshes reached that")
+    assert ConvergenceStudy.read(json.loads(json.dumps(study.record()))) == study
+
+
+def test_a_study_tells_how_long_it_will_still_take(config: Config, tmp_path: Path) -> None:
+    told = StringIO()
+    rungs = ladder(config, CONTACT_MM)[:3]
+    with open_store(tmp_path, config) as store:
+        record = RungRecord(store, Lines(Console(file=told)))
+        record.expect(len(rungs))
+        for rung in rungs:
+            record.save(rung, made_up(rung))
+    assert [line.endswith(" left") for line in told.getvalue().splitlines()] == [True, True, False]
 
 
 def test_orders_are_those_of_the_errors(study: ConvergenceStudy) -> None:

@@ -207,6 +207,11 @@ def test_arguments_of_a_run_that_are_none_are_refused(design: Path) -> None:
         pneurod.characterize(design, settings=["mesh.size=6 mm"])  # type: ignore[arg-type]
 
 
+def test_an_empty_accuracy_is_refused(design: Path) -> None:
+    with pytest.raises(pneurod.InputError, match="is no accuracy; write a percentage"):
+        pneurod.characterize(design, accuracy="")
+
+
 def test_wrong_names_and_pressures_are_refused(results: pneurod.Results) -> None:
     with pytest.raises(pneurod.InputError, match="no parameters at 9 kPa; identified are 8, 16 kPa"):
         results.law(9.0)

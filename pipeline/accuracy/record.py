@@ -29,7 +29,7 @@ OF_THE_LAW = ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm")
 #: the element whose limit is the reference
 REFERENCE_ELEMENT = MOST_ACCURATE
 #: keys of accuracy.json that follow from the results of the rungs
-COMPUTED = ("reference", "reference_error", "orders", "rungs")
+COMPUTED = ("reference", "reference_error", "left_out_kPa", "orders", "rungs")
 
 #: numbers of a mesh with its degrees of freedom, or with its contact distance (mm)
 Located = tuple[float, RodNumbers]
@@ -86,6 +86,7 @@ class ConvergenceStudy:
     config_hash: str
     references: tuple[References, ...]  #: by pressure
     rows: tuple[StudyRow, ...]
+    left_out_kPa: tuple[float, ...]  #: pressures of the configuration that too few meshes reached for a reference
     about: JsonObject = field(repr=False)  #: configuration, provenance and what is configured, as JSON
 
     @property
@@ -113,6 +114,7 @@ class ConvergenceStudy:
             **self.about,
             "reference": [references.record() for references in self.references],
             "reference_error": self.reference_error,
+            "left_out_kPa": self.left_out_kPa,
             "orders": [orders.record() for orders in self.orders],
             "rungs": [row.record() for row in self.rows],
         }
@@ -125,6 +127,7 @@ class ConvergenceStudy:
             record["config_hash"],
             tuple(References.read(row) for row in record["reference"]),
             tuple(StudyRow.read(row) for row in record["rungs"]),
+            tuple(record.get("left_out_kPa", ())),
             {name: value for name, value in record.items() if name not in COMPUTED},
         )
 
@@ -143,15 +146,16 @@ def convergence_study(
 ) -> ConvergenceStudy:
     """References and errors from the results of all rungs; contact_mm as in `ladder`.
 
-    Raises RunFailed where too few rungs reached a pressure to extrapolate from.
+    A pressure that too few rungs reached to extrapolate from is left out. Raises RunFailed where that is so at all.
     """
-    references = {pressure: _references(config, rungs, pressure, contact_mm) for pressure in config.pressures_kPa}
-    lacking = [
-        f"{pressure:g} kPa" for pressure, at_pressure in references.items() if at_pressure.numbers["force_N"] is None
-    ]
-    if lacking:
-        raise RunFailed(f"too few rungs reached {', '.join(lacking)} to extrapolate from; choose lower pressures")
-    rows = [row for rung, result in rungs for row in _rows(config, rung, result, references)]
+    every = {pressure: _references(config, rungs, pressure, contact_mm) for pressure in config.pressures_kPa}
+    references = {pressure: known for pressure, known in every.items() if known.numbers["force_N"] is not None}
+    left_out = tuple(pressure for pressure in every if pressure not in references)
+    if not references:
+        lacking = ", ".join(f"{pressure:g} kPa" for pressure in left_out)
+        raise RunFailed(f"too few meshes reached {lacking} to extrapolate from; choose lower pressures")
+    length = config.design.length
+    rows = [row for rung, result in rungs for row in _rows(length, rung, result, references)]
     points = {number: row.point for number, row in enumerate(rows) if row.point is not None}
     front = {list(points)[index] for index in pareto_front(list(points.values()))}
     about = {
@@ -167,7 +171,7 @@ def convergence_study(
         },
     }
     marked = tuple(replace(row, on_front=number in front) for number, row in enumerate(rows))
-    return ConvergenceStudy(config.name, config.hash, tuple(references.values()), marked, about)
+    return ConvergenceStudy(config.name, config.hash, tuple(references.values()), marked, left_out, about)
 
 
 def _references(
@@ -232,18 +236,18 @@ def _most_have_two_lines(meshes: Sequence[Sequence[Located]]) -> bool:
     return votes > 0 or (votes == 0 and bool(by_size) and by_size[-1][1].has_two_lines)
 
 
-def _rows(config: Config, rung: Rung, result: RungResult, references: Mapping[float, References]) -> list[StudyRow]:
-    """One row per rung, and one for every stride of its material curve."""
+def _rows(length: float, rung: Rung, result: RungResult, references: Mapping[float, References]) -> list[StudyRow]:
+    """One row per rung, and one for every stride of its material curve, at the pressures with references.
+
+    length: of the arm, mm.
+    """
     rows = []
     for stride in rung.strides:
-        numbers = result.of_stride(stride)
-        errors = tuple(
-            Errors.of(at_pressure, references[at_pressure.pressure_kPa], config.design.length)
-            for at_pressure in numbers
-        )
+        numbers = tuple(row for row in result.of_stride(stride) if row.pressure_kPa in references)
+        errors = tuple(Errors.of(row, references[row.pressure_kPa], length) for row in numbers)
         points = min((at_pressure.points for at_pressure in numbers), default=None)
         series, value = (rung.series, rung.value) if stride == 1 else (POINTS, points)
-        complete = len(numbers) == len(config.pressures_kPa)
+        complete = len(numbers) == len(references)
         rows.append(
             StudyRow(
                 series, value, replace(result, numbers=numbers), errors, largest_error(errors) if complete else None

@@ -1,6 +1,6 @@
 """The convergence study: error against seconds over meshes, elements, tolerances and contact distances."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from pipeline.accuracy.figure import html_page, svg_picture
@@ -10,6 +10,7 @@ from pipeline.accuracy.record import ConvergenceStudy, convergence_study
 from pipeline.accuracy.result import RungResult
 from pipeline.config.config import Config
 from pipeline.progress import Progress
+from pipeline.remaining_time import RemainingTime
 from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store, open_store
 from pipeline.study import Study
@@ -18,13 +19,16 @@ from pipeline.study import Study
 def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> ConvergenceStudy:
     """Measure every rung that `out` does not hold yet; writes accuracy.json, .html and .svg.
 
-    Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed where too few
-    rungs reached a pressure to extrapolate from.
+    Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed where no pressure
+    was reached by enough rungs to extrapolate from.
     """
     with open_store(out, config, fresh=fresh) as store:
         contact_mm = Scene.meshed(config).activation_distance
-        rungs = Study(ladder(config, contact_mm), measure, _Rungs(store, progress))
-        progress.stage(f"{len(rungs.cases)} configurations, {len(rungs.missing())} of them to be measured")
+        record = RungRecord(store, progress)
+        rungs = Study(ladder(config, contact_mm), measure, record)
+        missing = rungs.missing()
+        record.expect(len(missing))
+        progress.stage(f"{len(rungs.cases)} configurations, {len(missing)} of them to be measured")
         study = convergence_study(config, rungs.run_in_processes(jobs), contact_mm)
         store.save_json("accuracy.json", study.record())
         store.save_text("accuracy.html", html_page(study))
@@ -32,12 +36,22 @@ def run_study(config: Config, out: Path, jobs: int, fresh: bool, progress: Progr
     return study
 
 
-@dataclass(frozen=True)
-class _Rungs:
+#: under which name the clock counts rungs, which have numbers instead of pressures there
+_CLOCK = "rungs"
+
+
+@dataclass
+class RungRecord:
     """Results of rungs in the result folder, valid for the sources that measured them."""
 
     store: Store
     progress: Progress
+    clock: RemainingTime = field(default_factory=RemainingTime)
+    measured: int = 0  #: since `expect`
+
+    def expect(self, count: int) -> None:
+        """So many rungs will be measured; from now on the time that they still take is reported."""
+        self.clock.add(_CLOCK, range(count))
 
     def read(self, rung: Rung) -> RungResult | None:
         """The result that `save` kept, None where there is none from these sources."""
@@ -48,7 +62,11 @@ class _Rungs:
         """Keep a result and report it."""
         self.store.save_json(_file(rung), {"key": self.store.numbers_key, **result.record()})
         outcome = result.failure if result.cost is None else f"{result.cost.cpu_seconds:.0f} s of CPU"
-        self.progress.stage(f"{rung.series} {rung.value:g}: {outcome}")
+        seconds = 0.0 if result.cost is None else result.cost.wall_seconds
+        self.clock.reach(_CLOCK, self.measured, seconds)
+        self.measured += 1
+        left = self.clock.remaining()
+        self.progress.stage(f"{rung.series} {rung.value:g}: {outcome}{f'; about {left}' if left else ''}")
 
 
 def _file(rung: Rung) -> str:

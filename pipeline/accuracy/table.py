@@ -55,6 +55,17 @@ def reference_sentences(study: ConvergenceStudy) -> list[str]:
     return sentences
 
 
+def left_out_sentences(study: ConvergenceStudy) -> list[str]:
+    """A note on the pressures without a reference; none where every pressure has one."""
+    if not study.left_out_kPa:
+        return []
+    pressures = ", ".join(f"{pressure:g} kPa" for pressure in study.left_out_kPa)
+    return [
+        f"Note: {pressures} left out, because too few meshes reached that to extrapolate from; the table says nothing "
+        "about the errors there."
+    ]
+
+
 def order_sentences(study: ConvergenceStudy) -> list[str]:
     """The orders of convergence of the series with the most accurate elements, one sentence per series."""
     by_series: dict[str, list[SeriesOrders]] = {}

@@ -129,11 +129,12 @@ def accuracy(
         design, folder = _design(config, settings, out, "_accuracy")
 
         from pipeline.accuracy.study import run_study
-        from pipeline.accuracy.table import order_sentences, reference_sentences
+        from pipeline.accuracy.table import left_out_sentences, order_sentences, reference_sentences
         from pipeline.terminal import study_table
 
         study = _solve(_noted(run_study), design, folder, jobs or min(2, available_cores()), fresh)
         print_lines(study_table(study), *reference_sentences(study), *order_sentences(study))
+        print_sentences(*left_out_sentences(study))
         print_lines(f"picture: {folder / 'accuracy.html'}")
 
 
@@ -178,7 +179,7 @@ def _noted(task: "Task[Result]") -> "Task[Result]":
 
 def _with_accuracy(settings: list[str] | None, accuracy: str | None) -> list[str]:
     """The settings with a requested accuracy."""
-    return [*(settings or ()), *([f"accuracy={accuracy}"] if accuracy else [])]
+    return [*(settings or ()), *([f"accuracy={accuracy}"] if accuracy is not None else [])]
 
 
 def _design(config: Path, settings: list[str] | None, out: Path | None, suffix: str = "") -> tuple["Config", Path]:
