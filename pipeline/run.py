@@ -6,7 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
-from pipeline.accuracy.plan import Plan, plan_discretisation, review
+from pipeline.accuracy.plan import review
+from pipeline.accuracy.planning import Planned, plan_discretisation
 from pipeline.cell.of_run import law_of_run
 from pipeline.config.config import Config
 from pipeline.context import RunContext, run_context
@@ -47,19 +48,21 @@ def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -
     """From a configuration to `out`/report.html, `jobs` tasks at a time; `fresh` replaces earlier results.
 
     A pressure that is not reached is named in the report's `failures`; everything finished is in `out` then, the report
-    included. Raises InputError for a body that cannot be meshed or a folder that cannot be used, and RunFailed where
-    nothing more can be solved (faces that cannot touch, a process that was ended from outside).
+    included. Raises InputError for a body that cannot be meshed, a folder that cannot be used or a requested accuracy
+    that no mesh reaches, and RunFailed where nothing more can be solved (faces that cannot touch, a process that was
+    ended from outside).
     """
     with open_store(out, config, fresh=fresh) as store:
         for sentence in (*before_solving(config), *of_units(config)):
             progress.remark(sentence)
-        config, plan = plan_discretisation(config, store, progress)
+        planned = plan_discretisation(config, store, progress)
         with run_context(store, jobs, progress) as context:
-            return _solved(config, plan, context)
+            return _solved(planned, context)
 
 
-def _solved(config: Config, plan: Plan | None, context: RunContext) -> RunReport:
+def _solved(planned: Planned, context: RunContext) -> RunReport:
     """The stages of the run. One waits for what it needs; tasks of later ones are done meanwhile."""
+    config, plan = planned.config, planned.plan
     store, progress, workers = context.store, context.progress, context.workers
     stages = _Stages(progress, stage_names(config))
     loading = loaded(context, config.mesh.formulation, material_of(config))
@@ -68,6 +71,7 @@ def _solved(config: Config, plan: Plan | None, context: RunContext) -> RunReport
     unusual = tuple(filter(None, (*of_body(scene.body, config), of_contact(scene))))
     for sentence in unusual:
         progress.remark(sentence)
+    unusual = (*planned.remarks, *unusual)
     with stages.timed("kernels (compiled once)"):
         for pending in loading:
             pending.result()

@@ -1,29 +1,28 @@
 """The discretisation for a requested accuracy, with made-up pilots whose errors are known."""
 
+import re
+from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
-from pipeline.accuracy import plan as plan_module
+from geometry.design import expected_tets
+from pipeline.accuracy import planning
 from pipeline.accuracy.ladder import Rung
-from pipeline.accuracy.plan import (
-    FINEST,
-    FORMULATION,
-    GRADING,
-    MESH_FRACTION,
-    PILOTS,
-    Plan,
-    Review,
-    plan_discretisation,
-    review,
-)
+from pipeline.accuracy.plan import Plan, Review, review
+from pipeline.accuracy.planning import FINEST, FORMULATION, GRADING, PILOTS, Planned, plan_discretisation
 from pipeline.accuracy.result import Cost, RodNumbers, RungResult
+from pipeline.accuracy.sizes import MESH_FRACTION
+from pipeline.config.automatic_mesh import COARSER, MOST_CHOSEN_TETS
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
-from pipeline.errors import InputError, RunFailed
-from pipeline.progress import Silent
+from pipeline.errors import InputError
+from pipeline.progress import Lines
 from pipeline.simulation.outcome import Indicator, Outcomes
 from pipeline.store.store import open_store
+from tests.foreign_bodies import bar, write_surface
 
 EXACT = {"kappa_0_per_mm": -0.016, "alpha2_N_mm2": 400.0, "force_N": 0.03}
 #: power of the size with which the made-up errors and indicators fall
@@ -61,15 +60,21 @@ def piloted(monkeypatch: pytest.MonkeyPatch) -> list[Rung]:
         cost = Cost(5.0, 5.0, {}, 100.0, 30_000, 9_000, 0.3, 20)
         return RungResult("", (numbers(rung.config.mesh.size_mm, ERROR),), cost)
 
-    monkeypatch.setattr(plan_module, "measure", made_up)
+    monkeypatch.setattr(planning, "measure", made_up)
     return pilots
 
 
 def planned(config: Config, out: Path) -> tuple[Config, Plan]:
+    made, _ = decided(config, out)
+    assert made.plan is not None
+    return made.config, made.plan
+
+
+def decided(config: Config, out: Path) -> tuple[Planned, str]:
+    """What is planned, and what is told before the run."""
+    told = StringIO()
     with open_store(out, config) as store:
-        applied, plan = plan_discretisation(config, store, Silent())
-    assert plan is not None
-    return applied, plan
+        return plan_discretisation(config, store, Lines(Console(file=told))), told.getvalue()
 
 
 def test_mesh_and_contact_distance_are_planned(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
@@ -82,7 +87,7 @@ def test_mesh_and_contact_distance_are_planned(configs: Path, tmp_path: Path, pi
     assert plan.error_model.order == pytest.approx(ORDER)
     of_mesh = MESH_FRACTION * (0.08 - plan.estimated_of_contact)
     assert 0.9 * of_mesh < max(plan.estimate.estimated.values()) <= of_mesh
-    assert applied.effects.self_contact.dhat_mm == plan.contact_dhat_mm
+    assert applied.effects.self_contact.dhat_mm == plan.choice.contact_dhat_mm
     assert applied.effects.self_contact.dhat_mm == pytest.approx(
         0.04
     )  # the default has a smaller error than contact may have
@@ -97,7 +102,7 @@ def test_a_given_mesh_size_is_kept_and_its_error_estimated(configs: Path, tmp_pa
     config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=4 mm", "accuracy=0.1 %"])
     applied, plan = planned(config, tmp_path)
     assert applied.mesh.size_mm == 4.0
-    assert plan.contact_dhat_mm is None
+    assert plan.choice.contact_dhat_mm is None
     assert "mesh.size was given and is kept" in plan.sentence(None)
     assert plan.replaced == ("mesh.formulation: p2p0", "mesh.grading: off")
     assert "(instead of mesh.formulation: p2p0 and mesh.grading: off: the estimates" in plan.sentence(None)
@@ -114,13 +119,140 @@ def test_without_contact_the_mesh_may_have_the_whole_error(configs: Path, tmp_pa
     assert 0.95 * MESH_FRACTION * 0.02 < max(plan.estimate.estimated.values()) <= MESH_FRACTION * 0.02
 
 
-@pytest.mark.parametrize(("requested", "size"), [("20 %", PILOTS[0]), ("0.01 %", FINEST * PILOTS[1])])
-def test_planned_sizes_are_bounded(
-    requested: str, size: float, configs: Path, tmp_path: Path, piloted: list[Rung]
-) -> None:
-    config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", f"accuracy={requested}"])
+def test_a_coarse_mesh_suffices_for_a_large_error(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+    config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=20 %"])
     _, plan = planned(config, tmp_path)
-    assert plan.size_mm == pytest.approx(9.5 * size, abs=0.01)
+    assert plan.size_mm == pytest.approx(9.5 * PILOTS[0], abs=0.01)
+
+
+def test_an_accuracy_that_no_size_reaches_is_refused_before_solving(
+    configs: Path, tmp_path: Path, piloted: list[Rung]
+) -> None:
+    settings = ["mesh.size=auto", "accuracy=0.01 %"]
+    with pytest.raises(InputError, match=r"accuracy: 0\.01 % cannot be reached") as refused:
+        decided(load_config(configs / "semicircular_coarse.yaml", settings), tmp_path)
+    size = 9.5 * FINEST * PILOTS[1]
+    assert f"with {int(100 * size) / 100} mm, the smallest size that is tried" in str(refused.value)
+    assert "0.005 %: not reached with any size that is tried" in str(refused.value)
+    best = re.search(r"request ([0-9.]+) % or more, or give mesh.size", str(refused.value))
+    assert best
+    # the same folder may be used for the percentage that is named, and its pilots are there
+    config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", f"accuracy={best[1]} %"])
+    made, told = decided(config, tmp_path)
+    assert made.plan
+    assert made.plan.choice.is_reached
+    assert made.plan.size_mm == pytest.approx(size, abs=0.01)
+    assert f"accuracy {best[1]} %: mesh size {made.plan.size_mm:.3g} mm, about" in told
+    assert len(piloted) == 2
+
+
+def test_a_plan_has_at_most_as_many_elements_as_the_mesh_that_the_program_chooses(
+    configs: Path, tmp_path: Path, piloted: list[Rung]
+) -> None:
+    config = load_config(
+        configs / "semicircular_single_coarse.yaml", ["mesh.size=auto", "accuracy=0.1 %", "geometry.length=400 mm"]
+    )
+    with pytest.raises(InputError, match="the smallest size that is tried") as refused:
+        decided(config, tmp_path)
+    size = float(str(refused.value).split("cannot be reached: with ")[1].split()[0])
+    assert expected_tets(size, config.design.extent, config.design.meshed_volume) < 1.1 * MOST_CHOSEN_TETS
+    assert size > 1.3 * FINEST * PILOTS[1] * min(config.design.extent)
+
+
+def test_accuracies_are_compared_before_the_run(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+    config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
+    made, told = decided(config, tmp_path)
+    assert made.plan
+    twice, own, half = made.plan.sizes.compared(0.02)
+    assert (twice.accuracy, own.accuracy, half.accuracy) == (0.04, 0.02, 0.01)
+    assert twice.size_mm > own.size_mm == made.plan.size_mm > half.size_mm
+    assert twice.cpu_seconds < own.cpu_seconds < half.cpu_seconds
+    assert own.degrees_of_freedom == pytest.approx(30_000 * (0.27 * 9.5 / own.size_mm) ** 1.6, rel=1e-3)
+    assert f"; sizes and cost by accuracy: 4 %: {twice.size_mm:g} mm, about" in told
+    assert [row["is_reached"] for row in made.plan.record(None)["choices"]] == [True, True, True]  # type: ignore[index, union-attr, call-overload]
+
+
+def test_an_accuracy_that_the_run_does_not_have_is_refused(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+    for settings, sentence in (
+        (["law=cell"], "use `pneurod cell CONFIG --accuracy 8%`"),
+        (["effects.incompressibility=off", "mesh={size: 4 mm}"], "effects.incompressibility, accuracy: a requested"),
+    ):
+        config = load_config(configs / "pneunet_coarse.yaml", ["accuracy=8 %", *settings])
+        with pytest.raises(InputError, match=re.escape(sentence)):
+            decided(config, tmp_path)
+    assert not piloted
+
+
+def test_a_law_that_ends_early_with_mixed_elements_is_named(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+    for law, is_named in (("svk", True), ("hencky", False)):
+        settings = ["mesh.size=auto", "accuracy=8 %", f"material.law={law}"]
+        made, told = decided(load_config(configs / "pneunet_coarse.yaml", settings), tmp_path / law)
+        assert ("ends early at the bottom of its gaps" in told) == is_named
+        assert len(made.remarks) == is_named
+
+
+def test_the_tolerance_of_the_configuration_is_kept_where_it_is_smaller(
+    configs: Path, tmp_path: Path, piloted: list[Rung]
+) -> None:
+    for given, used, words in (
+        ("1e-9", 1e-9, "; newton.tolerance 1e-09, as given;"),
+        ("0.001", 2e-5, "; newton.tolerance 2e-05, instead of 0.001;"),
+    ):
+        settings = ["mesh.size=auto", "accuracy=2 %", f"newton.tolerance={given}"]
+        applied, plan = planned(load_config(configs / "semicircular_coarse.yaml", settings), tmp_path / given)
+        assert applied.newton.tolerance == pytest.approx(used)
+        assert words in plan.sentence(None)
+    plain = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
+    assert planned(plain, tmp_path / "plain")[0].newton.tolerance == pytest.approx(2e-5)
+
+
+def test_estimates_of_an_arm_that_hardly_bends_are_not_reliable(
+    configs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def straight(rung: Rung) -> RungResult:
+        row = replace(numbers(rung.config.mesh.size_mm, ERROR), kappa_0_per_mm=-1e-4)
+        return RungResult("", (row,), Cost(5.0, 5.0, {}, 100.0, 30_000, 9_000, 0.3, 20))
+
+    monkeypatch.setattr(planning, "measure", straight)
+    config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=8 %"])
+    made, told = decided(config, tmp_path)
+    assert made.plan
+    assert made.plan.estimate.largest < 0.08
+    assert not made.plan.is_reached(None)
+    doubt = "the arm hardly bends (at 20 kPa its curvature adds up to 0.01 rad over the length)"
+    assert f"the requested accuracy may not be reached; {doubt}, so that the estimate is not" in made.plan.sentence(
+        None
+    )
+    assert doubt in told
+
+
+def test_a_large_estimate_is_not_reliable(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+    config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=9 mm", "accuracy=8 %"])
+    made, told = decided(config, tmp_path)
+    assert made.plan
+    far = replace(made.plan, choice=replace(made.plan.choice, size_mm=40.0))
+    assert "errors above 50 % are not estimated reliably" in far.sentence(None)
+    assert "50 %" not in told
+
+
+SURFACE = """
+name: bar
+geometry: {family: own, file: bar.stl, curve: 1.5 mm}
+material: {law: svk, E: 1.2 MPa, nu: 0.495}
+pressures: [10 kPa]
+mesh: {size: 4 mm}
+"""
+
+
+def test_a_closed_surface_stays_without_grading(tmp_path: Path, piloted: list[Rung]) -> None:
+    write_surface(tmp_path / "bar.stl", bar, 50)
+    file = tmp_path / "bar.yaml"
+    file.write_text(SURFACE, encoding="utf-8")
+    config = load_config(file, ["accuracy=8 %"])
+    _, plan = planned(config, tmp_path / "out")
+    assert plan.grading == "off"
+    assert {rung.config.mesh.grading for rung in piloted} == {"off"}
+    assert "element mixed, of one size, mesh size" in plan.sentence(None)
 
 
 def test_the_review_after_the_run(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
@@ -138,18 +270,52 @@ def test_the_review_after_the_run(configs: Path, tmp_path: Path, piloted: list[R
     assert review(plan, Outcomes({}), (), None) is None
 
 
+def test_a_finer_size_is_suggested_where_the_run_misses_the_request(
+    configs: Path, tmp_path: Path, piloted: list[Rung]
+) -> None:
+    config = load_config(configs / "semicircular_coarse.yaml", ["mesh.size=auto", "accuracy=5 %"])
+    _, plan = planned(config, tmp_path)
+    worst = Indicator(0.01, "III", 37.0, (10.0, 2.0, 6.5))
+    after = Review(dict.fromkeys(EXACT, 0.08), 0.0, 0.01, worst)
+    record = plan.record(after)
+    assert (record["is_reached"], plan.record(None)["is_reached"]) == (False, True)
+    finer = record["finer"]
+    assert isinstance(finer, dict)
+    # what has 8 % now and falls with ORDER has 5 % there
+    estimated = max(plan.estimate.estimated.values())
+    assert 0.08 * plan.error_model.at(finer["size_mm"])["force_N"] / estimated == pytest.approx(0.05, rel=0.06)
+    assert plan.record(Review(dict.fromkeys(EXACT, 0.04), 0.0, 0.01, worst))["finer"] is None
+    assert plan.record(Review(dict.fromkeys(EXACT, 4.0), 0.0, 0.01, worst))["finer"] is None
+
+
 def test_without_a_requested_accuracy_nothing_changes(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
     config = load_config(configs / "pneunet_coarse.yaml")
-    with open_store(tmp_path, config) as store:
-        assert plan_discretisation(config, store, Silent()) == (config, None)
+    assert decided(config, tmp_path) == (Planned(config), "")
     assert not piloted
 
 
-def test_pilots_without_numbers_end_the_run(configs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(plan_module, "measure", lambda rung: RungResult("II: inverted", (), None))
-    config = load_config(configs / "pneunet_coarse.yaml", ["mesh.size=auto", "accuracy=8 %"])
-    with pytest.raises(RunFailed, match=r"pilot .* II: inverted; give mesh\.size"):
-        planned(config, tmp_path)
+def test_without_pilots_the_run_goes_on_as_without_the_request(
+    configs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(planning, "measure", lambda rung: RungResult("II: inverted", (), None))
+    for number, settings in enumerate(([], ["mesh={size: auto}"], ["mesh={size: 4 mm, formulation: p2}"])):
+        made, told = decided(
+            load_config(configs / "pneunet_coarse.yaml", ["accuracy=8 %", *settings]), tmp_path / str(number)
+        )
+        plain = load_config(configs / "pneunet_coarse.yaml", settings)
+        assert made.plan is None
+        assert made.config.mesh == plain.mesh
+        assert made.remarks[0].startswith("accuracy not estimated: the pilot with a mesh of 6 mm gave no numbers (II:")
+        assert made.remarks[0] in told
+    assert plain.mesh.coarser == COARSER
+
+
+def test_an_arm_too_short_for_five_parameters_has_no_pilots(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
+    config = load_config(configs / "pneunet_coarse.yaml", ["accuracy=8 %", "geometry.chambers=6"])
+    made, _ = decided(config, tmp_path)
+    assert not piloted
+    assert made.plan is None
+    assert "accuracy not estimated: the arm is too short for five parameters" in made.remarks[0]
 
 
 @pytest.mark.parametrize(

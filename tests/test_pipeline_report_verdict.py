@@ -178,6 +178,24 @@ def test_a_requested_accuracy_is_not_called_missing(folder: Path) -> None:
     assert not any("not estimated" in text for text in (*verdict.on("rod"), *verdict.on("mesh error")))
 
 
+def test_an_accuracy_that_is_not_reached_has_a_next_step(folder: Path) -> None:
+    accuracy = {"sentence": "", "requested": 0.03, "is_reached": False, "estimated_error": 0.02}
+    finer = {"size_mm": 1.8, "degrees_of_freedom": 123_456}
+    for after, step in (
+        ({"after": {"estimated_error": 0.05}, "finer": finer}, "--set mesh.size='1.8 mm' with the same --accuracy"),
+        ({"after": {"estimated_error": 0.05}, "finer": None}, "no smaller size that is tried would reach it"),
+    ):
+        change(folder, "run", accuracy=accuracy | after)
+        verdict = verdict_of(read_results(folder))
+        assert verdict.on("next")[0].startswith("Next: the requested accuracy of 3 % is not reached; ")
+        assert step in verdict.on("next")[0]
+        assert verdict.record()["accuracy"] == {"requested": 0.03, "is_reached": False, "estimated_error": 0.05}
+    change(folder, "run", accuracy=accuracy | {"after": None, "estimated_error": 0.05, "finer": finer})
+    assert "(about 120000 unknowns)" in verdict_of(read_results(folder)).on("next")[0]
+    change(folder, "run", accuracy=accuracy | {"is_reached": True, "after": None, "finer": None})
+    assert not any("requested accuracy of" in text for text in verdict_of(read_results(folder)).on("next"))
+
+
 def test_the_error_of_the_mesh_in_the_law_is_relative(folder: Path) -> None:
     assert len(verdict_of(read_results(folder)).on("mesh error")) == 1
     error = {"kappa_0_per_mm": [-0.01, -0.02], "kappa_0_per_mm_std": [1e-4, 4e-4], "reason": ""}

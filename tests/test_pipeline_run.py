@@ -144,6 +144,10 @@ def test_a_requested_accuracy_is_reported_before_and_after_the_run(tmp_path: Pat
     record = read(tmp_path / "out", "run.json")
     accuracy, indicator = record["accuracy"], record["indicator"]
     assert accuracy["size_mm"] == record["config"]["mesh"]["size_mm"]
+    assert accuracy["is_reached"]
+    assert accuracy["choices"][0]["degrees_of_freedom"] == pytest.approx(
+        record["degrees_of_freedom"]["II"], rel=0.35
+    )  # predicted from the pilots
     assert 1.0 <= accuracy["order"] <= 4.0
     before, after = accuracy["estimated_error"], accuracy["after"]["estimated_error"]
     assert 0.5 * before < after < 1.5 * before

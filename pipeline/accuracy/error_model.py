@@ -10,6 +10,7 @@ docs/accuracy.md compares estimates with true errors.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -31,12 +32,13 @@ class SolvedMesh:
 
     numbers: Headline
     alpha2_std_N_mm2: float
+    two_lines: bool  #: whether alpha2 is the second rigidity of two lines, not that of a single line
     stress_error: float  #: error indicator, see `fem.stress_error`
 
     @staticmethod
     def of(numbers: RodNumbers) -> "SolvedMesh":
         """The part of the numbers that the model needs."""
-        return SolvedMesh(numbers.headline, numbers.alpha2_std_N_mm2, numbers.stress_error)
+        return SolvedMesh(numbers.headline, numbers.alpha2_std_N_mm2, numbers.has_two_lines, numbers.stress_error)
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,12 @@ class Pilot:
     degrees_of_freedom: int
     cpu_seconds: float
     solved: SolvedMesh
+
+    @staticmethod
+    def read(record: Mapping[str, Any]) -> "Pilot":
+        """From JSON."""
+        solved = {**record["solved"], "numbers": Headline(**record["solved"]["numbers"])}
+        return Pilot(**{**record, "solved": SolvedMesh(**solved)})
 
 
 @dataclass(frozen=True)
@@ -88,25 +96,37 @@ class MeshErrorModel:
 
 
 def _ratios(indicators: Sequence[float], meshes: Sequence[SolvedMesh]) -> dict[str, float]:
-    """Errors over the indicator: slopes of straight lines through the numbers of two or three meshes over it, and the
-    standard deviation of three from their line. Meshes have the inverse of their indicator as weight.
+    """Errors over the indicator, by the names of `HEADLINE`.
 
     Meshes may agree on a number by chance, so no ratio is below the root mean square over kappa_0 and F, and that not
     below MIN_RATIO. A rigidity whose change is within two standard deviations of its identification tells nothing about
-    the mesh; its ratio is that root mean square.
+    the mesh, nor does one of a single line beside one of two lines, which is another quantity; its ratio is that root
+    mean square.
     """
-    weights, freedom = 1.0 / np.array(indicators), max(len(meshes) - 2, 1)
-    values = {name: np.array([mesh.numbers.by_name()[name] for mesh in meshes]) for name in HEADLINE}
-    ratios = {}
-    for name in HEADLINE:
-        relative = values[name] / values[name][-1]
-        line = np.polyfit(indicators, relative, 1, w=weights)
-        residuals = weights * (relative - np.polyval(line, indicators))
-        ratios[name] = math.hypot(float(line[0]), float(np.linalg.norm(residuals)) / math.sqrt(freedom))
-    others = [ratio for name, ratio in ratios.items() if name != RIGIDITY]
-    usual = max(MIN_RATIO, math.sqrt(sum(ratio**2 for ratio in others) / len(others)))
+    ratios = {name: _ratio(name, indicators, meshes) for name in HEADLINE if name != RIGIDITY}
+    usual = max(MIN_RATIO, math.sqrt(sum(ratio**2 for ratio in ratios.values()) / len(ratios)))
+    comparable = [index for index, mesh in enumerate(meshes) if mesh.two_lines == meshes[-1].two_lines]
+    ratios[RIGIDITY] = _of_rigidity([indicators[i] for i in comparable], [meshes[i] for i in comparable])
+    return {name: max(ratios[name], usual) for name in HEADLINE}
+
+
+def _of_rigidity(indicators: Sequence[float], meshes: Sequence[SolvedMesh]) -> float:
+    """The ratio of alpha2 from meshes with equally many lines; zero where these tell nothing about it."""
+    if len(meshes) < 2:
+        return 0.0
+    ratio = _ratio(RIGIDITY, indicators, meshes)
     deviations = [mesh.alpha2_std_N_mm2 / mesh.numbers.alpha2_N_mm2 for mesh in meshes]
     of_difference = math.sqrt(2.0 * sum(deviation**2 for deviation in deviations) / len(deviations))
-    if ratios[RIGIDITY] * float(np.ptp(indicators)) <= 2.0 * of_difference:
-        ratios[RIGIDITY] = usual
-    return {name: max(ratio, usual) for name, ratio in ratios.items()}
+    return ratio if ratio * float(np.ptp(indicators)) > 2.0 * of_difference else 0.0
+
+
+def _ratio(name: str, indicators: Sequence[float], meshes: Sequence[SolvedMesh]) -> float:
+    """Slope of the straight line through a number of two or three meshes over the indicator, relative to that of the
+    last mesh, and the standard deviation of three from the line. Meshes have the inverse of their indicator as weight.
+    """
+    weights, freedom = 1.0 / np.array(indicators), max(len(meshes) - 2, 1)
+    values = np.array([mesh.numbers.by_name()[name] for mesh in meshes])
+    relative = values / values[-1]
+    line = np.polyfit(indicators, relative, 1, w=weights)
+    residuals = weights * (relative - np.polyval(line, indicators))
+    return math.hypot(float(line[0]), float(np.linalg.norm(residuals)) / math.sqrt(freedom))

@@ -1,48 +1,32 @@
-"""Mesh, tolerance and contact distance for a requested accuracy, and the error that is estimated to remain.
+"""The discretisation for a requested accuracy, and the errors that are estimated before and after the run.
 
-The errors of κ₀(l/2), α₂ and F count. Before the run the error of the mesh is estimated from two pilots, II and III at
-the lowest pressure of the run on two coarse meshes, and from their error indicators (`pipeline.accuracy.error_model`).
-After the run it is estimated again, from the largest indicator of its states: the larger of what the pilots alone and
-the pilots with the run as a third mesh give. The error of contact follows from its activation distance with a ratio
-measured in docs/accuracy.md.
+The errors of κ₀(l/2), α₂ and F count. `pipeline.accuracy.planning` makes the plan from two pilots. After the run the
+errors are estimated again, from the largest indicator of its states: the larger of what the pilots alone and the pilots
+with the run as a third mesh give.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from math import floor
-from typing import Any
 
-import fem
-from fem.elements import MOST_ACCURATE
-from pipeline.accuracy.error_model import MeshErrorModel, Pilot, SolvedMesh
-from pipeline.accuracy.ladder import Rung, mesh_series
-from pipeline.accuracy.measure import measure, numbers_of
+from pipeline.accuracy.error_model import MeshErrorModel, SolvedMesh
+from pipeline.accuracy.measure import numbers_of
 from pipeline.accuracy.reference import NUMBERS
-from pipeline.accuracy.result import HEADLINE, Headline
-from pipeline.config.config import AUTO, Config, MeshSettings, Newton
-from pipeline.errors import RunFailed
+from pipeline.accuracy.result import HEADLINE
+from pipeline.accuracy.sizes import Choice, Sizes
+from pipeline.config.config import Config, MeshSettings, Newton
+from pipeline.config.kinds import MOST_ACCURACY
+from pipeline.errors import InputError
 from pipeline.identification.parameters import Parameters
-from pipeline.progress import Progress
 from pipeline.simulation.outcome import Indicator, Outcomes
-from pipeline.simulation.scene import Scene
 from pipeline.store.json_values import JsonObject
-from pipeline.store.store import Store
 
-#: element and grading that reach an accuracy with the fewest degrees of freedom
-FORMULATION, GRADING = MOST_ACCURATE, "walls"
-#: sizes of the pilots over the smallest side of the body
-PILOTS = (0.4, 0.27)
-#: fraction of the requested error that contact may have, and fraction of the rest that the mesh is planned for
-CONTACT_FRACTION, MESH_FRACTION = 0.4, 0.8
-#: relative error per activation distance over the gap: the largest measured, that of F on the gapped pneu-net arm
-ERROR_PER_DISTANCE = 0.7
-#: smallest activation distance over the gap: half of it takes three times the factorizations, because walls enter and
-#: leave so thin a barrier between Newton iterations
-MIN_DISTANCE = 0.01
-#: Newton's tolerance over the requested error
-NEWTON_FRACTION = 1e-3
-#: smallest mesh size over that of the finer pilot
-FINEST = 0.35
+#: angle (rad) by which an arm turns at the pressure of the pilots, below which errors are larger than estimated: of an
+#: arm that turned by 0.003 rad, estimated at 7.8 %, kappa_0 still changed by more than 5 % on the next finer meshes
+SMALLEST_TURN = 0.03
+#: estimated error above which the pilots are too coarse for the model: it is linear in the error
+RELIABLE = 0.5
+#: most of a size that a next, smaller one has, to be suggested
+SMALLER = 0.95
 
 
 @dataclass(frozen=True)
@@ -75,27 +59,41 @@ class Review(Estimate):
 class Plan:
     """The discretisation for a requested accuracy; errors are relative."""
 
-    requested: float
-    size_mm: float
     size_was_given: bool
     replaced: tuple[str, ...]  #: what the configuration gives for elements and grading and is not used
     formulation: str
     grading: str
     newton_tolerance: float
-    contact_dhat_mm: float | None  #: None where no faces can meet
-    pilots: tuple[Pilot, Pilot]  #: the coarser first
+    newton_given: float | None  #: tolerance of the configuration; None where it is the usual one
+    sizes: Sizes
+    choice: Choice
     pilots_kPa: float
-    estimated_of_contact: float
+    turn_rad: float  #: |kappa_0(l/2)| times the length on the finer pilot
+
+    @property
+    def requested(self) -> float:
+        """The requested relative error."""
+        return self.choice.accuracy
+
+    @property
+    def size_mm(self) -> float:
+        """Of the mesh of the run."""
+        return self.choice.size_mm
+
+    @property
+    def estimated_of_contact(self) -> float:
+        """The error due to the activation distance, as estimated before the run."""
+        return self.choice.estimated_of_contact
 
     @property
     def error_model(self) -> MeshErrorModel:
         """How errors fall with the mesh, from the pilots alone."""
-        return MeshErrorModel.fit(*self.pilots)
+        return self.sizes.model
 
     @property
     def estimate(self) -> Estimate:
         """The errors as estimated before the run."""
-        fine = self.pilots[1].solved
+        fine = self.sizes.pilots[1].solved
         identification = fine.alpha2_std_N_mm2 / fine.numbers.alpha2_N_mm2
         return Estimate(self.error_model.at(self.size_mm), self.estimated_of_contact, identification)
 
@@ -103,45 +101,47 @@ class Plan:
         """The configuration with this discretisation."""
         mesh = MeshSettings(self.size_mm, self.formulation, config.mesh.coarser, self.grading)
         config = replace(config, mesh=mesh, newton=Newton(self.newton_tolerance))
-        return config.with_contact_distance(self.contact_dhat_mm)
+        return config.with_contact_distance(self.choice.contact_dhat_mm)
 
-    def inputs(self) -> JsonObject:
-        """Everything that is decided before the run, as JSON."""
-        pilots = [
-            {
-                "size_mm": pilot.size_mm,
-                "degrees_of_freedom": pilot.degrees_of_freedom,
-                "cpu_seconds": pilot.cpu_seconds,
-                **asdict(pilot.solved),
-            }
-            for pilot in self.pilots
-        ]
-        return {**{name: getattr(self, name) for name in Plan.__dataclass_fields__}, "pilots": pilots}
-
-    @staticmethod
-    def read(inputs: Mapping[str, Any]) -> "Plan":
-        """From what `inputs` wrote."""
-        coarse, fine = (
-            Pilot(
-                pilot["size_mm"],
-                pilot["degrees_of_freedom"],
-                pilot["cpu_seconds"],
-                SolvedMesh(Headline(**pilot["numbers"]), pilot["alpha2_std_N_mm2"], pilot["stress_error"]),
-            )
-            for pilot in inputs["pilots"]
-        )
-        return Plan(**{**inputs, "replaced": tuple(inputs["replaced"]), "pilots": (coarse, fine)})
+    def is_reached(self, review: Review | None) -> bool:
+        """Whether the errors are estimated to be within the request, and the estimate is reliable."""
+        present = review or self.estimate
+        return present.largest <= self.requested and not self._doubt(present)
 
     def record(self, review: Review | None) -> JsonObject:
         """The part of run.json about it."""
-        before = self.estimate
+        before, finer = self.estimate, self._finer(review)
         return {
-            **self.inputs(),
+            "requested": self.requested,
+            "is_reached": self.is_reached(review),
+            "size_mm": self.size_mm,
+            "size_was_given": self.size_was_given,
+            "replaced": self.replaced,
+            "formulation": self.formulation,
+            "grading": self.grading,
+            "newton_tolerance": self.newton_tolerance,
+            "contact_dhat_mm": self.choice.contact_dhat_mm,
+            "pilots": [
+                {
+                    "size_mm": pilot.size_mm,
+                    "degrees_of_freedom": pilot.degrees_of_freedom,
+                    "cpu_seconds": pilot.cpu_seconds,
+                    **asdict(pilot.solved),
+                }
+                for pilot in self.sizes.pilots
+            ],
+            "pilots_kPa": self.pilots_kPa,
+            "turn_rad": self.turn_rad,
             "order": self.error_model.order,
+            "choices": [
+                {**asdict(choice), "is_reached": choice.is_reached} for choice in self.sizes.compared(self.requested)
+            ],
             "estimated": before.estimated,
+            "estimated_of_contact": before.estimated_of_contact,
             "estimated_error": before.largest,
             "identification": before.identification,
             "after": {**asdict(review), "estimated_error": review.largest} if review else None,
+            "finer": None if finer is None else asdict(finer),
             "sentence": self.sentence(review),
         }
 
@@ -150,9 +150,11 @@ class Plan:
         given = " (mesh.size was given and is kept)" if self.size_was_given else ""
         if self.replaced:
             given += f" (instead of {' and '.join(self.replaced)}: the estimates hold for these elements alone)"
+        graded = "of one size" if self.grading == "off" else f"graded to {self.grading}"
         sentences = [
-            f"requested accuracy {100 * self.requested:g} %: element {self.formulation}, graded to {self.grading}, "
+            f"requested accuracy {100 * self.requested:g} %: element {self.formulation}, {graded}, "
             f"mesh size {self.size_mm:.3g} mm{given}",
+            *self._tolerance(),
             f"errors estimated before the run: {self.estimate}",
         ]
         if review:
@@ -161,30 +163,96 @@ class Plan:
                 f"{review.indicator.location()})"
             )
         present = review or self.estimate
-        reached = "is reached" if present.largest <= self.requested else "is not reached"
-        sentences.append(f"the requested accuracy {reached}")
+        doubt = self._doubt(present)
+        reached = (
+            "is not reached" if present.largest > self.requested else "may not be reached" if doubt else "is reached"
+        )
+        sentences += [f"the requested accuracy {reached}", *([doubt] if doubt else [])]
         if present.identification > self.requested:
             sentences.append(
                 f"the identification of α₂ alone is uncertain by ± {100 * present.identification:.2g} %, on every mesh"
             )
         return "; ".join(sentences)
 
+    def announcement(self, config: Config) -> str:
+        """What the run will take and what other accuracies would, in one sentence before it begins."""
+        own = f"mesh size {self.size_mm:.3g} mm, {self.choice.cost(config)}"
+        if config.law == "both":
+            own += ", the arm's own law several times as much"
+        doubt = self._doubt(self.estimate)
+        less = "" if self.choice.is_reached else ", which is more than requested"
+        return (
+            f"accuracy {100 * self.requested:g} %: {own} with one worker process; estimated errors: "
+            f"{self.estimate}{less}{f'; {doubt}' if doubt else ''}; {self._table(config)}"
+        )
 
-def plan_discretisation(config: Config, store: Store, progress: Progress) -> tuple[Config, Plan | None]:
-    """The configuration with the discretisation for its accuracy, and the plan; unchanged where none is requested.
+    def check(self, config: Config) -> None:
+        """Raise InputError where the size was to be chosen and none reaches the request."""
+        if self.size_was_given or self.choice.is_reached:
+            return
+        best = self.sizes.best_accuracy
+        ask = (
+            f"request {100 * best:.3g} % or more"
+            if best <= MOST_ACCURACY
+            else f"not even {100 * MOST_ACCURACY:g} % can be reached; leave accuracy out"
+        )
+        doubt = self._doubt(self.estimate)
+        raise InputError(
+            f"{config.source}: accuracy: {100 * self.requested:g} % cannot be reached: with {self.size_mm:.3g} mm, the "
+            f"smallest size that is tried, the estimated errors are {self.estimate}{f' ({doubt})' if doubt else ''}; "
+            f"{ask}, or give mesh.size, whose error is estimated then; {self._table(config)}"
+        )
 
-    A plan made earlier in the same folder is kept. Raises RunFailed where the pilots give no numbers.
-    """
-    if config.accuracy is None:
-        return config, None
-    kept = store.read_json("states/plan.json")
-    if kept is not None and kept.pop("key") == store.numbers_key:
-        plan = Plan.read(kept)
-    else:
-        progress.stage("pilots for the requested accuracy")
-        plan = _plan(config, config.accuracy)
-        store.save_json("states/plan.json", {"key": store.numbers_key, **plan.inputs()})
-    return plan.applied(config), plan
+    def _table(self, config: Config) -> str:
+        """Accuracies and what they take, in words."""
+        rows = [
+            f"{100 * choice.accuracy:g} %: {choice.size_mm:.3g} mm, {choice.cost(config)}"
+            if choice.is_reached
+            else f"{100 * choice.accuracy:g} %: not reached with any size that is tried"
+            for choice in self.sizes.compared(self.requested)
+        ]
+        best = self.sizes.best_accuracy
+        if best <= MOST_ACCURACY:
+            finest = self.sizes.choice(best)
+            rows.append(f"{100 * best:.3g} %, the least: {finest.size_mm:.3g} mm, {finest.cost(config)}")
+        return f"sizes and cost by accuracy: {'; '.join(rows)}"
+
+    def _tolerance(self) -> list[str]:
+        """A clause on Newton's tolerance where the configuration gives one."""
+        given = self.newton_given
+        if given is None:
+            return []
+        kept = "as given" if given <= self.newton_tolerance else f"instead of {given:g}"
+        return [f"newton.tolerance {self.newton_tolerance:g}, {kept}"]
+
+    def _doubt(self, present: Estimate) -> str:
+        """Why an estimate is not reliable; empty where it is."""
+        if self.turn_rad < SMALLEST_TURN:
+            return (
+                f"the arm hardly bends (at {self.pilots_kPa:g} kPa its curvature adds up to {self.turn_rad:.1g} rad "
+                "over the length), so that the estimate is not reliable; give higher pressures or thinner walls, or "
+                "expect errors of 3 to 12 % of this small curvature"
+            )
+        if present.largest > RELIABLE:
+            return (
+                f"errors above {100 * RELIABLE:g} % are not estimated reliably, because the pilots are too coarse for "
+                "this arm"
+            )
+        return ""
+
+    def _finer(self, review: Review | None) -> Choice | None:
+        """The size that would reach the request after all; None where it is reached, or where no smaller size would."""
+        if review is None or review.largest <= self.requested:
+            return None
+        allowed = (self.requested - review.estimated_of_contact) / max(review.estimated.values())
+        if allowed <= 0.0:
+            return None
+        own = self.error_model.at(self.size_mm)
+        size = self.error_model.size_for(allowed * max(own.values()))
+        size = float(f"{size:.2g}")
+        if not self.sizes.smallest_mm <= size <= SMALLER * self.size_mm:
+            return None
+        return self.sizes.with_size(size, self.requested)
 
 
 def review(
@@ -200,7 +268,7 @@ def review(
     rigidities = [at_pressure.numbers_without_mesh["alpha2"] for at_pressure in parameters]
     models = [plan.error_model]
     models += [
-        MeshErrorModel.fit(*plan.pilots, SolvedMesh.of(numbers_of(at_pressure)))
+        MeshErrorModel.fit(*plan.sizes.pilots, SolvedMesh.of(numbers_of(at_pressure)))
         for at_pressure in parameters
         if at_pressure.pressure_kPa == plan.pilots_kPa
     ]
@@ -211,52 +279,3 @@ def review(
         identification=max((alpha2.std / alpha2.value for alpha2 in rigidities), default=plan.estimate.identification),
         indicator=indicator,
     )
-
-
-def _plan(config: Config, requested: float) -> Plan:
-    replaced = config.mesh.given_unlike(formulation=FORMULATION, grading=GRADING)
-    elements = replace(config.mesh, formulation=FORMULATION, grading=GRADING)
-    config = replace(config, mesh=elements, pressures_kPa=config.pressures_kPa[:1])
-    smallest_side = min(config.design.extent)
-    coarse, fine = (_pilot(config, fraction * smallest_side) for fraction in PILOTS)
-    given = config.mesh.size_mm
-    sized = config.with_mesh_size(coarse.size_mm) if given is AUTO else config
-    distance, of_contact = _contact(sized, CONTACT_FRACTION * requested)
-    of_mesh = max(requested - of_contact, (1.0 - CONTACT_FRACTION) * requested)  # a given distance may exceed its part
-    size = MeshErrorModel.fit(coarse, fine).size_for(MESH_FRACTION * of_mesh)
-    size = floor(100.0 * min(max(size, FINEST * fine.size_mm), coarse.size_mm)) / 100.0
-    return Plan(
-        requested=requested,
-        size_mm=size if given is AUTO else config.mesh.element_size_mm,
-        size_was_given=given is not AUTO,
-        replaced=replaced,
-        formulation=FORMULATION,
-        grading=GRADING,
-        newton_tolerance=min(1e-4, NEWTON_FRACTION * requested),
-        contact_dhat_mm=distance,
-        pilots=(coarse, fine),
-        pilots_kPa=config.pressures_kPa[0],
-        estimated_of_contact=of_contact,
-    )
-
-
-def _pilot(config: Config, size: float) -> Pilot:
-    """II and III at the lowest pressure of the run on a coarse mesh."""
-    config = config.with_mesh_size(size)
-    result = measure(Rung(mesh_series(config), size, config))
-    if result.cost is None or not result.numbers:
-        raise RunFailed(f"the pilot with a mesh of {size:.3g} mm gave no numbers: {result.failure}; give mesh.size")
-    solved = SolvedMesh.of(result.numbers[0])
-    return Pilot(size, result.cost.degrees_of_freedom, result.cost.cpu_seconds, solved)
-
-
-def _contact(config: Config, allowed: float) -> tuple[float | None, float]:
-    """The activation distance (mm) with an error of `allowed` at most, unless one is given, and its relative error."""
-    default = Scene.meshed(config.with_contact_distance(None)).activation_distance
-    if default is None:
-        return None, 0.0
-    gap = default / fem.ACTIVATION
-    distance = config.effects.self_contact.dhat_mm or min(
-        default, gap * max(allowed / ERROR_PER_DISTANCE, MIN_DISTANCE)
-    )
-    return distance, ERROR_PER_DISTANCE * distance / gap

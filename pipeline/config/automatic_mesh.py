@@ -90,12 +90,17 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     if suits > part * side:
         suits = part * side
         reason = f"that is {part:g} times the smallest side, the most for {design.family}"
-    size = suits
-    while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
-        size *= 1.05
+    size = not_too_many(design, suits)
     if size > suits:
         reason = f"{suits:.2g} mm would be right, but the body would then have more than {MOST_CHOSEN_TETS} elements"
     return _two_digits(size), reason
+
+
+def not_too_many(design: Design, size: float) -> float:
+    """The size (mm), or a larger one with which a body has about MOST_CHOSEN_TETS elements."""
+    while expected_tets(size, design.extent, design.meshed_volume) > MOST_CHOSEN_TETS:
+        size *= 1.05
+    return size
 
 
 def _two_digits(value: float) -> float:

@@ -142,6 +142,10 @@ class MeshSettings:
         return tuple(f"mesh.{key}: {value}" for key, value in given.items() if value != others[key])
 
 
+#: Newton's tolerance where none is given
+USUAL_TOLERANCE = 1e-6
+
+
 @dataclass(frozen=True)
 class Newton:
     """When Newton's method stops."""

@@ -224,11 +224,18 @@ def _small(value: float) -> float:
     return value
 
 
+#: the largest relative error that can be requested
+MOST_ACCURACY = 0.2
+
+
 def _percentage(value: Any) -> Any:
     """2 % as 0.02."""
     matched = re.fullmatch(r"\s*(\d+\.?\d*)\s*%\s*", value) if isinstance(value, str) else None
-    if matched is None or not 0.0 < float(matched[1]) <= 20.0:
-        raise ValueError(f"{quoted(value)} is no accuracy; write a percentage above 0 and at most 20, for example 2 %")
+    most = 100.0 * MOST_ACCURACY
+    if matched is None or not 0.0 < float(matched[1]) <= most:
+        raise ValueError(
+            f"{quoted(value)} is no accuracy; write a percentage above 0 and at most {most:g}, for example 2 %"
+        )
     return float(matched[1]) / 100.0
 
 

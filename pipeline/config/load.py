@@ -248,11 +248,14 @@ def _mesh(document: Document, content: Any, design: Design, materials: Mapping[s
             design.check_size(size)
     except DesignError as refused:
         raise _refused(document, refused) from None
-    usual = COARSER if coarser == "auto" and not accuracy else None  # a requested accuracy has estimates of its own
+    usual = COARSER if coarser == "auto" and not accuracy else None
+    reasons = {key: why for key, why in chosen.reasons.items() if key != "size" or not planned}
+    if coarser == "auto" and accuracy:
+        reasons["coarser"] = "a requested accuracy has estimates of its own"
     return MeshSettings(
         size_mm=AUTO if planned else size,
         formulation=chosen.formulation,
         coarser=usual if isinstance(coarser, str) else coarser,
         grading=chosen.grading,
-        chosen={key: why for key, why in chosen.reasons.items() if key != "size" or not planned},
+        chosen=reasons,
     )

@@ -10,7 +10,7 @@ from pydantic import ConfigDict
 
 from fem.materials import LAWS, Constant
 from geometry import FAMILIES, MESH_SUFFIXES, SURFACE_SUFFIXES, Axes, CadFile, CellPlanes, MeshFile, Plug, SurfaceFile
-from pipeline.config.config import AlongAxis
+from pipeline.config.config import USUAL_TOLERANCE, AlongAxis
 from pipeline.config.document import Document
 from pipeline.config.kinds import (
     FROM_STATE,
@@ -147,7 +147,7 @@ EFFECTS = tuple(_Effects.model_fields)
 
 
 class _Newton(_Section):
-    tolerance: Tolerance = 1e-6  #: largest relative residual of an equilibrium
+    tolerance: Tolerance = USUAL_TOLERANCE  #: largest relative residual of an equilibrium
 
 
 class _Document(_Section):

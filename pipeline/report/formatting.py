@@ -32,6 +32,11 @@ def percent(value: float | None) -> str:
     return f"{number(float(f'{100 * value:.2g}'))} %"
 
 
+def rounded(count: int) -> str:
+    """A predicted number to two digits."""
+    return f"{int(float(f'{count:.2g}'))}"
+
+
 def seconds(value: float) -> str:
     """A time in seconds, without more digits than anybody reads."""
     return f"{value:.1f} s" if value < 10.0 else f"{value:.0f} s"

@@ -1,8 +1,10 @@
 """What to do after a run, in sentences with the command or key to use."""
 
+from collections.abc import Mapping
 from math import inf
+from typing import Any
 
-from pipeline.report.formatting import percent
+from pipeline.report.formatting import percent, rounded
 from pipeline.report.mesh import from_file
 from pipeline.report.mesh_error import largest_mesh_error
 from pipeline.report.results import Results
@@ -47,8 +49,10 @@ def _after_limit(results: Results) -> list[str]:
 
 def _mesh(results: Results, rod: str) -> list[str]:
     """A finer mesh, or another one that shows the error of the present one."""
-    if results.run.get("accuracy") or not (results.identified_pressures or results.arm_law):
+    if not (results.identified_pressures or results.arm_law):
         return []
+    if accuracy := results.run.get("accuracy"):
+        return _for_accuracy(accuracy)
     if from_file(results):
         return ["Next: run the body with a finer mesh in its file too; the difference shows the error of the mesh."]
     steps = _smaller(results, rod)
@@ -58,6 +62,20 @@ def _mesh(results: Results, rod: str) -> list[str]:
             "mesh.coarser=1.5 (II and III once more on a coarser mesh) or with --set mesh.size=auto --accuracy 5%."
         )
     return steps
+
+
+def _for_accuracy(accuracy: Mapping[str, Any]) -> list[str]:
+    """Smaller elements, where the errors are estimated above those requested."""
+    present = accuracy.get("after") or accuracy
+    if present.get("estimated_error", 0.0) <= accuracy.get("requested", 0.0):
+        return []
+    beginning = f"Next: the requested accuracy of {percent(accuracy['requested'])} is not reached; "
+    if not (finer := accuracy.get("finer")):
+        return [f"{beginning}no smaller size that is tried would reach it; request a larger error."]
+    return [
+        f"{beginning}take smaller elements, in another --out: --set mesh.size='{finer['size_mm']:g} mm' with the same "
+        f"--accuracy (about {rounded(finer['degrees_of_freedom'])} unknowns)."
+    ]
 
 
 def _smaller(results: Results, rod: str) -> list[str]:

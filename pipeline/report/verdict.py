@@ -55,6 +55,7 @@ class Verdict:
     errors: tuple[RodErrors, ...]  #: of every rod, that to take first
     statements: tuple[Statement, ...]
     parameters: tuple[JsonObject, ...]  #: by pressure: the five parameters unrounded, with _std and _95
+    accuracy: JsonObject | None  #: requested and estimated error; None where none was requested or could be estimated
     failure_in_short: tuple[str, ...]  #: what is shown on a terminal for the statement on failure; empty without one
 
     @property
@@ -82,6 +83,7 @@ class Verdict:
             "parameters": self.parameters,
             "rod": self.rod,
             "errors": [errors.record() for errors in self.errors],
+            "accuracy": self.accuracy,
             "sentences": {statement.topic: statement.sentences for statement in self.statements},
         }
 
@@ -111,6 +113,7 @@ def verdict_of(results: Results) -> Verdict:
         errors=tuple(errors),
         statements=tuple(Statement(topic, tuple(sentences)) for topic, sentences in topics.items() if sentences),
         parameters=tuple(_parameters(results, index) for index in range(len(results.identified_pressures))),
+        accuracy=_accuracy(results),
         failure_in_short=tuple(_failure_in_short(results)),
     )
 
@@ -179,6 +182,16 @@ def _mesh_error(results: Results) -> list[str]:
     planned = (results.run.get("accuracy") or {}).get("sentence")
     accuracy = f"Accuracy: {planned}." if planned else ""
     return [*filter(None, (accuracy, mesh_error(results), law_mesh_error(results)))]
+
+
+def _accuracy(results: Results) -> JsonObject | None:
+    """The requested error, the latest estimate, and whether that is within it."""
+    accuracy = results.run.get("accuracy") or {}
+    if "is_reached" not in accuracy:  # files from before this key
+        return None
+    present = accuracy["after"] or accuracy
+    keys = {key: accuracy[key] for key in ("requested", "is_reached")}
+    return {**keys, "estimated_error": present["estimated_error"]}
 
 
 def _parameters(results: Results, index: int) -> JsonObject:

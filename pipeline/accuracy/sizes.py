@@ -1,0 +1,115 @@
+"""The sizes that requested accuracies need, and what they cost, from the pilots."""
+
+from dataclasses import dataclass
+from math import ceil, floor
+
+import fem
+from pipeline.accuracy.error_model import MeshErrorModel, Pilot
+from pipeline.config.config import Config
+from pipeline.config.kinds import MOST_ACCURACY
+from pipeline.remaining_time import duration
+from pipeline.report.formatting import rounded
+from pipeline.simulation.scene import Scene
+
+#: fraction of the requested error that contact may have, and fraction of the rest that the mesh is planned for
+CONTACT_FRACTION, MESH_FRACTION = 0.4, 0.8
+#: relative error per activation distance over the gap: the largest measured, that of F on the gapped pneu-net arm
+ERROR_PER_DISTANCE = 0.7
+#: smallest activation distance over the gap: half of it takes three times the factorizations, because walls enter and
+#: leave so thin a barrier between Newton iterations
+MIN_DISTANCE = 0.01
+#: powers with which unknowns grow with the inverse of the size, and CPU seconds with the unknowns: 1.5 to 1.8 and 1.1
+#: to 1.3 on the meshes graded to the walls of docs/accuracy.md, from the size of the finer pilot to the finest
+UNKNOWNS_ORDER, SECONDS_ORDER = 1.6, 1.25
+#: accuracies that are compared with the requested one, over that
+COMPARED = (2.0, 0.5)
+
+
+@dataclass(frozen=True)
+class ContactDistance:
+    """The activation distance of contact; without gap where no faces can meet."""
+
+    gap_mm: float | None
+    given_mm: float | None = None  #: that of the configuration, which is kept
+
+    @staticmethod
+    def of(config: Config) -> "ContactDistance":
+        """Of a configuration with a mesh size. Raises InputError as `Scene.meshed`."""
+        default = Scene.meshed(config.with_contact_distance(None)).activation_distance
+        gap = None if default is None else default / fem.ACTIVATION
+        return ContactDistance(gap, config.effects.self_contact.dhat_mm)
+
+    def within(self, error: float) -> tuple[float | None, float]:
+        """The largest distance (mm) with a relative error of `error` at most, unless one is given, and its error."""
+        if self.gap_mm is None:
+            return None, 0.0
+        relative = min(fem.ACTIVATION, max(error / ERROR_PER_DISTANCE, MIN_DISTANCE))
+        distance = self.given_mm or relative * self.gap_mm
+        return distance, ERROR_PER_DISTANCE * distance / self.gap_mm
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The mesh for an accuracy, and what it costs."""
+
+    accuracy: float  #: requested relative error
+    size_mm: float
+    contact_dhat_mm: float | None
+    estimated_of_contact: float
+    estimated_error: float  #: the largest, contact included
+    degrees_of_freedom: int  #: expected
+    cpu_seconds: float  #: expected, of experiments II and III at the lowest pressure
+
+    @property
+    def is_reached(self) -> bool:
+        """Whether the estimated error is within the accuracy."""
+        return self.estimated_error <= self.accuracy
+
+    def cost(self, config: Config) -> str:
+        """Unknowns of a run and the time of its experiments with one worker process, in words."""
+        seconds = self.cpu_seconds * len(config.pressures_kPa) * len(config.experiments) / 2
+        spent = duration(float(f"{seconds:.2g}"))
+        return f"about {rounded(self.degrees_of_freedom)} unknowns and {spent} for the experiments"
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """The sizes between bounds (mm), their errors and their cost."""
+
+    model: MeshErrorModel
+    pilots: tuple[Pilot, Pilot]  #: the coarser first
+    contact: ContactDistance
+    smallest_mm: float
+    largest_mm: float
+
+    def choice(self, accuracy: float) -> Choice:
+        """The size for an accuracy, within the bounds."""
+        _, of_contact = self.contact.within(CONTACT_FRACTION * accuracy)
+        of_mesh = max(
+            accuracy - of_contact, (1.0 - CONTACT_FRACTION) * accuracy
+        )  # a given distance may exceed its part
+        size = min(max(self.model.size_for(MESH_FRACTION * of_mesh), self.smallest_mm), self.largest_mm)
+        return self.with_size(floor(100.0 * size) / 100.0, accuracy)
+
+    def with_size(self, size_mm: float, accuracy: float) -> Choice:
+        """What a size leads to; contact is chosen for the accuracy."""
+        distance, of_contact = self.contact.within(CONTACT_FRACTION * accuracy)
+        error = max(self.model.at(size_mm).values()) + of_contact
+        fine = self.pilots[1]
+        refinement = fine.size_mm / size_mm
+        freedom = fine.degrees_of_freedom * refinement**UNKNOWNS_ORDER
+        seconds = fine.cpu_seconds * (freedom / fine.degrees_of_freedom) ** SECONDS_ORDER
+        return Choice(accuracy, size_mm, distance, of_contact, error, round(freedom), seconds)
+
+    @property
+    def best_accuracy(self) -> float:
+        """The smallest accuracy in steps of 0.1 % whose estimated error is within it."""
+        accuracy = MOST_ACCURACY
+        for _ in range(50):  # the error of contact changes by 0.4 of what the accuracy does
+            accuracy = self.with_size(floor(100.0 * self.smallest_mm) / 100.0, accuracy).estimated_error
+        return ceil(1000.0 * accuracy - 1e-6) / 1000.0
+
+    def compared(self, accuracy: float) -> tuple[Choice, ...]:
+        """The choices for some accuracies around the requested one, the largest first."""
+        others = [factor * accuracy for factor in COMPARED if factor * accuracy <= MOST_ACCURACY]
+        return tuple(self.choice(value) for value in sorted((accuracy, *others), reverse=True))
