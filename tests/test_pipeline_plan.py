@@ -312,9 +312,10 @@ def test_without_pilots_the_run_goes_on_as_without_the_request(
 
 def test_an_arm_too_short_for_five_parameters_has_no_pilots(configs: Path, tmp_path: Path, piloted: list[Rung]) -> None:
     config = load_config(configs / "pneunet_coarse.yaml", ["accuracy=8 %", "geometry.chambers=6"])
-    made, _ = decided(config, tmp_path)
+    made, told = decided(config, tmp_path)
     assert not piloted
     assert made.plan is None
+    assert "ends early" not in told  # the elements are those of the configuration
     assert "accuracy not estimated: the arm is too short for five parameters" in made.remarks[0]
 
 

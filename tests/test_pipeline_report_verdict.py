@@ -178,6 +178,15 @@ def test_a_requested_accuracy_is_not_called_missing(folder: Path) -> None:
     assert not any("not estimated" in text for text in (*verdict.on("rod"), *verdict.on("mesh error")))
 
 
+def test_an_accuracy_that_could_not_be_estimated_is_not_suggested(folder: Path) -> None:
+    config = json.loads((folder / "run.json").read_text(encoding="utf-8"))["config"]
+    for requested, is_suggested in ((None, True), (0.05, False)):
+        change(folder, "run", config=config | {"accuracy": requested})
+        steps = " ".join(verdict_of(read_results(folder)).on("next"))
+        assert "mesh.coarser=1.5" in steps
+        assert ("--accuracy" in steps) == is_suggested
+
+
 def test_an_accuracy_that_is_not_reached_has_a_next_step(folder: Path) -> None:
     accuracy = {"sentence": "", "requested": 0.03, "is_reached": False, "estimated_error": 0.02}
     finer = {"size_mm": 1.8, "degrees_of_freedom": 123_456}

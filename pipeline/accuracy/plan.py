@@ -227,18 +227,18 @@ class Plan:
 
     def _doubt(self, present: Estimate) -> str:
         """Why an estimate is not reliable; empty where it is."""
+        doubts = []
         if self.turn_rad < SMALLEST_TURN:
-            return (
+            doubts.append(
                 f"the arm hardly bends (at {self.pilots_kPa:g} kPa its curvature adds up to {self.turn_rad:.1g} rad "
-                "over the length), so that the estimate is not reliable; give higher pressures or thinner walls, or "
-                "expect errors of 3 to 12 % of this small curvature"
+                "over the length), so that the estimate is not reliable; give higher pressures or thinner walls"
             )
         if present.largest > RELIABLE:
-            return (
+            doubts.append(
                 f"errors above {100 * RELIABLE:g} % are not estimated reliably, because the pilots are too coarse for "
                 "this arm"
             )
-        return ""
+        return "; ".join(doubts)
 
     def _finer(self, review: Review | None) -> Choice | None:
         """The size that would reach the request after all; None where it is reached, or where no smaller size would."""

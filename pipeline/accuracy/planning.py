@@ -57,26 +57,34 @@ def plan_discretisation(config: Config, store: Store, progress: Progress) -> Pla
 
 
 def _planned(config: Config, requested: float, store: Store, progress: Progress) -> Planned:
+    """As `plan_discretisation`, for a requested relative error."""
     refuse(config)
+    if reason := why_not_estimated(config):
+        return _unplanned(config, reason, progress)
     remark = of_law(config)
     remarks = (remark,) if remark else ()
     for sentence in remarks:
         progress.remark(sentence)
     try:
         pilots = _pilots(config, store, progress)
-    except _NoNumbers as reason:
-        config = without_accuracy(config)
-        given = "given one" if "size" not in config.mesh.chosen else "one that the program chooses without a request"
-        sentence = (
-            f"accuracy not estimated: {reason}; the mesh is the {given}, {config.mesh.element_size_mm:.3g} mm, with "
-            f"{config.mesh.formulation} elements"
-        )
-        progress.remark(sentence)
-        return Planned(config, None, (sentence,))
+    except _NoNumbers as failure:
+        return _unplanned(config, str(failure), progress)
     plan = _plan(config, requested, pilots)
     plan.check(config)
     progress.remark(plan.announcement(config))
     return Planned(plan.applied(config), plan, remarks)
+
+
+def _unplanned(config: Config, reason: str, progress: Progress) -> Planned:
+    """The configuration without the request, and a remark why."""
+    config = without_accuracy(config)
+    given = "given one" if "size" not in config.mesh.chosen else "one that the program chooses without a request"
+    sentence = (
+        f"accuracy not estimated: {reason}; the mesh is the {given}, {config.mesh.element_size_mm:.3g} mm, with "
+        f"{config.mesh.formulation} elements"
+    )
+    progress.remark(sentence)
+    return Planned(config, None, (sentence,))
 
 
 class _NoNumbers(Exception):
@@ -85,8 +93,6 @@ class _NoNumbers(Exception):
 
 def _pilots(config: Config, store: Store, progress: Progress) -> tuple[Pilot, Pilot]:
     """The coarser and the finer pilot, which serve for every accuracy. Raises _NoNumbers."""
-    if reason := why_not_estimated(config):
-        raise _NoNumbers(reason)
     name, key = "states/pilots.json", result_key(replace(config, accuracy=None).hash, NUMBER_SOURCES)
     kept = store.read_json(name)
     if kept is None or kept["key"] != key:
@@ -110,7 +116,8 @@ def _pilot(config: Config, size: float) -> Pilot:
     config = config.with_mesh_size(size)
     result = measure(Rung(mesh_series(config), size, config))
     if result.cost is None or not result.numbers:
-        raise _NoNumbers(f"the pilot with a mesh of {size:.3g} mm gave no numbers ({result.failure})")
+        why = result.failure.partition("; ")[0]
+        raise _NoNumbers(f"the pilot with a mesh of {size:.3g} mm gave no numbers ({why})")
     solved = SolvedMesh.of(result.numbers[0])
     return Pilot(size, result.cost.degrees_of_freedom, result.cost.cpu_seconds, solved)
 

@@ -57,9 +57,11 @@ def _mesh(results: Results, rod: str) -> list[str]:
         return ["Next: run the body with a finer mesh in its file too; the difference shows the error of the mesh."]
     steps = _smaller(results, rod)
     if results.identified_pressures and not results.parameters.get("mesh_error"):
+        with_pilots = results.run.get("config", {}).get("accuracy") is None  # else these gave no estimate
         steps.append(
             "Next: have the error of the mesh in the five parameters estimated, in another --out, with --set "
-            "mesh.coarser=1.5 (II and III once more on a coarser mesh) or with --set mesh.size=auto --accuracy 5%."
+            "mesh.coarser=1.5 (II and III once more on a coarser mesh)"
+            f"{' or with --set mesh.size=auto --accuracy 5%' if with_pilots else ''}."
         )
     return steps
 
@@ -71,7 +73,9 @@ def _for_accuracy(accuracy: Mapping[str, Any]) -> list[str]:
         return []
     beginning = f"Next: the requested accuracy of {percent(accuracy['requested'])} is not reached; "
     if not (finer := accuracy.get("finer")):
-        return [f"{beginning}no smaller size that is tried would reach it; request a larger error."]
+        return [
+            f"{beginning}no smaller size that is tried would reach it; request a larger error, or leave accuracy out."
+        ]
     return [
         f"{beginning}take smaller elements, in another --out: --set mesh.size='{finer['size_mm']:g} mm' with the same "
         f"--accuracy (about {rounded(finer['degrees_of_freedom'])} unknowns)."
