@@ -96,7 +96,7 @@ DESIGNS = (
         radius="6.5 mm",
         wall="1.3 mm",
     ),
-    design("gapped_8", "gapped, 8 chambers", PNEU, 5.0, GAPPED, chambers="8"),
+    design("gapped_8", "gapped, 8 chambers", PNEU, 6.0, GAPPED, chambers="8"),
     design("gapped_7", "gapped, 7 chambers, wall 1.4 mm", PNEU, 5.0, GAPPED, chambers="7", wall="1.4 mm"),
 )
 
