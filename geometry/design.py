@@ -263,11 +263,20 @@ class Design(ABC):
 
 class SymmetricDesign(Design):
     """A design that is symmetric about z = 0, so that only z >= 0 is meshed, and repeats a cell that is symmetric about
-    its own middle. A family defines `repetition`."""
+    its own middle. A family defines `cell_count` and `repetition`."""
+
+    @property
+    @abstractmethod
+    def cell_count(self) -> int:
+        """Number of cells between the two ends, of which the first and the last hold half a cell each."""
 
     @property
     def repeats(self) -> bool:
-        return True
+        return self.cell_count > 1
+
+    @property
+    def why_no_cell(self) -> str:
+        return "the arm has no inner cell; its own law needs two cells at least"
 
     @abstractmethod
     def repetition(self, size: float, grading: Grading) -> Repetition:

@@ -208,8 +208,9 @@ def test_meshing_is_silent_and_works_in_threads(capfd: pytest.CaptureFixture[str
     assert capfd.readouterr() == ("", "")
 
 
-def test_a_family_defines_eight_members() -> None:
-    members = {"length", "extent", "curve_y", "pitch", "solid_volume", "cavity_volumes", "repetition", "thinnest_wall"}
+def test_a_family_defines_nine_members() -> None:
+    members = {"length", "extent", "curve_y", "pitch", "cell_count", "repetition"}
+    members |= {"solid_volume", "cavity_volumes", "thinnest_wall"}
     assert SymmetricDesign.__abstractmethods__ == members
 
 

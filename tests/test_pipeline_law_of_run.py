@@ -12,6 +12,7 @@ from test_pipeline_outcome import outcome, record
 import pneurod
 from pipeline.cell import of_run
 from pipeline.cell.of_run import LawOfRun, law_of_run
+from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
@@ -114,13 +115,23 @@ def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: P
         config(tmp_path, weight, "law=cell")
 
 
-def test_an_arm_that_is_too_short_for_a_law_alone_fails_with_the_reason(tmp_path: Path) -> None:
-    short = config(tmp_path, "geometry.chambers=1", "law=cell", "validation=off")
-    with open_store(tmp_path / "short", short) as store:
-        law = law_of_run(Scene.meshed(short), RunContext.alone(store, Silent())).result()
+def test_an_arm_without_an_inner_cell_is_refused_before_anything_is_meshed(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="law: cell is not possible: the arm has no inner cell; its own law needs two"):
+        config(tmp_path, "geometry.chambers=1", "law=cell", "validation=off")
+
+
+def test_a_body_of_which_no_piece_is_made_fails_with_the_reason(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(self: ArmPieces) -> None:
+        raise NoArmLaw("no wall faces the plane between two cells.")
+
+    design = config(tmp_path, "law=cell", "validation=off")
+    monkeypatch.setattr(ArmPieces, "repetition", property(refused))
+    with open_store(tmp_path / "refused", design) as store:
+        law = law_of_run(Scene.meshed(design), RunContext.alone(store, Silent())).result()
     assert law.law is None
-    (failure,) = law.failures
-    assert failure.startswith("no law of the arm: ")
+    assert law.failures == ("no law of the arm: no wall faces the plane between two cells",)
 
 
 def law_up_to(pressure: float, not_borne: bool) -> LawOfRun:

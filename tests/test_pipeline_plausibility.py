@@ -398,6 +398,7 @@ def test_a_short_arm_without_a_law_of_its_own_is_not_sent_to_it() -> None:
     weight = "effects.gravity=on"
     sentence = notes_before(PRESSURES, "geometry.chambers=6", weight)
     assert sentence.endswith("this arm of 62 mm has 6.2 of 10 mm; give more geometry.chambers")
+    assert notes_before(PRESSURES, "geometry.chambers=1").endswith("; give more geometry.chambers")
 
 
 def test_a_flat_element_is_named_before_solving() -> None:

@@ -271,6 +271,21 @@ def test_the_next_step_of_a_short_arm_is_a_longer_one(folder: Path) -> None:
     assert "leave this pressure or load out" in steps[1]
 
 
+def test_the_next_step_of_an_arm_without_a_law_is_not_about_its_pressures(folder: Path) -> None:
+    reason, limit = "no law of the arm: the two ends disturb all cells", "experiment II stopped before 45 kPa: a limit"
+    change(folder, "run", failure=reason, failures=[reason])
+    (step, *others) = verdict_of(read_results(folder)).on("next")
+    assert step == (
+        "Next: no law of the arm: the two ends disturb all cells; take five parameters instead, with --set law=five in "
+        "another --out, if the arm is long enough for them."
+    )
+    assert not any("leave this pressure" in other for other in others)
+    change(folder, "run", failure=f"{limit}; {reason}", failures=[limit, reason])
+    steps = verdict_of(read_results(folder)).on("next")
+    assert steps[0] == step
+    assert "leave this pressure or load out" in steps[1]
+
+
 def test_the_opening_names_the_rods_that_there_are(folder: Path) -> None:
     assert "and rods were made that replace it" in opening(read_results(folder))
     columns = json.loads((folder / "parameters.json").read_text(encoding="utf-8"))

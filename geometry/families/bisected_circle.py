@@ -53,6 +53,10 @@ class BisectedCircle(SymmetricDesign):
         return 0.0
 
     @property
+    def cell_count(self) -> int:
+        return nominal_cells(self.length - 2 * self.end_wall, self.radius)[0]
+
+    @property
     def pitch(self) -> float:
         return nominal_cells(self.length - 2 * self.end_wall, self.radius)[1]
 

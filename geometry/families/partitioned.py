@@ -36,6 +36,10 @@ class PartitionedDesign(SymmetricDesign):
         return self.chambers * self.chamber_length + (self.chambers - 1) * self.partition + 2 * self.end_wall
 
     @property
+    def cell_count(self) -> int:
+        return self.chambers
+
+    @property
     def curve_y(self) -> float:
         return self.base / 2
 
@@ -55,7 +59,7 @@ class PartitionedDesign(SymmetricDesign):
     def repetition(self, size: float, grading: Grading) -> Repetition:
         middle = self.end_wall + self.chamber_length / 2
         edge = middle + self.pitch / 2
-        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
+        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.cell_count - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
         """The end piece to the middle of the first chamber (x = middle, mm), and the half cell that is repeated.

@@ -132,11 +132,17 @@ class PneuNet(SymmetricDesign):
         return all(len(set(self._each(dimension))) == 1 for _, dimension, _ in self._lists)
 
     @property
+    def cell_count(self) -> int:
+        return self.chambers
+
+    @property
     def repeats(self) -> bool:
-        return self.equal
+        return self.equal and super().repeats
 
     @property
     def why_no_cell(self) -> str:
+        if self.equal:
+            return super().why_no_cell
         return "the chambers or the gaps of the arm are not equal, so that it repeats no cell"
 
     @property
@@ -231,7 +237,7 @@ class PneuNet(SymmetricDesign):
         gap, chamber_length = self._each("gap")[0], self._each("chamber_length")[0]
         middle = gap + chamber_length / 2
         edge = 1.5 * gap + chamber_length
-        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
+        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.cell_count - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
         """The end piece and the half cell that are repeated.

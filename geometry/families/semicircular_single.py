@@ -50,6 +50,10 @@ class SemicircularSingle(SymmetricDesign):
         return self.base
 
     @property
+    def cell_count(self) -> int:
+        return nominal_cells(self.length - 2 * self.end_wall, self.radius)[0]
+
+    @property
     def pitch(self) -> float:
         return nominal_cells(self.length - 2 * self.end_wall, self.radius)[1]
 

@@ -16,6 +16,8 @@ from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
 from rod import ArmLaw
 
+#: how the sentence begins where a run with `law: cell` has none
+NO_LAW = "no law of the arm"
 #: what a reason says on the factorization of a tangent; law.json keeps it
 _PIVOTS = re.compile(r" \(\d+ negative pivots\)")
 
@@ -78,7 +80,7 @@ def law_of_run(scene: Scene, context: RunContext, highest_kPa: Callable[[], floa
         return Done(LawOfRun(None, "switched off in the config", ()))
     try:
         pieces = ArmPieces.of(scene)
-        pieces.repetition  # noqa: B018 - refuses an arm that is too short
+        pieces.repetition  # noqa: B018 - meshed here, or refused
     except (NoArmLaw, InputError) as refusal:
         return Done(_none(choice, refusal))
     return context.workers.beside(_law, choice, pieces, context, highest_kPa)
@@ -86,7 +88,7 @@ def law_of_run(scene: Scene, context: RunContext, highest_kPa: Callable[[], floa
 
 def _none(choice: str, why: Exception) -> LawOfRun:
     reason = str(why).rstrip(".")
-    failures = (f"no law of the arm: {reason}",) if choice == "cell" else ()
+    failures = (f"{NO_LAW}: {reason}",) if choice == "cell" else ()
     return LawOfRun(None, reason, failures, not_borne=isinstance(why, RunFailed))
 
 

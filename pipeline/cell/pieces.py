@@ -56,21 +56,12 @@ class ArmPieces:
 
     @cached_property
     def repetition(self) -> Repetition:
-        """Where the cells of the arm are. Raises `NoArmLaw` for an arm without an inner cell, and InputError."""
+        """Where the cells of the arm are. Raises InputError."""
         mesh = self.config.mesh
         try:
-            repetition = self.design.repetition(mesh.element_size_mm, GRADINGS[mesh.grading])
+            return self.design.repetition(mesh.element_size_mm, GRADINGS[mesh.grading])
         except (DesignError, MeshError) as failure:
             raise InputError(f"{self.config.source}: {failure}") from None
-        ends = repetition.middle + repetition.beyond + 2.0 * repetition.half_pitch
-        if repetition.half_cells == 0:
-            raise NoArmLaw("the arm has no inner cell; its own law needs two cells at least")
-        if ends > self.design.length * (1.0 + 1e-9):
-            raise NoArmLaw(
-                f"the arm is shorter than its two disturbed ends ({self.design.length:g} mm against {ends:g} mm at "
-                "least), so the law of an inner cell does not describe it"
-            )
-        return repetition
 
     @property
     def cell(self) -> BendingPiece:
@@ -100,7 +91,6 @@ class ArmPieces:
 
     def _body(self, half_cells: int, start: Boundary) -> Body:
         """The meshed piece. Raises `NoArmLaw` and InputError."""
-        _ = self.repetition  # refuses arms without cells
         try:
             return self._meshed(half_cells, start)
         except (DesignError, MeshError) as failure:

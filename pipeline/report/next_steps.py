@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from math import inf
 from typing import Any
 
+from pipeline.cell.of_run import NO_LAW
 from pipeline.report.formatting import percent, rounded
 from pipeline.report.mesh import from_file
 from pipeline.report.mesh_error import largest_mesh_error
@@ -26,11 +27,15 @@ def _after_failure(results: Results) -> list[str]:
     reached = [row.pressure_kPa for row in results.experiments if row.reached]
     if not reached:
         return ["Next: lower the pressures or change the design, because no pressure was reached."]
-    short = why_at_no_pressure(results.run)
-    if not short:
-        return _after_limit(results)
-    others = [] if len(results.run["failures"]) == 1 else _after_limit(results)
-    return [f"Next: whatever the pressures, {short}.", *others]
+    steps, failures = [], results.run.get("failures") or ()
+    if short := why_at_no_pressure(results.run):
+        steps.append(f"Next: whatever the pressures, {short}.")
+    if without_law := next((failure for failure in failures if failure.startswith(NO_LAW)), ""):
+        steps.append(
+            f"Next: {without_law}; take five parameters instead, with --set law=five in another --out, if the arm is "
+            "long enough for them."
+        )
+    return steps if steps and len(steps) == len(failures) else [*steps, *_after_limit(results)]
 
 
 def _after_limit(results: Results) -> list[str]:
