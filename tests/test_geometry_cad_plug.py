@@ -158,6 +158,20 @@ def test_points_in_no_inlet_are_refused(tmp_path: Path) -> None:
         CadFile(path, 1.5, plug={"inlet": (30, 0)})
 
 
+@pytest.mark.parametrize("is_half", [False, True])
+def test_the_inlet_is_named_before_larger_openings_between_chambers(tmp_path: Path, is_half: bool) -> None:
+    """The air in the plane of symmetry of a half body is no opening."""
+
+    def with_partition(occ: Any) -> Any:
+        partition = occ.cut([box(occ, (39, 2, -7), (41, 11, 7))], [cylinder(38, 6, 0, 4, 0, 0, 2.5)(occ)])[0]
+        return occ.fuse(drilled(cylinder(30, -1, 3, 0, 5, 0, 1.2))(occ), partition)[0]
+
+    path = str(save(tmp_path / "chambers.step", half(with_partition, 1) if is_half else with_partition))
+    others = "" if is_half else r", \(41, 6, 0\) mm, \(39, 6, 0\) mm, \(30, 3, 3\) mm"
+    with pytest.raises(DesignError, match=rf"have their centres at \(30, 0, 3\) mm{others}"):
+        CadFile(path, 11, symmetric=is_half)
+
+
 def test_the_foot_of_a_part_is_no_opening(tmp_path: Path) -> None:
     def with_boss(occ: Any) -> Any:
         return occ.fuse(BELOW(occ), [(3, occ.addCylinder(20, 12, 0, 0, 3, 0, 2.5))])[0]

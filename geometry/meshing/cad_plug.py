@@ -64,7 +64,10 @@ def _refusal(body: CadBody, name: str, sentence: str) -> DesignError:
 
 
 def hole_advice(gmsh: Any, body: CadBody, solids: list[Volume]) -> str:
-    """Where the largest openings in flat faces are, as the end of a sentence; empty where there is none."""
+    """Where openings in flat faces are, as the end of a sentence; empty where there is none.
+
+    Those in faces with the whole body behind them come first, because inlets are there, then the largest.
+    """
 
     def is_foot(length: float, centre: Point, normal: Point) -> bool:
         """Whether a part of the body stands on the face there: it has material on both sides."""
@@ -72,20 +75,25 @@ def hole_advice(gmsh: Any, body: CadBody, solids: list[Volume]) -> str:
         return all(is_in_material(gmsh, solids, side) for side in sides)
 
     occ, edges = gmsh.model.occ, []
+    corners = np.array([gmsh.model.getValue(*point, []) for point in gmsh.model.getBoundary(solids, recursive=True)])
+    near = NEAR * float(np.linalg.norm(np.ptp(corners, axis=0)))
+    is_half = body.half and corners[:, 2].min() > -near  # of the file itself
     for face in gmsh.model.getBoundary(solids, combined=False, oriented=False):
         plane = plane_of(gmsh, face)
-        if plane is None:
+        if plane is None or (is_half and abs(plane[1][2]) > 0.5 and plane[0][2] < near):  # the plane of symmetry
             continue
+        heights = (corners - plane[0]) @ plane[1]
+        is_outside = min(heights.max(), -heights.min()) < near
         measured = []
         for loop in occ.getCurveLoops(face[1])[1]:
             lengths = np.array([float(occ.getMass(1, curve)) for curve in loop])
             centres = np.array([occ.getCenterOfMass(1, curve) for curve in loop])
             centre = np.round(lengths @ centres / lengths.sum(), 6)
-            measured.append((float(lengths.sum()), tuple(centre), tuple(plane[1])))
+            measured.append((is_outside, float(lengths.sum()), tuple(centre), tuple(plane[1])))
         edges += sorted(measured)[:-1]  # the longest is the edge of the face itself
-    openings = (body.words(at, ".6") for length, at, n in sorted(edges, reverse=True) if not is_foot(length, at, n))
-    largest = list(islice(openings, LISTED))  # looking for material takes the longest
-    return f"; the largest openings in flat faces have their centres at {', '.join(largest)}" if largest else ""
+    openings = (body.words(at, ".6") for _, size, at, n in sorted(edges, reverse=True) if not is_foot(size, at, n))
+    first = list(islice(openings, LISTED))  # looking for material takes the longest
+    return f"; openings in flat faces, those outside first, have their centres at {', '.join(first)}" if first else ""
 
 
 def _channel(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Channel | None:
