@@ -451,15 +451,19 @@ def test_no_law_for_a_configuration_ends_with_1(tmp_path: Path) -> None:
     assert result.stderr == f"pneurod: no law describes these data from rest on within 10 %: {note}\n"
 
 
-def test_yaml_blocks_are_read_back_as_a_material(shipped: Fits, configs: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("density", [None, "1130 kg/m^3"])
+def test_yaml_blocks_are_read_back_as_a_material(
+    shipped: Fits, configs: Path, tmp_path: Path, density: str | None
+) -> None:
     arm = (configs / "pneunet_coarse.yaml").read_text(encoding="utf-8")
     begin, end = arm.index("\nmaterial:") + 1, arm.index("\npressures:")
     assert set(shipped.usable) == set(FORMS) - {"ogden 3"}
     for law, fit in shipped.usable.items():
         path = tmp_path / f"{law}.yaml"
-        path.write_text(arm[:begin] + yaml_block(fit, "1130 kg/m^3") + "\n\n" + arm[end:], encoding="utf-8")
+        path.write_text(arm[:begin] + yaml_block(fit, density) + "\n\n" + arm[end:], encoding="utf-8")
         material = load_config(path).material
         assert material.law == fit.law
+        assert material.density_tonne_mm3 == (density and pytest.approx(1.13e-9))
         again = material.built()
         np.testing.assert_allclose(
             again.uniaxial(shipped.curve.nodes).nominal,
@@ -491,6 +495,8 @@ def test_the_command(configs: Path, tmp_path: Path) -> None:
     tables = result.stdout.partition("for a configuration")[0]
     assert max(map(len, tables.splitlines())) <= 80
     assert "…" not in result.stdout
+    assert "density" not in result.stdout  # nobody gave one
+    assert "the paper" not in result.stdout
     record = json.loads((tmp_path / "out" / "material.json").read_text(encoding="utf-8"))
     assert len(record["laws"]) == 2 * len(FORMS)
     for row in record["laws"]:

@@ -16,7 +16,7 @@ def material(
     up_to: Annotated[str | None, typer.Option(metavar="STRAIN", help="Leave out larger strains: '50 %'.")] = None,
     within: Annotated[str, typer.Option(metavar="ERROR", help="Relative error within which a law holds.")] = "10 %",
     break_strain: Annotated[str, typer.Option("--break", metavar="STRAIN", help="E_L below, E_H above.")] = "150 %",
-    density: Annotated[str, typer.Option(metavar="RHO", help="For the configuration; not measured.")] = "1130 kg/m^3",
+    density: Annotated[str | None, typer.Option(metavar="RHO", help="For the configuration: '1070 kg/m^3'.")] = None,
 ) -> None:
     """Tensile tests: constants of every law, the stretches it holds for, E_L and E_H."""
     with errors_as_sentences():

@@ -24,19 +24,20 @@ class FitOptions:
     """The options of the command line, checked."""
 
     nu: float  #: Poisson ratio of the laws that have one; it gives the others their kappa
-    density: str  #: as written, for the configuration
+    density: str | None  #: as written, for the configuration; None where it is not given
     break_strain: float  #: E_L below, E_H above
     up_to: float  #: largest strain that is used
     within: float  #: relative error of the nominal stress up to which a law counts as valid
 
     @staticmethod
-    def read(nu: float, density: str, break_strain: str, up_to: str | None, within: str) -> "FitOptions":
+    def read(nu: float, density: str | None, break_strain: str, up_to: str | None, within: str) -> "FitOptions":
         """From the texts of the command line. Raises InputError."""
         try:
             StVenantKirchhoff(1.0, nu)
         except MaterialError as failure:
             raise InputError(f"--nu: {failure}") from None
-        _positive("--density", density, DENSITY)
+        if density is not None:
+            _positive("--density", density, DENSITY)
         return FitOptions(
             nu,
             density,

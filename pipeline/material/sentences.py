@@ -7,7 +7,7 @@ import numpy as np
 from fem.materials import LAWS, Constant, Ogden
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit
-from pipeline.material.moduli import PAPER, check_high_modulus
+from pipeline.material.moduli import check_high_modulus
 from pipeline.report.formatting import listed
 
 #: |stretch - 1| below which large scatter needs no sentence
@@ -22,13 +22,14 @@ def with_error(value: float, error: float) -> str:
     return f"{value:.{min(max(digits, 1), 6)}g} ± {error:.1g}"
 
 
-def yaml_block(fit: LawFit, density: str) -> str:
-    """The section `material` of a configuration with this law."""
-    constants = [f"{name}: {_value(fit, name, kind)}" for name, kind in LAWS[fit.law].constants().items()]
-    return f"material: {{law: {fit.law}, {', '.join(constants)}, density: {density}}}"
+def yaml_block(fit: LawFit, density: str | None) -> str:
+    """The section `material` of a configuration with this law, and with the density where one is given."""
+    entries = [f"{name}: {_value(fit, name, kind)}" for name, kind in LAWS[fit.law].constants().items()]
+    entries += [] if density is None else [f"density: {density}"]
+    return f"material: {{law: {fit.law}, {', '.join(entries)}}}"
 
 
-def configuration_line(fit: LawFit, density: str) -> str:
+def configuration_line(fit: LawFit, density: str | None) -> str:
     """The section `material` of a configuration, and as a comment of it what it was fitted to."""
     low, high = fit.fitted_range
     return f"{yaml_block(fit, density)}  # from {fit.points} points, stretches {low:.3g} to {high:.3g}"
@@ -69,15 +70,14 @@ def caveats(fits: Fits) -> list[str]:
 
 
 def _high_modulus(fits: Fits) -> list[str]:
-    moduli, (low, high, _) = fits.moduli, PAPER
-    measured, paper = check_high_modulus(moduli.low, moduli.high, fits.options.nu), check_high_modulus(*PAPER)
-    named = {"these E_L and E_H": measured, f"the paper's E_L = {low:g} and E_H = {high:g} MPa": paper}
+    moduli = fits.moduli
+    check = check_high_modulus(moduli.low, moduli.high, fits.options.nu)
+    if check is None:
+        return []
     return [
-        f"With {name} a St. Venant-Kirchhoff bar of E = E_H carries {check.svk:.3g} MPa at stretch {check.stretch:g}, "
-        f"{check.svk / check.line:.1f} times the measured line E_L times strain; "
+        f"With these E_L and E_H a St. Venant-Kirchhoff bar of E = E_H carries {check.svk:.3g} MPa at stretch "
+        f"{check.stretch:g}, {check.svk / check.line:.1f} times the measured line E_L times strain; "
         f"a Hencky bar {check.hencky / check.line:.1f} times."
-        for name, check in named.items()
-        if check is not None
     ]
 
 

@@ -70,7 +70,7 @@ def _check_record(check: HighModulusCheck | None) -> dict[str, float] | None:
     }
 
 
-def _fit_record(fit: LawFit | Refused, density: str) -> JsonObject:
+def _fit_record(fit: LawFit | Refused, density: str | None) -> JsonObject:
     if isinstance(fit, Refused):
         return {"reason": fit.reason}
     return {
