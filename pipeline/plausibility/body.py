@@ -1,6 +1,9 @@
 """Sentences on the body and its mesh, known before anything is solved."""
 
+import numpy as np
+
 from geometry import Body, CadFile, Design, Mesh, MeshFile, SurfaceFile, position_text
+from geometry.topology import OUTWARD, find_rows, normals
 from pipeline.config.config import AUTO, Config
 
 #: smallest radius ratio of an element that is not mentioned: meshes of the families have 0.1 to 0.3, and below this one
@@ -85,6 +88,27 @@ def of_volume(body: Body, config: Config) -> str:
     )
 
 
+def of_parts(body: Body, config: Config) -> str:
+    """The sentence on a solid of a CAD file that has most of the walls of the cavities and is a part; else empty."""
+    mesh = body.mesh
+    if not isinstance(config.design, CadFile) or not mesh.regions:
+        return ""
+    walls = np.vstack([mesh.faces[name] for name in body.cavities])
+    areas = np.linalg.norm(normals(mesh.points[walls]), axis=1)
+    sides = {name: mesh.tets[rows][:, OUTWARD].reshape(-1, 3) for name, rows in mesh.regions.items()}
+    within = {name: find_rows(walls, triangles, len(mesh.points)) >= 0 for name, triangles in sides.items()}
+    shares = {name: float(areas[inside].sum() / areas.sum()) for name, inside in within.items()}
+    name = max(shares, key=lambda part: shares[part])
+    of_material = 1.0 - sum(shares.values())
+    if shares[name] <= of_material:
+        return ""
+    return (
+        f"the solid in which the point of geometry.parts.{name} lies ({config.design.region_volumes[name]:.4g} mm3) has "
+        f"{100 * shares[name]:.0f} % of the walls of the cavities, and the solids of `material`, which is meant for "
+        f"these walls, have {100 * of_material:.0f} %; unless that is right, give a point in another solid"
+    )
+
+
 def of_mesh(mesh: Mesh, design: Design) -> tuple[str, ...]:
     """The sentences on the mesh of a design, known before anything is solved."""
     quality = mesh.quality
@@ -101,6 +125,5 @@ def of_mesh(mesh: Mesh, design: Design) -> tuple[str, ...]:
 def of_body(body: Body, config: Config) -> tuple[str, ...]:
     """All sentences on the body that was meshed."""
     design = config.design
-    return tuple(
-        filter(None, (*of_mesh(body.mesh, design), of_volume(body, config), of_half(body), of_directions(design)))
-    )
+    of_solids = of_volume(body, config), of_half(body), of_parts(body, config), of_directions(design)
+    return tuple(filter(None, (*of_mesh(body.mesh, design), *of_solids)))
