@@ -14,6 +14,8 @@ from rod import Interval
 
 #: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
 KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
+#: error of a Poisson ratio that follows from kappa
+ROUNDING = 1e-9
 #: distance of the material curve from its plane over the length that is not mentioned: as much as a rod is wrong
 OUT_OF_PLANE = 1e-3
 #: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
@@ -60,16 +62,20 @@ def after_solving(solved: Solved) -> tuple[str, ...]:
 
 
 def _volume_change(solved: Solved) -> str:
-    """Elements with one point for the volumetric part change their volume where it should be kept."""
+    """Elements with one point for the volumetric part change their volume where it should be kept, and those with a
+    pressure of their own do where they are too large for how the body deforms."""
     element, law = ELEMENTS[solved.config.mesh.formulation], solved.config.material.built()
     worst = min((record.summary for record in solved.outcomes.records), key=lambda summary: summary.extremes.min_J)
     lost = 1.0 - worst.extremes.min_J
-    if element.volumetric is Volumetric.PRESSURE or law.poisson_ratio < KEEPS_ITS_VOLUME or lost < VOLUME_CHANGE:
+    if law.poisson_ratio < KEEPS_ITS_VOLUME - ROUNDING or lost < VOLUME_CHANGE:
         return ""
+    remedy = "a smaller mesh.size, because the elements there are too large for the deformation"
+    if element.volumetric is not Volumetric.PRESSURE:
+        remedy = "mesh.formulation: mixed, or with a smaller mesh.size"
     return (
         f"the material loses up to {100 * lost:.0f} % of its volume at {position_text(worst.extremes.min_J_at)} "
         f"({worst.experiment}, {worst.pressure_kPa:g} kPa), although a Poisson ratio of {law.poisson_ratio:.4g} keeps "
-        "it nearly; compare with mesh.formulation: mixed, or with a smaller mesh.size"
+        f"it nearly; compare with {remedy}"
     )
 
 
