@@ -22,6 +22,8 @@ REGULAR_TET = 1 / (6 * 2**0.5)
 #: Elements of a body whose walls are thinner than the element size h, per area h^2 of half the surface of its bounding
 #: box. Bodies of all families have at least 9.
 TETS_PER_SQUARE = 15.0
+#: Part of a pitch that is rounding, of a length read off a drawing for example.
+ROUNDING_OF_PITCH = 0.01
 #: Smallest and largest dimension that Gmsh draws reliably, mm.
 SHORTEST, LONGEST = 1e-3, 1e6
 
@@ -111,6 +113,17 @@ class Design(ABC):
     def plug_depths(self) -> Mapping[str, float]:
         """Depth (mm) to which an inlet is filled with the material of the body, by its name."""
         return {}
+
+    @property
+    def cavity_pitch(self) -> float:
+        """Largest distance along x between the middles of neighbouring cavities, mm; 0 where none follow one another,
+        or where it is not needed because the cells are known."""
+        return 0.0
+
+    @property
+    def averages_within_cavities(self) -> bool:
+        """Whether curvature is averaged over less than the distance of the cavities, by more than rounding."""
+        return self.pitch < (1.0 - ROUNDING_OF_PITCH) * self.cavity_pitch
 
     @property
     def base_top(self) -> float | None:

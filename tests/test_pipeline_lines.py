@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.identification import mesh_error
 from pipeline.identification import parameters as identification
-from pipeline.identification.lines import choices
+from pipeline.identification.lines import choices, counts_as_equal_cells
 from pipeline.identification.parameters import Parameters, identify_all
 
 
@@ -45,6 +45,14 @@ def test_the_pressures_at_which_walls_touch_decide_together(
     assert [choice.evidence for choice in chosen] == pytest.approx(together)
     assert [choice.two_lines for choice in chosen] == two_lines
     assert all(choice.two_lines for choice in choices(evidence, one_rigidity, d_given=True))
+
+
+@pytest.mark.parametrize(
+    ("repeats", "within", "equal"), [(True, False, True), (False, False, False), (False, True, True)]
+)
+def test_cells_that_are_longer_than_the_average_count_as_equal(repeats: bool, within: bool, equal: bool) -> None:
+    design: Any = SimpleNamespace(repeats=repeats, averages_within_cavities=within)
+    assert counts_as_equal_cells(design) is equal
 
 
 @pytest.mark.parametrize("touching", ["", "II", "III"])

@@ -202,15 +202,16 @@ def test_report_has_the_five_parameters_and_the_agreement(finished: Path) -> Non
             [True, True],
             [-9.0, 12.9],
             "At 17 kPa a single line describes the data as well as two; at 37 kPa two lines fit the data better, but a "
-            "single line is taken, because all cells are equal and no walls touch: two lines then usually describe the "
-            "ends of the arm, and predict other loads less well. There α₁ = α₂, and d has no meaning.",
+            "single line is taken, because no walls touch and all cells are equal, or longer than the curvature is "
+            "averaged over: two lines then usually describe the ends of the arm or of its cells, and predict other "
+            "loads less well. There α₁ = α₂, and d has no meaning.",
         ),
         (
             [False, True],
             [9.0, 0.5],
-            "At 37 kPa two lines fit the data better, but a single line is taken, because all cells are equal and no "
-            "walls touch: two lines then usually describe the ends of the arm, and predict other loads less well. "
-            "There α₁ = α₂, and d has no meaning.",
+            "At 37 kPa two lines fit the data better, but a single line is taken, because no walls touch and all cells "
+            "are equal, or longer than the curvature is averaged over: two lines then usually describe the ends of the "
+            "arm or of its cells, and predict other loads less well. There α₁ = α₂, and d has no meaning.",
         ),
     ],
 )

@@ -185,6 +185,10 @@ class CadFile(FileDesign):
         return {name: self.measures.air_volumes[name] for name in self._cad.cavities}
 
     @property
+    def cavity_ranges(self) -> Mapping[str, tuple[float, float]]:
+        return self.measures.air_ranges
+
+    @property
     def region_volumes(self) -> Mapping[str, float]:
         return self.measures.part_volumes
 

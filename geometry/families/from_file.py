@@ -1,8 +1,10 @@
 """Bodies from files: what drawings, meshes and surfaces share."""
 
+from abc import abstractmethod
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from hashlib import sha256
+from itertools import pairwise
 from math import isfinite
 from pathlib import Path
 from typing import TypeAlias
@@ -14,6 +16,8 @@ from geometry.meshing.cad_import import Point
 from geometry.meshing.cells import CellPlanes
 from geometry.meshing.mirror import slices
 
+#: length of a cavity over that of the arm from which on it runs through all of it
+WHOLE = 0.75
 #: names of faces that are no cavities
 TAKEN = ("clamp", "tip", "sym", "outer")
 #: whether an inlet in the plane of the clamp is closed there, or a point in the mouth of each inlet that is filled
@@ -72,6 +76,21 @@ class FileDesign(Design):
     @property
     def is_open_at_clamp(self) -> bool:
         return self.plug is True
+
+    @property
+    @abstractmethod
+    def cavity_ranges(self) -> Mapping[str, tuple[float, float]]:
+        """Smallest and largest x of each cavity, mm, from where the file has its origin or from the clamp."""
+
+    @property
+    def cavity_pitch(self) -> float:
+        groups: list[tuple[float, float]] = []  # those beside one another are one
+        for low, high in sorted(self.cavity_ranges.values()):
+            if groups and low < groups[-1][1]:
+                low, high = groups[-1][0], max(high, groups.pop()[1])
+            groups.append((low, high))
+        middles = [(low + high) / 2 for low, high in groups if high - low < WHOLE * self.length]
+        return max((after - before for before, after in pairwise(middles)), default=0.0)
 
     @property
     def pitch(self) -> float:

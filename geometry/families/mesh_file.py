@@ -105,6 +105,12 @@ class MeshFile(FileDesign):
     def cavity_volumes(self) -> Mapping[str, float]:
         return {name: self._halves * self.fixed_body.mesh.enclosed_volume(name) for name in self.fixed_body.cavities}
 
+    @cached_property
+    def cavity_ranges(self) -> Mapping[str, tuple[float, float]]:
+        mesh = self.fixed_body.mesh
+        x = {name: mesh.points[mesh.faces[name], 0] for name in self.fixed_body.cavities}
+        return {name: (float(of_cavity.min()), float(of_cavity.max())) for name, of_cavity in x.items()}
+
     @property
     def thinnest_wall(self) -> float:
         """The smallest side of the body, mm: a mesh does not tell its walls."""

@@ -59,7 +59,7 @@ class PartitionedDesign(SymmetricDesign):
     def repetition(self, size: float, grading: Grading) -> Repetition:
         middle = self.end_wall + self.chamber_length / 2
         edge = middle + self.pitch / 2
-        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.cell_count - 1))
+        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
         """The end piece to the middle of the first chamber (x = middle, mm), and the half cell that is repeated.

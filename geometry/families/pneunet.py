@@ -237,7 +237,7 @@ class PneuNet(SymmetricDesign):
         gap, chamber_length = self._each("gap")[0], self._each("chamber_length")[0]
         middle = gap + chamber_length / 2
         edge = 1.5 * gap + chamber_length
-        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.cell_count - 1))
+        return Repetition(mesh_solid(self._drawing(middle, edge), size, grading), middle, edge, 2 * (self.chambers - 1))
 
     def _drawing(self, middle: float, edge: float) -> Solid:
         """The end piece and the half cell that are repeated.

@@ -8,6 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
+from geometry.arrays import Index
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug
 from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
@@ -115,6 +116,18 @@ class SurfaceFile(FileDesign):
 
     @cached_property
     def cavity_volumes(self) -> Mapping[str, float]:
+        clamp, _ = ends_of(self.surface.points, self._placing)
+        points = self.surface.points - [clamp, 0.0, 0.0]
+        return {name: -enclosed(points, walls) for name, walls in self._cavities.items()}
+
+    @cached_property
+    def cavity_ranges(self) -> Mapping[str, tuple[float, float]]:
+        x = {name: self.surface.points[walls, 0] for name, walls in self._cavities.items()}
+        return {name: (float(of_cavity.min()), float(of_cavity.max())) for name, of_cavity in x.items()}
+
+    @cached_property
+    def _cavities(self) -> Mapping[str, Index]:
+        """Triangles (k, 3) around the air of each cavity, by its name. Raises `DesignError`."""
         points, triangles = self.surface.points, self.surface.triangles
         clamp, tip = ends_of(points, self._placing)
         tolerance = FLAT * float(np.ptp(points, axis=0).max())
@@ -122,8 +135,7 @@ class SurfaceFile(FileDesign):
         if not inner:
             refuse_open(points, triangles, (clamp, tip), self.is_open_at_clamp, tolerance)
         mirrors = [(0, clamp)] if self.is_open_at_clamp else []
-        named = named_cavities(points, inner, triangles, self.air, mirrors)
-        return {name: -enclosed(points - [clamp, 0.0, 0.0], walls) for name, walls in named.items()}
+        return named_cavities(points, inner, triangles, self.air, mirrors)
 
     @property
     def against_flat_elements(self) -> str:

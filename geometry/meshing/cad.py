@@ -43,6 +43,7 @@ class CadMeasures:
     high: Point  #: largest x, y and z, mm
     solid_volume: float  #: mm3
     air_volumes: Mapping[str, float]  #: by the name of the cavity, mm3
+    air_ranges: Mapping[str, tuple[float, float]]  #: smallest and largest x by the name of the cavity, mm
     part_volumes: Mapping[str, float]  #: by the name of the part, mm3
     plug_depths: Mapping[str, float]  #: of the inlets that are filled, by their names, mm
 
@@ -53,6 +54,8 @@ def measure(body: CadBody) -> CadMeasures:
         occ = gmsh.model.occ
         halves = 2 if body.half else 1
         volumes = {name: halves * float(occ.getMass(*volume)) for volume, name in air.items()}
+        corners = {name: bounds(gmsh, [volume]) for volume, name in air.items()}
+        ranges = {name: (low[0], high[0]) for name, (low, high) in corners.items()}
         low, high = bounds(gmsh, list(blocks))
         if body.half:
             low = (low[0], low[1], -high[2])
@@ -61,7 +64,7 @@ def measure(body: CadBody) -> CadMeasures:
             parts[name] += halves * float(occ.getMass(*block))
         solid_volume = sum(parts.values())
         del parts[BODY]
-        return CadMeasures(low, high, solid_volume, volumes, parts, plug_depths)
+        return CadMeasures(low, high, solid_volume, volumes, ranges, parts, plug_depths)
 
 
 def edges_of(body: CadBody) -> tuple[tuple[float, str], ...]:

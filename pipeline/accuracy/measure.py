@@ -18,6 +18,7 @@ from pipeline.accuracy.ladder import Rung
 from pipeline.accuracy.result import Cost, RodNumbers, RungResult
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
+from pipeline.identification.lines import counts_as_equal_cells
 from pipeline.identification.parameters import Parameters, identify_all
 from pipeline.progress import Silent
 from pipeline.simulation.outcome import Outcomes, Record
@@ -38,7 +39,7 @@ def measure(rung: Rung) -> RungResult:
     except (InputError, RunFailed) as failure:
         return RungResult(str(failure), (), None)
     fit_start, d = perf_counter(), rung.config.identification.d_mm
-    equal = rung.config.design.repeats
+    equal = counts_as_equal_cells(rung.config.design)
     parameters, failures = identify_all(outcomes, scene.body.pitch, d, equal_cells=equal)
     fit = perf_counter() - fit_start
     seconds = {"mesh": meshed, **_stages(outcomes), "fit": fit}

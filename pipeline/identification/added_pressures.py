@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.context import RunContext
+from pipeline.identification.lines import counts_as_equal_cells
 from pipeline.identification.parameters import Parameters, decided_together, identify_in_tasks
 from pipeline.identification.too_short import too_short
 from pipeline.simulation.loadcase import up_to
@@ -48,8 +49,8 @@ def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Ident
 def _identified(
     scene: Scene, context: RunContext, outcomes: Outcomes
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
-    design, d = scene.config.design, scene.config.identification.d_mm
-    return identify_in_tasks(context, outcomes, scene.body.pitch, d, equal_cells=design.repeats)
+    equal, d = counts_as_equal_cells(scene.config.design), scene.config.identification.d_mm
+    return identify_in_tasks(context, outcomes, scene.body.pitch, d, equal_cells=equal)
 
 
 def quantities_of(parameters: Sequence[Parameters]) -> tuple[list[float], dict[str, Quantity]]:

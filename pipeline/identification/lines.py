@@ -8,6 +8,7 @@ possible: with independent errors, and as many observations at each, that is the
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from geometry import Design
 from pipeline.simulation.outcome import Record
 
 
@@ -17,6 +18,12 @@ class Choice:
 
     evidence: float  #: for two lines: the criterion of a single line minus that of two, of one pressure or of several
     two_lines: bool
+
+
+def counts_as_equal_cells(design: Design) -> bool:
+    """Whether an arm consists of equal cells, or its curvature is averaged over less than the distance of its cavities:
+    it then changes between a cavity and the wall beside it, which two lines would describe."""
+    return design.repeats or design.averages_within_cavities
 
 
 def has_one_rigidity(equal_cells: bool, free: Record, loaded: Record) -> bool:

@@ -85,7 +85,7 @@ class Parameters:
     evidence: float = 0.0
     #: whether two lines were chosen on the coarser mesh; None where there is none
     two_lines_on_coarser: bool | None = None
-    #: whether the arm consists of equal cells; two lines then need walls that touch, or a given d
+    #: whether the arm counts as one of equal cells; two lines then need walls that touch, or a given d
     equal_cells: bool = False
 
     @property
@@ -205,8 +205,8 @@ def identify_all(
 ) -> tuple[tuple[Parameters, ...], tuple[str, ...]]:
     """The parameters at every pressure reached in both II and III, and a sentence for each where there are none.
 
-    d: mm, the break where it is given and not sought. equal_cells: whether the arm consists of equal cells, so that two
-    lines need walls that touch; False to choose by the criterion alone.
+    d: mm, the break where it is given and not sought. equal_cells: whether the arm counts as one of equal cells, so
+    that two lines need walls that touch; False to choose by the criterion alone.
     """
     return _gathered(
         {pair[0].pressure_kPa: partial(_identified, *pair, pitch, d, equal_cells) for pair in outcomes.pairs}

@@ -7,6 +7,7 @@ from geometry import PneuNet
 from pipeline.config.config import Config
 from pipeline.identification.too_short import too_short
 from pipeline.plausibility.body import of_edges
+from rod import too_few_pitches
 
 #: p V_air / (E V_solid), about half the strain of a wall under the pressure p: the arms of the paper have 0.003 to
 #: 0.03, arms in the hard cases reach a limit between 0.02 and 0.06
@@ -81,6 +82,21 @@ def _unequal_cells(config: Config) -> str:
     )
 
 
+def _long_cells(config: Config) -> str:
+    """Cavities that follow one another at larger distances than the curvature is averaged over."""
+    design, between = config.design, config.design.cavity_pitch
+    wanted = config.law != "cell" and config.identification.d_mm is None
+    if not wanted or design.repeats or not design.averages_within_cavities or too_short(config):
+        return ""
+    is_long = not too_few_pitches(design.length, between)
+    how = f"; give geometry.cell: {between:.4g} mm, or" if is_long else ";"
+    return (
+        f"curvatures are means over {design.pitch:.3g} mm, and the middles of the cavities are up to {between:.3g} mm "
+        f"apart: two lines would describe the cavities and the walls between them, so that a single line is taken{how} "
+        "identification.d asks for two"
+    )
+
+
 def _pressure_of_run_unused(config: Config) -> str:
     pressure = config.effects.pressure
     if pressure.acts:
@@ -139,4 +155,6 @@ def of_load(config: Config) -> tuple[str, ...]:
 
 #: the rules on the pressures, given where an experiment has ended, and those on the rest of the configuration
 ON_PRESSURES: tuple[Callable[[Config, float], str], ...] = (_strong_pressure, _weak_pressure, _few_pressures)
-ON_DESIGN: tuple[Callable[[Config], str], ...] = (too_short, _unequal_cells, _pressure_of_run_unused, of_edges)
+ON_DESIGN: tuple[Callable[[Config], str], ...] = (
+    *(too_short, _unequal_cells, _long_cells, _pressure_of_run_unused, of_edges),
+)

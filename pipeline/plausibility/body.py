@@ -102,8 +102,9 @@ def of_parts(body: Body, config: Config) -> str:
     of_material = 1.0 - sum(shares.values())
     if shares[name] <= of_material:
         return ""
+    volume = config.design.region_volumes[name]
     return (
-        f"the solid in which the point of geometry.parts.{name} lies ({config.design.region_volumes[name]:.4g} mm3) has "
+        f"the solid in which the point of geometry.parts.{name} lies ({volume:.4g} mm3) has "
         f"{100 * shares[name]:.0f} % of the walls of the cavities, and the solids of `material`, which is meant for "
         f"these walls, have {100 * of_material:.0f} %; unless that is right, give a point in another solid"
     )

@@ -124,8 +124,8 @@ def lines_needed(results: Results) -> str:
     if worse:
         reasons.append(
             f"{'at' if as_well else 'At'} {worse} kPa two lines fit the data better, but a single line is taken, "
-            "because all cells are equal and no walls touch: two lines then usually describe the ends of the arm, and "
-            "predict other loads less well"
+            "because no walls touch and all cells are equal, or longer than the curvature is averaged over: two lines "
+            "then usually describe the ends of the arm or of its cells, and predict other loads less well"
         )
     return f"{'; '.join(reasons)}. There α₁ = α₂, and d has no meaning."
 
