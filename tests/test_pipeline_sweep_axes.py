@@ -75,6 +75,12 @@ def test_points_that_cannot_be_built_are_kept_with_their_reason(file: Path) -> N
     assert "wall" in points[2].reason
 
 
+def test_a_point_whose_only_experiment_is_not_simulated_is_refused(file: Path) -> None:
+    points = points_of(sweep_of(file, "run: I\naxes: [effects.gravity: [on, off]]"))
+    assert [type(point) for point in points] == [RefusedPoint, Point]
+    assert "nothing holds the weight of a free body, and run names no other one" in points[0].reason
+
+
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [

@@ -51,6 +51,17 @@ def test_a_whole_run_has_states_parameters_and_errors_of_the_rod_in_its_row(tmp_
     assert (tmp_path / "point" / "report.html").is_file()
 
 
+def test_a_free_body_with_weight_is_left_out_and_the_notes_say_so(tmp_path: Path) -> None:
+    task = task_of(tmp_path, ("I", "II"), "geometry.chambers=1", "pressures=[2 kPa]", "effects.gravity=on")
+    record = work_on(task)
+    assert (record.status, record.reason, len(record.rows)) == ("finished", "", 1)
+    row = record.rows[0]
+    assert not [name for name in row if name.startswith("I_")]
+    assert "II_end_y_mm" in row
+    assert row["notes"] == "experiment I is not simulated, because nothing holds the weight of a free body"
+    assert {path.name for path in (task.folder / "states").glob("*.npz")} == {"II_2kPa.npz"}
+
+
 def test_the_law_of_a_cell_has_its_numbers_without_moment(tmp_path: Path) -> None:
     record = work_on(task_of(tmp_path, ("cell",)))
     assert record.status == "finished"

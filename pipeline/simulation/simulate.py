@@ -1,7 +1,7 @@
 """The load cases on one body, each a task; each state is stored as soon as it is reached."""
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import fem
@@ -27,10 +27,23 @@ _groups = itertools.count()  # of load cases, numbered by the main process
 
 
 def experiments_of(config: Config) -> tuple[str, ...]:
-    """The experiments of a run; without I where forces on a free body are not in balance: where gravity acts, and where
-    the clamp carries the pressure on an opening."""
-    without = {"I"} if config.effects.gravity.on or config.design.is_open_at_clamp else set()
-    return tuple(name for name in EXPERIMENTS if name in config.experiments and name not in without)
+    """The experiments of a run, without what `why_not_free` leaves out."""
+    return in_balance(config, [name for name in EXPERIMENTS if name in config.experiments])
+
+
+def in_balance(config: Config, names: Iterable[str]) -> tuple[str, ...]:
+    """These experiments, without I where it is not simulated."""
+    return tuple(name for name in names if name != "I" or not why_not_free(config))
+
+
+def why_not_free(config: Config) -> str:
+    """Why experiment I is not simulated, because forces on a free body are not in balance; empty where it is."""
+    reasons = {
+        "nothing holds the weight of a free body": config.effects.gravity.on,
+        "the clamp carries the pressure on the opening": config.design.is_open_at_clamp,
+    }
+    causes = [reason for reason, holds in reasons.items() if holds]
+    return f"experiment I is not simulated, because {' and '.join(causes)}" if causes else ""
 
 
 @dataclass(frozen=True)

@@ -35,10 +35,11 @@ def rows_of_run(report: RunReport) -> list[Row]:
     return _merged(list(rows.values()), rows_of_law(report.config, report.arm.measured))
 
 
-def rows_of_experiments(config: Config, outcomes: Outcomes) -> list[Row]:
-    """The states of some of the experiments."""
+def rows_of_experiments(config: Config, outcomes: Outcomes, remark: str) -> list[Row]:
+    """The states of some of the experiments, with a remark on all of them in `notes` if it is not empty."""
+    notes: Row = {"notes": remark} if remark else {}
     return [
-        {**_arm(config), "pressure_kPa": pressure, **_states(outcomes, pressure, config.design.pitch)}
+        {**_arm(config), "pressure_kPa": pressure, **_states(outcomes, pressure, config.design.pitch), **notes}
         for pressure in config.pressures_kPa
     ]
 

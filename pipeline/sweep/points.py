@@ -9,8 +9,9 @@ from pipeline.config.config import Config
 from pipeline.config.load import config_of
 from pipeline.config.schema import checked
 from pipeline.errors import InputError
+from pipeline.simulation.simulate import why_not_free
 from pipeline.sweep.axes import Setting
-from pipeline.sweep.spec import Sweep, base_document
+from pipeline.sweep.spec import Run, Sweep, base_document
 
 #: characters of the values in the name of a folder
 LONGEST_NAME = 60
@@ -60,7 +61,9 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
             except InputError as failure:
                 refused[number] = failure
                 raise
-            points.append(Point(number, setting, config_of(document)))
+            config = config_of(document)
+            _refuse_unbalanced(sweep.run, config)
+            points.append(Point(number, setting, config))
         except InputError as failure:
             points.append(RefusedPoint(number, setting, "; ".join(failure.sentences)))
     _refuse_axes(sweep, refused)
@@ -68,6 +71,12 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
         first = points[0]
         raise InputError(f"every point of {sweep.source} is refused; the first one: {_reason(first)}")
     return points
+
+
+def _refuse_unbalanced(run: Run, config: Config) -> None:
+    """Raise InputError where the only experiment that is run is one that is not simulated for this configuration."""
+    if run == ("I",) and (reason := why_not_free(config)):
+        raise InputError(f"{reason}, and run names no other one")
 
 
 def _reason(point: Point | RefusedPoint) -> str:

@@ -16,7 +16,7 @@ from pipeline.errors import InputError, RunFailed
 from pipeline.progress import Silent
 from pipeline.run import run
 from pipeline.simulation.scene import Scene
-from pipeline.simulation.simulate import simulate
+from pipeline.simulation.simulate import in_balance, simulate, why_not_free
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, result_key
 from pipeline.store.store import locked, open_store
@@ -100,10 +100,11 @@ def _experiments(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
     with open_store(task.folder, config) as store:
         scene = Scene.meshed(config)
         compile_kernels(config.mesh.formulation, scene.material)
-        outcomes = simulate(scene, RunContext.alone(store, Silent()), task.run)
+        outcomes = simulate(scene, RunContext.alone(store, Silent()), in_balance(config, task.run))
         store.save_json("experiments.json", outcomes.rows())
         store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, (), scene.body.pitch))
-    return rows_of_experiments(config, outcomes), outcomes.failures
+    remark = why_not_free(config) if "I" in task.run else ""
+    return rows_of_experiments(config, outcomes, remark), outcomes.failures
 
 
 #: what is run -> the rows of the table and a sentence for everything that was not reached; else experiments
