@@ -46,7 +46,7 @@ TABLES = (
     *("experiments.json", "effects.json", "parameters.json", "validation.json", "laws.json"),
     *("curves.csv", "validation_curves.csv"),
 )
-CLOCKS = ("seconds", "share_of_time", "stages", "effect_seconds")
+CLOCKS = ("seconds", "share_of_time", "stages", "effect_seconds", "cpu_seconds")
 """Keys of tables and states that hold seconds; in `numbers` of a state they come last."""
 PATIENCE = 10.0
 """Seconds after which no process of a killed run may be alive."""

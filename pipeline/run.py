@@ -26,7 +26,6 @@ from pipeline.simulation.below_limit import completed, highest_of_use
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
-from pipeline.simulation.scene import material_of
 from pipeline.simulation.simulate import begun
 from pipeline.simulation.waiting import meshed_with_progress
 from pipeline.store.store import open_store
@@ -65,7 +64,7 @@ def _solved(planned: Planned, context: RunContext) -> RunReport:
     config, plan = planned.config, planned.plan
     store, progress, workers = context.store, context.progress, context.workers
     stages = _Stages(progress, stage_names(config))
-    loading = loaded(context, config.mesh.formulation, material_of(config))
+    loading = loaded(context, config)
     with stages.timed("mesh"):
         scene = meshed_with_progress(config, progress)
     unusual = tuple(filter(None, (*of_body(scene.body, config), of_contact(scene))))

@@ -13,7 +13,7 @@ from pipeline.accuracy.table import cells
 from pipeline.cell.build import MeasuredLaw
 from pipeline.cell.table import COLUMNS as CELL_COLUMNS
 from pipeline.cell.table import cell_rows
-from pipeline.effects_study import BASE, COLUMNS, EffectRow
+from pipeline.effects_rows import BASE, COLUMNS, EffectRow
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit, Refused
 from pipeline.material.sentences import with_error
@@ -70,8 +70,11 @@ def spent_table(seconds: Mapping[str, float]) -> Table:
 def effects_comparison(rows: Sequence[EffectRow]) -> Table:
     """Every number above its change against the configuration, and the cost; it fits into 80 columns."""
     heads = [name.replace(" ", "\n", 1) for name in COLUMNS.values()]
-    table = Table("effect", "p\nkPa", *heads, "single\nline", "s", "factori-\nzations", box=None, padding=(0, 1, 0, 0))
+    last = ("single\nline", "CPU\ns", "facto-\nriza-\ntions")
+    table = Table("effect", "p\nkPa", *heads, *last, box=None, padding=(0, 1, 0, 0))
     table.caption = "single line: whether one slope describes the arm as well as two"
+    if any(row.other_states for row in rows):
+        table.caption += f"\n{_OTHER_STATES} reached more or fewer states than as configured, so the costs differ"
     for column in table.columns[1:]:
         column.justify = "right"
         column.no_wrap = True
@@ -79,18 +82,32 @@ def effects_comparison(rows: Sequence[EffectRow]) -> Table:
     for row in rows:
         name = f"{row.effect} {row.state}".strip().replace("_", " ")
         first, previous = name != previous, name
-        cost = (f"{row.cost.seconds:.0f}", str(row.cost.factorizations)) if first else ("", "")
-        suffices = "yes" if row.numbers.single_line_suffices else "no"
-        numbers = [_number(row, key) for key in COLUMNS]
+        cost = _costs(row) if first else ("", "")
+        suffices = {True: "yes", False: "no", None: ""}[row.numbers.single_line_suffices]
+        numbers = [_number(row, getattr(row.numbers, key), key) for key in COLUMNS]
         table.add_row(name if first else "", f"{row.numbers.pressure_kPa:g}", *numbers, suffices, *cost)
     return table
 
 
-def _number(row: EffectRow, name: str) -> str:
-    value, change = getattr(row.numbers, name), row.relative_change[name]
+#: marks the cost of a variant that reached other states
+_OTHER_STATES = "*"
+
+
+def _costs(row: EffectRow) -> tuple[str, str]:
+    """Processor seconds to two digits above their change, and factorizations."""
+    if row.cost is None:
+        return "", ""
+    mark = _OTHER_STATES if row.other_states else ""
+    seconds = float(f"{row.cost.cpu_seconds:.2g}")
+    return _number(row, seconds, "cpu_seconds", mark), f"{row.cost.factorizations}{mark}"
+
+
+def _number(row: EffectRow, value: float | None, name: str, mark: str = "") -> str:
+    """A number above its change."""
+    change = row.relative_change[name]
     if value is None:
         return ""
-    shown = f"{value:.4g}"
+    shown = f"{value:.4g}{mark}"
     if row.effect == BASE or change is None:
         return shown
     return f"{shown}\n{100 * change:+.{1 if abs(change) < 0.0995 else 0}f} %"

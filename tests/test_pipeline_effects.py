@@ -15,15 +15,8 @@ from rich.console import Console
 import fem
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
-from pipeline.effects_study import (
-    BASE,
-    EffectRow,
-    VariantCost,
-    VariantNumbers,
-    compare_effects,
-    contact_sentences,
-    variants,
-)
+from pipeline.effects_rows import BASE, EffectRow, VariantCost, VariantNumbers, contact_sentences
+from pipeline.effects_study import compare_effects, variants
 from pipeline.progress import Silent
 from pipeline.simulation.effects_record import effect_states
 from pipeline.simulation.outcome import Outcomes
@@ -198,11 +191,11 @@ def test_coarse_parameterization_is_cheap(name: str, tmp_path: Path) -> None:
 
 
 def test_slopes_with_and_without_contact_are_compared() -> None:
-    two_lines = VariantNumbers(17.0, -0.01, 0.04, -20.0, 185.0, 300.6, 6.19, False, 0.9, 0.99, (1.0, 1.0))
+    two_lines = VariantNumbers(17.0, -0.01, 0.04, -20.0, 185.0, 300.6, 6.19, False, 0.9, 0.99, (1.0, 1.0), True)
     single_line = replace(two_lines, alpha2_N_mm2=185.0, d_mm=None, single_line_suffices=True)
 
     def row(effect: str, state: str, numbers: VariantNumbers) -> EffectRow:
-        return EffectRow(effect, state, numbers, VariantCost(1.0, 20, 30_000), {})
+        return EffectRow(effect, state, numbers, VariantCost(1.0, 20, 30_000, 2), {})
 
     switched_off = [row(BASE, "", two_lines), row("self_contact", "off", single_line)]
     assert contact_sentences(switched_off) == [
@@ -212,6 +205,10 @@ def test_slopes_with_and_without_contact_are_compared() -> None:
     switched_on = [row(BASE, "", single_line), row("self_contact", "on", two_lines)]
     assert contact_sentences(switched_on) == contact_sentences(switched_off)
     assert contact_sentences(switched_off[:1]) == []
+    apart = replace(single_line, contact=False)
+    assert contact_sentences([row(BASE, "", apart), row("self_contact", "off", apart)]) == [
+        "17 kPa: no walls met; a single line suffices, alpha = 185 N mm2"
+    ]
 
 
 def test_table_of_effects(tmp_path: Path) -> None:
@@ -230,7 +227,8 @@ def test_table_of_effects(tmp_path: Path) -> None:
     assert by_name[BASE].relative_change["alpha1_N_mm2"] == 0.0
     assert abs(by_name["symmetry off"].relative_change["end_force_N"]) < 1e-4
     assert by_name["strain_limiting_layer on"].relative_change["kappa_0_middle_per_mm"] > 0.3
-    assert all(row.cost.seconds > 0.0 and row.cost.factorizations > 0 for row in rows)
+    assert all(row.cost.cpu_seconds > 0.0 and row.cost.factorizations > 0 and not row.other_states for row in rows)
+    assert by_name[BASE].relative_change["cpu_seconds"] == 0.0
     console = Console(record=True, width=80, file=io.StringIO())
     console.print(effects_comparison(rows))
     shown = console.export_text()

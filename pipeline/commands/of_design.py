@@ -110,14 +110,17 @@ def effects(
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_effects")
 
-        from pipeline.effects_study import compare_effects, contact_sentences
+        from pipeline.effects_rows import contact_sentences
+        from pipeline.effects_study import compare_effects
         from pipeline.terminal import effects_comparison
 
         table = _solve(_noted(compare_effects), design, folder, jobs or min(2, available_cores()), fresh)
         print_lines(effects_comparison(table.rows), *contact_sentences(table.rows))
         print_lines(f"table: {folder / 'effects_table.json'}")
         if table.failures:
-            raise RunFailed("; ".join(table.failures))
+            print_sentences(*(f"{sentence}." for sentence in table.failures))
+            missing = sum(bool(row.reason) for row in table.rows)
+            raise RunFailed(f"{missing} of {len(table.rows)} rows lack numbers, for the reasons above")
 
 
 def accuracy(

@@ -9,12 +9,18 @@ from rod import too_few_pitches
 
 def too_short(config: Config) -> str:
     """Why there will be no five parameters, and what to give instead; empty where there are some, or none wanted."""
-    if config.law == "cell" or not (sentence := too_few_pitches(config.design.length, config.design.pitch)):
+    if config.law == "cell" or not (sentence := why_too_short(config)):
+        return ""
+    has_own_law = not why_no_arm_law(config.design, config.effects)
+    return f"{sentence}, or law: cell for the arm's own law alone" if has_own_law else sentence
+
+
+def why_too_short(config: Config) -> str:
+    """The same where five parameters are identified whatever the law; empty for an arm that is long enough."""
+    if not (sentence := too_few_pitches(config.design.length, config.design.pitch)):
         return ""
     reason = sentence[0].lower() + sentence[1:].removesuffix(".")
-    has_own_law = not why_no_arm_law(config.design, config.effects)
-    other = ", or law: cell for the arm's own law alone" if has_own_law else ""
-    return f"no five parameters: {reason}; give {_remedy(config.design)}{other}"
+    return f"no five parameters: {reason}; give {_remedy(config.design)}"
 
 
 def _remedy(design: Design) -> str:

@@ -1,19 +1,26 @@
-"""What workers do while the run meshes its body: one loads the kernels, compiled if need be, all import the solver."""
+"""The kernels of the solver, loaded in every worker before it solves, and compiled by one of them if need be."""
 
-from fem import Solid, compile_kernels
+from fem import compile_kernels
+from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.parallel.worker import TaskContext
 from pipeline.parallel.workers import Pending
+from pipeline.simulation.scene import material_of
 
 
-def loaded(context: RunContext, formulation: str, material: Solid) -> list[Pending[None]]:
-    """A task for each worker. Their results are there when nothing has to be compiled any more."""
+def loaded(context: RunContext, config: Config) -> list[Pending[None]]:
+    """A task for each worker, done while the run meshes its body. Their results are there when nothing has to be
+    compiled any more."""
     others = [context.submit(_import_solver) for _ in range(context.workers.jobs - 1)]
-    return [context.submit(_load_kernels, formulation, material), *others]
+    return [context.submit(load_kernels, config), *others]
 
 
-def _load_kernels(context: TaskContext, formulation: str, material: Solid) -> None:
-    compile_kernels(formulation, material)
+def load_kernels(context: TaskContext, config: Config) -> None:
+    """Load those of a configuration in this process, once, so that no experiment is charged with it. Raises InputError
+    as `material_of`."""
+    layer = config.effects.strain_limiting_layer.on
+    key = ("kernels", config.mesh.formulation, repr((config.material, config.materials)), layer)
+    context.kept(key, lambda: compile_kernels(config.mesh.formulation, material_of(config), layer))
 
 
 def _import_solver(context: TaskContext) -> None:

@@ -1,7 +1,8 @@
 """The load path of one case: its states, each stored as soon as it is reached, and why a pressure was not."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from time import process_time
 from typing import final
 
 import fem
@@ -25,6 +26,11 @@ class CasePath:
     known: KnownLimit | None  #: what II tells and the others ask for; None for a case that does neither
     reached: int = 0  #: pressures of the schedule that are reached
     is_given_up: bool = False  #: whether the last pressure was given up because of the end of II
+    #: processor time of this process, s, from the state before to each one that is reached, and since the last of them;
+    #: of states that an earlier run has stored, that of its process
+    cpu_seconds: list[float] = field(default_factory=list)
+    cpu_seconds_since: float = 0.0
+    _clock: float = field(default=0.0, init=False, repr=False)
 
     def followed(self) -> tuple[fem.Solution, Failure | None]:
         """The states that are reached, those stored by an earlier run included, and why the next pressure is not.
@@ -32,6 +38,13 @@ class CasePath:
         II tells the pressures that it reaches and where it ends, at once. Where that is below a pressure, I is given up
         there, and III is followed up to a part of it, because its own end may be lower.
         """
+        self._clock = process_time()
+        try:
+            return self._followed()
+        finally:
+            self.cpu_seconds_since = self._lap()
+
+    def _followed(self) -> tuple[fem.Solution, Failure | None]:
         options = fem.PathOptions(self.newton)
         if self.known is not None and not self._is_first:
             options = fem.PathOptions(self.newton, give_up=self._why_not, neighbour=self._increments_of_II)
@@ -71,6 +84,7 @@ class CasePath:
             if arrays is None:
                 break
             steps.append(fem.step_from_arrays(self.model.space, arrays))
+            self.cpu_seconds.append(float(arrays["cpu_seconds"]))
             self.progress.step_done(self.case.name, pressure, 0.0)
             self._reach()
         return steps
@@ -139,9 +153,16 @@ class CasePath:
         self.progress.iteration(self.case.name, self._pressure, iteration, residual)
 
     def _step_done(self, step: fem.Step) -> None:
-        self.store.save_state(self.case.name, self._pressure, **fem.step_to_arrays(step))
+        self.cpu_seconds.append(self._lap())
+        arrays = fem.step_to_arrays(step)
+        self.store.save_state(self.case.name, self._pressure, **arrays, cpu_seconds=self.cpu_seconds[-1])
         self.progress.step_done(self.case.name, self._pressure, step.seconds)
         self._reach()
+
+    def _lap(self) -> float:
+        """Processor time of this process since the last call, s."""
+        before, self._clock = self._clock, process_time()
+        return self._clock - before
 
     def _reach(self) -> None:
         if self.known is not None and self._is_first:

@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf
 
+import numpy as np
+
 import fem
 from fem.solution import Extremes
 from geometry import Centreline, position_text
@@ -12,7 +14,7 @@ from pipeline.simulation.contact_check import ContactCheck
 from pipeline.simulation.failure import Failure
 from pipeline.store.formats import CONVERGED, NOT_CONVERGED
 from pipeline.store.json_values import JsonObject
-from rod import Load
+from rod import Load, RodError, cell_averaged
 
 
 @dataclass(frozen=True)
@@ -86,12 +88,21 @@ class Record:
     effects: tuple[str, ...]  #: names of the effects that took part
     spent: fem.Seconds
     held: tuple[bool, bool]  #: whether the displacement of the end along x and along y was prescribed
+    cpu_seconds: float = 0.0  #: processor time since the state before, failed increments included
 
     @property
     def held_end(self) -> tuple[float | None, float | None]:
         """mm, the position of the end along the axes where it is held, None along the others."""
         x, y = float(self.centreline.x[-1]), float(self.centreline.y[-1])
         return x if self.held[0] else None, y if self.held[1] else None
+
+    def kappa_middle(self, pitch: float) -> float | None:
+        """The curvature in the middle, averaged over cells (pitch in mm), 1/mm; None for an arm of one or two cells."""
+        try:
+            curvature = cell_averaged(self.centreline, pitch)
+        except RodError:
+            return None
+        return float(np.interp(curvature.length / 2, curvature.s, curvature.kappa))
 
     @property
     def experiment(self) -> str:
@@ -117,6 +128,12 @@ class Outcome:
     solver: str  #: name of the linear solver
     points: Array = field(repr=False)  #: (n, 3) all nodes at rest, mm
     nodes: Index = field(repr=False)  #: (e, 10), (e, 4) with linear elements
+    unused_cpu_seconds: float = 0.0  #: processor time that led to none of the records, s
+
+    @property
+    def cpu_seconds(self) -> float:
+        """Processor time of the whole load path, failed attempts included, s."""
+        return sum(record.cpu_seconds for record in self.records) + self.unused_cpu_seconds
 
     def at(self, pressure_kPa: float) -> Record | None:
         """The state at a pressure, None where it was not reached."""
@@ -139,6 +156,7 @@ class Outcome:
             records=tuple(sorted((*self.records, *added), key=lambda record: record.pressure_kPa)),
             seconds=self.seconds + spent,
             factorizations=self.factorizations + sum(record.summary.factorizations for record in added),
+            unused_cpu_seconds=self.unused_cpu_seconds + more.unused_cpu_seconds,
         )
 
 
@@ -247,6 +265,16 @@ class Outcomes:
     def factorizations(self) -> int:
         """Factorizations of the states reached, over all experiments."""
         return sum(outcome.factorizations for outcome in self)
+
+    @property
+    def failed_factorizations(self) -> int:
+        """Factorizations of the attempts that reached no state, over all experiments."""
+        return sum(outcome.failure.factorizations for outcome in self if outcome.failure)
+
+    @property
+    def cpu_seconds(self) -> float:
+        """Processor time over all experiments, failed attempts included, s."""
+        return sum(outcome.cpu_seconds for outcome in self)
 
     @property
     def degrees_of_freedom(self) -> int:

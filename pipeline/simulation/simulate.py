@@ -8,6 +8,7 @@ import fem
 from pipeline.config.config import Config
 from pipeline.context import RunContext
 from pipeline.errors import RunFailed
+from pipeline.parallel.loading import load_kernels
 from pipeline.parallel.worker import TaskContext
 from pipeline.parallel.workers import Pending
 from pipeline.progress import Progress
@@ -89,6 +90,7 @@ def _as_case(config: Config, entry: str | LoadCase) -> LoadCase:
 def _solve(context: TaskContext, case: LoadCase, scene: Scene, store: Store, group: int, asks_limit: bool) -> Outcome:
     """Follow the load path of one case from its stored states on; the others do not wait for II if it ends early."""
     known = context.known_limit.of_group(group)
+    load_kernels(context, scene.config)
     try:
         return _followed(case, scene, store, context.progress, known if asks_limit or case.name == FIRST else None)
     finally:
@@ -103,7 +105,8 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
     effects = scene.effects(case.schedule.reference_MPa)
     model = experiment.model(material, effects, scene.config.mesh.formulation)
     newton = fem.NewtonOptions(tolerance=scene.config.newton.tolerance)
-    solution, failure = CasePath(case, model, newton, store, progress, known).followed()
+    path = CasePath(case, model, newton, store, progress, known)
+    solution, failure = path.followed()
     steps, intersection = _before_intersection(scene, solution.steps)
     if intersection:
         reached_kPa = case.schedule.pressures_kPa[len(steps) - 1] if steps else 0.0
@@ -112,10 +115,11 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
     if failure:
         progress.stopped(case.name, case.schedule.pressures_kPa[len(steps) :], failure.first_clause)
     seconds = sum((step.spent for step in solution.steps), fem.Seconds(set_up=solution.seconds.set_up))
-    pressures = case.schedule.pressures_kPa[: len(steps)]
+    pressures, rejected = case.schedule.pressures_kPa[: len(steps)], path.cpu_seconds[len(steps) :]
+    states = zip(pressures, steps, path.cpu_seconds[: len(steps)], strict=True)
     return Outcome(
         name=case.name,
-        records=tuple(_record(scene, experiment, case, *state) for state in zip(pressures, steps, strict=True)),
+        records=tuple(_record(scene, experiment, case, *state) for state in states),
         failure=failure,
         seconds=seconds,
         factorizations=sum(step.factorizations for step in solution.steps),
@@ -123,6 +127,7 @@ def _followed(case: LoadCase, scene: Scene, store: Store, progress: Progress, kn
         solver=solution.solver,
         points=model.space.points,
         nodes=model.space.nodes,
+        unused_cpu_seconds=sum(rejected) + path.cpu_seconds_since,
     )
 
 
@@ -139,7 +144,9 @@ def _before_intersection(scene: Scene, steps: Sequence[fem.Step]) -> tuple[Seque
     return steps, ""
 
 
-def _record(scene: Scene, experiment: fem.Experiment, case: LoadCase, pressure_kPa: float, step: fem.Step) -> Record:
+def _record(
+    scene: Scene, experiment: fem.Experiment, case: LoadCase, pressure_kPa: float, step: fem.Step, cpu_seconds: float
+) -> Record:
     force = experiment.end_force(step)
     curve = experiment.centreline(step)
     return Record(
@@ -151,6 +158,7 @@ def _record(scene: Scene, experiment: fem.Experiment, case: LoadCase, pressure_k
         effects=step.effects,
         spent=step.spent,
         held=case.held,
+        cpu_seconds=cpu_seconds,
     )
 
 

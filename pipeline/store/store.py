@@ -30,7 +30,7 @@ _FOLDERS = ("states", "pictures", "fields", "rungs", "law")
 _FILES = (
     *("parameters.json", "experiments.json", "validation.json", "effects.json", "run.json", "laws.json"),
     *("curves.csv", "validation_curves.csv", "mesh.vtu", "report.html", "I.pvd", "II.pvd", "III.pvd"),
-    *("accuracy.json", "accuracy.html", "accuracy.svg", "law.json", "law.html", "law.svg"),
+    *("accuracy.json", "accuracy.html", "accuracy.svg", "law.json", "law.html", "law.svg", "effects_table.json"),
 )
 
 
@@ -89,7 +89,7 @@ def open_store(directory: Path | str, config: Configuration, *, fresh: bool = Fa
         own = [folder, *(folder / name for name in _FOLDERS)]  # others below may belong to other runs
         remove_parts(own)  # a worker of a killed run may still be ending
         if fresh:
-            _clear(folder)
+            clear(folder)
         check_owner(folder, config, "give another --out, or --fresh to replace them")
         keys = (result_key(config.hash, sources) for sources in (STATE_SOURCES, NUMBER_SOURCES))
         store = Store(folder, *keys)
@@ -128,7 +128,7 @@ def check_owner(folder: Path, config: Configuration, remedy: str) -> None:
         raise InputError(f"--out {folder}: holds the results of another configuration; {remedy}")
 
 
-def _clear(folder: Path) -> None:
+def clear(folder: Path) -> None:
     """Remove what an earlier run left in `folder`, and nothing else."""
     if not (folder / _IDENTITY).is_file():
         return

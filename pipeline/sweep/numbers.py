@@ -12,7 +12,7 @@ from pipeline.run_report import RunReport
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.store.json_values import Json
 from pipeline.validation.compare import Comparison
-from rod import PARAMETER_COLUMNS, RodError, RodSolution, cell_averaged
+from rod import PARAMETER_COLUMNS, RodSolution
 from rod.arm_law.curves import CellCurve
 
 #: the numbers of a point at one pressure by column
@@ -80,7 +80,7 @@ def _state(record: Record, pitch: float) -> Row:
         "end_x_mm": summary.end_mm[0],
         "end_y_mm": summary.end_mm[1],
         "end_angle_rad": record.centreline.end_angle,
-        "kappa_middle_per_mm": _middle(record, pitch),
+        "kappa_middle_per_mm": record.kappa_middle(pitch),
         **(force if record.experiment == "III" else {}),
         "cavity_volume_mm3": summary.cavity_volume_mm3,
         "stretch_of_curve": summary.stretch_of_curve,
@@ -89,15 +89,6 @@ def _state(record: Record, pitch: float) -> Row:
         "min_gap_mm": summary.min_gap_mm,
         "stress_error": summary.stress_error,
     }
-
-
-def _middle(record: Record, pitch: float) -> float | None:
-    """The cell-averaged curvature in the middle, 1/mm; None for an arm of one or two cells."""
-    try:
-        curvature = cell_averaged(record.centreline, pitch)
-    except RodError:
-        return None
-    return float(np.interp(curvature.length / 2, curvature.s, curvature.kappa))
 
 
 def _five(parameters: Parameters) -> Row:

@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 
-from fem import compile_kernels
 from pipeline.cell.study import measure_law
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed
@@ -99,7 +98,6 @@ def _experiments(task: PointTask) -> tuple[Sequence[Row], Sequence[str]]:
     config = task.config
     with open_store(task.folder, config) as store:
         scene = Scene.meshed(config)
-        compile_kernels(config.mesh.formulation, scene.material)
         outcomes = simulate(scene, RunContext.alone(store, Silent()), in_balance(config, task.run))
         store.save_json("experiments.json", outcomes.rows())
         store.save_rows("curves.csv", CURVE_COLUMNS, curve_rows(outcomes, (), scene.body.pitch))
