@@ -106,6 +106,13 @@ def test_a_point_whose_only_experiment_is_not_simulated_is_refused(file: Path) -
         ("axis: [geometry.wall: [1 mm]]", "unknown key; did you mean 'axes'?"),
         ("base: nowhere.yaml\naxes: [geometry.wall: [1 mm]]", "key 'base' given twice"),
         ("axes: [geometry.wall: [4.5 mm]]", "every point of"),
+        ("run: {a: b}\naxes: [geometry.wall: [1 mm]]", "run: {'a': 'b'} is not allowed"),
+        ("run: [[II]]\naxes: [geometry.wall: [1 mm]]", "run: [['II']] is not allowed"),
+        ("axes: [{3: [1 mm]}]", "sweep.yaml: axes[1]: 3 is not a name; write it in quotes"),
+        ("axes: [geometry.wall: [2020-01-01]]", "geometry.wall: '2020-01-01' is no value of a configuration"),
+        ("axes: [geometry.wall: [1 mm, .nan]]", "axes[1]: geometry.wall: nan is not a finite number"),
+        ("axes: [geometry.wall: {from: .nan, to: 2.0, number: 3}]", "axes[1]: geometry.wall: nan is not a finite"),
+        ("set: {mesh.size: [.inf]}\naxes: [geometry.wall: [1 mm]]", "set.mesh.size: inf is not a finite number"),
     ],
 )
 def test_a_wrong_sweep_is_refused_in_one_sentence(file: Path, text: str, sentence: str) -> None:
@@ -113,6 +120,12 @@ def test_a_wrong_sweep_is_refused_in_one_sentence(file: Path, text: str, sentenc
         points_of(sweep_of(file, text))
     assert sentence in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+def test_a_base_that_does_not_exist_is_named_with_its_key(file: Path) -> None:
+    file.write_text("name: some\nbase: nowhere.yaml\naxes: [geometry.wall: [1 mm]]", encoding="utf-8")
+    with pytest.raises(InputError, match=r"sweep.yaml: base: .*nowhere.yaml: no such file"):
+        read_sweep(file)
 
 
 def test_a_product_that_is_too_large_is_refused(file: Path) -> None:

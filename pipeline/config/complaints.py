@@ -10,6 +10,8 @@ from pipeline.errors import quoted
 
 Key = tuple[str | int, ...]
 
+#: last part of pydantic's place of a name that is not a text
+_NAME = "[key]"
 #: the second half of a value that was written with a decimal comma in { } or [ ]
 _AFTER_COMMA = re.compile(r"\d+(\s*[A-Za-z%].*)?")
 #: what to write instead of a key that belongs to other laws or is a common mistake
@@ -40,7 +42,12 @@ def complaints(errors: Sequence[Mapping[str, Any]], model: Any) -> list[tuple[Ke
     unknown = [error for error in errors if _is_unknown(error)]
     meant = {(*error["loc"][:-1], _meant(error["loc"], model)) for error in unknown}
     others = [e for e in errors if not _is_unknown(e) and not (e["type"] == "missing" and e["loc"] in meant)]
-    return [(error["loc"], _complaint(error, model)) for error in [*unknown, *others]]
+    return [(_place(error["loc"]), _complaint(error, model)) for error in [*unknown, *others]]
+
+
+def _place(key: Key) -> Key:
+    """The key that a sentence names: the section in which a name is wrong, or the key itself."""
+    return key[:-2] if key and key[-1] == _NAME else key
 
 
 def _is_unknown(error: Mapping[str, Any]) -> bool:
@@ -54,6 +61,8 @@ def _meant(key: Key, model: Any) -> str | None:
 
 def _complaint(error: Mapping[str, Any], model: Any) -> str:
     kind, key = error["type"], error["loc"]
+    if key and key[-1] == _NAME:
+        return f"{quoted(error['input'])} is not a name; write it in quotes"
     if _is_unknown(error):
         return _unknown(key, model)
     if kind == "missing":

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Hashable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,15 @@ class Document:
     content: Mapping[str, Any]
     overridden: tuple[Key, ...]  #: the keys that overrides gave
     override: str = "--set"  #: where overrides come from, as messages name it
+
+    def with_overrides(self, overrides: Sequence[str], override: str = "--set") -> "Document":
+        """The same with every "a.b=value" put in; values are parsed as YAML.
+
+        override: where they come from, for messages. Raises InputError for one that is not KEY=VALUE.
+        """
+        content = deepcopy(dict(self.content))
+        keys = tuple(_override(content, text, override) for text in overrides)
+        return Document(self.path, content, (*self.overridden, *keys), override)
 
     def wrong(self, key: Key, complaint: str) -> InputError:
         """The refusal of one key."""
@@ -60,11 +70,8 @@ class Document:
         return self.wrong((given or list(keys))[0], complaint)
 
 
-def read_document(path: Path, overrides: Sequence[str] = (), override: str = "--set") -> Document:
-    """The YAML mapping in `path` with every "a.b=value" of `overrides` put in; values are parsed as YAML.
-
-    override: where the overrides come from, for messages.
-    """
+def read_document(path: Path, overrides: Sequence[str] = ()) -> Document:
+    """The YAML mapping in `path`, with overrides as `Document.with_overrides` puts them in. Raises InputError."""
     try:
         content = _parsed(path.read_text(encoding="utf-8"))
     except FileNotFoundError:
@@ -77,8 +84,7 @@ def read_document(path: Path, overrides: Sequence[str] = (), override: str = "--
         raise InputError(f"{path}: {_yaml_complaint(failure)}; write 'key: value' lines in YAML") from None
     if not isinstance(content, dict):
         raise InputError(f"{path}: holds no keys; a configuration starts with 'name: ...' and 'geometry: ...'")
-    keys = tuple(_override(content, text, override) for text in overrides)
-    return Document(path, content, keys, override)
+    return Document(path, content, ()).with_overrides(overrides)
 
 
 def _parsed(text: str) -> Any:

@@ -48,7 +48,12 @@ def load_config(path: Path | str, overrides: Sequence[str] = ()) -> Config:
 
 def config_of(document: Document) -> Config:
     """The configuration that a document describes. Raises InputError as `load_config`."""
-    content, family, laws = checked(document)
+    return config_of_checked(document, checked(document))
+
+
+def config_of_checked(document: Document, parts: tuple[Any, str, dict[str, str]]) -> Config:
+    """The same from what `checked` returns of the document."""
+    content, family, laws = parts
     refusals: list[str] = []
     materials = _attempt(refusals, solids, document, content, laws)
     if materials is not None:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from math import isfinite
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -48,9 +49,10 @@ class _Ends:
     def of(content: Mapping[str, Value]) -> "_Ends":
         """Raises ValueError."""
         low, high = content["from"], content["to"]
+        check_value([low, high])
         measured = number_and_unit(low)
         if measured:
-            number, unit = measured
+            number, unit = in_unit_of(low, measured[1]), measured[1]
             return _Ends(number, in_unit_of(high, unit), unit, whole=False)
         for end in (low, high):
             if isinstance(end, bool) or not isinstance(end, int | float):
@@ -72,6 +74,17 @@ class _Ends:
         return [min(high, low + int(fraction * (high - low + 1))) for fraction in fractions]
 
 
+def check_value(value: Value) -> None:
+    """Raise ValueError for what no configuration can hold: a date or a set, and a number that is not finite."""
+    if isinstance(value, float) and not isfinite(value):
+        raise ValueError(f"{quoted(value)} is not a finite number; give one, with its unit")
+    if value is not None and not isinstance(value, str | int | float | list | Mapping):
+        raise ValueError(f"'{value}' is no value of a configuration, but a date or a set; write it in quotes")
+    inside = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
+    for entry in inside:
+        check_value(entry)
+
+
 def axis_of(content: Mapping[str, Value]) -> Axis:
     """One entry of `axes`: the keys in it change together. Raises ValueError, which names the key."""
     columns = {str(key): _named(key, _values, entry) for key, entry in content.items()}
@@ -87,6 +100,7 @@ def _values(entry: Value) -> list[Value]:
     if isinstance(entry, list):
         if not entry:
             raise ValueError("is an empty list, and the product of the axes has no points; give at least one value")
+        check_value(entry)
         return entry
     if not isinstance(entry, Mapping) or set(entry) != {"from", "to", "number"}:
         raise ValueError(

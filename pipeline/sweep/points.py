@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.config.config import Config
-from pipeline.config.load import config_of
+from pipeline.config.load import config_of_checked
 from pipeline.config.schema import checked
 from pipeline.errors import InputError
 from pipeline.simulation.simulate import why_not_free
 from pipeline.sweep.axes import Setting
-from pipeline.sweep.spec import Run, Sweep, base_document
+from pipeline.sweep.spec import Run, Sweep, document_of
 
 #: characters of the values in the name of a folder
 LONGEST_NAME = 60
@@ -55,13 +55,13 @@ def points_of(sweep: Sweep) -> list[Point | RefusedPoint]:
     points: list[Point | RefusedPoint] = []
     for number, setting in enumerate(sweep.settings, start=1):
         try:
-            document = base_document(sweep, setting)
+            document = document_of(sweep, setting)
             try:
-                checked(document)
+                parts = checked(document)
             except InputError as failure:
                 refused[number] = failure
                 raise
-            config = config_of(document)
+            config = config_of_checked(document, parts)
             _refuse_unbalanced(sweep.run, config)
             points.append(Point(number, setting, config))
         except InputError as failure:
@@ -85,6 +85,8 @@ def _reason(point: Point | RefusedPoint) -> str:
 
 def _refuse_axes(sweep: Sweep, refused: dict[int, InputError]) -> None:
     """Raise the refusal of a value of an axis that no point can have."""
+    if not refused:
+        return
     for axis in sweep.axes:
         for value in axis.settings:
             having = _numbers(sweep.settings, value)

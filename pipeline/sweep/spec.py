@@ -1,5 +1,6 @@
 """The file of a sweep: a base configuration, what is run on every point, and the axes."""
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from json import dumps
@@ -12,7 +13,7 @@ from pydantic import BeforeValidator, ConfigDict, Field
 from pipeline.config.document import Document, read_document
 from pipeline.config.kinds import Count, CountFromZero, Name, Text
 from pipeline.errors import InputError, quoted
-from pipeline.sweep.axes import Axis, Setting, axis_of, combined, latin_hypercube
+from pipeline.sweep.axes import Axis, Setting, axis_of, check_value, combined, latin_hypercube
 
 #: what may be run on a point: the whole run, the arm's own law, or some of the experiments
 WHOLE, CELL = "whole", "cell"
@@ -23,7 +24,10 @@ Run = tuple[str, ...]
 
 def _run(value: Any) -> Run:
     names = tuple(value) if isinstance(value, list) and value else (value,)
-    if names in ((WHOLE,), (CELL,)) or (set(names) <= set(EXPERIMENTS) and len(set(names)) == len(names)):
+    is_known = all(isinstance(name, str) for name in names)
+    if is_known and (
+        names in ((WHOLE,), (CELL,)) or (set(names) <= set(EXPERIMENTS) and len(set(names)) == len(names))
+    ):
         return names
     raise ValueError(f"{quoted(value)} is not allowed; allowed: whole, cell, I, II, III, or a list such as [II, III]")
 
@@ -54,10 +58,16 @@ class Sweep:
     source: Path  #: the file
     name: str
     base: Path  #: the configuration that every point begins with
+    base_document: Document  #: what it says
     run: Run
     common: Setting  #: values that replace those of the base at every point
     axes: tuple[Axis, ...]
     settings: tuple[Setting, ...]  #: the values of the axes at every point
+
+    @property
+    def base_hash(self) -> str:
+        """sha256 of what the base says: equal for equal keys and values, in whatever order."""
+        return hashlib.sha256(dumps(self.base_document.content, sort_keys=True, default=str).encode()).hexdigest()
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -78,7 +88,12 @@ def read_sweep(path: Path) -> Sweep:
     axes = tuple(_axes(document, content))
     if not axes:
         raise document.wrong(("axes",), "holds no points; for example 'axes: [geometry.wall: [1 mm, 1.5 mm]]'")
-    common = {str(key): value for key, value in content.set.items()}
+    common = dict(content.set)
+    for key, value in common.items():
+        try:
+            check_value(value)
+        except ValueError as refused:
+            raise document.wrong(("set", key), str(refused)) from None
     doubled = sorted(set(common) & {key for axis in axes for key in axis.keys})
     if doubled:
         raise document.wrong(("set", doubled[0]), "is on an axis too; leave it out of one of them")
@@ -87,7 +102,16 @@ def read_sweep(path: Path) -> Sweep:
         settings = combined(axes)
     except ValueError as refused:
         raise document.wrong(("axes",), str(refused)) from None
-    return Sweep(path, content.name, path.parent / content.base, content.run, common, axes, tuple(settings))
+    base = path.parent / content.base
+    return Sweep(path, content.name, base, _base(document, base), content.run, common, axes, tuple(settings))
+
+
+def _base(document: Document, path: Path) -> Document:
+    """The base configuration. Raises InputError, which names the key `base`."""
+    try:
+        return read_document(path)
+    except InputError as failure:
+        raise document.wrong(("base",), str(failure)) from None
 
 
 def _refuse_nested(document: Document, keys: Sequence[str]) -> None:
@@ -126,13 +150,7 @@ def _hypercube(document: Document, cube: _Hypercube) -> Axis:
         raise document.wrong((section, "axes"), str(refused)) from None
 
 
-def base_document(sweep: Sweep, setting: Setting) -> Document:
-    """The base configuration with the values of one point put in. Raises InputError where it cannot be read."""
-    values = {**sweep.common, **setting}
-    try:
-        texts = [f"{key}={dumps(value)}" for key, value in values.items()]
-    except TypeError:
-        raise InputError(
-            f"{sweep.source}: a date or a set is no value of a configuration; write it in quotes"
-        ) from None
-    return read_document(sweep.base, texts, f"{sweep.source}:")
+def document_of(sweep: Sweep, setting: Setting) -> Document:
+    """The base configuration with the values of one point put in. Raises InputError where a key cannot be put in."""
+    texts = [f"{key}={dumps(value)}" for key, value in {**sweep.common, **setting}.items()]
+    return sweep.base_document.with_overrides(texts, f"{sweep.source}:")
