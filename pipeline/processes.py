@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import pickle
+import signal
 import sys
 import threading
 from collections.abc import Iterator
@@ -99,6 +100,12 @@ def process_pool(jobs: int, threads: int, **options: Any) -> Iterator[ProcessPoo
                 child.join(PATIENCE)
                 child.kill()
             raise
+
+
+def ignore_interrupts() -> None:
+    """Called in a new process: Ctrl-C and a closed terminal, which reach all processes, are left to the main one."""
+    for interrupt in (signal.SIGINT, signal.SIGHUP):
+        signal.signal(interrupt, signal.SIG_IGN)
 
 
 def end_with_main_process() -> None:

@@ -58,6 +58,20 @@ class RemainingTime:
         self._waiting[experiment] = [pressure for pressure in waiting if pressure not in pressures]
 
 
+def remaining_of_points(seconds: Sequence[float], remaining: int, workers: int, elapsed: float) -> float | None:
+    """Seconds until the remaining points of a sweep have ended.
+
+    seconds: on its worker, of each point that has ended. remaining: points that have not ended, those that workers are
+    at among them. elapsed: seconds since the first points were begun. None before one round of workers has ended.
+    """
+    busy = min(workers, remaining)
+    if len(seconds) < max(1, workers) or not busy:
+        return None
+    mean = sum(seconds) / len(seconds)
+    done = min(max(elapsed * workers - sum(seconds), 0.0), mean * busy)  # of the points that workers are at
+    return (mean * remaining - done) / busy
+
+
 def duration(seconds: float) -> str:
     """Seconds in words."""
     if seconds < 10.0:

@@ -3,20 +3,24 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import pytest
 
 from pipeline.errors import InputError
+from pipeline.remaining_time import remaining_of_points
 from pipeline.sweep import study, workers
+from pipeline.sweep.record import PointRecord
 from pipeline.sweep.spec import Sweep, read_sweep
 from pipeline.sweep.study import Course, RequestedSweep, SweepReport, run_sweep, run_sweeps
+from pipeline.sweep.task import PointTask
 from pipeline.sweep.workers import LocalWorkers, RemoteScheduler
 
 HERE = Path(__file__).resolve().parent.parent
@@ -127,6 +131,82 @@ def test_the_folder_of_another_sweep_is_not_written_into(file: Path, results: Pa
     assert table(results) == before
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("run: II", "run: [II]\nset: {material.E: 1.1 MPa}", "set"),
+        ("run: II", "run: III", "run"),
+        ("base: base.yaml", "base: softer.yaml", "base"),
+    ],
+)
+def test_a_changed_sweep_is_not_written_over_the_old_one(
+    file: Path, results: Path, old: str, new: str, key: str
+) -> None:
+    file.with_name("softer.yaml").write_text(BASE.replace("1.2 MPa", "1 MPa"), encoding="utf-8")
+    file.with_name("changed.yaml").write_text(SWEEP.replace(old, new), encoding="utf-8")
+    before = table(results)
+    with pytest.raises(InputError, match=f"holds the results of the sweep 'tiny_walls' with another {key}; .*--fresh"):
+        solved(read_sweep(file.with_name("changed.yaml")), results, LocalWorkers(2, 1))
+    assert table(results) == before
+
+
+def test_an_interrupted_sweep_leaves_a_table_of_its_own(
+    file: Path, results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Interrupted:
+        sentence = "no workers"
+
+        def number(self) -> int:
+            return 1
+
+        def records(self, tasks: Sequence[PointTask]) -> Iterator[tuple[PointTask, PointRecord]]:
+            yield tasks[0], PointRecord("finished", "", ({"pressure_kPa": 2.0, "II_end_y_mm": -0.1},), 3.0)
+            raise KeyboardInterrupt
+
+    out = tmp_path / "out"
+    shutil.copytree(results, out)
+    fewer = file.with_name("fewer.yaml")  # the axes may change: two points are kept and two are new
+    fewer.write_text(SWEEP.replace("[1 mm, 4.5 mm]", "[1 mm, 1.3 mm]"), encoding="utf-8")
+    monkeypatch.setattr(study, "connected", lambda _: nullcontext(Interrupted()))
+    lines: list[str] = []
+    with pytest.raises(KeyboardInterrupt):
+        solved(read_sweep(fewer), out, LocalWorkers(1, 1), lines)
+    rows = [line.split(",")[:5] for line in (out / "sweep.csv").read_text().splitlines()[1:]]
+    assert [(row[1], row[2], row[4]) for row in rows] == [
+        *[("1.0", "8.0", "finished")] * 2,
+        *[("1.0", "12.0", "finished")] * 2,
+        ("1.3", "8.0", "finished"),
+        ("1.3", "12.0", "waiting"),
+    ]
+    points = json.loads((out / "sweep.json").read_text())["points"]
+    assert [point["status"] for point in points] == ["finished", "finished", "finished", "waiting"]
+    assert not (out / "sweep.svg").exists()
+    assert lines[-1].endswith("finished after 3.0 s; about 3.0 s left")
+
+
+def test_the_remaining_time_is_shared_by_the_workers() -> None:
+    assert remaining_of_points([10.0], 7, 2, 10.0) is None  # not every worker has ended a point
+    assert remaining_of_points([10.0, 10.0], 6, 2, 10.0) == pytest.approx(30.0)
+    assert remaining_of_points([10.0, 10.0], 6, 2, 14.0) == pytest.approx(26.0)
+    assert remaining_of_points([10.0] * 7, 1, 2, 40.0) == 0.0
+    assert remaining_of_points([10.0] * 8, 0, 2, 40.0) is None
+
+
+def test_ctrl_c_in_a_terminal_ends_with_one_sentence(file: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "pipeline", "sweep", str(file), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    with subprocess.Popen(
+        command, cwd=HERE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if line.startswith("1 workers"):
+                os.killpg(process.pid, signal.SIGINT)  # as a terminal does, workers included
+                break
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert said == "pneurod: interrupted; finished results are kept, and the same command continues from there\n"
+
+
 def test_a_killed_sweep_continues_without_its_finished_points(file: Path, results: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "pipeline", "sweep", str(file), "--out", str(tmp_path / "out"), "--jobs", "1"]
     finished: list[str] = []
@@ -208,10 +288,20 @@ def test_a_scheduler_that_does_not_answer_is_named(
         assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize("memory", ["4", "4 kB", "0.4 GB"])
+@pytest.mark.parametrize("memory", ["4", "4 kB", "0.8 GB"])
 def test_too_little_memory_is_refused(memory: str) -> None:
     with pytest.raises(InputError, match=f"--memory {memory}: is too little for a worker"):
         LocalWorkers.of(1, memory)
+
+
+def test_more_workers_than_the_memory_suffices_for_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(workers, "MEMORY_LIMIT", 25_000_000_000)
+    with pytest.raises(InputError, match=r"--jobs 64: each worker needs 0.9 GB, and .* 25 GB for all; give --jobs 27"):
+        LocalWorkers.of(64, None)
+    with pytest.raises(InputError, match=r"--jobs 8: each worker needs 4 GB, and .* 25 GB for all; give --jobs 6"):
+        LocalWorkers.of(8, "4 GB")
+    assert LocalWorkers.of(6, "4 GB").memory == 4_000_000_000
+    assert LocalWorkers.of(27, None).memory > workers.LEAST_MEMORY
 
 
 def test_a_wrong_amount_of_memory_is_refused() -> None:

@@ -1,12 +1,11 @@
 """A worker process of a run: how it starts, when it ends, where its progress goes."""
 
-import signal
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from pipeline.processes import SPAWN, end_with_main_process
+from pipeline.processes import SPAWN, end_with_main_process, ignore_interrupts
 from pipeline.progress import Progress, ToQueue, relayed
 from pipeline.simulation.known_limit import KnownLimit
 
@@ -46,8 +45,7 @@ def connected(progress: Progress) -> Iterator[Any]:
 
 def start_worker(queue: Any, known: KnownLimit) -> None:
     """Runs first in a worker: interrupts are left to the main process, progress goes into the queue."""
-    for interrupt in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(interrupt, signal.SIG_IGN)
+    ignore_interrupts()
     end_with_main_process()
     _Worker.context = TaskContext(ToQueue(queue), known)
 

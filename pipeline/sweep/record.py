@@ -12,6 +12,8 @@ FILE = "sweep_point.json"
 #: how a point ended: everything was reached; something was not; nothing was; its configuration is refused; its work
 #: was ended from outside and is done again by the same command
 FINISHED, INCOMPLETE, FAILED, REFUSED, INTERRUPTED = "finished", "incomplete", "failed", "refused", "interrupted"
+#: of a point that has not ended yet
+WAITING = "waiting"
 
 
 @dataclass(frozen=True)

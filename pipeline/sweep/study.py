@@ -1,14 +1,15 @@
 """A sweep from its file to its table: what is kept, what is left to do, and the workers that do it."""
 
+import json
 import shutil
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.errors import InputError, RunFailed
-from pipeline.remaining_time import duration
+from pipeline.remaining_time import duration, remaining_of_points
 from pipeline.store.atomic_file import remove_parts
 from pipeline.store.json_values import JsonObject
 from pipeline.store.provenance import provenance
@@ -17,7 +18,7 @@ from pipeline.store.state_key import NUMBER_SOURCES, result_key
 from pipeline.store.store import locked
 from pipeline.sweep.picture import svg_picture
 from pipeline.sweep.points import Point, RefusedPoint, points_of, work_key
-from pipeline.sweep.record import FINISHED, REFUSED, PointRecord, kept_record
+from pipeline.sweep.record import FINISHED, REFUSED, WAITING, PointRecord, kept_record
 from pipeline.sweep.spec import Sweep
 from pipeline.sweep.table import TablePoint, columns_of, overview, save_table, table_rows
 from pipeline.sweep.task import PointTask
@@ -26,6 +27,11 @@ from pipeline.sweep.workers import LocalWorkers, RemoteScheduler, connected
 #: the folder of the points, and the file that says what the folder is
 POINTS, RECORD = "points", "sweep.json"
 _FILES = (RECORD, "sweep.csv", "sweep.parquet", "sweep.svg")
+#: so many points take seconds to be checked
+MANY_POINTS = 300
+#: while points are solved the table is written again after so many seconds at least, and so many times as long as
+#: writing it takes
+PAUSE, PAUSE_OVER_WRITING = 2.0, 20.0
 #: receives sentences about the progress
 Say = Callable[[str], None]
 
@@ -66,10 +72,7 @@ class SweepReport:
     def record(self) -> JsonObject:
         """The content of sweep.json."""
         return {
-            "name": self.sweep.name,
-            "base": str(self.sweep.base),
-            "run": self.sweep.run,
-            "set": self.sweep.common,
+            **_identity(self.sweep),
             **provenance(),
             "points": [
                 {
@@ -102,14 +105,16 @@ def run_sweep(sweep: Sweep, out: Path, course: Course) -> SweepReport:
 def run_sweeps(requests: Sequence[RequestedSweep], course: Course) -> tuple[SweepReport, ...]:
     """Solve the points of sweeps that their folders do not hold yet, all with the same workers, in the given order.
 
-    The table and the picture of a sweep are written when its last point has ended. A point that fails is a row with its
-    reason. Raises InputError for a sweep that is refused, two sweeps with one folder, a scheduler that cannot be
-    reached and a folder that cannot be used, OSError where a file cannot be written, and RunFailed where the scheduler
-    ends; finished points are kept then.
+    The table of a sweep is written while its points are solved, and its picture when the last one has ended. A point
+    that fails is a row with its reason. Raises InputError for a sweep that is refused, two sweeps with one folder, a
+    scheduler that cannot be reached and a folder that cannot be used, OSError where a file cannot be written, and
+    RunFailed where the scheduler ends; finished points are kept then.
     """
     folders = [request.out.resolve() for request in requests]
     if twice := [str(request.out) for request, path in zip(requests, folders, strict=True) if folders.count(path) > 1]:
         raise InputError(f"{twice[0]}: two sweeps would write into this folder; give them different names")
+    if (number := sum(len(request.sweep.settings) for request in requests)) >= MANY_POINTS:
+        course.say(f"{number} points are checked before the first one is solved")
     sweeps = [_SweepInProgress(request, points_of(request.sweep)) for request in requests]
     with ExitStack() as locks:
         for own in sweeps:
@@ -128,16 +133,23 @@ class _SweepInProgress:
         self.folder = open_folder(request.out)
         self.tasks = _tasks(request.sweep, points, self.folder)
         self.records: dict[str, PointRecord] = {}
+        self._next_save = 0.0  #: when the table may be written again, s
 
     def begin(self, course: Course) -> None:
-        """Clear what is left of interrupted writing and of earlier sweeps, and read the records that are kept."""
+        """Clear what is left of interrupted writing and of earlier sweeps, and read the records that are kept.
+
+        The table and the picture of an earlier call are removed. Raises InputError where the folder holds another
+        sweep.
+        """
         directory = self.folder.directory
         of_points = (directory / POINTS).rglob("*")  # other folders below may belong to a run at work
         remove_parts([directory, *filter(Path.is_dir, of_points)])
         if course.fresh:
             _clear(self.folder)
         self._refuse_other()
-        self.folder.save_json(RECORD, {"name": self.sweep.name})
+        for name in _FILES:
+            (directory / name).unlink(missing_ok=True)
+        self.folder.save_json(RECORD, _identity(self.sweep))
         for name, task in self.tasks.items():
             kept = kept_record(ResultFolder(task.folder), task.key)
             if kept is not None and (kept.status == FINISHED or not course.retry):
@@ -146,16 +158,26 @@ class _SweepInProgress:
                 (task.folder / "sweep_point.json").unlink(missing_ok=True)
 
     def _refuse_other(self) -> None:
-        """Raise InputError where the folder holds a sweep of another name."""
+        """Raise InputError where the folder holds a sweep that differs in more than its axes."""
         try:
             record = self.folder.read_json(RECORD)
         except ValueError:  # it was not written to its end
             return
-        name = record.get("name") if isinstance(record, Mapping) else None
+        if not isinstance(record, Mapping):
+            return
+        remedy = "give another --out, or --fresh to replace them"
+        name, own = record.get("name"), _identity(self.sweep)
         if name not in (None, self.sweep.name):
             raise InputError(
                 f"--out {self.folder.directory}: holds the results of the sweep '{name}', not of '{self.sweep.name}'; "
-                "give another --out, or --fresh to replace them"
+                f"{remedy}"
+            )
+        keys = {"base_hash": "base", "run": "run", "set": "set"}
+        unlike = [shown for key, shown in keys.items() if key in record and record[key] != own[key]]
+        if unlike:
+            raise InputError(
+                f"--out {self.folder.directory}: holds the results of the sweep '{name}' with another "
+                f"{' and '.join(unlike)}; {remedy}"
             )
 
     def count(self) -> tuple[int, int, int]:
@@ -171,9 +193,19 @@ class _SweepInProgress:
 
     @property
     def report(self) -> SweepReport:
-        """All points; every one of them has a record."""
+        """All points; those without a record are waiting."""
         points = tuple(_table_point(point, self.records) for point in self.points)
         return SweepReport(self.folder.directory, self.sweep, points)
+
+    def save_so_far(self, *, now: bool = False) -> None:
+        """Write the table and sweep.json with what is known, unless they were written a moment ago. Raises OSError."""
+        begin = time.monotonic()
+        if now or begin >= self._next_save:
+            report = self.report
+            save_table(self.folder, table_rows(columns_of(self.sweep.keys, report.points), report.points))
+            self.folder.save_json(RECORD, report.record())
+            end = time.monotonic()
+            self._next_save = end + max(PAUSE, PAUSE_OVER_WRITING * (end - begin))
 
     def save(self) -> None:
         """Write the table, the picture and sweep.json. Raises OSError."""
@@ -205,29 +237,50 @@ def _solve(sweeps: Sequence[_SweepInProgress], course: Course) -> None:
     counts = tuple(map(sum, zip(*(own.count() for own in sweeps), strict=True)))
     course.say("{} points: {} refused, {} kept from earlier, {} to be solved".format(sum(counts), *counts))
     for own in sweeps:
-        if not own.missing:
+        if own.missing:
+            own.save_so_far(now=True)
+        else:
             own.save()
     if not owners:
         return
-    with connected(course.workers) as workers:
-        course.say(workers.sentence)
-        begin = time.monotonic()
-        missing = [task for own in sweeps for task in own.missing]
-        for ended, (task, record) in enumerate(workers.records(missing), start=1):
-            own = owners[task.folder]
-            own.records[task.folder.name] = record
-            left = (time.monotonic() - begin) / ended * (len(missing) - ended)
-            reason = f": {record.reason}" if record.reason else ""
-            sentence = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}"
-            course.say(f"{ended} of {len(missing)}: {sentence}; about {duration(left)} left")
-            if not own.missing:
-                own.save()
+    try:
+        with connected(course.workers) as workers:
+            course.say(workers.sentence)
+            begin, spent = time.monotonic(), []
+            missing = [task for own in sweeps for task in own.missing]
+            for ended, (task, record) in enumerate(workers.records(missing), start=1):
+                own = owners[task.folder]
+                own.records[task.folder.name] = record
+                spent += [record.seconds] if record.seconds else []
+                elapsed = time.monotonic() - begin
+                left = remaining_of_points(spent, len(missing) - ended, workers.number(), elapsed)
+                reason = f": {record.reason}" if record.reason else ""
+                sentence = f"{task.folder.name} {record.status} after {duration(record.seconds)}{reason}"
+                after = "" if left is None else f"; about {duration(left)} left"
+                course.say(f"{ended} of {len(missing)}: {sentence}{after}")
+                if own.missing:
+                    own.save_so_far()
+                else:
+                    own.save()
+    except BaseException:
+        for own in sweeps:
+            if own.missing:
+                with suppress(OSError):  # it may be the reason
+                    own.save_so_far(now=True)
+        raise
 
 
 def _table_point(point: Point | RefusedPoint, records: Mapping[str, PointRecord]) -> TablePoint:
     if isinstance(point, RefusedPoint):
         return TablePoint(point.number, "", point.setting, PointRecord(REFUSED, point.reason))
-    return TablePoint(point.number, f"{POINTS}/{point.name}", point.setting, records[point.name])
+    record = records.get(point.name, PointRecord(WAITING, ""))
+    return TablePoint(point.number, f"{POINTS}/{point.name}", point.setting, record)
+
+
+def _identity(sweep: Sweep) -> JsonObject:
+    """What the results in a folder belong to, the axes apart, as in sweep.json."""
+    same: JsonObject = json.loads(json.dumps({"run": sweep.run, "set": sweep.common}))
+    return {"name": sweep.name, "base": str(sweep.base), "base_hash": sweep.base_hash, **same}
 
 
 def _clear(folder: ResultFolder) -> None:

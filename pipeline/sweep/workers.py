@@ -18,18 +18,21 @@ from pipeline.sweep.record import INTERRUPTED, PointRecord
 from pipeline.sweep.task import PointTask, solve
 
 #: settings of Dask for local workers: a worker gets its next point when it is free, not one ahead of time, and is not
-#: interrupted a hundred times a second to see what it does
+#: interrupted a hundred times a second to see what it does. It holds no data of Dask that could be written to disk, and
+#: one that paused until its memory is free again would pause for ever
 _SETTINGS = {
     "distributed.nanny.pre-spawn-environ": {**dict.fromkeys(THREADS, "1"), **KEPT_MEMORY},
     "distributed.scheduler.worker-saturation": 1.0,
     "distributed.worker.profile.enabled": False,
+    **dict.fromkeys((f"distributed.worker.memory.{name}" for name in ("target", "spill", "pause")), False),
+    "distributed.worker.preload": ["pipeline.sweep.preload"],
 }
 #: first part of the keys of all tasks
 GROUP = "point"
 #: how long a scheduler may take to answer, seconds
 PATIENCE = 10
-#: bytes that a worker needs before it solves anything
-LEAST_MEMORY = 500_000_000
+#: bytes that a worker needs for the smallest arm: 0.78 GB with a whole run, of which Dask allows it 95 %
+LEAST_MEMORY = 900_000_000
 
 
 @dataclass(frozen=True)
@@ -46,13 +49,24 @@ class LocalWorkers:
             each = MEMORY_LIMIT // jobs if memory is None else parse_bytes(memory)
         except ValueError:
             raise InputError(f"--memory {memory}: is no amount of memory; for example --memory '4 GB'") from None
+        if each > MEMORY_LIMIT:
+            raise InputError(f"--memory {memory}: is more than this machine has, {_gigabytes(MEMORY_LIMIT)}")
         if memory is not None and each < LEAST_MEMORY:
             raise InputError(
-                f"--memory {memory}: is too little for a worker; give it with its unit, for example '4 GB'"
+                f"--memory {memory}: is too little for a worker, which needs {_gigabytes(LEAST_MEMORY)}; give it with "
+                "its unit, for example '4 GB'"
             )
-        if each > MEMORY_LIMIT:
-            raise InputError(f"--memory {memory}: is more than this machine has, {MEMORY_LIMIT / 1e9:.3g} GB")
+        least = LEAST_MEMORY if memory is None else each
+        if jobs > 1 and jobs * least > MEMORY_LIMIT:
+            raise InputError(
+                f"--jobs {jobs}: each worker needs {_gigabytes(least)}, and this machine has "
+                f"{_gigabytes(MEMORY_LIMIT)} for all; give --jobs {max(1, MEMORY_LIMIT // least)}"
+            )
         return LocalWorkers(jobs, each)
+
+
+def _gigabytes(number: int) -> str:
+    return f"{number / 1e9:.3g} GB"
 
 
 @dataclass(frozen=True)
@@ -68,6 +82,11 @@ class Connected:
 
     client: Client
     sentence: str  #: who they are, and where they can be watched
+    local: int | None = None  #: how many there are, where they were started here
+
+    def number(self) -> int:
+        """How many there are now, each of which is at one point at a time."""
+        return self.local or max(1, len(self.client.scheduler_info(n_workers=-1)["workers"]))
 
     def records(self, tasks: Sequence[PointTask]) -> Iterator[tuple[PointTask, PointRecord]]:
         """The records of the tasks, which are begun in their order, as they end.
@@ -113,8 +132,9 @@ def connected(workers: LocalWorkers | RemoteScheduler) -> Iterator[Connected]:
         ) as cluster,
         Client(cluster) as client,
     ):
-        each = f"each a process with one thread and at most {workers.memory / 1e9:.3g} GB of memory"
-        yield Connected(client, f"{workers.jobs} workers, {each}; dashboard: {cluster.dashboard_link}")
+        each = f"each a process with one thread and at most {_gigabytes(workers.memory)} of memory"
+        sentence = f"{workers.jobs} workers, {each}; dashboard: {cluster.dashboard_link}"
+        yield Connected(client, sentence, workers.jobs)
 
 
 @contextmanager
