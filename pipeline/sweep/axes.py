@@ -74,6 +74,11 @@ class _Ends:
         return [min(high, low + int(fraction * (high - low + 1))) for fraction in fractions]
 
 
+def switch_as_word(value: Value) -> Value:
+    """on or off for a switch, as it is written in a file, which YAML reads as true or false; else the value itself."""
+    return {True: "on", False: "off"}[value] if isinstance(value, bool) else value
+
+
 def check_value(value: Value) -> None:
     """Raise ValueError for what no configuration can hold: a date or a set, and a number that is not finite."""
     if isinstance(value, float) and not isfinite(value):

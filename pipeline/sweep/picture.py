@@ -8,6 +8,7 @@ from typing import Any
 
 from pipeline.drawing.plots import COLOURS, GRID
 from pipeline.sweep.axes import Axis
+from pipeline.sweep.labels import Labels
 from pipeline.sweep.numbers import Row
 from pipeline.sweep.spec import CELL, WHOLE, Run
 from pipeline.sweep.table import Column
@@ -56,18 +57,26 @@ def svg_picture(title: str, run: Run, axes: Sequence[Axis], columns: Sequence[Co
     there: set[Any] = {row["pressure_kPa"] for row in rows} - {None}
     pressures = sorted(there)
     colours = {pressure: COLOURS[number % len(COLOURS)] for number, pressure in enumerate(pressures)}
+    labels = {column.name: Labels.of([row[column.name] for row in rows]) for column in shown}
     for i, quantity in enumerate(drawn):
         panels[i, 0].set_ylabel(quantity.title, fontsize=9)
         for j, column in enumerate(shown):
             axis = next(axis for axis in axes if column.key in axis.keys)
             fixed = [other.name for other in columns if other.key not in axis.keys]
+            words = labels[column.name]
             for line in _lines(rows, quantity, column.name, fixed):
                 style = "o" if axis.is_drawn or len(line.x) < 2 else "o-"
-                panels[i, j].plot(line.x, line.y, style, color=colours[line.pressure], markersize=3.5, linewidth=1.0)
+                x = line.x if words is None else [words.place(value) for value in line.x]
+                panels[i, j].plot(x, line.y, style, color=colours[line.pressure], markersize=3.5, linewidth=1.0)
             panels[i, j].grid(True, color=GRID)
             panels[i, j].tick_params(labelsize=8)
             if i == len(drawn) - 1:
-                panels[i, j].set_xlabel(f"{column.key} ({column.unit})" if column.unit else column.key, fontsize=9)
+                name = f"{column.key} ({column.unit})" if column.unit else column.key
+                legend = words.legend if words else ()
+                panels[i, j].set_xlabel("\n".join((name, *legend)), fontsize=6 if legend else 9)
+                if words:
+                    panels[i, j].set_xticks(range(len(words.values)), words.short)
+                    panels[i, j].set_xlim(-0.5, len(words.values) - 0.5)
     for pressure, colour in colours.items():
         panels[0, 0].plot([], [], "o", color=colour, label=f"{pressure:g} kPa")
     if colours:

@@ -10,7 +10,7 @@ from pipeline.config.load import config_of_checked
 from pipeline.config.schema import checked
 from pipeline.errors import InputError
 from pipeline.simulation.simulate import why_not_free
-from pipeline.sweep.axes import Setting
+from pipeline.sweep.axes import Setting, switch_as_word
 from pipeline.sweep.spec import Run, Sweep, document_of
 
 #: characters of the values in the name of a folder
@@ -31,7 +31,7 @@ class Point:
 
         It does not depend on the other points, so that a sweep with more points keeps the folders of the earlier ones.
         """
-        values = "_".join(f"{key.rpartition('.')[2]}={value}" for key, value in self.setting.items())
+        values = "_".join(f"{key.rpartition('.')[2]}={switch_as_word(value)}" for key, value in self.setting.items())
         readable = re.sub(r"[^A-Za-z0-9.=+_-]", "", values)[:LONGEST_NAME]
         return f"{readable}_{self.config.hash[:8]}"
 

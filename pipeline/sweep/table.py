@@ -11,7 +11,7 @@ import pyarrow.parquet
 from pipeline.config.units import in_unit_of, number_and_unit
 from pipeline.store.atomic_file import replacing
 from pipeline.store.result_folder import ResultFolder
-from pipeline.sweep.axes import Setting
+from pipeline.sweep.axes import Setting, switch_as_word
 from pipeline.sweep.numbers import Row
 from pipeline.sweep.record import PointRecord
 
@@ -48,10 +48,10 @@ class Column:
 
     def cell(self, setting: Setting) -> float | int | str:
         """The value at one point."""
-        value = setting[self.key]
+        value = switch_as_word(setting[self.key])
         if self.unit:
             return in_unit_of(value, self.unit)
-        if isinstance(value, int | float) and not isinstance(value, bool):
+        if isinstance(value, int | float):
             return value
         return value if isinstance(value, str) else json.dumps(value)
 
