@@ -21,7 +21,7 @@ from pipeline.sweep.record import PointRecord
 from pipeline.sweep.spec import Sweep, read_sweep
 from pipeline.sweep.study import Course, RequestedSweep, SweepReport, run_sweep, run_sweeps
 from pipeline.sweep.task import PointTask
-from pipeline.sweep.workers import LocalWorkers, RemoteScheduler
+from pipeline.sweep.workers import LocalWorkers, RemoteScheduler, closed_after
 
 HERE = Path(__file__).resolve().parent.parent
 BASE = """
@@ -200,11 +200,26 @@ def test_ctrl_c_in_a_terminal_ends_with_one_sentence(file: Path, tmp_path: Path)
         assert process.stdout is not None
         for line in process.stdout:
             if line.startswith("1 workers"):
+                time.sleep(1.0)  # until it waits for the first point; Python may lose an interrupt in a destructor
                 os.killpg(process.pid, signal.SIGINT)  # as a terminal does, workers included
                 break
         _, said = process.communicate(timeout=60)
-    assert process.returncode == 130
-    assert said == "pneurod: interrupted; finished results are kept, and the same command continues from there\n"
+    sentence = "pneurod: interrupted; finished results are kept, and the same command continues from there\n"
+    assert (process.returncode, said) == (130, sentence)
+
+
+def test_workers_that_take_too_long_to_end_do_not_hide_an_interrupt() -> None:
+    class Slow:
+        def __enter__(self) -> str:
+            return "workers"
+
+        def __exit__(self, *failure: object) -> None:
+            raise TimeoutError("they do not end")
+
+    with pytest.raises(KeyboardInterrupt), closed_after(Slow()):
+        raise KeyboardInterrupt
+    with pytest.raises(TimeoutError), closed_after(Slow()):
+        pass
 
 
 def test_a_killed_sweep_continues_without_its_finished_points(file: Path, results: Path, tmp_path: Path) -> None:

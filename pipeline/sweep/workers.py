@@ -3,8 +3,9 @@
 import logging
 from collections.abc import Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
+from typing import TypeVar
 
 import dask
 from dask.utils import parse_bytes
@@ -16,6 +17,8 @@ from pipeline.errors import InputError, RunFailed
 from pipeline.processes import KEPT_MEMORY, THREADS
 from pipeline.sweep.record import INTERRUPTED, PointRecord
 from pipeline.sweep.task import PointTask, solve
+
+Resource = TypeVar("Resource")
 
 #: settings of Dask for local workers: a worker gets its next point when it is free, not one ahead of time, and is not
 #: interrupted a hundred times a second to see what it does. It holds no data of Dask that could be written to disk, and
@@ -122,19 +125,35 @@ def connected(workers: LocalWorkers | RemoteScheduler) -> Iterator[Connected]:
         return
     with (
         dask.config.set(_SETTINGS),
-        LocalCluster(
-            n_workers=workers.jobs,
-            threads_per_worker=1,
-            processes=True,
-            memory_limit=workers.memory,
-            dashboard_address="127.0.0.1:0",
-            silence_logs=logging.CRITICAL,
+        closed_after(
+            LocalCluster(
+                n_workers=workers.jobs,
+                threads_per_worker=1,
+                processes=True,
+                memory_limit=workers.memory,
+                dashboard_address="127.0.0.1:0",
+                silence_logs=logging.CRITICAL,
+            )
         ) as cluster,
-        Client(cluster) as client,
+        closed_after(Client(cluster)) as client,
     ):
         each = f"each a process with one thread and at most {_gigabytes(workers.memory)} of memory"
         sentence = f"{workers.jobs} workers, {each}; dashboard: {cluster.dashboard_link}"
         yield Connected(client, sentence, workers.jobs)
+
+
+@contextmanager
+def closed_after(resource: AbstractContextManager[Resource]) -> Iterator[Resource]:
+    """A resource that is closed when the block ends; where an exception ends it, as an interrupt does, a failure of
+    closing, which may take longer than Dask waits, does not hide it."""
+    entered = resource.__enter__()
+    try:
+        yield entered
+    except BaseException as failure:
+        with suppress(Exception):
+            resource.__exit__(type(failure), failure, failure.__traceback__)
+        raise
+    resource.__exit__(None, None, None)
 
 
 @contextmanager
