@@ -194,13 +194,15 @@ def test_the_remaining_time_is_shared_by_the_workers() -> None:
 
 def test_ctrl_c_in_a_terminal_ends_with_one_sentence(file: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "pipeline", "sweep", str(file), "--out", str(tmp_path / "out"), "--jobs", "1"]
-    with subprocess.Popen(
-        command, cwd=HERE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as process:
-        assert process.stdout is not None
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True, "start_new_session": True}
+    before = signal.signal(signal.SIGINT, signal.SIG_DFL)  # else ignored, where the tests run in the background
+    try:
+        started = subprocess.Popen(command, cwd=HERE, **options)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    with started as process:
         for line in process.stdout:
             if line.startswith("1 workers"):
-                time.sleep(1.0)  # until it waits for the first point; Python may lose an interrupt in a destructor
                 os.killpg(process.pid, signal.SIGINT)  # as a terminal does, workers included
                 break
         _, said = process.communicate(timeout=60)

@@ -88,7 +88,7 @@ def test_the_scheme_is_of_sixth_order():
         steps = cut_into_steps(1.0, lambda s: 3.0 + s**2, FiveParameters(1.0, 1.0, 0.0, 0.0, 0.5), refinement=n / 160)
         states, ones = np.empty((len(steps.s), 4)), np.ones(len(steps.s) - 1)
         rod = RodArrays(steps.s, steps.kappa_0, np.ones_like(steps.kappa_0), ones, 0 * ones, 0.0, 0.0, 0.0)
-        sweep(rod, np.array([0.4, 1.0, -3.0]), np.zeros(2), states, np.empty(16))
+        sweep(rod, np.array([0.4, 1.0, -3.0]), np.zeros(4), states, np.empty(16))
         ends.append(states[-1].copy())
     differences = [np.abs(a - b).max() for a, b in itertools.pairwise(ends)]
     rates = np.log2(np.array(differences[:-1]) / differences[1:])
@@ -98,7 +98,7 @@ def test_the_scheme_is_of_sixth_order():
 def test_derivatives_by_the_unknowns_against_central_differences():
     steps = cut_into_steps(1.0, 2.0, TWO_LINES)
     alpha, m0 = np.where(steps.first, 2.0, 1.0), np.where(steps.first, 0.1, -0.05)
-    unknowns, weight = np.array([-0.8, 0.5, -1.0]), np.array([0.1, -0.3])
+    unknowns, weight = np.array([-0.8, 0.5, -1.0]), np.array([0.1, -0.3, 0.2, -0.6])
     rod = RodArrays(steps.s, steps.kappa_0, 1.0 + 0.1 * steps.kappa_0, alpha, m0, 0.05, 0.3, 0.2)
 
     def end(u):
