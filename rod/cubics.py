@@ -35,6 +35,13 @@ def _coefficients(x: Array, y: Array, slopes: Array, at: Array | float) -> tuple
     return inside, (y[i], slopes[i], (secant - slopes[i]) / step - third, third / step)
 
 
+def hermite(t: Array | float, a: Array, b: Array, da: Array, db: Array) -> Array:
+    """The cubic at t between a (t = 0) and b (t = 1) with the slopes da and db per unit of t."""
+    h00, h10 = (1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2
+    h01, h11 = t**2 * (3 - 2 * t), t**2 * (t - 1)
+    return np.asarray(h00 * a + h10 * da + h01 * b + h11 * db)
+
+
 def monotone_slopes(x: Array, y: Array) -> Array:
     """(n, ...) slopes of the monotone cubics (PCHIP) through y (n, ...) over rising x (n,), at least two points.
 

@@ -94,7 +94,16 @@ class PressurisedRod:
         kappa_0 = self._shape_at(self.kappa_0, pressure, 0.0)
         theta0 = float(self._shape_at(self.theta0, min(float(pressure), float(self.pressures[-1])), 0.0))
         profile = np.column_stack([self.s, kappa_0])
-        return Rod(self.length, profile, law, theta0, self.start, 0.0, extension, self.weight, self.weight_height)
+        return Rod(
+            self.length,
+            profile,
+            law,
+            theta0,
+            self.start,
+            extension=extension,
+            weight=self.weight,
+            weight_height=self.weight_height,
+        )
 
     @property
     def stretches(self) -> bool:

@@ -35,7 +35,7 @@ class RodSolution:
     shear: Array | None = field(default=None, repr=False)  #: (n,) slope Q/GA; None: the rod does not shear
     #: (m, 2) mm at s (m,): the material curve beside the axis, along and normal to it; None: it is the axis
     beside: Callable[[Array], Array] | None = field(default=None, repr=False)
-    #: (n,) N mm, moment of the rod's own weight where nothing else acts, which its law does not count; None: no weight
+    #: (n,) N mm, moment of the rod's own weight where nothing else acts; None: a rod with another law than two lines
     rest_moment: Array | None = field(default=None, repr=False)
 
     @cached_property

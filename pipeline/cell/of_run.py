@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pipeline.cell.build import MeasuredLaw, build_law
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.cell.study import save_law
+from pipeline.config.arm_law import NO_LAW
 from pipeline.context import RunContext
 from pipeline.errors import InputError, RunFailed, WorkerLost
 from pipeline.parallel.workers import Done, Pending
@@ -16,8 +17,6 @@ from pipeline.simulation.scene import Scene
 from pipeline.store.store import Store
 from rod import ArmLaw
 
-#: how the sentence begins where a run with `law: cell` has none
-NO_LAW = "no law of the arm"
 #: what a reason says on the factorization of a tangent; law.json keeps it
 _PIVOTS = re.compile(r" \(\d+ negative pivots\)")
 

@@ -172,8 +172,16 @@ class Parameters:
         curve = self.free.centreline
         law = FiveParameters(**{name: number.value for name, number in numbers.items()})
         start = (float(curve.x[0]), float(curve.y[0]))
-        weight, height = self.free.load.weight, self.free.load.weight_height
-        return Rod(curve.length, profile, law, theta0, start, 0.0, extension, weight, height)
+        return Rod(
+            curve.length,
+            profile,
+            law,
+            theta0,
+            start,
+            extension=extension,
+            weight=self.free.load.weight,
+            weight_height=self.free.load.weight_height,
+        )
 
     @property
     def moment_range(self) -> MomentRange:

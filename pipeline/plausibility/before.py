@@ -156,5 +156,9 @@ def of_load(config: Config) -> tuple[str, ...]:
 #: the rules on the pressures, given where an experiment has ended, and those on the rest of the configuration
 ON_PRESSURES: tuple[Callable[[Config, float], str], ...] = (_strong_pressure, _weak_pressure, _few_pressures)
 ON_DESIGN: tuple[Callable[[Config], str], ...] = (
-    *(too_short, _unequal_cells, _long_cells, _pressure_of_run_unused, of_edges),
+    too_short,
+    _unequal_cells,
+    _long_cells,
+    _pressure_of_run_unused,
+    of_edges,
 )

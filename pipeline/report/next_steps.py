@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from math import inf
 from typing import Any
 
-from pipeline.cell.of_run import NO_LAW
+from pipeline.config.arm_law import NO_LAW
 from pipeline.report.formatting import percent, rounded
 from pipeline.report.mesh import from_file
 from pipeline.report.mesh_error import largest_mesh_error

@@ -21,7 +21,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve
-from rod.cubics import cubic, cubic_slope
+from rod.cubics import cubic, cubic_slope, hermite
 from rod.law import RodError
 
 #: pairs of states
@@ -73,13 +73,6 @@ def joined(first: CellCurve, second: CellCurve, pressure: float) -> Joined:
     values = (low.moment, high.moment, moment, (1 - t) * low.kappa + t * high.kappa, stretch)
     slopes = low.moment_slope, high.moment_slope
     return Joined(t, *(column[rises] for column in (*values, *slopes)))
-
-
-def hermite(t: float, a: Array, b: Array, da: Array, db: Array) -> Array:
-    """The cubic at t between a (t = 0) and b (t = 1) with the slopes da and db per unit of t."""
-    h00, h10 = (1 + 2 * t) * (1 - t) ** 2, t * (1 - t) ** 2
-    h01, h11 = t**2 * (3 - 2 * t), t**2 * (t - 1)
-    return np.asarray(h00 * a + h10 * da + h01 * b + h11 * db)
 
 
 def columns(at: Array, nodes: Array, values: Array) -> Array:

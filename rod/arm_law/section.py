@@ -12,9 +12,9 @@ from typing import TypeVar
 import numpy as np
 
 from geometry.arrays import Array
-from rod.arm_law.between import columns, hermite, joined
+from rod.arm_law.between import columns, joined
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.cubics import cubic, cubic_slope, monotone_slopes
+from rod.cubics import cubic, cubic_slope, hermite, monotone_slopes
 from rod.law import RodError
 from rod.same_pressure import known_at
 

@@ -216,8 +216,15 @@ class _ShapeFit:
         ripple = deviation * (z[5:] @ np.array(harmonics(s, self.shape.pitch)))
         kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + ripple])
         start, load = (float(loaded.x[0]), float(loaded.y[0])), self.shape.load
-        weight = load.weight, load.weight_height
-        rod = Rod(self.shape.length, kappa_0, law, self.theta0, start, 0.0, None, *weight)
+        rod = Rod(
+            self.shape.length,
+            kappa_0,
+            law,
+            self.theta0,
+            start,
+            weight=load.weight,
+            weight_height=load.weight_height,
+        )
         end = (float(loaded.x[-1]), float(loaded.y[-1]))
         x, y = (value if held else None for value, held in zip(end, self.shape.held, strict=True))
         return rod.under(load.without_weight, end_y=y, end_x=x)

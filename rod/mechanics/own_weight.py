@@ -11,6 +11,7 @@ loads. Everything is dimensionless as in `shooting`.
 import numpy as np
 
 from geometry.arrays import Array
+from rod.cubics import hermite
 from rod.mechanics.profile import Steps
 from rod.mechanics.shooting import ABSCISSAE, RodArrays, sweep
 
@@ -29,6 +30,4 @@ def moment_of_weight(steps: Steps, stretch: Array, weight: Array, theta0: float)
     across, couple = (1.0 - steps.s) * (weight[0] * sine - weight[1] * cosine), weight[2] * cosine + weight[3] * sine
     step = np.diff(steps.s)
     first, last = step * (stretch[:, 0] * across[:-1] + couple[:-1]), step * (stretch[:, 1] * across[1:] + couple[1:])
-    t = ABSCISSAE[:, None]
-    values = (1 + 2 * t) * (1 - t) ** 2 * moment[:-1] + t**2 * (3 - 2 * t) * moment[1:]
-    return np.ascontiguousarray((values + t * (1 - t) ** 2 * first + t**2 * (t - 1) * last).T)
+    return np.ascontiguousarray(hermite(ABSCISSAE[:, None], moment[:-1], moment[1:], first, last).T)
