@@ -116,9 +116,14 @@ class Design(ABC):
 
     @property
     def cavity_pitch(self) -> float:
-        """Largest distance along x between the middles of neighbouring cavities, mm; 0 where none follow one another,
+        """Largest distance along x between the middles of neighbouring chambers, mm; 0 where none follow one another,
         or where it is not needed because the cells are known."""
         return 0.0
+
+    @property
+    def reason_for_pitch(self) -> str:
+        """Why the program averages curvature over `pitch`; empty where the family or the user gives it."""
+        return ""
 
     @property
     def averages_within_cavities(self) -> bool:

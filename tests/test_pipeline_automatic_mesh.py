@@ -14,8 +14,11 @@ from pipeline.report.mesh import mesh_sentences
 from pipeline.report.results import read_results
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.scene import Scene
+from tests.foreign_bodies import two_chambers
+from tests.step_bodies import save
 
 NOTHING = GivenMesh(None, None, None)
+FAR, NEAR = "[40 mm, 6 mm, 0 mm]", "[20 mm, 6 mm, 0 mm]"
 SEMICIRCULAR = """
 name: arm
 geometry: {family: semicircular, chambers: 2}
@@ -115,11 +118,27 @@ def test_the_report_tells_what_was_chosen_and_how_long_the_edges_are(written: Pa
     assert "mixed elements, smaller at the walls; mesh.size is 6 mm, the edges are " in text
     assert "Chosen by the program: elements mixed, because it does not lock at a Poisson ratio of 0.495" in text
     assert "Chosen by the program: size" not in text
+    assert "curvatures" not in text
     assert "volume" not in text
     (tmp_path / "run.json").write_text(json.dumps({"mesh": {**record, "volume_over_drawing": 0.995}}), encoding="utf-8")
     assert "The volume of the mesh differs from that of the drawing by -0.5 %." in mesh_sentences(
         read_results(tmp_path)
     )
+
+
+def test_the_report_tells_over_which_length_curvature_is_averaged(tmp_path: Path) -> None:
+    save(tmp_path / "two.step", two_chambers)
+    own = f"{{family: own, file: two.step, curve: 1.5 mm, air: {{far: {FAR}, near: {NEAR}}}}}"
+    (tmp_path / "two.yaml").write_text(
+        f"name: two\ngeometry: {own}\nmaterial: {{law: neo_hooke, mu: 0.1 MPa, nu: 0.49}}\npressures: [5 kPa]\n"
+    )
+    record = MeshRecord.of(Scene.meshed(load_config(tmp_path / "two.yaml", ["mesh.size=10 mm"]))).record
+    assert record["averaging_mm"] == pytest.approx(6.0)
+    (tmp_path / "run.json").write_text(json.dumps({"mesh": record}), encoding="utf-8")
+    assert (
+        "Chosen by the program: curvatures are means over 6 mm, because five parameters need 6.5 times the distance of "
+        "its chambers, 28 mm."
+    ) in mesh_sentences(read_results(tmp_path))
 
 
 def test_the_thinnest_wall_of_a_drawing_is_measured_in_a_cad_file(configs: Path) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug, wrong_points
+from geometry.foreign.chambers import Range
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
@@ -185,8 +186,8 @@ class CadFile(FileDesign):
         return {name: self.measures.air_volumes[name] for name in self._cad.cavities}
 
     @property
-    def cavity_ranges(self) -> Mapping[str, tuple[float, float]]:
-        return self.measures.air_ranges
+    def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
+        return self.measures.chambers
 
     @property
     def region_volumes(self) -> Mapping[str, float]:

@@ -1,23 +1,24 @@
 """Bodies from files: what drawings, meshes and surfaces share."""
 
 from abc import abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from hashlib import sha256
-from itertools import pairwise
+from itertools import chain
 from math import isfinite
 from pathlib import Path
 from typing import TypeAlias
 
 from geometry.design import Design, DesignError
+from geometry.foreign.chambers import Range, distances
 from geometry.foreign.companions import companions
-from geometry.foreign.frame import Axes, usual_cell
+from geometry.foreign.frame import PITCHES, Axes, usual_cell
 from geometry.meshing.cad_import import Point
 from geometry.meshing.cells import CellPlanes
 from geometry.meshing.mirror import slices
 
-#: length of a cavity over that of the arm from which on it runs through all of it
-WHOLE = 0.75
+#: largest difference of the distances of chambers, over the largest, with which these are the cells of the arm
+EQUAL = 0.05
 #: names of faces that are no cavities
 TAKEN = ("clamp", "tip", "sym", "outer")
 #: whether an inlet in the plane of the clamp is closed there, or a point in the mouth of each inlet that is filled
@@ -79,24 +80,27 @@ class FileDesign(Design):
 
     @property
     @abstractmethod
-    def cavity_ranges(self) -> Mapping[str, tuple[float, float]]:
-        """Smallest and largest x of each cavity, mm, from where the file has its origin or from the clamp."""
+    def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
+        """Smallest and largest x of each chamber by the name of its cavity, mm; x as in the file or from the clamp."""
+
+    @property
+    def chamber_distances(self) -> list[float]:
+        """Along x between the middles of neighbouring chambers, mm."""
+        return distances(chain.from_iterable(self.chamber_ranges.values()), self.length)
 
     @property
     def cavity_pitch(self) -> float:
-        groups: list[tuple[float, float]] = []  # those beside one another are one
-        for low, high in sorted(self.cavity_ranges.values()):
-            if groups and low < groups[-1][1]:
-                low, high = groups[-1][0], max(high, groups.pop()[1])
-            groups.append((low, high))
-        middles = [(low + high) / 2 for low, high in groups if high - low < WHOLE * self.length]
-        return max((after - before for before, after in pairwise(middles)), default=0.0)
+        return max(self.chamber_distances, default=0.0)
 
     @property
     def pitch(self) -> float:
         if isinstance(self.cell, CellPlanes):
             return 2 * self.cell.half_pitch
-        return averaging_length(self.length, self.cell)
+        return self.cell or usual_pitch(self.length, self.chamber_distances)[0]
+
+    @property
+    def reason_for_pitch(self) -> str:
+        return usual_pitch(self.length, self.chamber_distances)[1] if self.cell is None else ""
 
 
 def wrong_points(key: str, points: Mapping[str, Point]) -> Iterator[DesignError]:
@@ -106,6 +110,18 @@ def wrong_points(key: str, points: Mapping[str, Point]) -> Iterator[DesignError]
             yield DesignError(f"{key}.{name}", f"must be a point (x, y, z) in mm, not {point!r}")
 
 
-def averaging_length(length: float, cell: float | None) -> float:
-    """Length (mm) over which curvature is averaged: `cell`, or for None equal parts of about the usual length."""
-    return cell or slices(length, usual_cell(length))[1]
+def usual_pitch(length: float, between: Sequence[float]) -> tuple[float, str]:
+    """Length (mm) over which curvature is averaged where none is given, and the reason, a clause.
+
+    The largest distance of neighbouring chambers (mm) where all are equal and the arm is long enough for five
+    parameters of such cells; otherwise equal parts of the arm of about the usual length.
+    """
+    parts = slices(length, usual_cell(length))[1]
+    if not between:
+        return parts, "no chambers follow one another along the arm"
+    longest = max(between)
+    if longest - min(between) > EQUAL * longest:
+        return parts, "its chambers are not equally far apart"
+    if length < PITCHES * longest:
+        return parts, f"five parameters need {PITCHES:g} times the distance of its chambers, {longest:.3g} mm"
+    return longest, f"this is the distance of its {len(between) + 1} chambers"

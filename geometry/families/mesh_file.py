@@ -10,8 +10,9 @@ from typing import ClassVar, Self, final
 import numpy as np
 
 from geometry.design import Body, DesignError, raise_together
-from geometry.families.from_file import FileDesign, averaging_length
+from geometry.families.from_file import FileDesign
 from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
+from geometry.foreign.chambers import Range, chambers_of
 from geometry.foreign.file import FileMesh, read_mesh_file
 from geometry.foreign.frame import SAME, Axes
 from geometry.foreign.shells import opens_at, parts_of
@@ -48,7 +49,7 @@ class MeshFile(FileDesign):
     tip: float | None = None  #: x of the other end face; without it the other end
     air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
     symmetric: bool = False  #: whether the file holds one half alone, z >= 0 or z <= 0
-    cell: float | None = None  #: length over which curvature is averaged; a tenth of the length, at most 10 mm
+    cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
@@ -61,15 +62,17 @@ class MeshFile(FileDesign):
     @cached_property
     def fixed_body(self) -> Body:
         """The body, moved along x so that its clamp is at x = 0, with the regions of `with_regions`."""
+        mesh, half = self._placed.mesh, "sym" in self._placed.mesh.faces
+        return Body(mesh, self.family, self.length, self.pitch, self.curve, half, self._placed.cavities)
+
+    @cached_property
+    def _placed(self) -> Placed:
         try:
             placing, content = self._placing, self._content
             content = replace(content, regions={name: content.regions[name] for name in self.regions})
             given = self.clamp is not None or self.tip is not None or self.air or self.plug
             by_planes = given or not _has_names(content)
-            placed = placed_by_planes(content, placing) if by_planes else _placed_by_names(content, placing)
-            pitch = averaging_length(placed.length, self.cell)
-            half = "sym" in placed.mesh.faces
-            return Body(placed.mesh, self.family, placed.length, pitch, self.curve, half, placed.cavities)
+            return placed_by_planes(content, placing) if by_planes else _placed_by_names(content, placing)
         except MeshError as error:
             raise DesignError("file", str(error)) from error
 
@@ -90,7 +93,7 @@ class MeshFile(FileDesign):
 
     @property
     def length(self) -> float:
-        return self.fixed_body.length
+        return self._placed.length
 
     @property
     def extent(self) -> tuple[float, float, float]:
@@ -106,10 +109,9 @@ class MeshFile(FileDesign):
         return {name: self._halves * self.fixed_body.mesh.enclosed_volume(name) for name in self.fixed_body.cavities}
 
     @cached_property
-    def cavity_ranges(self) -> Mapping[str, tuple[float, float]]:
-        mesh = self.fixed_body.mesh
-        x = {name: mesh.points[mesh.faces[name], 0] for name in self.fixed_body.cavities}
-        return {name: (float(of_cavity.min()), float(of_cavity.max())) for name, of_cavity in x.items()}
+    def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
+        mesh = self._placed.mesh
+        return {name: chambers_of(mesh.points, mesh.faces[name]) for name in self._placed.cavities}
 
     @property
     def thinnest_wall(self) -> float:
@@ -140,7 +142,8 @@ class MeshFile(FileDesign):
                     f"materials.{second}", f"the mesh has elements that belong to {first} and to {second}"
                 )
         if chosen.regions:  # elements between regions are divided in another way
-            chosen.__dict__.pop("fixed_body", None)
+            for name in ("_placed", "fixed_body"):
+                chosen.__dict__.pop(name, None)
             _ = chosen.fixed_body
         return chosen
 

@@ -12,6 +12,7 @@ from geometry.arrays import Index
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug
 from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
+from geometry.foreign.chambers import Range, chambers_of
 from geometry.foreign.defeatured import defeatured
 from geometry.foreign.fill import fill
 from geometry.foreign.frame import SAME, Axes, rotation
@@ -46,7 +47,7 @@ class SurfaceFile(FileDesign):
     clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
     tip: float | None = None  #: x of the other end face; without it the other end
     air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
-    cell: float | None = None  #: length over which curvature is averaged; a tenth of the length, at most 10 mm
+    cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
     plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
@@ -121,9 +122,8 @@ class SurfaceFile(FileDesign):
         return {name: -enclosed(points, walls) for name, walls in self._cavities.items()}
 
     @cached_property
-    def cavity_ranges(self) -> Mapping[str, tuple[float, float]]:
-        x = {name: self.surface.points[walls, 0] for name, walls in self._cavities.items()}
-        return {name: (float(of_cavity.min()), float(of_cavity.max())) for name, of_cavity in x.items()}
+    def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
+        return {name: chambers_of(self.surface.points, walls) for name, walls in self._cavities.items()}
 
     @cached_property
     def _cavities(self) -> Mapping[str, Index]:

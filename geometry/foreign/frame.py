@@ -12,6 +12,8 @@ from geometry.design import DesignError
 Axes: TypeAlias = tuple[str, str, str]
 
 SAME: Axes = ("x", "y", "z")
+#: length of an arm, in lengths over which curvature is averaged, that five parameters need (`rod.too_few_pitches`)
+PITCHES = 6.5
 
 
 def rotation(axes: Sequence[str]) -> Array:
@@ -36,6 +38,6 @@ def rotation(axes: Sequence[str]) -> Array:
 def usual_cell(length: float) -> float:
     """Length (mm) over which curvature is averaged on an arm of that length (mm) of which no cell is known.
 
-    The five parameters need 6.5 of them.
+    The five parameters need `PITCHES` of them.
     """
     return min(10.0, length / 10)

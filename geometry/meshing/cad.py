@@ -14,9 +14,11 @@ import numpy as np
 
 from geometry.curved import CurvedEdges
 from geometry.design import DesignError
+from geometry.foreign.chambers import Range
 from geometry.foreign.shells import NOTHING_OPEN
 from geometry.grading import Grading
 from geometry.mesh import Mesh
+from geometry.meshing.cad_chambers import chambers
 from geometry.meshing.cad_curve import check_curve
 from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids, is_in_material
 from geometry.meshing.cad_parts import BODY, named_parts
@@ -43,7 +45,7 @@ class CadMeasures:
     high: Point  #: largest x, y and z, mm
     solid_volume: float  #: mm3
     air_volumes: Mapping[str, float]  #: by the name of the cavity, mm3
-    air_ranges: Mapping[str, tuple[float, float]]  #: smallest and largest x by the name of the cavity, mm
+    chambers: Mapping[str, tuple[Range, ...]]  #: smallest and largest x of each, mm, by the name of the cavity
     part_volumes: Mapping[str, float]  #: by the name of the part, mm3
     plug_depths: Mapping[str, float]  #: of the inlets that are filled, by their names, mm
 
@@ -54,8 +56,6 @@ def measure(body: CadBody) -> CadMeasures:
         occ = gmsh.model.occ
         halves = 2 if body.half else 1
         volumes = {name: halves * float(occ.getMass(*volume)) for volume, name in air.items()}
-        corners = {name: bounds(gmsh, [volume]) for volume, name in air.items()}
-        ranges = {name: (low[0], high[0]) for name, (low, high) in corners.items()}
         low, high = bounds(gmsh, list(blocks))
         if body.half:
             low = (low[0], low[1], -high[2])
@@ -64,7 +64,8 @@ def measure(body: CadBody) -> CadMeasures:
             parts[name] += halves * float(occ.getMass(*block))
         solid_volume = sum(parts.values())
         del parts[BODY]
-        return CadMeasures(low, high, solid_volume, volumes, ranges, parts, plug_depths)
+        of_cavity = chambers(gmsh, air, body.tip - body.clamp)
+        return CadMeasures(low, high, solid_volume, volumes, of_cavity, parts, plug_depths)
 
 
 def edges_of(body: CadBody) -> tuple[tuple[float, str], ...]:

@@ -7,7 +7,7 @@ from pipeline.report.results import Results
 #: volume of the mesh over that of the drawing, minus 1, from which the difference is told
 VOLUME_DIFFERS = 1e-3
 #: names of the choices in a sentence, with the unit of their values
-_CHOICES = {"formulation": "elements", "grading": "grading", "size": "size"}
+_CHOICES = {"formulation": "elements", "grading": "grading", "size": "size", "averaging": "curvatures are means over"}
 
 
 def mesh_sentences(results: Results) -> list[str]:
@@ -22,6 +22,7 @@ def mesh_sentences(results: Results) -> list[str]:
         f"long on average and {mesh['longest_edge_mm']:.2g} mm at most."
     ]
     values = {"formulation": mesh["formulation"], "grading": mesh["grading"], "size": f"{number(mesh['size_mm'])} mm"}
+    values["averaging"] = f"{number(mesh.get('averaging_mm', 0.0))} mm"  # older files do not have it
     sentences += [
         f"Chosen by the program: {name} {values[key]}, because {mesh['chosen'][key]}."
         for key, name in _CHOICES.items()

@@ -23,7 +23,9 @@ class MeshRecord:
                 "from_file": isinstance(design, MeshFile),
                 "formulation": settings.formulation,
                 "grading": settings.grading,
-                "chosen": dict(settings.chosen),
+                "averaging_mm": scene.body.pitch,
+                "chosen": dict(settings.chosen)
+                | ({"averaging": reason} if (reason := design.reason_for_pitch) else {}),
                 "elements": len(mesh.tets),
                 "mean_edge_mm": mesh.quality.mean_edge,
                 "longest_edge_mm": mesh.quality.longest_edge,

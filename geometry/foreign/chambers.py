@@ -1,0 +1,114 @@
+"""Where the chambers of an arm lie along x: the wide parts of a cavity, between which only narrow channels lead.
+
+The section of the air at a plane is the part, projected on this plane, of the walls that lie behind it: the divergence
+theorem for a body that is cut there. Walls in the planes y = 0 and z = 0 do not count, and a cavity that is open in the
+plane of the clamp needs no lid, because all of its walls behind a plane are there.
+"""
+
+from collections.abc import Iterable
+from itertools import pairwise
+from typing import TypeAlias
+
+import numpy as np
+
+from geometry.arrays import Array, Index
+
+#: smallest and largest x, mm
+Range: TypeAlias = tuple[float, float]
+
+#: part of the section of the smaller of two neighbouring chambers below which what lies between them is a channel
+NARROW = 0.5
+#: part of the largest section of a cavity that a chamber has at least; what is smaller widens a channel
+SMALLEST = 0.2
+#: planes along a cavity at which its section is compared
+PLANES = 400
+#: halvings of the distance of two planes to find where a chamber begins or ends
+HALVINGS = 16
+#: decimals of distances in mm
+ROUNDED = 3
+#: length of a cavity or chamber over that of the arm from which on it runs through all of it
+WHOLE = 0.75
+
+
+def sections(points: Array, walls: Index, x: Array) -> Array:
+    """Section (mm2) of the air within walls (k, 3) at planes x (n,), mm, none of them in the plane of a wall."""
+    corners = points[walls]
+    edges = corners[:, 1:] - corners[:, :1]
+    projected = 0.5 * (edges[:, 0, 1] * edges[:, 1, 2] - edges[:, 0, 2] * edges[:, 1, 1])
+    facing = projected != 0.0
+    low, middle, high = np.sort(corners[facing][:, :, 0], axis=1).T
+    projected = projected[facing]
+    areas = np.zeros(len(x))
+    for number, plane in enumerate(x):
+        cut = (low < plane) & (plane < high)
+        a, b, c = low[cut], middle[cut], high[cut]
+        with np.errstate(divide="ignore", invalid="ignore"):  # of the branch that is not taken
+            beyond_b = (c - plane) ** 2 / ((c - b) * (c - a))
+            before_b = 1.0 - (plane - a) ** 2 / ((b - a) * (c - a))
+        behind = np.where(plane > b, beyond_b, before_b)
+        areas[number] = projected[low >= plane].sum() + (projected[cut] * behind).sum()
+    return np.abs(areas)
+
+
+def chambers_of(points: Array, walls: Index) -> tuple[Range, ...]:
+    """Smallest and largest x of each chamber of the cavity within walls (k, 3), by increasing x, mm.
+
+    A cavity without narrow channels is one chamber.
+    """
+    low, high = (float(bound(points[walls, 0])) for bound in (np.min, np.max))
+    planes = np.linspace(low, high, 2 * PLANES + 1)[1::2]
+    areas = sections(points, walls, planes)
+    peaks = _peaks(areas)
+    if len(peaks) == 1:
+        return ((low, high),)
+    lowest = [p + int(np.argmin(areas[p:q])) for p, q in pairwise(peaks)]
+    levels = NARROW * areas[peaks]
+    begins, ends = np.array([low, *planes[lowest]]), np.array([*planes[lowest], high])
+    return tuple(
+        zip(
+            _crossings(points, walls, planes[peaks], begins, levels).tolist(),
+            _crossings(points, walls, planes[peaks], ends, levels).tolist(),
+            strict=True,
+        )
+    )
+
+
+def _peaks(areas: Array) -> list[int]:
+    """Where sections are largest between channels, each of which is narrow beside both of its neighbours."""
+    peaks, highest, lowest = list[int](), 0, 0
+    is_rising = True
+    for number, area in enumerate(areas):
+        if is_rising:
+            highest = number if area > areas[highest] else highest
+            if area < NARROW * areas[highest]:
+                peaks.append(highest)
+                is_rising, lowest = False, number
+        else:
+            lowest = number if area < areas[lowest] else lowest
+            if NARROW * area > areas[lowest]:
+                is_rising, highest = True, number
+    peaks += [highest] if is_rising else []
+    return [peak for peak in peaks if areas[peak] > SMALLEST * areas.max()]
+
+
+def _crossings(points: Array, walls: Index, wide: Array, narrow: Array, levels: Array) -> Array:
+    """x (n,), mm, where sections fall below levels (n,) between the widest plane of a chamber and a narrow one."""
+    for _ in range(HALVINGS):
+        middle = (wide + narrow) / 2
+        is_wide = sections(points, walls, middle) > levels
+        wide, narrow = np.where(is_wide, middle, wide), np.where(is_wide, narrow, middle)
+    return narrow
+
+
+def distances(chambers: Iterable[Range], length: float) -> list[float]:
+    """Distances (mm) between the middles of neighbouring chambers of an arm of a length (mm).
+
+    Chambers beside one another are one, and those that run through all of the arm do not count.
+    """
+    groups: list[Range] = []
+    for low, high in sorted(chambers):
+        if groups and low < groups[-1][1]:
+            low, high = groups[-1][0], max(high, groups.pop()[1])
+        groups.append((low, high))
+    middles = [(low + high) / 2 for low, high in groups if high - low < WHOLE * length]
+    return [round(after - before, ROUNDED) for before, after in pairwise(middles)]

@@ -1,0 +1,123 @@
+"""Where the chambers of a body from a file are along the arm, and over which length its curvature is averaged then."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geometry import CadFile, MeshFile, PneuNet, SurfaceFile
+from geometry.families.from_file import FileDesign, usual_pitch
+from geometry.foreign.chambers import chambers_of, distances, sections
+from geometry.foreign.frame import PITCHES
+from rod.identification.observed import FEWEST_PITCHES
+from tests.foreign_bodies import meshed, two_chambers, write_mesh, write_surface
+from tests.step_bodies import box, pneunet_as_step, save
+
+AIR = {"far": (40.0, 6.0, 0.0), "near": (20.0, 6.0, 0.0)}
+NET = PneuNet(chambers=7)
+
+
+def test_two_chambers_in_a_file_of_each_kind(tmp_path: Path) -> None:
+    step = str(save(tmp_path / "two.step", two_chambers))
+    mesh = str(write_mesh(tmp_path / "two.vtu", *meshed(two_chambers, 6.0)))
+    surface = str(write_surface(tmp_path / "two.stl", two_chambers, 50))
+    designs: list[FileDesign] = [
+        CadFile(step, 1.5, air=AIR),
+        CadFile(step, 1.5, clamp=60.0, tip=0.0, air=AIR),
+        MeshFile(mesh, 1.5, air=AIR),
+        SurfaceFile(surface, 1.5, air=AIR),
+    ]
+    assert [design.cavity_pitch for design in designs] == pytest.approx([28.0] * 4)
+    assert [design.pitch for design in designs] == pytest.approx([6.0] * 4)  # an arm of 60 mm has too few cells
+    assert PneuNet().cavity_pitch == 0.0
+    within = {
+        cell: CadFile(step, 1.5, air=AIR, cell=cell).averages_within_cavities for cell in (None, 27.0, 27.9, 28.0)
+    }
+    assert within == {None: True, 27.0: True, 27.9: False, 28.0: False}
+    assert not PneuNet().averages_within_cavities
+
+
+def test_chambers_joined_by_a_channel(tmp_path: Path) -> None:
+    step = str(pneunet_as_step(tmp_path / "net.step", NET))
+    solid = CadFile(step, NET.curve_y)
+    half = solid.body(6.0).mesh
+    mesh = str(write_mesh(tmp_path / "net.vtu", half.points, half.tets))
+    designs: list[FileDesign] = [
+        solid,
+        CadFile(step, NET.curve_y, clamp=NET.length, tip=0.0),
+        MeshFile(mesh, NET.curve_y, symmetric=True),
+    ]
+    begins = NET.gap + NET.wall + NET.pitch * np.arange(NET.chambers)
+    expected = np.column_stack([begins, begins + NET.chamber_length - 2 * NET.wall])
+    np.testing.assert_allclose(designs[0].chamber_ranges["cavity"], expected, atol=1e-3)
+    np.testing.assert_allclose(designs[1].chamber_ranges["cavity"], -expected[::-1, ::-1], atol=1e-3)
+    np.testing.assert_allclose(designs[2].chamber_ranges["cavity"], expected, atol=1e-3)
+    assert [design.pitch for design in designs] == pytest.approx([NET.pitch] * 3, abs=1e-3)
+    assert not any(design.averages_within_cavities for design in designs)
+    assert [design.reason_for_pitch for design in designs] == ["this is the distance of its 7 chambers"] * 3
+    given = CadFile(step, NET.curve_y, cell=5.0)
+    assert (given.averages_within_cavities, given.reason_for_pitch) == (True, "")
+
+
+def _cone_and_steps(occ: Any) -> Any:
+    """A block with a cone from radius 4 to 2 mm, a bore of 1 mm with a wider part, and a chamber of 6 x 6 mm."""
+    air = [
+        (3, occ.addCone(2, 0, 0, 20, 0, 0, 4, 2)),
+        (3, occ.addCylinder(21, 0, 0, 20, 0, 0, 1)),
+        (3, occ.addCylinder(28, 0, 0, 3, 0, 0, 1.6)),
+        box(occ, (40, -3, -3), (50, 3, 3)),
+    ]
+    return occ.cut([box(occ, (0, -8, -8), (60, 8, 8))], air)[0]
+
+
+def test_sections_and_chambers_of_a_cone_and_a_box_with_a_bore_between(tmp_path: Path) -> None:
+    surface = SurfaceFile(str(write_surface(tmp_path / "cone.stl", _cone_and_steps, 5, around=90)), -6.0)
+    points, walls = surface.surface.points, surface._cavities["cavity"]
+    x = np.array([2.5, 12.0, 21.5, 25.0, 29.0, 35.0, 45.0])
+    exact = [np.pi * (4 - (x[0] - 2) / 10) ** 2, np.pi * 9, np.pi * (4 - 1.95) ** 2, np.pi, np.pi * 1.6**2, np.pi, 36]
+    np.testing.assert_allclose(sections(points, walls, x), exact, rtol=5e-3)
+    np.testing.assert_allclose(sections(points, walls[::-1, ::-1], x), exact, rtol=5e-3)  # facing the other way
+    (begin, end), box_range = chambers_of(points, walls)
+    assert begin == pytest.approx(2.0, abs=1e-3)
+    assert end == pytest.approx(2 + 10 * (4 - 4 * np.sqrt(0.5)), abs=0.1)  # where half of the largest section is left
+    assert box_range == pytest.approx((40.0, 50.0), abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "between"),
+    [
+        ([(3, 57)], []),
+        ([(3, 57), (3, 57)], []),
+        ([(3, 29), (3, 29), (31, 57)], [28]),
+        ([(3, 20), (22, 38), (40, 57), (22, 38)], [18.5, 18.5]),
+        ([(3, 50), (52, 57)], []),
+        ([(3, 29), (20, 57)], []),
+    ],
+    ids=["one", "beside one another", "two and one", "three and one", "almost all of the arm", "overlapping"],
+)
+def test_chambers_beside_one_another_are_one(ranges: list[tuple[float, float]], between: list[float]) -> None:
+    assert distances(ranges, 60.0) == pytest.approx(between)
+
+
+@pytest.mark.parametrize(
+    ("length", "between", "pitch", "reason"),
+    [
+        (110.0, [], 10.0, "no chambers follow one another along the arm"),
+        (60.0, [], 6.0, "no chambers follow one another along the arm"),
+        (110.0, [15.0] * 6, 15.0, "this is the distance of its 7 chambers"),
+        (110.0, [14.8, 15.0, 14.6], 15.0, "this is the distance of its 4 chambers"),
+        (110.0, [14.0, 15.0], 10.0, "its chambers are not equally far apart"),
+        (110.0, [17.0] * 5, 10.0, "five parameters need 6.5 times the distance of its chambers, 17 mm"),
+        (65.0, [10.0] * 5, 10.0, "this is the distance of its 6 chambers"),
+    ],
+    ids=["one cavity", "short", "equal", "nearly equal", "unequal", "too few", "just enough"],
+)
+def test_curvature_is_averaged_over_equal_cells_where_there_are_enough(
+    length: float, between: list[float], pitch: float, reason: str
+) -> None:
+    assert usual_pitch(length, between) == (pytest.approx(pitch), reason)
+
+
+def test_as_many_cells_as_five_parameters_need() -> None:
+    assert PITCHES == FEWEST_PITCHES
