@@ -12,15 +12,15 @@ from geometry.meshing.solid import session
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.simulation.simulate import experiments_of
-from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, Draw, bar
+from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, Draw, bar, tube
 from tests.step_bodies import box, save
 
 Cut = Callable[[Any], Any]
 
 
-def drilled(*cuts: Cut) -> Draw:
-    """The bar without what is cut out of it."""
-    return lambda occ: occ.cut(bar(occ), [cut(occ) for cut in cuts])[0]
+def drilled(*cuts: Cut, draw: Draw = bar) -> Draw:
+    """A body without what is cut out of it."""
+    return lambda occ: occ.cut(draw(occ), [cut(occ) for cut in cuts])[0]
 
 
 def cylinder(*numbers: float) -> Cut:
@@ -31,7 +31,7 @@ def cylinder(*numbers: float) -> Cut:
 def half(draw: Draw, side: int) -> Draw:
     """What a body has at z >= 0, or at z <= 0."""
     low, high = sorted((0, side * 8))
-    return lambda occ: occ.intersect(draw(occ), [box(occ, (-1, -1, low), (61, 20, high))])[0]
+    return lambda occ: occ.intersect(draw(occ), [box(occ, (-1, -9, low), (61, 20, high))])[0]
 
 
 BELOW = drilled(cylinder(30, -1, 0, 0, 5, 0, 1.2))
@@ -144,10 +144,86 @@ def test_a_plug_is_of_the_material_around_its_middle(tmp_path: Path) -> None:
     assert design.region_volumes == pytest.approx({"base": 60 * 15 - np.pi * 1.2**2}, rel=1e-6)
 
 
+def _half_disc(occ: Any) -> Any:
+    """A half disc of radius 8 mm, 60 mm long, with a cavity of radius 6 mm from 3 mm above its base."""
+    disc = occ.intersect([(3, occ.addCylinder(0, 0, 0, 60, 0, 0, 8))], [box(occ, (-1, 0, -9), (61, 9, 9))])[0]
+    air = occ.intersect([(3, occ.addCylinder(3, 0, 0, 54, 0, 0, 6))], [box(occ, (2, 3, -9), (58, 9, 9))])[0]
+    return occ.cut(disc, air)[0]
+
+
+TUBE_AIR = np.pi * 44 * 25
+TUBE_VOLUME = np.pi * 50 * 49 - TUBE_AIR
+ABOVE = cylinder(20, 0, 0, 0, 10, 0, 1.5)
+#: cuts of the tube, a point in the mouth, further keys, and the depth where the wall is 1.5 mm (2 mm beside z = 0)
+IN_A_ROUND_FACE = {
+    "above": (drilled(ABOVE, draw=tube), (20, 7, 0), {}, 1.5),
+    "a point beside the middle": (drilled(ABOVE, draw=tube), (20.5, 6.95, 0.5), {}, 1.5),
+    "clamped at the larger x": (drilled(ABOVE, draw=tube), (20, 7, 0), {"clamp": 50, "tip": 0}, 1.5),
+    "across the seam": (drilled(cylinder(20, 0, 0, 0, 0, 10, 1.5), draw=tube), (20, 0, 7), {"symmetric": False}, 2.04),
+    "on both sides": (drilled(cylinder(20, 0, -10, 0, 0, 20, 1.5), draw=tube), (20, 0, 7), {}, 2.04),
+    "half": (half(drilled(ABOVE, draw=tube), 1), (20, 7, 0), {}, 1.5),
+    "oblique": (drilled(cylinder(20, 0, 0, 4, 10, 0, 1.2), draw=tube), (22.8, 7, 0), {}, 1.5),
+    "square": (drilled(lambda occ: box(occ, (19, 0, -1), (21, 9, 1)), draw=tube), (20, 7, 0), {}, 1.92),
+    "stepped": (
+        drilled(cylinder(20, 0, 0, 0, 10, 0, 1), cylinder(20, 6.3, 0, 0, 9, 0, 2), draw=tube),
+        (20, 7, 0),
+        {},
+        0.83,
+    ),
+    "countersunk": (
+        drilled(cylinder(20, 0, 0, 0, 10, 0, 1), lambda occ: (3, occ.addCone(20, 6, 0, 0, 2, 0, 1, 3)), draw=tube),
+        (20, 7, 0),
+        {},
+        0.73,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", IN_A_ROUND_FACE)
+def test_an_inlet_with_its_mouth_in_a_round_face_is_filled_up_to_both_faces(tmp_path: Path, name: str) -> None:
+    draw, point, keys, depth = IN_A_ROUND_FACE[name]
+    path = str(save(tmp_path / "tube.step", draw))
+    design = CadFile(path, keys.pop("curve", -6.5), plug={"inlet": point}, **keys)
+    assert design.solid_volume == pytest.approx(TUBE_VOLUME, rel=1e-9)
+    assert design.cavity_volumes["cavity"] == pytest.approx(TUBE_AIR, rel=1e-9)
+    assert design.plug_depths["inlet"] == pytest.approx(depth, abs=0.02)
+
+
+def test_inlets_of_a_half_that_is_mirrored_and_splines_then(tmp_path: Path) -> None:
+    path = str(save(tmp_path / "tube.step", half(drilled(ABOVE, draw=tube), -1)))
+    design = CadFile(path, -6.5, plug={"inlet": (20, 7, 0)})
+    assert design.solid_volume == pytest.approx(TUBE_VOLUME, rel=1e-5)
+    assert design.plug_depths["inlet"] == pytest.approx(1.5, abs=0.02)
+
+
+def test_the_mesh_of_an_arm_with_two_inlets_in_its_round_face(tmp_path: Path) -> None:
+    """Beside the plane of symmetry, where both sides are filled, and in it; the base of the arm stays as it is."""
+    beside, other = cylinder(20, 3.5, 3.5, 0, 8, 8, 1), cylinder(20, 3.5, -3.5, 0, 8, -8, 1)
+    draw = drilled(beside, other, cylinder(40, 4, 0, 0, 10, 0, 1.5), draw=_half_disc)
+    path = str(save(tmp_path / "arm.step", draw))
+    whole = CadFile(str(save(tmp_path / "whole.step", _half_disc)), 1.5)
+    design = CadFile(path, 1.5, plug={"beside": (20, 8 * 0.5**0.5, 8 * 0.5**0.5), "above": (40, 8, 0)})
+    assert design.solid_volume == pytest.approx(whole.solid_volume, rel=2e-4)  # a mouth between two round faces
+    body, expected = design.body(4.0), whole.body(4.0)
+    assert set(body.mesh.faces) == set(expected.mesh.faces)
+    assert body.mesh.enclosed_volume("cavity") == pytest.approx(expected.mesh.enclosed_volume("cavity"), rel=2e-3)
+
+
+def test_what_is_not_an_inlet_in_a_round_face_is_refused(tmp_path: Path) -> None:
+    path = str(save(tmp_path / "tube.step", drilled(ABOVE, draw=tube)))
+    for point in ((30, 7, 0), (0, 0, 0), (20, -7, 0)):
+        with pytest.raises(
+            DesignError, match="lies in no opening of a flat face, nor in one of a round face that can be"
+        ):
+            CadFile(path, -6.5, plug={"inlet": point})
+    with pytest.raises(DesignError, match=r"plug.again: the point .* lies in the inlet that plug.inlet has filled"):
+        CadFile(path, -6.5, plug={"inlet": (20, 7, 0), "again": (20.5, 6.9, 0)})
+
+
 def test_points_in_no_inlet_are_refused(tmp_path: Path) -> None:
     path = str(save(tmp_path / "inlet.step", BELOW))
     for point in ((20, 0, 0), (30, 1, 0), (90, 0, 0)):
-        no_opening = r"plug.inlet: the point .* lies in no opening of a flat face; .*\(30, 0, 0\)"
+        no_opening = r"plug.inlet: the point .* lies in no opening of a flat face, nor .*\(30, 0, 0\)"
         with pytest.raises(DesignError, match=no_opening):
             CadFile(path, 1.5, plug={"inlet": point})
     with pytest.raises(DesignError, match=r"curve: .* if the line crosses an inlet, .* plug: .*\(30, 0, 0\) mm"):

@@ -10,6 +10,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, TypeAlias, final
 
+import numpy as np
+
+from geometry.arrays import Array
 from geometry.meshing.shapes import Volume
 
 #: part of its boundary that a face has in common with narrow faces to be the top of a rib or a letter
@@ -23,7 +26,7 @@ DECIMALS = 4
 #: rounded centre and area of each face of a set
 _Key: TypeAlias = frozenset[tuple[float, ...]]
 #: sets of faces to remove, in the order in which this is tried
-_Trials: TypeAlias = Callable[["_Faces", float], Iterator[Set[int]]]
+_Trials: TypeAlias = Callable[["Faces", float], Iterator[Set[int]]]
 
 
 def without_narrow_faces(gmsh: Any, solid: Volume, length: float) -> list[Volume]:
@@ -37,7 +40,7 @@ def without_narrow_faces(gmsh: Any, solid: Volume, length: float) -> list[Volume
     _, surfaces = occ.getSurfaceLoops(solid[1])
     shells = [(3, int(occ.addVolume([occ.addSurfaceLoop(list(faces))]))) for faces in surfaces]
     occ.synchronize()
-    if not any(_Faces(gmsh, shell).narrow(length) for shell in shells):
+    if not any(Faces(gmsh, shell).narrow(length) for shell in shells):
         occ.remove(shells)
         occ.synchronize()
         return [solid]
@@ -63,16 +66,16 @@ def _first_without(gmsh: Any, volume: Volume, length: float, trials: _Trials, ke
 
     kept: those that cannot be removed, which are not tried again.
     """
-    faces = _Faces(gmsh, volume)
+    faces = Faces(gmsh, volume)
     for removed in trials(faces, length):
         if (key := faces.key(removed)) not in kept:
-            if (changed := _without(gmsh, volume, removed, faces, length)) is not None:
+            if (changed := _without(volume, removed, faces, length)) is not None:
                 return changed
             kept.add(key)
     return None
 
 
-def _all_at_once(faces: "_Faces", length: float) -> Iterator[Set[int]]:
+def _all_at_once(faces: "Faces", length: float) -> Iterator[Set[int]]:
     """All narrow faces, with what connected sets of them surround, and with what they surround together."""
     narrow = faces.narrow(length)
     if narrow:
@@ -81,7 +84,7 @@ def _all_at_once(faces: "_Faces", length: float) -> Iterator[Set[int]]:
         yield narrow | faces.surrounded(narrow)
 
 
-def _one_after_another(faces: "_Faces", length: float) -> Iterator[Set[int]]:
+def _one_after_another(faces: "Faces", length: float) -> Iterator[Set[int]]:
     """Connected sets of narrow faces, each without and with what it surrounds, and several around the same face."""
     narrow = faces.narrow(length)
     groups = faces.connected(narrow)
@@ -92,21 +95,30 @@ def _one_after_another(faces: "_Faces", length: float) -> Iterator[Set[int]]:
         yield {top}.union(*(group for group in groups if faces.touch(top, group)))
 
 
-def _without(gmsh: Any, volume: Volume, removed: Set[int], faces: "_Faces", length: float) -> Volume | None:
+def _without(volume: Volume, removed: Set[int], faces: "Faces", length: float) -> Volume | None:
     """The volume without a set of faces, in place of it; None, and the volume as it was, where that fails."""
+    occ = faces.gmsh.model.occ
+    # as much as if each of the faces had moved by the length
+    most = length * sum(faces.area(face) for face in removed)
+    return without_faces(faces, removed, lambda result: abs(occ.getMass(*result) - occ.getMass(*volume)) <= most)
+
+
+def without_faces(faces: "Faces", removed: Set[int], accepts: Callable[[Volume], bool]) -> Volume | None:
+    """The volume of some faces without a set of them, its other faces extended; it replaces the volume.
+
+    None, and the volume as it was, where Gmsh fails or the result is not accepted.
+    """
+    gmsh, volume = faces.gmsh, faces.volume
     occ = gmsh.model.occ
     copy = occ.copy([volume])[0]
     occ.synchronize()
-    of_copy = dict(zip(faces.tags, _Faces(gmsh, copy).tags, strict=True))
+    of_copy = dict(zip(faces.tags, Faces(gmsh, copy).tags, strict=True))
     try:
         results = occ.defeature([copy[1]], [of_copy[face] for face in sorted(removed)], True)
     except Exception:  # Gmsh raises nothing more special
         results = []
     occ.synchronize()
-    # as much as if each of the faces had moved by the length
-    most = length * sum(faces.area(face) for face in removed)
-    is_near = len(results) == 1 and abs(occ.getMass(*results[0]) - occ.getMass(*volume)) <= most
-    if is_near and len(_Faces(gmsh, results[0]).tags) < len(faces.tags):
+    if len(results) == 1 and len(Faces(gmsh, results[0]).tags) < len(faces.tags) and accepts(results[0]):
         occ.remove([volume], recursive=True)
         occ.synchronize()
         return (3, int(results[0][1]))
@@ -117,7 +129,7 @@ def _without(gmsh: Any, volume: Volume, removed: Set[int], faces: "_Faces", leng
 
 @final
 @dataclass(frozen=True)
-class _Faces:
+class Faces:
     """The faces of a volume."""
 
     gmsh: Any
@@ -143,6 +155,14 @@ class _Faces:
     def area(self, face: int) -> float:
         """mm2"""
         return float(self.gmsh.model.occ.getMass(2, face))
+
+    def middle(self, face: int) -> tuple[float, ...]:
+        """Its centre of area (3,), mm."""
+        return tuple(float(x) for x in self.gmsh.model.occ.getCenterOfMass(2, face))
+
+    def box(self, face: int) -> Array:
+        """Corners (2, 3) of the box around a face, mm."""
+        return np.reshape(self.gmsh.model.occ.getBoundingBox(2, face), (2, 3))
 
     def narrow(self, length: float) -> set[int]:
         """The faces narrower than a length."""
@@ -176,7 +196,4 @@ class _Faces:
 
     def key(self, faces: Iterable[int]) -> _Key:
         """By which a set of faces is known again."""
-        centre = self.gmsh.model.occ.getCenterOfMass
-        return frozenset(
-            tuple(round(float(x), DECIMALS) for x in (*centre(2, face), self.area(face))) for face in faces
-        )
+        return frozenset(tuple(round(x, DECIMALS) for x in (*self.middle(face), self.area(face))) for face in faces)

@@ -1,7 +1,7 @@
 """Inlets of a CAD file that are filled with the material of the body; in a session of `geometry.meshing.solid`.
 
 The mouth of an inlet is a hole in a flat face of the solids, and its plug is the air behind it, up to where the channel
-becomes wider (`geometry.meshing.cad_channel`).
+becomes wider (`geometry.meshing.cad_channel`); or it is in a round face (`geometry.meshing.cad_round_inlet`).
 """
 
 from collections.abc import Iterator, Mapping
@@ -14,12 +14,15 @@ from geometry.arrays import Array
 from geometry.design import DesignError
 from geometry.meshing.cad_channel import FLAT, Channel, Face, Mouth, in_front, plane_of
 from geometry.meshing.cad_import import CadBody, Point, bounds, is_in_material
+from geometry.meshing.cad_round_inlet import Closed, close_round_inlet
 from geometry.meshing.shapes import Volume
 
 #: distance of a point from the plane of its mouth, over the size of the body: points are read off the screen
 NEAR = 1e-3
 #: change of volume by uniting a plug with the solid around it that is rounding, over that of the solid
 ROUNDING = 1e-4
+#: why a point is refused
+NO_OPENING = "lies in no opening of a flat face, nor in one of a round face that can be closed"
 #: holes in flat faces that are listed
 LISTED = 4
 
@@ -33,6 +36,7 @@ def plugged(gmsh: Any, body: CadBody, solids: list[Volume]) -> tuple[list[Volume
     depths: dict[str, float] = {}
     filled: dict[str, Array] = {}
     images: dict[str, Array] = {}
+    has_image = body.half and bool(body.plugs) and not _extent(gmsh, body, solids)[1]
     for name, point in body.plugs.items():
         if known := _around(images, point):
             depths[name] = depths[known]
@@ -41,17 +45,47 @@ def plugged(gmsh: Any, body: CadBody, solids: list[Volume]) -> tuple[list[Volume
         if channel is None:
             if known := _around(filled, point):
                 raise _refusal(body, name, f"lies in the inlet that plug.{known} has filled; leave it out")
-            raise _refusal(body, name, f"lies in no opening of a flat face{hole_advice(gmsh, body, solids)}")
+            if (closed := _closed(gmsh, body, solids, point)) is None:
+                raise _refusal(body, name, f"{NO_OPENING}{hole_advice(gmsh, body, solids)}")
+            solids, depths[name], filled[name] = closed.solids, closed.depth, closed.box
+            image = _closed(gmsh, body, solids, _mirrored(point)) if has_image else None
+            if image is not None:
+                solids, images[name] = image.solids, image.box
+            continue
         if not channel.is_filled:
             raise _refusal(
                 body, name, "lies in an opening behind which the air is wider at once; close it in the CAD program"
             )
         depths[name] = channel.depth
         solids, filled[name] = _filled(gmsh, body, name, channel)
-        image = _channel(gmsh, body, solids, (point[0], point[1], -point[2])) if body.half else None
-        if image is not None and image.is_filled:
-            solids, images[name] = _filled(gmsh, body, name, image)
+        beside = _channel(gmsh, body, solids, _mirrored(point)) if has_image else None
+        if beside is not None and beside.is_filled:
+            solids, images[name] = _filled(gmsh, body, name, beside)
     return solids, depths
+
+
+def _closed(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Closed | None:
+    """The solids without the inlet in a round face in whose mouth a point lies; None where there is none."""
+    size, is_half = _extent(gmsh, body, solids)
+    return close_round_inlet(gmsh, solids, _given(gmsh, body, solids, point), NEAR * size, is_half)
+
+
+def _extent(gmsh: Any, body: CadBody, solids: list[Volume]) -> tuple[float, bool]:
+    """Size of the body, mm, and whether the file itself holds one half."""
+    low, high = bounds(gmsh, solids)
+    size = float(np.linalg.norm(np.subtract(high, low)))
+    return size, body.half and low[2] > -FLAT * size
+
+
+def _given(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Point:
+    """A point of the user, in the half that the file holds."""
+    _, is_half = _extent(gmsh, body, solids)
+    return body.within_half(point, *bounds(gmsh, solids)) if is_half else point
+
+
+def _mirrored(point: Point) -> Point:
+    x, y, z = point
+    return (x, y, -z)
 
 
 def _around(boxes: Mapping[str, Array], point: Point) -> str:
@@ -109,10 +143,8 @@ def _channel(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Ch
 def _mouths(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Iterator[Mouth]:
     """The openings of flat faces in which a point lies: at most one for each plane near it, those nearest first."""
     occ = gmsh.model.occ
-    low, high = bounds(gmsh, solids)
-    size = float(np.linalg.norm(np.subtract(high, low)))
-    is_half = body.half and low[2] > -FLAT * size  # of the file itself
-    given = np.array(body.within_half(point, low, high) if is_half else point)
+    size, is_half = _extent(gmsh, body, solids)
+    given = np.array(_given(gmsh, body, solids, point))
     for on, normal, flat in _planes_near(gmsh, solids, given, NEAR * size):
         if is_half and abs(normal[2]) > 0.5 and on[2] < NEAR * size:
             continue  # the plane of symmetry
