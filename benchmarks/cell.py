@@ -388,7 +388,7 @@ def main(folder: Path) -> None:
         cells += rows
         if arm.dhat is not None:
             renew("lengths", compare_lengths(arm, pieces, results))
-    renew("cells", table_of(cells, ["arm", "kPa", "largest error, % of kappa_0 at the highest pressure", "under"]))
+    renew("cells", table_of(cells, ["arm", "kPa", "largest error, % of κ₀ at the highest pressure", "under"]))
 
 
 if __name__ == "__main__":

@@ -134,7 +134,7 @@ def table(series: Series, folder: Path) -> str:
         for last, deviation, d, unit in zip(limit, deviations, digits, scale, strict=True):
             entries += [f"{unit * last:.{d}f}", f"± {100 * deviation / abs(last):.2f}"]
         lines.append(["limit", "", *entries, ""])
-    quantities = ("kappa_0, 1/m", "M straight, N mm", "M straight / kappa_0, N mm2")
+    quantities = ("κ₀, 1/m", "M straight, N mm", "M straight / κ₀, N mm²")
     return table_of(lines, ["mesh", "unknowns", *(c for q in quantities for c in (q, "%")), "seconds"])
 
 

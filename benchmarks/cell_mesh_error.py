@@ -49,7 +49,7 @@ def rows_of(name: str) -> list[list[str]]:
 def main() -> None:
     """The table."""
     rows = [row for arm in ARMS for row in rows_of(arm.name)]
-    quantities = ("kappa_0", "rigidity", "M at kappa_0 / 2")
+    quantities = ("κ₀", "rigidity", "M at κ₀ / 2")
     columns = [f"{name}: {kind}" for name in quantities for kind in ("error", "stated", "from 1.5 times the size")]
     renew("mesh error", table_of(rows, ["arm", *columns, "s, half the size", f"s, {FINE:g} mm"]))
 

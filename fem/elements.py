@@ -1,4 +1,5 @@
-"""The finite elements: tetrahedra with straight edges, and where in them the parts of the law are evaluated.
+"""The finite elements: tetrahedra, quadratic ones with curved edges on round walls, and where in them the
+parts of the law are evaluated.
 
 Importing this needs nothing else. A further element is an entry of `ELEMENTS`; one with another treatment of the
 volumetric part of the law needs a class in `fem.equations.formulation` as well.

@@ -36,7 +36,7 @@ from benchmarks.unseen.sorting import (
     states_of,
     within_mesh_error,
 )
-from benchmarks.unseen.summary import largest_share, rods, seeds, targets
+from benchmarks.unseen.summary import confirmed, largest_share, rods, seeds, targets
 from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, outcome_of, outcomes_of
 from benchmarks.unseen.work import LIMIT as LIMIT_OF_CPU_TIME
 from fem.materials import LAWS
@@ -292,7 +292,10 @@ def test_the_page_lists_every_design() -> None:
     assert "The first 5 of 40 designs of seed 7" in text
     assert "0 of 1 designs are within 3 %" in text
     assert "the run needed more than 400 s" in listed
-    assert "1 of the 1 limits that runs named are confirmed" in text
+    late = record(**MISSED, slow=["limits"])
+    told = confirmed([{"seed": 7, **late}, {"seed": 7, **limited}])
+    assert told.endswith("For 1 (7-0) the check ran out of CPU time. Of the other 1 limits 1 are confirmed.")
+    assert "1 designs ended at a named limit, and one limit of each was checked. Of the 1 limits 1 are" in text
 
 
 def test_results_are_told_by_seed() -> None:
@@ -302,8 +305,8 @@ def test_results_are_told_by_seed() -> None:
     records = [record(), record(number=1, finer=finer(0.01)), record(number=2, finer=finer(0.04), turn_rad=0.01)]
     slow = record(number=3, ended=SLOW, states=[], checks=[], rod=None, five_at_kPa=[], has_arm_law=False)
     *_, first, second = seeds([{"seed": 3, **r} for r in records] + [{"seed": 2, **slow}]).splitlines()
-    assert first == "| 3 | 3 | 0 | 100 % | 3 | 1 of 2 | 1 of 1 | 30 |"
-    assert second == "| 2 | 1 | 1 | 0 % | 0 | 0 of 0 | 0 of 0 | 30 |"
+    assert first == "| 3 | 3 | 0 | 100.0 % | 3 | 1 of 2 | 1 of 1 | 30 |"
+    assert second == "| 2 | 1 | 1 | 0.0 % | 0 | 0 of 0 | 0 of 0 | 30 |"
 
 
 def test_the_shape_error_of_arms_that_bend_far_is_told() -> None:
@@ -323,7 +326,7 @@ def test_goals_are_met_by_the_last_seeds() -> None:
     head, _, bad, states, numbers, meshes, bent = targets(records).splitlines()
     assert head == "|  | goal | last 3 seeds (3 designs) | all seeds (4 designs) | met by the last |"
     assert bad.endswith("| none | 0 of 3 | 1 of 4 | yes |")
-    assert states.endswith("| 95 % | 100 % | 75 % | yes |")
+    assert states.endswith("| 95 % | 100.0 % | 75.0 % | yes |")
     assert numbers.endswith("| all | 3 of 3 | 3 of 4 | yes |")
     assert meshes.endswith("| nine of ten | 3 of 3 | 3 of 3 | yes |")
     assert bent.endswith("rad or more |  | 3 of 3 | 3 of 3 |  |")

@@ -47,6 +47,13 @@ def links_of(page: Path) -> list[str]:
     return [link for link in links if not link.startswith(("http://", "https://", *generated))]
 
 
+def anchors_of(page: Path) -> set[str]:
+    """What links may name in a page: its headings, as the site and GitHub write them in addresses."""
+    text = re.sub(r"^```.*?^```", "", text_of(page), flags=re.DOTALL | re.MULTILINE)
+    headings = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
+    return {re.sub(r"\s+", "-", re.sub(r"[^\w\s-]", "", heading).strip().lower()) for heading in headings}
+
+
 def paths_of(page: Path) -> list[str]:
     """The code spans that name a file or folder of the repository."""
     spans = re.findall(r"`([\w./*-]+)`", text_of(page))
@@ -57,6 +64,16 @@ def test_links_between_pages_resolve() -> None:
     links = [(page, link) for page in PAGES for link in links_of(page)]
     assert len(links) > 30
     assert [f"{page.name}: {link}" for page, link in links if not (page.parent / link).exists()] == []
+
+
+def test_anchors_of_links_are_headings_of_their_pages() -> None:
+    """Those within a page too. The changelog names sections as they were; some pages are written with the site."""
+    pages = [page for page in PAGES if page.name != "CHANGELOG.md"]
+    links = [(page, *link) for page in pages for link in re.findall(r"\]\(([^)#\s:]*)#([^)\s]+)\)", text_of(page))]
+    found = [(page, page.parent / name if name else page, anchor) for page, name, anchor in links]
+    known = [(page, target, anchor) for page, target, anchor in found if target.suffix == ".md" and target.exists()]
+    assert len(known) > 100
+    assert [f"{page.name}: {to.name}#{anchor}" for page, to, anchor in known if anchor not in anchors_of(to)] == []
 
 
 def test_every_page_is_linked_from_the_readme_or_the_overview() -> None:

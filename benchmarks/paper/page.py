@@ -223,8 +223,8 @@ def _of_single_cavities(claim: Claim) -> str:
         return ""
     return (
         "**α₂ of the arms with one cavity along the axis rises here**, in all "
-        f"{len(counted)} readings that decide, where the paper's falls. The paper prints no dimension of these arms;"
-        " its bodies may be others."
+        f"{len(counted)} test numbers that are not open, where the paper's falls. The paper prints no dimension of "
+        "these arms; its bodies may be others."
     )
 
 

@@ -21,7 +21,7 @@ def designs_table(records: Sequence[Record]) -> str:
         "unknowns",
         "outcome",
         "states",
-        "κ₀l at the lower pressure, degrees",
+        "κ₀(l/2) l at the lower pressure, degrees",
     ]
     head += ["five parameters", "own law", "shape error", "force error", "CPU s"]
     return table(head, [_row(record) for record in records])

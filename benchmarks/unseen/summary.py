@@ -15,6 +15,7 @@ from benchmarks.unseen.sorting import (
     EARLY,
     GOOD_MESHES,
     GOOD_STATES,
+    LIMIT,
     MESH_ERROR,
     OUTCOMES,
     TOO_SLOW,
@@ -28,7 +29,7 @@ from benchmarks.unseen.sorting import (
     states_of,
     within_mesh_error,
 )
-from benchmarks.unseen.wording import WIDTH, Record, item, name_of, percent
+from benchmarks.unseen.wording import WIDTH, Record, item, name_of, percent, share
 
 #: change of direction along an arm, rad, from which it bends visibly
 BENT = 0.03
@@ -78,7 +79,7 @@ def _results(records: Sequence[Record]) -> list[tuple[str, bool | None]]:
     good_bent, bent = _meshes([record for record in records if _bends(record)])
     return [
         (f"{bad} of {len(records)}", bad == 0),
-        (percent(states.good), states.good >= GOOD_STATES),
+        (share(states.good), states.good >= GOOD_STATES),
         (f"{numbers} of {len(records)}", numbers == len(records)),
         (f"{good} of {measured}" if measured else "not measured", measured > 0 and good >= GOOD_MESHES * measured),
         (f"{good_bent} of {bent}" if bent else "not measured", None),
@@ -113,7 +114,7 @@ def seeds(records: Sequence[Record]) -> str:
                 str(seed),
                 str(len(of_seed)),
                 str(bad),
-                percent(states.good),
+                share(states.good),
                 str(sum(has_numbers(record) for record in of_seed)),
                 *(f"{good} of {measured}" for good, measured in meshes),
                 f"{max(record['seconds'].get('run', 0.0) for record in of_seed):.0f}",
@@ -140,10 +141,10 @@ def largest_share(bad: int, count: int) -> float:
 def certainty(records: Sequence[Record]) -> str:
     """What so many designs say about all that can be drawn."""
     bad = sum(_is_bad(record) for record in records)
-    share = percent(largest_share(bad, len(records)))
+    largest = percent(largest_share(bad, len(records)))
     return (
         f"{bad} of {len(records)} designs ended wrong, with an error of the program, or not in time: of all designs "
-        f"that can be drawn at most {share} do so (upper limit with 95 % confidence)."
+        f"that can be drawn at most {largest} do so (upper limit with 95 % confidence)."
     )
 
 
@@ -174,7 +175,7 @@ def sums(records: Sequence[Record]) -> str:
         f"States (experiments I, II and III at both pressures): {states.solved} of {states.all} are solved, "
         f"{states.beyond} are beyond a limit that a second way confirms, {states.not_confirmed} are not reached "
         f"without such a confirmation or belong to a wrong design, {states.not_tried} belong to designs that did not "
-        f"end: {percent(states.good)} are solved or beyond a confirmed limit.",
+        f"end: {share(states.good)} are solved or beyond a confirmed limit.",
         f"Numbers (five parameters or the arm's own law) or an early refusal: {numbers} of {len(records)} designs, "
         f"{early} of them refused.",
     )
@@ -208,12 +209,18 @@ def rods(records: Sequence[Record]) -> str:
 
 
 def confirmed(records: Sequence[Record]) -> str:
-    """How many of the limits that were named a second way confirms."""
+    """How many of the limits that were named a second way confirms, and which could not be checked in time."""
     limits = [limit for record in records for limit in record["limits"]]
-    if not limits:
+    slow = [name_of(record) for record in records if "limits" in record["slow"]]
+    if not limits and not slow:
         return "No design met a limit."
+    ended = sum(outcome(record) == LIMIT for record in records)
+    sentences = [f"{ended} designs ended at a named limit, and one limit of each was checked."]
+    if slow:
+        sentences.append(f"For {len(slow)} ({', '.join(slow)}) the check ran out of CPU time.")
     confirmed = sum(bool(limit["confirmed"]) for limit in limits)
-    return f"{confirmed} of the {len(limits)} limits that runs named are confirmed."
+    sentences.append(f"Of the {'other ' if slow else ''}{len(limits)} limits {confirmed} are confirmed.")
+    return " ".join(sentences)
 
 
 def checks(records: Sequence[Record]) -> str:

@@ -19,6 +19,11 @@ def percent(value: float) -> str:
     return f"{100 * value:.2g} %" if abs(value) < 0.995 else f"{100 * value:.0f} %"
 
 
+def share(value: float) -> str:
+    """With one decimal, so that a goal that is narrowly missed does not look met."""
+    return f"{100 * value:.1f} %"
+
+
 def item(line: str) -> str:
     """An entry of a list."""
     return fill(line.rstrip(".") + ".", WIDTH, initial_indent="- ", subsequent_indent="  ", break_on_hyphens=False)

@@ -55,7 +55,7 @@ Watch = Callable[[int, float], None]
 class NewtonOptions:
     """When Newton's method stops."""
 
-    tolerance: float = 1e-6  #: norm of the residual over the norm of the internal forces
+    tolerance: float = 1e-6  #: norm of the reduced residual over the larger of the norms of internal forces and loads
     iterations: int = 30  #: largest number of iterations, one factorization each
     strain: float = 0.14  #: largest change of a strain component, to first order, where the tangent is indefinite
     #: largest number of iterations in which the change of strain is limited; those that led anywhere on the hard cases

@@ -2,7 +2,8 @@
 
 The criterion of one pressure depends on the mesh where the two are close to each other, and alpha2 would jump where the
 number of lines changes between two pressures. So the criteria are added over the pressures at which two lines are
-possible: with independent errors, and as many observations at each, that is the criterion of one law for all of them.
+possible: with independent errors the sum approximates twice the logarithm of the evidence for two lines at all of these
+pressures against a single line at all, if each parameter is penalised with the observations of its own pressure.
 """
 
 from collections.abc import Sequence

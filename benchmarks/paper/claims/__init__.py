@@ -56,7 +56,8 @@ _CLAIMS: tuple[Callable[[Data], Claim], ...] = (
     ),
     trend(
         "8a", ARMS[2:], "alpha2", False, "α₂ of the arms with one cavity along the axis falls with p (Fig. 15 c)",
-        "It rises in every reading that decides. The dimensions are our own: the paper prints none for these arms.",
+        "It rises by every test number that is not open. The dimensions are our own: the paper prints none for these "
+        "arms.",
     ),
     trend(
         "8b", ARMS[2:], "alpha1", True, "α₁ of the arms with one cavity along the axis rises with p (Fig. 15 b)",
