@@ -15,6 +15,7 @@ from pipeline.config.example import BODIES, example
 from pipeline.config.load import load_config
 from pipeline.config.reference import effect_keys, general_keys, geometry_keys, material_keys, with_tables
 from pipeline.config.schema import OWN, _FilledMesh, _Mesh, _ReadyMesh
+from pipeline.identification.too_short import too_short
 from pipeline.simulation.scene import Scene
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "configuration.md"
@@ -36,6 +37,17 @@ def test_every_key_is_on_the_page() -> None:
         keys += [entry.key for entry in material_keys(law)]
     assert len(keys) > 70
     assert [key for key in keys if f"| `{key}` |" not in page] == []
+
+
+def test_the_examples_of_the_page_are_arms_with_five_parameters(tmp_path: Path, configs: Path) -> None:
+    base = yaml.safe_load((configs / "pneunet_coarse.yaml").read_text(encoding="utf-8"))
+    blocks = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert len(blocks) == 3
+    for block in blocks:
+        keys = yaml.safe_load(block)
+        file = tmp_path / "arm.yaml"
+        file.write_text(yaml.safe_dump(keys if "name" in keys else {**base, **keys}), encoding="utf-8")
+        assert too_short(load_config(file)) == "", block
 
 
 def test_every_key_says_what_it_means() -> None:

@@ -23,7 +23,7 @@ MATERIAL = {
     "law": "law of the solid ([materials](materials.md))",
     "density": "mass per volume; for gravity, the mass of the arm and M/(m g l), which are left out without it",
     "E": "Young's modulus",
-    "nu": "Poisson's ratio; with a rubber law instead of `kappa` = 2 μ (1 + ν) / (3 (1 - 2 ν)), μ at small strain",
+    "nu": "Poisson's ratio; with a rubber law it can be given instead of `kappa`",
     "mu": "shear modulus",
     "alpha": "exponent α_i of each term",
     "kappa": "bulk modulus",
