@@ -92,7 +92,7 @@ test: $(READY)  ## all tests but the slow ones
 slow: $(READY)  ## the tests that take longer than two minutes
 	@$(BIN)/python -m pytest -m slow
 
-hard: $(READY)  ## hard cases: each is solved and checked, or its limit is named; the table of docs/robustness.md
+hard: $(READY)  ## hard cases: each is solved and checked, or its limit is named; the table of docs/hard_cases.md
 	@$(BIN)/python tests/hard_cases/run_all.py
 
 fuzz: $(READY)  ## two thousand valid and invalid configurations: each is meshed or refused in one sentence

@@ -31,8 +31,9 @@ def characterize(
     config: the YAML file of the design. out: the result folder, "results/NAME" by default; a run that was interrupted
     continues from what it holds. settings: values that replace those of the file, by dotted key and with their unit:
     {"mesh.size": "6 mm", "pressures": ["10 kPa", "20 kPa"], "geometry.chambers": 8}. accuracy: the error to aim for,
-    such as "2 %" (with mesh.size "auto" the mesh is chosen for it). jobs: experiments solved at the same time.
-    fresh: delete what `out` holds first. progress: report the stages on the terminal; nothing is printed otherwise.
+    such as "2 %" (with mesh.size "auto" the mesh is chosen for it). jobs: number of worker processes, by default the
+    number of cores, at most 3. fresh: delete what `out` holds first. progress: report the stages on the terminal;
+    nothing is printed otherwise.
 
     Raises `pneurod.InputError` for a wrong configuration or a folder that cannot be used, and `pneurod.RunFailed`
     when something could not be solved: its `directory` holds what was reached, for `pneurod.read_results`.

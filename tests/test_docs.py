@@ -9,6 +9,7 @@ import yaml
 
 from fem.elements import ELEMENTS
 from fem.materials import LAWS
+from pipeline.effects_rows import COLUMNS, EffectRow, VariantNumbers
 
 HERE = Path(__file__).resolve().parent.parent
 PAGES = [HERE / "README.md", HERE / "CONTRIBUTING.md", HERE / "CHANGELOG.md", *sorted((HERE / "docs").rglob("*.md"))]
@@ -105,6 +106,14 @@ def test_every_key_of_experiments_json_is_documented() -> None:
     row = source.partition("def row(self)")[2].partition("}")[0]
     keys = re.findall(r'"(\w+)":', row)
     section = text_of(HERE / "docs" / "results.md").partition("## experiments.json")[2].partition("\n## ")[0]
+    assert len(keys) > 20
+    assert [key for key in keys if f"`{key}`" not in section] == []
+
+
+def test_every_key_of_effects_table_json_is_documented() -> None:
+    row = EffectRow("gravity", "on", VariantNumbers(17.0), None, dict.fromkeys(COLUMNS), "a reason")
+    section = text_of(HERE / "docs" / "results.md").partition("### effects_table.json")[2].partition("\n## ")[0]
+    keys = [*row.record(), *COLUMNS]
     assert len(keys) > 20
     assert [key for key in keys if f"`{key}`" not in section] == []
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -12,6 +13,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
+import typer
 from rich.table import Table
 from typer.testing import CliRunner, Result
 
@@ -58,6 +60,31 @@ def sentence(result: Result, status: int) -> str:
     assert len(lines) == 1, lines
     assert lines[0].startswith("pneurod: ")
     return lines[0].removeprefix("pneurod: ")
+
+
+@pytest.mark.parametrize("name", [command.name or command.callback.__name__ for command in app.registered_commands])
+def test_the_help_of_a_command_is_shown_in_full(name: str) -> None:
+    """The terminal drops text in square brackets, which it takes as a format."""
+    shown = CliRunner().invoke(app, [name, "--help"], env={"COLUMNS": "300"}).stdout
+    words = " ".join(re.sub(r"[│╭╮╰╯─]", " ", shown).split())
+    command = typer.main.get_command(app).commands[name]
+    texts = [command.help, *(parameter.help for parameter in command.params if parameter.help)]
+    assert [text for text in texts if " ".join(text.split()) not in words] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "default"),
+    [
+        *(("run", "results/NAME"), ("mesh", "results/NAME_mesh"), ("effects", "results/NAME_effects")),
+        *(("accuracy", "results/NAME_accuracy"), ("cell", "results/NAME_cell"), ("sweep", "results/NAME")),
+        *(("run", "number of cores, at most 3"), ("effects", "number of cores, at most 2"), ("cell", "1")),
+        *(("accuracy", "number of cores, at most 2"), ("sweep", "number of cores")),
+        *(("export", "DIR"), ("export", "all identified pressures"), ("init", "my_FAMILY.yaml")),
+    ],
+)
+def test_the_help_shows_the_defaults_that_the_program_finds(name: str, default: str) -> None:
+    shown = CliRunner().invoke(app, [name, "--help"], env={"COLUMNS": "300"}).stdout
+    assert f"(default: {default})" in shown
 
 
 def test_run_passes_its_options_on(replace_run: Callable[[Task], None], coarse: str, tmp_path: Path) -> None:

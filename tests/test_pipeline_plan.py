@@ -187,7 +187,7 @@ def test_a_law_that_ends_early_with_mixed_elements_is_named(configs: Path, tmp_p
     for law, is_named in (("svk", True), ("hencky", False)):
         settings = ["mesh.size=auto", "accuracy=8 %", f"material.law={law}"]
         made, told = decided(load_config(configs / "pneunet_coarse.yaml", settings), tmp_path / law)
-        assert ("ends early at the bottom of its gaps" in told) == is_named
+        assert ("ends early in the corner at the clamp" in told) == is_named
         assert len(made.remarks) == is_named
 
 

@@ -1,4 +1,4 @@
-"""The tables of docs/peers.md and the one in README.md."""
+"""The tables of docs/peers.md."""
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -9,8 +9,8 @@ from benchmarks.peers.problem import REFERENCE
 from benchmarks.peers.runs import OWN, Peer, Run, Session, Spread, checked, fresh, ratios, warm
 
 TEMPLATE = Path(__file__).with_name("page.md")
-#: the peers of the table in README.md
-IN_README = ("NGSolve", "FElupe", "scikit-fem and SciPy", "CalculiX")
+#: the peers of the table of ratios
+WITH_RATIOS = ("NGSolve", "FElupe", "scikit-fem and SciPy", "CalculiX")
 
 Seconds = Callable[[Run], float]
 Latest = Mapping[tuple[str, str], Sequence[Run]]
@@ -134,12 +134,12 @@ def larger(session: Session) -> str:
     return table(head, rows)
 
 
-def readme(peers: Sequence[Peer], session: Session) -> str:
-    """The table of README.md: ratios of CPU seconds on each machine, medians with their range."""
+def on_each_machine(peers: Sequence[Peer], session: Session) -> str:
+    """Ratios of CPU seconds on each machine, medians with their range."""
     head = ["code", "processor", "factorizations to 5, 17, 31 and 45 kPa", "fresh", "warm"]
     head += ["factorizations to 45 kPa without intermediate pressures", "fresh", "warm"]
     rows = []
-    for name in IN_README:
+    for name in WITH_RATIOS:
         for machine in machines([run for run in session.runs if run.peer == name]):
             measured = latest([run for run in session.runs if run.machine == machine])
             row = [name, processor(machine)]
@@ -167,7 +167,7 @@ def page(peers: Sequence[Peer], session: Session) -> str:
         if runs := measured.get((peer.name, peer.paths[0])):
             listed.append([peer.name, runs[0].outcome.package, runs[0].outcome.solver])
     return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
-        ratios=readme(peers, session),
+        ratios=on_each_machine(peers, session),
         loads=loads(session.runs),
         packages=table(["", "package", "factorizes with"], listed),
         four=costs(peers, "four", session),

@@ -8,8 +8,9 @@ from pipeline.cli import app
 
 HEADER = """# Commands
 
-`.venv/bin/pneurod COMMAND --help` prints the same text. The exit status is 0 if everything was computed, 1 if the run
-failed and 2 if the input is wrong; the reason is one sentence on the standard error stream.
+`.venv/bin/pneurod COMMAND --help` prints the same text. The exit status is 0 if everything was computed, 1 if something
+was not computed, 2 if the input is wrong, and 130 if the command was interrupted. The reason is one sentence on the
+standard error stream, for wrong input one for each mistake.
 """
 
 

@@ -20,14 +20,21 @@ if TYPE_CHECKING:
     Task: TypeAlias = Callable[[Config, Path, int, bool, Progress], Result]
 
 ConfigFile = Annotated[Path, typer.Argument(metavar="CONFIG", help="A design in YAML, such as configs/pneunet.yaml.")]
-OutFolder = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Result folder. [default: results/NAME]")]
+#: defaults that the program finds stand in round brackets: what stands in square ones is not shown on the terminal
+_FOLDER = "Result folder (default: results/NAME"
+OutOfRun = Annotated[Path | None, typer.Option("--out", metavar="DIR", help=f"{_FOLDER}).")]
+OutOfMesh = Annotated[Path | None, typer.Option("--out", metavar="DIR", help=f"{_FOLDER}_mesh).")]
+OutOfEffects = Annotated[Path | None, typer.Option("--out", metavar="DIR", help=f"{_FOLDER}_effects).")]
+OutOfAccuracy = Annotated[Path | None, typer.Option("--out", metavar="DIR", help=f"{_FOLDER}_accuracy).")]
+OutOfCell = Annotated[Path | None, typer.Option("--out", metavar="DIR", help=f"{_FOLDER}_cell).")]
 Settings = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Replace a value: --set mesh.size='4 mm'. May be repeated."),
 ]
-Jobs = Annotated[
-    int | None, typer.Option("--jobs", min=1, help="Experiments at the same time. [default: cores, 3 at most]")
-]
+_CORES = "Number of worker processes (default: number of cores, at most"
+JobsOfRun = Annotated[int | None, typer.Option("--jobs", min=1, help=f"{_CORES} 3).")]
+JobsOfStudy = Annotated[int | None, typer.Option("--jobs", min=1, help=f"{_CORES} 2).")]
+JobsOfCell = Annotated[int | None, typer.Option("--jobs", min=1, help="Number of worker processes (default: 1).")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="No progress, only the verdict.")]
 Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="Every Newton iteration, and the time of every stage.")]
@@ -40,10 +47,10 @@ Accuracy = Annotated[
 
 def run(
     config: ConfigFile,
-    out: OutFolder = None,
+    out: OutOfRun = None,
     settings: Settings = None,
     accuracy: Accuracy = None,
-    jobs: Jobs = None,
+    jobs: JobsOfRun = None,
     fresh: Fresh = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -70,8 +77,8 @@ def run(
         report.raise_if_failed()
 
 
-def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -> None:
-    """Only the body: DIR/mesh.vtu, volumes and the quality of the elements. [default DIR: results/NAME_mesh]"""
+def mesh(config: ConfigFile, out: OutOfMesh = None, settings: Settings = None) -> None:
+    """Only the body: DIR/mesh.vtu, volumes and the quality of the elements."""
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_mesh")
 
@@ -104,9 +111,13 @@ def mesh(config: ConfigFile, out: OutFolder = None, settings: Settings = None) -
 
 
 def effects(
-    config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
+    config: ConfigFile,
+    out: OutOfEffects = None,
+    settings: Settings = None,
+    jobs: JobsOfStudy = None,
+    fresh: Fresh = False,
 ) -> None:
-    """Each effect on and off: what it changes, what it costs. [default DIR: results/NAME_effects]"""
+    """Each effect on and off: what it changes, what it costs."""
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_effects")
 
@@ -124,10 +135,13 @@ def effects(
 
 
 def accuracy(
-    config: ConfigFile, out: OutFolder = None, settings: Settings = None, jobs: Jobs = None, fresh: Fresh = False
+    config: ConfigFile,
+    out: OutOfAccuracy = None,
+    settings: Settings = None,
+    jobs: JobsOfStudy = None,
+    fresh: Fresh = False,
 ) -> None:
-    """Convergence study: error against seconds over meshes, elements and tolerances. [default DIR:
-    results/NAME_accuracy]"""
+    """Convergence study: error against seconds over meshes, elements and tolerances."""
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_accuracy")
 
@@ -143,16 +157,16 @@ def accuracy(
 
 def cell(
     config: ConfigFile,
-    out: OutFolder = None,
+    out: OutOfCell = None,
     settings: Settings = None,
     accuracy: Annotated[
         str | None,
         typer.Option("--accuracy", metavar="P%", help="Refine the mesh of the configuration for this error: 1%"),
     ] = None,
-    jobs: Jobs = None,
+    jobs: JobsOfCell = None,
     fresh: Fresh = False,
 ) -> None:
-    """The arm's own law from one cell and its two ends, for every load and length. [default DIR: results/NAME_cell]"""
+    """The arm's own law from one cell and its two ends, for every load and length."""
     with errors_as_sentences():
         design, folder = _design(config, _with_accuracy(settings, accuracy), out, "_cell")
 

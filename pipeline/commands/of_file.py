@@ -16,7 +16,9 @@ def init(
             metavar="[FAMILY]", help="pneunet, semicircular, semicircular_single, bisected_circle, rectangular, own."
         ),
     ] = "pneunet",
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="[default: my_FAMILY.yaml]")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="File to write (default: my_FAMILY.yaml).")
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
 ) -> None:
     """A commented configuration to start from: every key with its unit, default and range."""

@@ -45,16 +45,19 @@ def rod(
 def export(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results of a finished run.")],
     to: Annotated[
-        str | None, typer.Option("--to", metavar="NAME", help="The format; without it all are named.")
+        str | None,
+        typer.Option(
+            "--to", metavar="NAME", help="The format, required; without it the command ends with the list of formats."
+        ),
     ] = None,
     pressure: Annotated[
-        str | None, typer.Option(metavar="P", help="With its unit. [default: all identified pressures]")
+        str | None, typer.Option(metavar="P", help="With its unit (default: all identified pressures).")
     ] = None,
     law: Annotated[
         str | None, typer.Option("--law", metavar="five|cell", help="Five parameters, or the arm's own law as a table.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files. [default: DIR]")
+        Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files (default: DIR).")
     ] = None,
     smooth: Annotated[bool, typer.Option("--smooth", help="Rest curvature averaged over a cell.")] = False,
     extrapolate: Annotated[bool, typer.Option("--extrapolate", help="Go beyond the identified pressures.")] = False,

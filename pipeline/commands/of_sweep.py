@@ -14,14 +14,16 @@ def sweep(
     files: Annotated[list[Path], typer.Argument(metavar="SWEEP...", help="Base configuration and axes in YAML.")],
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Result folder; of several: DIR/NAME. [default: results/NAME]"),
+        typer.Option("--out", metavar="DIR", help="Result folder; of several: DIR/NAME (default: results/NAME)."),
     ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler instead of workers on this machine.")
     ] = None,
-    jobs: Annotated[int | None, typer.Option(min=1, help="Points at the same time. [default: cores]")] = None,
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Number of worker processes (default: number of cores).")
+    ] = None,
     memory: Annotated[
-        str | None, typer.Option(metavar="SIZE", help="Of each worker: '4 GB'. [default: equal parts of the machine's]")
+        str | None, typer.Option(metavar="SIZE", help="Of each worker: '4 GB' (default: equal parts of the machine's).")
     ] = None,
     retry: Annotated[bool, typer.Option("--retry", help="Try points that were not reached again.")] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Delete earlier results in DIR and begin again.")] = False,

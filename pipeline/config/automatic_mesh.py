@@ -75,7 +75,7 @@ def _formulation(design: Design, law: str, nu: float, against_locking: bool | No
         return "p2", f"with a Poisson ratio of {nu:.3g} nothing locks"
     if law == "svk" and design.outer_corners:
         return "p2p0", (
-            "mixed elements, which are more accurate, end early at the bottom of the gaps, with fillets too: a surface "
+            "mixed elements, though more accurate, end early in the corner at the clamp, with fillets too: a surface "
             "of the St. Venant-Kirchhoff law buckles where it is compressed to 0.66 of its length, other laws bear more"
         )
     return MOST_ACCURATE, f"it does not lock at a Poisson ratio of {nu:.3g} and its error falls fastest with the mesh"

@@ -384,6 +384,7 @@ Name = Annotated[
     Written("", "letters, digits, `_`, `-` and `.`"),
 ]
 Text = Annotated[str, Field(min_length=1), Written("", "a text")]
+WeightOf = Annotated[Text, Field(examples=["pneunet"])]
 FaceNames = Annotated[
     tuple[Text, ...],
     BeforeValidator(_listed),

@@ -23,7 +23,7 @@ MATERIAL = {
     "law": "law of the solid ([materials](materials.md))",
     "density": "mass per volume; for gravity, the mass of the arm and M/(m g l), which are left out without it",
     "E": "Young's modulus",
-    "nu": "Poisson's ratio; with a rubber law instead of `kappa` = 2 μ (1 + ν) / (3 (1 - 2 ν)), μ at small strain",
+    "nu": "Poisson's ratio; with a rubber law it can be given instead of `kappa`",
     "mu": "shear modulus",
     "alpha": "exponent α_i of each term",
     "kappa": "bulk modulus",
@@ -57,8 +57,23 @@ class KeyEntry:
         return _LINK.sub(r"\1", self.meaning).replace("`", "")
 
 
+#: the sections whose keys depend on the family of the body and on the law
+SECTIONS = (
+    KeyEntry("geometry", "", "a section", REQUIRED, "`family` of the body and its [dimensions](#geometry)", "{}"),
+    KeyEntry("material", "", "a section", REQUIRED, "`law` of the material and its [constants](#material)", "{}"),
+    KeyEntry(
+        schema.MATERIALS,
+        "",
+        "a section for each region",
+        "none",
+        "[regions](#a-base-of-another-material) of another material than the rest of the body",
+        "{base: {law: svk, E: 5 MPa, nu: 0.495, density: 1130 kg/m^3}}",
+    ),
+)
+
+
 def general_keys() -> list[KeyEntry]:
-    """All keys outside of geometry, material and the effects."""
+    """All keys outside of the effects, those of geometry and materials as sections alone."""
     sections = {
         "end": schema._End,
         "identification": schema._Identification,
@@ -69,6 +84,8 @@ def general_keys() -> list[KeyEntry]:
     entries = []
     for entry in _entries(schema._Document, skip=(*sections, "effects")):
         entries.append(entry)
+        if entry.key == "name":
+            entries += SECTIONS
         if entry.key == "pressures":
             entries += [e for name in ("end", "mesh") for e in _entries(sections[name], f"{name}.")]
     return entries + [
@@ -129,7 +146,7 @@ _OWN_EXAMPLES = {
     "tip": "80 mm",
     "curve": "1 mm",
     "air": "{cavity: [40 mm, 7 mm, 0 mm]}",
-    "parts": "{}",
+    "parts": "{base: [20 mm, 1 mm, 0 mm]}",
     "cell": "8 mm",
     "defeature": "0.1 mm",
     "chamber_lengths": f"[{', '.join(['8 mm'] * 11)}]",

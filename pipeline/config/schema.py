@@ -53,6 +53,7 @@ from pipeline.config.kinds import (
     Text,
     Tolerance,
     Unit,
+    WeightOf,
     YesNo,
 )
 from pipeline.errors import InputError
@@ -81,13 +82,13 @@ class _Mesh(_Section):
     size: MeshSize = None  #: edge that Gmsh aims at; `auto`: from the drawing, or for a requested accuracy
     formulation: Formulation = None  #: [elements](theory.md#elements), `auto` [chooses](#the-mesh)
     grading: Grading = None  #: where elements are [smaller](accuracy.md#graded-meshes), `auto` is `walls`
-    coarser: Coarser = "auto"  #: size of a second mesh over `size`, for the [error](identification.md#mesh-error)
+    coarser: Coarser = "auto"  #: element size of the [second mesh](#the-mesh), as a multiple of `size`
 
 
 class _FilledMesh(_Section):
     size: MeshSize = None  #: edge that Gmsh aims at; `auto`: from the surface, or for a requested accuracy
     formulation: Formulation = None  #: [elements](theory.md#elements), `auto` [chooses](#the-mesh)
-    coarser: Coarser = "auto"  #: size of a second mesh over `size`, for the [error](identification.md#mesh-error)
+    coarser: Coarser = "auto"  #: element size of the [second mesh](#the-mesh), as a multiple of `size`
 
 
 class _ReadyMesh(_Section):
@@ -102,14 +103,15 @@ class _End(_Section):
 class _Identification(_Section):
     d: PositiveLength | None = None  #: break of the two lines, [given](identification.md#a-given-d) instead of sought
     weight: PositiveForce | None = None  #: weight of the arm for M/(m g l) in [results](results.md); default: its own
-    weight_of: Text | None = None  #: name of the arm with this weight
+    weight_of: WeightOf | None = None  #: name printed beside results made dimensionless with this weight
 
 
 class _Switch(_Section):
     state: State = "auto"  #: whether it is simulated; `auto`: the program decides
 
 
-class _Validation(_Switch):
+class _Validation(_Section):
+    state: State = "auto"  #: whether validation loads are solved; `auto`: the program decides
     pressures: PressuresBetween | None = None  #: within those of the run; II and III are solved at them too
     end_y: Ends = ()  #: other heights of the end than `end.y`
     forces: Forces = ()  #: dead forces on the end
@@ -156,11 +158,11 @@ class _Document(_Section):
     experiments: Experiments = ("I", "II", "III")  #: II and III give the parameters; I, the free body, may be left out
     end: _End = _End()
     identification: _Identification = _Identification()
-    added_pressures: CountFromZero = 0  #: most pressures [added](identification.md#linearity-in-the-pressure) between
+    added_pressures: CountFromZero = 0  #: how many pressures the program may add between the given ones
     validation: Annotated[_Validation, FROM_STATE] = _Validation()
-    law: LawChoice = "both"  #: law of the rod: five parameters, the [arm's own law](cell.md), or both
+    law: LawChoice = "both"  #: of the rod, not of the material: five parameters, the [arm's own law](cell.md) or both
     newton: _Newton = _Newton()
-    accuracy: Percentage = None  #: [requested accuracy](accuracy.md#requested-accuracy), also the option `--accuracy`
+    accuracy: Percentage = None  #: [largest error](accuracy.md#requested-accuracy) a run may have; also `--accuracy`
     effects: _Effects = _Effects()
 
 

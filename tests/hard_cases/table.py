@@ -1,11 +1,11 @@
-"""The table of docs/robustness.md, between two marks; the text outside them is not changed."""
+"""The table of docs/hard_cases.md, between two marks; the text outside them is not changed."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from solve import Line
 
-PAGE = Path(__file__).resolve().parent.parent.parent / "docs" / "robustness.md"
+PAGE = Path(__file__).resolve().parent.parent.parent / "docs" / "hard_cases.md"
 BEGIN, END = "<!-- make hard: begin -->", "<!-- make hard: end -->"
 COLUMNS = (
     *("case", "expected", "outcome", "checked against", "difference", "allowed", "load increments", "cutbacks"),
