@@ -55,6 +55,16 @@ def test_a_region_has_a_colour_of_its_own(tmp_path: Path, cut_open: bool) -> Non
     assert grey[1] == pytest.approx(grey[0], rel=0.01)
 
 
+@pytest.mark.parametrize("cut_open", [False, True])
+def test_the_clamp_is_on_the_left(tmp_path: Path, cut_open: bool) -> None:
+    points, tets = bar()
+    at_clamp = points[tets, 0].mean(axis=1) < 2
+    draw_body(tmp_path / "body.png", points, tets, cut_open=cut_open, regions=at_clamp)
+    coloured = np.ptp(seen(tmp_path / "body.png").astype(int), axis=2) > 40
+    assert coloured.mean() > 0.05
+    assert np.nonzero(coloured)[1].max() < 700
+
+
 def test_a_body_without_sharp_edges(tmp_path: Path) -> None:
     sphere = pyvista.Sphere(radius=5.0, center=(5.0, 0.0, 0.0))
     surface = np.asarray(sphere.regular_faces)

@@ -27,6 +27,18 @@ COVERED = """canvas => {
   gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
   return pixels.filter((value, k) => k % 4 === 3 && value > 0).length / (canvas.width * canvas.height);
 }"""
+#: where the highest pixel of the body is, from 0 at its left end to 1 at its right end
+HIGHEST = """canvas => {
+  const gl = canvas.getContext("webgl2"), pixels = new Uint8Array(4 * canvas.width * canvas.height);
+  gl.readPixels(0, 0, canvas.width, canvas.height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  let [left, right, at] = [Infinity, 0, 0];
+  for (let k = 0; k < canvas.width * canvas.height; k++) {
+    if (!pixels[4 * k + 3]) continue;
+    at = k % canvas.width; // rows come from the lowest to the highest
+    [left, right] = [Math.min(left, at), Math.max(right, at)];
+  }
+  return (at - left) / (right - left);
+}"""
 #: elements that stand out of the page to the right and are in no box that scrolls
 TOO_WIDE = """() => {
   const width = document.documentElement.clientWidth;
@@ -181,6 +193,19 @@ def test_the_body_turns_and_follows_its_controls(opened: Opened) -> None:
     pictures.append(picture())
     assert len(set(pictures)) == len(pictures) - 1  # the displacement was chosen when it was chosen already
     assert canvas.evaluate(COVERED) > 0.02
+
+
+def test_the_clamp_is_on_the_left_whole_and_cut_open(opened: Opened) -> None:
+    """In II the bar bends down from its clamp."""
+    view, canvas = opened.page.locator("#body-view"), opened.page.locator("#body-view canvas")
+    canvas.scroll_into_view_if_needed()
+    whole = str(canvas.evaluate("canvas => canvas.toDataURL()"))
+    assert canvas.evaluate(HIGHEST) < 0.3
+    view.locator("input[name=open]").check()
+    assert canvas.evaluate(HIGHEST) < 0.3
+    assert str(canvas.evaluate("canvas => canvas.toDataURL()")) != whole
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    view.screenshot(path=SCREENSHOTS / "cut_open.png")
 
 
 def test_the_report_is_small(report: Path) -> None:

@@ -71,14 +71,17 @@ def draw_body(
     cut_open: bool = False,
     regions: Array | None = None,
 ) -> None:
-    """Draw the body at rest into a PNG: a half model mirrored at z = 0, or cut open there to show its inside.
+    """Draw the body at rest into a PNG, with the clamp on the left: a half model mirrored at z = 0, or cut open there.
 
+    Cut open, the half beyond z = 0 is seen from inside: that of a half model, z >= 0, reflected to z <= 0.
     regions: number of the region of each tetrahedron (m,), 0 where it has none; each region has a colour of its own.
     """
     grid = _grid(points, tets)
     _attach(grid, "region", np.zeros(len(tets)) if regions is None else regions)
     body = _skin(grid)
-    if mirrored and not cut_open:
+    if cut_open:
+        body = _reflected(body)
+    elif mirrored:
         body = _mirrored(body)
     plotter = _plotter()
     for number in np.unique(body.cell_data["region"]).astype(int):
@@ -86,7 +89,7 @@ def draw_body(
         colour = _REGIONS[(number - 1) % len(_REGIONS)] if number else _SILICONE
         plotter.add_mesh(part, color=colour, smooth_shading=True, split_sharp_edges=True, ambient=0.35, diffuse=0.75)
     _add_edges(plotter, body)
-    _aim_camera(plotter, body.points, -1.0 if cut_open else 1.0)
+    _aim_camera(plotter, body.points)
     _save(plotter, path)
 
 
@@ -115,7 +118,7 @@ def draw_deformed(
     _add_edges(plotter, body)
     rest = rest.connectivity("closest", closest_point=rest.points[rest.points[:, 0].argmax()])  # not the cavities
     _add_edges(plotter, rest, angle=35, color=_OUTLINE, line_width=2)
-    _aim_camera(plotter, np.vstack([body.points, rest.points]), 1.0, below=_BAR)
+    _aim_camera(plotter, np.vstack([body.points, rest.points]), below=_BAR)
     _add_bar(plotter, colour.title, actor.mapper)
     _save(plotter, path)
 
@@ -149,7 +152,12 @@ def _mirrored(half: Any) -> Any:
     z = half.points[half.regular_faces, 2]
     inside = np.abs(z).max(axis=1) < 1e-6 * np.ptp(half.points[:, 0])
     shell = half.extract_cells(~inside).extract_surface(algorithm="dataset_surface")
-    return shell.merge(shell.reflect((0.0, 0.0, 1.0)).flip_faces()).clean(tolerance=1e-7)
+    return shell.merge(_reflected(shell)).clean(tolerance=1e-7)
+
+
+def _reflected(skin: Any) -> Any:
+    """The skin on the other side of z = 0, its faces seen from outside as before."""
+    return skin.reflect((0.0, 0.0, 1.0)).flip_faces()
 
 
 def _add_edges(plotter: Any, body: Any, angle: float = 40, **how: Any) -> None:
@@ -183,12 +191,12 @@ def _plotter() -> Any:
     return plotter
 
 
-def _aim_camera(plotter: Any, points: Array, side: float, below: int = 0) -> None:
-    """Look from the side z = `side`, a little from above and from the free end, and fit the window to the points.
+def _aim_camera(plotter: Any, points: Array, below: int = 0) -> None:
+    """Look against z, a little from above and from the free end, and fit the window to the points.
 
-    `below` pixels stay free under the body.
+    The clamp, x = 0, is on the left. `below` pixels stay free under the body.
     """
-    towards = np.array([0.28, 0.22, side])
+    towards = np.array([0.28, 0.22, 1.0])
     towards /= np.linalg.norm(towards)
     right = np.cross([0.0, 1.0, 0.0], towards)
     right /= np.linalg.norm(right)

@@ -110,6 +110,10 @@ def render_report(directory: Path) -> str:
     )  # fmt: skip
 
 
+#: pictures of the body -> what is under them
+_AT_REST = {"body": "At rest, the clamp on the left", "body_open": "At rest, cut open at z = 0"}
+
+
 def _titles(results: Results) -> dict[str, str]:
     """The experiments by name, the third one with what its end has."""
     return {**_EXPERIMENTS, "III": f"{_EXPERIMENTS['III']}, {third_experiment(results)}"}
@@ -120,7 +124,7 @@ def _body(results: Results) -> dict[str, object]:
     view = body_view(results.directory)
     states: Any = view.get("states", ())
     return {
-        "body": _pictures(results, {"body": "At rest", "body_open": "At rest, cut open at z = 0"}),
+        "body": _pictures(results, _AT_REST),
         "dimensions": _dimensions(results.run),
         "view": {name: _plain(value) for name, value in view.items()},
         "view_experiments": sorted({state["experiment"] for state in states}),

@@ -146,7 +146,8 @@ function start() {
     gl.uniform2f(place("half_extent"), (half * width) / height, half);
     const open = control("open") && control("open").checked;
     const type = data.wide ? gl.UNSIGNED_INT : gl.UNSIGNED_SHORT;
-    for (const sign of data.half && !open ? [1, -1] : [1]) {
+    const signs = open ? [-1] : data.half ? [1, -1] : [1]; // cut open: the half beyond the plane of symmetry
+    for (const sign of signs) {
       gl.uniform1f(place("mirror"), sign);
       gl.drawElements(gl.TRIANGLES, open ? triangles.length : 3 * data.outer, type, 0);
     }
@@ -164,8 +165,7 @@ function start() {
   control("field").addEventListener("change", load);
   if (control("open")) {
     control("open").addEventListener("change", () => {
-      if (control("open").checked) view.yaw = Math.PI - 0.35; // the plane of symmetry faces the reader
-      else view = { ...start };
+      view = { ...start }; // from here the plane of symmetry faces the reader
       draw();
     });
   }
