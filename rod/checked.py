@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from rod.law import RodError
+from rod.errors import RodError
 
 #: lengths of the axes of an array: a number, or a letter that is the same number in all arrays of a table
 Shape = tuple[int | str, ...]
@@ -19,7 +19,7 @@ def finite(value: Any, name: str) -> float:
     """A number as a finite float. Raises `RodError`, naming what it is, for anything else, texts too."""
     try:
         number = math.nan if isinstance(value, str | bytes | bool) else float(value)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
         raise RodError(f"{name} must be a finite number, not {reprlib.repr(value)}.")
@@ -32,6 +32,18 @@ def positive(value: Any, name: str) -> float:
     if number <= 0.0:
         raise RodError(f"{name} must be positive, not {number:g}.")
     return number
+
+
+def numbers_in(value: Any) -> Array | None:
+    """A number, or lists of numbers, as an array of floats of the same shape, NaN for None.
+
+    None for anything else: texts, complex numbers, lists of different lengths.
+    """
+    try:
+        array = np.array(value)
+        return None if array.dtype.kind in "USc" else array.astype(float)
+    except (TypeError, ValueError, OverflowError):
+        return None
 
 
 def check_table(
@@ -47,7 +59,7 @@ def check_table(
     missing = next((key for key in shapes if key not in table), None)
     if missing is not None:
         raise RodError(f"The key {missing!r}{of} is missing.")
-    arrays = {key: _array(table[key]) for key in shapes}
+    arrays = {key: numbers_in(table[key]) for key in shapes}
     counts = {**_usual(arrays, shapes), **(sizes or {})}
     for key, shape in shapes.items():
         expected = tuple(counts.get(size, -1) if isinstance(size, str) else size for size in shape)
@@ -64,15 +76,6 @@ def check_positive(table: Mapping[str, Any], keys: Sequence[str], name: str = ""
         smallest = float(np.min(table[key]))
         if smallest <= 0.0:
             raise RodError(f"{key}{f' of {name}' if name else ''} must be positive, and has {smallest:g}.")
-
-
-def _array(value: Any) -> Array | None:
-    """The numbers as an array, NaN for null; None for texts and for lists of different lengths."""
-    try:
-        array = np.array(value)
-        return None if array.dtype.kind in "US" else array.astype(float)
-    except (TypeError, ValueError):
-        return None
 
 
 def _usual(arrays: Mapping[str, Array | None], shapes: Mapping[str, Shape]) -> dict[str, int]:

@@ -15,7 +15,6 @@ follows the lines. A finite `fade` (N mm) makes the law continuous for loads tha
 `tests/test_rod_equilibrium.py` shows that the loaded shapes do not depend on it.
 """
 
-import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, fields
 from typing import final
@@ -24,17 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry.arrays import Array
-
-
-class RodError(ValueError):
-    """A request to the rod cannot be fulfilled; the message is one sentence that says why."""
-
-
-def buckles_at(part: float) -> str:
-    """The sentence on a path of loads that becomes unstable beyond a part of the load."""
-    reached = f"{100 * part:.3g} % of the load"
-    return f"The rod buckles at {reached}: beyond it the path from the unloaded rod is unstable or ends."
-
+from rod.checked import finite
+from rod.errors import RodError
 
 #: in the order of the fields of `FiveParameters`
 PARAMETER_NAMES = ("alpha1", "alpha2", "m01", "m02", "d")
@@ -56,10 +46,7 @@ class _TwoLines(ABC):
 
     def __post_init__(self) -> None:
         for field in fields(self):
-            value = getattr(self, field.name)
-            if not math.isfinite(value):
-                raise RodError(f"{field.name} must be a finite number, not {value}.")
-            object.__setattr__(self, field.name, float(value))
+            object.__setattr__(self, field.name, finite(getattr(self, field.name), field.name))
         for name in ("alpha1", "alpha2"):
             self._check_slope(name, getattr(self, name))
         if self.d <= 0.0:
@@ -99,7 +86,7 @@ class _TwoLines(ABC):
 class FiveParameters(_TwoLines):
     """The five parameters of one pressure (paper, equations (4) and (8)).
 
-    Raises `RodError` when a number is not finite, a rigidity is not positive or d is not positive.
+    Raises `RodError` for what is no finite number, a rigidity that is not positive and a d that is not positive.
     """
 
     @staticmethod

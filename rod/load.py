@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rod.checked import finite
-from rod.law import RodError
+from rod.errors import RodError
 
 
 @dataclass(frozen=True)

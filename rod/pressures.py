@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rod.law import RodError
+from rod.errors import RodError
 
 #: negligible distance of a value from a straight line, over the largest value
 STRAIGHTNESS_TOLERANCE = 0.02

@@ -22,8 +22,9 @@ from geometry.arrays import Array
 from rod.checked import finite
 from rod.cubics import cubic, monotone_slopes
 from rod.curves.extension import Extension
+from rod.errors import RodError
 from rod.identification.moment_range import MomentRange
-from rod.law import PARAMETER_NAMES, FiveParameters, RodError
+from rod.law import PARAMETER_NAMES, FiveParameters
 from rod.mechanics.equilibrium import Rod
 from rod.same_pressure import as_known, known_at
 

@@ -8,6 +8,7 @@ from rod.curves.curve import Curvature, Moment, moment_between, moment_from_load
 from rod.curves.extension import Extension, extension
 from rod.curves.gaussian_process import Smoothing, gaussian_process, shared_smoothing
 from rod.curves.uncertainty import Bootstrap, Interval
+from rod.errors import RodError
 from rod.export.arm import Arm
 from rod.export.formats import EXPORTS, export_arm
 from rod.identification.alternatives import Candidate, Observation, compare_laws, simplest
@@ -18,7 +19,7 @@ from rod.identification.paper import FreeLines, TestedCurves, paper_cells, paper
 from rod.identification.shape_fit import LoadedShape, RodFit, fit_rod, rest_curvature
 from rod.identification.single_line import LineFit
 from rod.identification.two_lines import Identification, identify, is_clear, longest_break, shortest_break
-from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, RodError, TwoSlopes
+from rod.law import PARAMETER_COLUMNS, PARAMETER_NAMES, FiveParameters, TwoSlopes
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 from rod.pressures import LinearRange, Quantity, Straightness, linear_range, next_pressure, straightness

@@ -15,7 +15,8 @@ stay in N mm.
 
 from dataclasses import dataclass
 
-from rod.law import FiveParameters, RodError
+from rod.errors import RodError
+from rod.law import FiveParameters
 
 
 @dataclass(frozen=True)

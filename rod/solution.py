@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.centreline import END_PART, chord_angle
-from rod.law import RodError
+from rod.errors import RodError
 
 
 @dataclass(frozen=True)

@@ -254,6 +254,15 @@ def test_loads_without_solution_say_so(loads, sentence):
         ({"kappa_0": np.array([[0.0, 1.0], [0.5, 1.0]])}, r"given from s = 0 to 0\.5 mm, the rod goes from 0 to 1 mm"),
         ({"kappa_0": np.array([[0.0, 1.0], [0.0, 1.0], [1.0, 1.0]])}, r"must rise from row to row"),
         ({"kappa_0": lambda s: 1.0}, r"kappa_0 as a function"),
+        ({"kappa_0": lambda s: "x"}, r"kappa_0 as a function"),
+        ({"kappa_0": "x"}, r"kappa_0 is a number, an array of numbers or a function of s; 'x' is none of them"),
+        ({"kappa_0": [[0.0, 1.0], [1.0]]}, r"kappa_0 is a number, an array of numbers or a function of s"),
+        ({"kappa_0": 1j}, r"kappa_0 is a number, an array of numbers or a function of s"),
+        ({"kappa_0": True}, r"kappa_0 must be a finite number, not True"),
+        ({"theta0": "x"}, r"theta0 must be a finite number, not 'x'"),
+        ({"theta0": float("nan")}, r"theta0 must be a finite number, not nan"),
+        ({"fade": "x"}, r"fade must be a finite number, not 'x'"),
+        ({"extension": 1.02}, r"The extension of a rod is a rod\.Extension or None, not 1\.02"),
     ],
 )
 def test_an_impossible_rod_is_refused(change, sentence):

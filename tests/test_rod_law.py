@@ -42,6 +42,10 @@ def test_the_law_is_a_frozen_value():
         ({"m01": float("nan")}, r"m01 must be a finite number, not nan\."),
         ({"d": 0.0}, r"d is measured from the clamp and must be positive, not 0 mm\."),
         ({"d": float("inf")}, r"d must be a finite number"),
+        ({"alpha1": "55"}, r"alpha1 must be a finite number, not '55'\."),
+        ({"alpha1": True}, r"alpha1 must be a finite number, not True\."),
+        ({"m02": None}, r"m02 must be a finite number, not None\."),
+        ({"alpha2": 10**400}, r"alpha2 must be a finite number"),
     ],
 )
 def test_impossible_numbers_are_refused_by_name(change, sentence):

@@ -13,7 +13,7 @@ from pipeline.errors import InputError
 from pipeline.store.atomic_file import write_atomic
 from rod.arm_law.law import ArmLaw
 from rod.arm_law.record import law_from_record
-from rod.law import RodError
+from rod.errors import RodError
 from rod.mechanics.equilibrium import Rod
 from rod.same_pressure import as_known
 

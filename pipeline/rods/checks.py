@@ -7,7 +7,8 @@ from typing import Any
 from pipeline.errors import quoted
 from pipeline.store.formats import FORMAT
 from rod.checked import Shape, check_positive, check_table, positive
-from rod.law import PARAMETER_COLUMNS, RodError
+from rod.errors import RodError
+from rod.law import PARAMETER_COLUMNS
 
 _LAW: dict[str, Shape] = dict.fromkeys(PARAMETER_COLUMNS.values(), ("n",))
 _PROFILE: dict[str, Shape] = {"s_mm": ("m",), "theta0_rad": ("n",), "kappa_0_per_mm": ("n", "m")}

@@ -21,9 +21,10 @@ from pipeline.store.result_folder import open_file
 from rod.arm_law.law import LawRod
 from rod.checked import positive
 from rod.curves.extension import Extension
+from rod.errors import RodError
 from rod.export.tables import unloaded_distance
 from rod.identification.moment_range import MomentRange
-from rod.law import PARAMETER_COLUMNS, FiveParameters, RodError
+from rod.law import PARAMETER_COLUMNS, FiveParameters
 from rod.load import pair
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import IDENTIFIED, OutsidePressures, PressurisedRod

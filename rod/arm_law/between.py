@@ -22,7 +22,7 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve
 from rod.cubics import cubic, cubic_slope, hermite
-from rod.law import RodError
+from rod.errors import RodError
 
 #: pairs of states
 PAIRS = 257

@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array, Mask
 from rod.cubics import cubic, periodic_slopes
-from rod.law import RodError
+from rod.errors import RodError
 
 
 def _freeze(curve: "CellCurve | ClampCurve | TipCurve") -> None:

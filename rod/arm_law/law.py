@@ -13,7 +13,7 @@ from rod.arm_law.material_curve import ripple, row_at
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
 from rod.checked import finite
-from rod.law import RodError
+from rod.errors import RodError
 from rod.load import Load, held_at, pair
 from rod.solution import RodSolution
 

@@ -8,7 +8,7 @@ import numpy as np
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.law import ArmLaw
 from rod.checked import Shape, check_positive, check_table, positive
-from rod.law import RodError
+from rod.errors import RodError
 
 #: of the file; raised when a key changes its meaning
 FORMAT = 2

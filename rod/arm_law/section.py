@@ -15,7 +15,7 @@ from geometry.arrays import Array
 from rod.arm_law.between import columns, joined
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.cubics import cubic, cubic_slope, hermite, monotone_slopes
-from rod.law import RodError
+from rod.errors import RodError
 from rod.same_pressure import known_at
 
 Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)

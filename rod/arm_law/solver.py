@@ -11,7 +11,7 @@ from geometry.arrays import Array
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
 from rod.arm_law.integration import EndArrays, EndLoad, LawArrays, converge, tip_levers
 from rod.arm_law.section import SectionLaw
-from rod.law import RodError, buckles_at
+from rod.errors import RodError, buckles_at
 from rod.load import Load
 from rod.solution import RodSolution
 

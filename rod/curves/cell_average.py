@@ -15,7 +15,7 @@ from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.curve import Curvature, mean_angle_weights
 from rod.curves.uncertainty import white_noise
-from rod.law import RodError
+from rod.errors import RodError
 
 
 def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:

@@ -19,7 +19,7 @@ import numpy as np
 from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.curve import mean_angle_weights
-from rod.law import RodError
+from rod.errors import RodError
 from rod.load import Load
 
 #: relative standard deviation of the displacement as five parameters explain it: the ripple within cells, which a rod

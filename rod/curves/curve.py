@@ -17,7 +17,7 @@ import numpy as np
 from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.uncertainty import local_deviation
-from rod.law import RodError
+from rod.errors import RodError
 from rod.load import Load
 
 #: intervals per length of the grid on which resolutions are expressed

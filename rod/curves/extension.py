@@ -18,7 +18,7 @@ import numpy as np
 from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.cell_average import cell_averaged
-from rod.law import RodError
+from rod.errors import RodError
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from scipy.linalg import cho_factor, cho_solve
 from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.curve import GRID_CELLS, Curvature, fine_grid, without_stretch
-from rod.law import RodError
+from rod.errors import RodError
 
 #: smallest and largest length scale of the smooth part, over the pitch
 MIN_LENGTH_SCALE, MAX_LENGTH_SCALE = 1.5, 3.0

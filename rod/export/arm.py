@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from geometry.arrays import Array
-from rod.law import RodError
+from rod.errors import RodError
 from rod.mechanics.equilibrium import Rod
 from rod.pressurised_rod import IDENTIFIED
 

@@ -10,11 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from rod.errors import RodError
 from rod.export.arm import Arm
 from rod.export.chain import write_mujoco, write_somo
 from rod.export.pyelastica import write_pyelastica
 from rod.export.tables import write_csv, write_json, write_sorosim
-from rod.law import RodError
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from geometry.arrays import Array
-from rod.law import RodError
+from rod.errors import RodError
 from rod.mechanics.equilibrium import Rod
 
 

@@ -21,7 +21,7 @@ from scipy.interpolate import CubicSpline
 
 from geometry.arrays import Array
 from rod.curves.curve import Curvature, Moment, fine_grid
-from rod.law import RodError
+from rod.errors import RodError
 
 #: length of the zone at the clamp that represents a spring, over the length of the arm
 SPRING_LENGTH = 0.02

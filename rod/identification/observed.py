@@ -16,7 +16,7 @@ from geometry.arrays import Array
 from rod.curves.closure import Closure
 from rod.curves.curve import Curvature, Moment, fine_grid
 from rod.curves.uncertainty import white_noise
-from rod.law import RodError
+from rod.errors import RodError
 
 #: harmonics of the pitch in the ripple of Delta within the cells
 HARMONICS = 2

@@ -25,7 +25,8 @@ from scipy.optimize import minimize_scalar
 from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.curve import moment_from_load
-from rod.law import RodError, TwoSlopes
+from rod.errors import RodError
+from rod.law import TwoSlopes
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 

@@ -29,11 +29,12 @@ from rod.curves.uncertainty import (
     sample_errors,
     total_covariance,
 )
+from rod.errors import RodError
 from rod.identification.estimate import ParameterEstimate, intervals, parameters_of_lines
 from rod.identification.observed import HARMONICS, harmonics
 from rod.identification.regression import OFFSET, RIPPLE
 from rod.identification.two_lines import MIN_BREAK, default_breaks
-from rod.law import FiveParameters, RodError
+from rod.law import FiveParameters
 from rod.load import Load
 from rod.mechanics.equilibrium import Rod
 from rod.solution import RodSolution

@@ -14,9 +14,9 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.curves.uncertainty import Bootstrap, Interval, interval, sample_errors
+from rod.errors import RodError
 from rod.identification.observed import Observed
 from rod.identification.regression import MAX_RIGIDITY_RATIO, OFFSET, Regression
-from rod.law import RodError
 
 #: standard deviations beyond which the data show an offset
 OFFSET_SIGNIFICANCE = 3.0

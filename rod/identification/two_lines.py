@@ -23,11 +23,12 @@ from geometry.arrays import Array
 from rod.curves.closure import Closure
 from rod.curves.curve import Curvature, Moment
 from rod.curves.uncertainty import Bootstrap, effective_observations
+from rod.errors import RodError
 from rod.identification.estimate import ParameterEstimate, intervals, parameters_of_lines
 from rod.identification.observed import HARMONICS, Observed
 from rod.identification.regression import MAX_RIGIDITY_RATIO, OFFSET, Fit, Regression, Resample
 from rod.identification.single_line import LineFit, single_line
-from rod.law import FiveParameters, RodError
+from rod.law import FiveParameters
 
 #: range over the length in which the break d is sought
 BREAKS = (0.05, 0.35)

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from geometry.arrays import Array, Mask
-from rod.law import RodError, buckles_at
+from rod.errors import RodError, buckles_at
 from rod.mechanics.profile import Steps
 from rod.mechanics.shooting import RodArrays, converge, sweep
 

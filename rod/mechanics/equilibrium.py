@@ -12,6 +12,7 @@ components, are found by shooting (`shooting`), for large loads with continuatio
 """
 
 import math
+import reprlib
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -23,7 +24,8 @@ from geometry.arrays import Array
 from rod.arm_law.law import ArmLaw, LawRod
 from rod.checked import finite, positive
 from rod.curves.extension import Extension
-from rod.law import FiveParameters, RodError, TwoSlopes
+from rod.errors import RodError
+from rod.law import FiveParameters, TwoSlopes
 from rod.load import Load, held_at, pair
 from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load
 from rod.mechanics.own_weight import moment_of_weight
@@ -45,8 +47,8 @@ class Rod:
     kappa_0 (1/mm) is a number, an array (n,) of values at equally spaced points from 0 to length, an array (n, 2) of
     columns s and kappa_0, or a function of s; samples are joined by straight lines. The arm's own law,
     `ArmLaw.at(pressure)`, has its curvature without load, its stretch and its clamped end itself: kappa_0, theta0, fade
-    and extension are not given then. Raises `RodError` for a length that is not positive, a kappa_0 that does not fit
-    it, a break d off the rod, and for what a law already has or lacks.
+    and extension are not given then. Raises `RodError` for what is no finite number, a length that is not positive, a
+    kappa_0 that does not fit it, a break d off the rod, and for what a law already has or lacks.
     """
 
     length: float  #: mm
@@ -64,7 +66,8 @@ class Rod:
         positive(self.length, "The length of a rod")
         pair(self.start, "start")
         object.__setattr__(self, "weight", pair(self.weight, "weight"))
-        object.__setattr__(self, "weight_height", finite(self.weight_height, "weight_height"))
+        for name in ("theta0", "fade", "weight_height"):
+            object.__setattr__(self, name, finite(getattr(self, name), name))
         if isinstance(self.law, ArmLaw):
             raise RodError("A rod has the law of an arm at one pressure: law = arm_law.at(pressure in kPa).")
         if isinstance(self.law, LawRod):
@@ -75,8 +78,10 @@ class Rod:
             raise RodError("The law of a rod is five parameters, two slopes, or the arm's own law at a pressure.")
         if not 0.0 < self.law.d < self.length:
             raise RodError(f"The break d = {self.law.d:g} mm lies off the rod of {self.length:g} mm.")
-        if not (math.isfinite(self.fade) and self.fade >= 0.0):
+        if self.fade < 0.0:
             raise RodError(f"fade is a moment of at least 0 N mm, not {self.fade}.")
+        if not isinstance(self.extension, Extension | None):
+            raise RodError(f"The extension of a rod is a rod.Extension or None, not {reprlib.repr(self.extension)}.")
         _ = self.steps  # refuses a kappa_0 that does not fit
 
     def _check_nothing_twice(self) -> None:

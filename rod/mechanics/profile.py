@@ -1,12 +1,15 @@
 """The intrinsic curvature of a rod, in any of its accepted forms, cut into smooth steps for the integrator."""
 
+import reprlib
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from geometry.arrays import Array, Mask
-from rod.law import FiveParameters, RodError, TwoSlopes
+from rod.checked import finite, numbers_in
+from rod.errors import RodError
+from rod.law import FiveParameters, TwoSlopes
 from rod.mechanics.shooting import ABSCISSAE
 
 Profile = float | Array | Callable[[Array], Array]
@@ -36,20 +39,25 @@ def cut_into_steps(length: float, kappa_0: Profile, law: FiveParameters | TwoSlo
     if callable(kappa_0):
         boundaries = _boundaries(np.linspace(0.0, 1.0, round(FUNCTION_STEPS * refinement) + 1), law.d / length)
         return _steps(boundaries, law.d / length, lambda s: _called(kappa_0, s * length) * length)
-    values = np.asarray(kappa_0, float)
+    values = numbers_in(kappa_0)
+    if values is None:
+        raise RodError(
+            f"kappa_0 is a number, an array of numbers or a function of s; {reprlib.repr(kappa_0)} is none of them."
+        )
     if not np.all(np.isfinite(values)):
         raise RodError("kappa_0 holds a value that is not a finite number.")
     if values.ndim == 0:
+        curvature = finite(kappa_0, "kappa_0") * length
         boundaries = _boundaries(np.linspace(0.0, 1.0, round(MIN_STEPS * refinement) + 1), law.d / length)
-        return _steps(boundaries, law.d / length, lambda s: np.full(s.shape, float(values) * length))
+        return _steps(boundaries, law.d / length, lambda s: np.full(s.shape, curvature))
     samples, values = _samples(values, length)
     boundaries = _boundaries(_refined(samples, MIN_STEPS * refinement), law.d / length)
     return _steps(boundaries, law.d / length, lambda s: np.interp(s, samples, values) * length)
 
 
 def _called(function: Callable[[Array], Array], s: Array) -> Array:
-    values = np.asarray(function(s.ravel()), float)
-    if values.shape != (s.size,) or not np.all(np.isfinite(values)):
+    values = numbers_in(function(s.ravel()))
+    if values is None or values.shape != (s.size,) or not np.all(np.isfinite(values)):
         raise RodError("kappa_0 as a function must return a finite number for every s of the array it is given.")
     return values.reshape(s.shape)
 

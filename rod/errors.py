@@ -1,0 +1,11 @@
+"""Why a request to the rod cannot be fulfilled."""
+
+
+class RodError(ValueError):
+    """A request to the rod cannot be fulfilled; the message is one sentence that says why."""
+
+
+def buckles_at(part: float) -> str:
+    """The sentence on a path of loads that becomes unstable beyond a part of the load."""
+    reached = f"{100 * part:.3g} % of the load"
+    return f"The rod buckles at {reached}: beyond it the path from the unloaded rod is unstable or ends."
