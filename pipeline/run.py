@@ -28,6 +28,7 @@ from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.simulate import begun
 from pipeline.simulation.waiting import meshed_with_progress
+from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
 from pipeline.store.store import open_store
 from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
 from pipeline.validation.rods import ArmRods
@@ -43,15 +44,17 @@ from pipeline.validation.validate import (
 _OF_LAW, _OF_EXPERIMENTS, _OF_COARSER_MESH, _OF_VALIDATION = range(4)
 
 
-def run(config: Config, out: Path, jobs: int, fresh: bool, progress: Progress) -> RunReport:
+def run(
+    config: Config, out: Path, jobs: int, fresh: bool, progress: Progress, words: FolderWords = ON_COMMAND_LINE
+) -> RunReport:
     """From a configuration to `out`/report.html, `jobs` tasks at a time; `fresh` replaces earlier results.
 
     A pressure that is not reached is named in the report's `failures`; everything finished is in `out` then, the report
-    included. Raises InputError for a body that cannot be meshed, a folder that cannot be used or a requested accuracy
-    that no mesh reaches, and RunFailed where nothing more can be solved (faces that cannot touch, a process that was
-    ended from outside).
+    included. Raises InputError for a body that cannot be meshed, a folder that cannot be used (in the words of the
+    caller) or a requested accuracy that no mesh reaches, and RunFailed where nothing more can be solved (faces that
+    cannot touch, a process that was ended from outside).
     """
-    with open_store(out, config, fresh=fresh) as store:
+    with open_store(out, config, fresh=fresh, words=words) as store:
         for sentence in (*before_solving(config), *of_units(config)):
             progress.remark(sentence)
         planned = plan_discretisation(config, store, progress)

@@ -3,17 +3,22 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from pipeline.config.load import load_config
+from pipeline.config.document import read_document
+from pipeline.config.load import config_of
 from pipeline.errors import InputError, RunFailed
 from pipeline.processes import available_cores
 from pipeline.progress import Silent, progress_for
 from pipeline.run import run
 from pipeline.simulation.simulate import EXPERIMENTS
+from pipeline.store.result_folder import FolderWords
+from pneurod.arguments import given_choice, given_path, given_settings, setting_name
 from pneurod.reading import read_results
 from pneurod.results import Results
 
-#: what `--set` takes as text: numbers with their unit, plain numbers, words, and lists of them
+#: numbers with their unit and words as texts, plain numbers, and lists of them
 Setting = str | float | bool | Sequence[str]
+#: how the refusal of a result folder names what was given here
+_WORDS = FolderWords(out="out", joint="=", fresh="fresh=True")
 
 
 def characterize(
@@ -35,19 +40,23 @@ def characterize(
     number of cores, at most 3. fresh: delete what `out` holds first. progress: report the stages on the terminal;
     nothing is printed otherwise.
 
-    Raises `pneurod.InputError` for a wrong configuration or a folder that cannot be used, and `pneurod.RunFailed`
-    when something could not be solved: its `directory` holds what was reached, for `pneurod.read_results`.
+    Raises `pneurod.InputError` for a wrong configuration, a wrong argument or a folder that cannot be used, and
+    `pneurod.RunFailed` when something could not be solved: its `directory` holds what was reached, for
+    `pneurod.read_results`.
     """
     if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
         raise InputError(f"jobs: {jobs!r} is not allowed; give a whole number from 1 on")
-    if settings is not None and not isinstance(settings, Mapping):
-        raise InputError('settings: give values by their keys, for example {"mesh.size": "6 mm"}')
-    overrides = [f"{key}={_written(value)}" for key, value in (settings or {}).items()]
-    design = load_config(config, [*overrides, *([f"accuracy={accuracy}"] if accuracy is not None else [])])
-    folder = Path("results") / design.name if out is None else Path(out)
-    listener = progress_for() if progress else Silent()
+    values = given_settings(settings)
+    if accuracy is not None:
+        values.append(("accuracy", accuracy))
+    replaces, shown = given_choice(fresh, "fresh"), given_choice(progress, "progress")
+    given = read_document(given_path(config, "config", "configs/pneunet.yaml"))
+    design = config_of(given.with_values(values, _argument if accuracy is not None else setting_name))
+    folder = Path("results") / design.name if out is None else given_path(out, "out", "results/arm")
+    at_once = jobs or min(len(EXPERIMENTS), available_cores())
+    listener = progress_for() if shown else Silent()
     try:
-        run(design, folder, jobs or min(len(EXPERIMENTS), available_cores()), fresh, listener).raise_if_failed()
+        run(design, folder, at_once, replaces, listener, _WORDS).raise_if_failed()
     except RunFailed as failure:
         raise RunFailed(str(failure), directory=folder) from None
     finally:
@@ -55,10 +64,6 @@ def characterize(
     return read_results(folder)
 
 
-def _written(value: Setting) -> str:
-    """The value as it stands in YAML."""
-    if isinstance(value, str):
-        return value
-    if isinstance(value, Sequence):
-        return f"[{', '.join(map(_written, value))}]"
-    return str(value).lower() if isinstance(value, bool) else str(value)
+def _argument(key: str) -> str:
+    """The name of a setting where the accuracy is an argument of its own."""
+    return key if key == "accuracy" else setting_name(key)

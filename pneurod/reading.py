@@ -16,6 +16,7 @@ from pipeline.report.verdict import Verdict, verdict_of
 from pipeline.rods.checks import check_parameters
 from pipeline.rods.saved import pressurised_rod
 from pipeline.store.formats import validation_rows, with_present_keys
+from pneurod.arguments import given_path
 from pneurod.results import PressureSlopes, Results, RunRecord
 from pneurod.tables import curves_frame, parameter_frames, rows_frame
 
@@ -28,10 +29,10 @@ def read_results(directory: Path | str) -> Results:
     """Every result in the folder of a run; files of earlier versions of pneurod are read as well.
 
     A run that failed or was stopped has left some of them: frames of the others have no rows, and `run.failure` and
-    `run.finished` say what happened. Raises InputError with one sentence for a folder that does not exist, holds no
-    result, or holds a file that cannot be read.
+    `run.finished` say what happened. Raises InputError with one sentence for what is no path, and for a folder that
+    does not exist, holds no result, or holds a file that cannot be read.
     """
-    folder = Path(directory)
+    folder = given_path(directory, "directory", "results/pneunet")
     contents = {name: _json(folder / f"{name}.json") for name in ("parameters", "run", *_ROWS)}
     _check_there(folder, contents)
     parameters = _mapping(folder, "parameters", contents)

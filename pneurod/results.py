@@ -10,9 +10,10 @@ from types import MappingProxyType
 
 import pandas as pd
 
-from pipeline.errors import InputError
+from pipeline.errors import InputError, quoted
 from pipeline.report.verdict import Verdict
 from pipeline.rods.saved import RodAtPressure
+from pneurod.arguments import given_choice
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
 from rod.checked import finite
 from rod.same_pressure import known_at
@@ -147,8 +148,8 @@ class Results:
 
         Raises InputError for a pressure that was not identified or a name that is none of these.
         """
-        if name not in PARAMETER_COLUMNS:
-            raise InputError(f"{name!r} is no parameter of the rod; allowed: {', '.join(PARAMETER_COLUMNS)}")
+        if not isinstance(name, str) or name not in PARAMETER_COLUMNS:
+            raise InputError(f"{quoted(name)} is no parameter of the rod; allowed: {', '.join(PARAMETER_COLUMNS)}")
         row, column = self._row(pressure_kPa), PARAMETER_COLUMNS[name]
         return Interval(*(float(row[f"{column}{ending}"]) for ending in ("", "_std", "_95_low", "_95_high")))
 
@@ -160,13 +161,13 @@ class Results:
 
         extensible: the rod whose curve stretches; None for the one that stretches where the free curve of the arm is
         longer by more than 0.5 %. extrapolate: also outside the identified pressures, down to 0 kPa and up by half of
-        their range, see `rod.PressurisedRod.at`. Raises InputError where nothing was identified, and outside these
-        pressures. A rod with the arm's own law is `Rod(length, law=results.arm_law.at(pressure))`. What a load may be
-        is told by `warning`.
+        their range, see `rod.PressurisedRod.at`. Raises InputError where nothing was identified, outside these
+        pressures, and for arguments of another type. A rod with the arm's own law is
+        `Rod(length, law=results.arm_law.at(pressure))`. What a load may be is told by `warning`.
         """
-        rods = self._rods(extensible)
+        rods, beyond = self._rods(extensible), given_choice(extrapolate, "extrapolate")
         with _told():
-            return rods.at(pressure_kPa, extrapolate=extrapolate)
+            return rods.at(pressure_kPa, extrapolate=beyond)
 
     def warning(
         self, pressure_kPa: float, shape: RodSolution, *, extensible: bool | None = None, extrapolate: bool = False
@@ -175,15 +176,18 @@ class Results:
 
         shape: from `rod(...).solve(...)` with the same other arguments. Raises as `rod`.
         """
-        rods = self._rods(extensible)
+        if not isinstance(shape, RodSolution):
+            raise InputError(f"shape: {quoted(shape)} is no shape of a rod; give what the `solve` of a rod returns")
+        rods, beyond = self._rods(extensible), given_choice(extrapolate, "extrapolate")
         with _told():
-            selected = RodAtPressure.of(rods, pressure_kPa, extrapolate)
+            selected = RodAtPressure.of(rods, pressure_kPa, beyond)
         return selected.warning(shape)
 
     def _rods(self, extensible: bool | None) -> PressurisedRod:
         if not self.rods:
             raise self._nothing_identified()
-        return self.rods[1 if (self.rods[1].stretches if extensible is None else extensible) else 0]
+        stretches = self.rods[1].stretches if extensible is None else given_choice(extensible, "extensible")
+        return self.rods[1 if stretches else 0]
 
     def _row(self, pressure_kPa: float) -> "pd.Series":
         if not len(self.parameters):

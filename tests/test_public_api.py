@@ -6,7 +6,7 @@ import pickle
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import FrozenInstanceError, fields, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ import fem
 import geometry
 import pneurod
 import rod
+from pipeline.store.store import locked
 
 HERE = Path(__file__).resolve().parent.parent
 #: a result folder without `format` in parameters.json, its profiles and curves thinned out
@@ -203,8 +204,6 @@ def test_arguments_of_a_run_that_are_none_are_refused(design: Path) -> None:
     for jobs in (0, -1, "x", 1.5, True):
         with pytest.raises(pneurod.InputError, match=r"jobs: .* is not allowed; give a whole number from 1 on"):
             pneurod.characterize(design, jobs=jobs)  # type: ignore[arg-type]
-    with pytest.raises(pneurod.InputError, match="settings: give values by their keys"):
-        pneurod.characterize(design, settings=["mesh.size=6 mm"])  # type: ignore[arg-type]
 
 
 def test_an_empty_accuracy_is_refused(design: Path) -> None:
@@ -245,11 +244,102 @@ def test_a_program_without_a_guard_may_use_several_processes(design: Path, resul
     assert (ended.returncode, ended.stdout, ended.stderr) == (0, "program\n2\n", "")
 
 
-def test_settings_are_those_of_the_command_line(design: Path, tmp_path: Path) -> None:
-    with pytest.raises(pneurod.InputError, match=r"--set mesh\.size: "):
-        pneurod.characterize(design, out=tmp_path, settings={"mesh.size": "1 kPa"})
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"mesh.size": "1 kPa"}, "settings[\"mesh.size\"]: '1 kPa' is not a length; write a length with its unit, "),
+        ({"mesh.size": 6}, 'settings["mesh.size"]: 6 has no unit; '),
+        ({"mesh.size": "["}, 'settings["mesh.size"]: line 1: '),
+        ({"mesh": {"size": 7}}, 'settings["mesh"]: mesh.size: 7 has no unit; '),
+        ({"mesh.size.x": 7}, "settings[\"mesh.size.x\"]: 'mesh.size' holds a value, not keys"),
+        ({".size": 7}, 'settings[".size"]: is not a key; write one such as mesh.size'),
+        ({"pressures": np.array([1.0, 2.0])}, 'settings["pressures"]: pressures[1]: 1.0 has no unit; '),
+        ({"pressures": b"1 kPa"}, 'settings["pressures"]: b\'1 kPa\' is not allowed; give a text such as "6 mm", '),
+        ({"geometry.chambers": np.int64(0)}, 'settings["geometry.chambers"]: must be a whole number of at least 1'),
+        ({3: "6 mm"}, 'settings: 3 is not a key; keys are texts such as "mesh.size"'),
+        (["mesh.size=6 mm"], 'settings: give values by their keys, for example {"mesh.size": "6 mm"}'),
+    ],
+)
+def test_a_wrong_setting_is_named_as_it_was_given(design: Path, tmp_path: Path, settings: Any, sentence: str) -> None:
+    with pytest.raises(pneurod.InputError) as refusal:
+        pneurod.characterize(design, out=tmp_path, settings=settings)
+    assert str(refusal.value).startswith(sentence)
+    assert "--" not in str(refusal.value)
+
+
+def test_numbers_of_numpy_are_settings(design: Path, results: pneurod.Results) -> None:
+    same: Any = {"geometry.chambers": np.int64(7), "pressures": np.array(["8 kPa", "16 kPa"])}
+    same["material.nu"] = np.float64(0.495)
+    again = pneurod.characterize(design, out=results.directory, settings=same, jobs=1)
+    assert again.run.config_hash == results.run.config_hash
+
+
+def test_a_wrong_accuracy_is_named_as_it_was_given(design: Path) -> None:
+    with pytest.raises(pneurod.InputError, match=r"^accuracy: 'x' is no accuracy; "):
+        pneurod.characterize(design, accuracy="x")
+    with pytest.raises(pneurod.InputError, match=r'^settings\["accuracy"\]: \'x\' is no accuracy; '):
+        pneurod.characterize(design, settings={"accuracy": "x"})
+
+
+def test_a_folder_that_cannot_be_used_is_named_as_it_was_given(
+    design: Path, results: pneurod.Results, tmp_path: Path
+) -> None:
+    out = results.directory
+    with pytest.raises(pneurod.InputError) as refusal:
+        pneurod.characterize(design, out=out, settings={"mesh.size": "7 mm"})
+    assert str(refusal.value) == (
+        f"out={out}: holds the results of another configuration; give another out, or fresh=True to replace them"
+    )
+    with locked(tmp_path), pytest.raises(pneurod.InputError) as refusal:
+        pneurod.characterize(design, out=tmp_path)
+    assert str(refusal.value) == f"out={tmp_path}: another run is at work in it; wait for it or give another out"
+    with pytest.raises(pneurod.InputError, match=r"^out=.*short\.yaml: cannot be written"):
+        pneurod.characterize(design, out=design)
+
+
+@pytest.mark.parametrize("wrong", [None, {}, 3, "", b"arm.yaml", "a\0b"])
+def test_what_is_no_path_is_refused(design: Path, wrong: Any) -> None:
+    with pytest.raises(pneurod.InputError, match=r'^config: .* is no path; give a text or a Path, for example "'):
+        pneurod.characterize(wrong)
+    with pytest.raises(pneurod.InputError, match=r'^directory: .* is no path; give a text or a Path, for example "'):
+        pneurod.read_results(wrong)
+    if wrong is not None:
+        with pytest.raises(pneurod.InputError, match=r'^out: .* is no path; give a text or a Path, for example "'):
+            pneurod.characterize(design, out=wrong)
     with pytest.raises(pneurod.InputError, match="no such file"):
-        pneurod.characterize(tmp_path / "missing.yaml")
+        pneurod.characterize(design.parent / "missing.yaml")
+
+
+@pytest.mark.parametrize("wrong", ["no", 1, None])
+def test_what_is_neither_true_nor_false_is_refused(design: Path, wrong: Any) -> None:
+    results = pneurod.read_results(OLD)
+    shape = results.rod(20.0).solve()
+    calls: dict[str, list[Callable[..., object]]] = {
+        "fresh": [lambda value: pneurod.characterize(design, fresh=value)],
+        "progress": [lambda value: pneurod.characterize(design, progress=value)],
+        "extrapolate": [
+            lambda value: results.rod(20.0, extrapolate=value),
+            lambda value: results.warning(20.0, shape, extrapolate=value),
+        ],
+    }
+    if wrong is not None:  # which chooses the rod
+        calls["extensible"] = [
+            lambda value: results.rod(20.0, extensible=value),
+            lambda value: results.warning(20.0, shape, extensible=value),
+        ]
+    for name, functions in calls.items():
+        for function in functions:
+            with pytest.raises(pneurod.InputError, match=f"^{name}: {wrong!r} is not allowed; give True or False$"):
+                function(wrong)
+
+
+def test_a_name_or_a_shape_of_another_type_is_refused() -> None:
+    results, other = pneurod.read_results(OLD), "x"
+    with pytest.raises(pneurod.InputError, match=r"\['alpha1'\] is no parameter of the rod; allowed: alpha1, "):
+        results.interval(["alpha1"], 17.0)  # type: ignore[arg-type]
+    with pytest.raises(pneurod.InputError, match="shape: 'x' is no shape of a rod; give what the `solve` of a rod"):
+        results.warning(20.0, other)  # type: ignore[arg-type]
+    assert results.rod(20.0, extensible=np.bool_(True)).extension is not None
 
 
 def test_a_failed_run_says_where_its_results_are(design: Path, tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """A YAML file with overrides applied, and the sentences in which it is refused."""
 
 import re
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +12,14 @@ import yaml
 from pipeline.config.complaints import Key, complaints, not_known
 from pipeline.errors import InputError, shortened
 
+#: the dotted key of an override, as messages name it: --set mesh.size
+Naming = Callable[[str], str]
+
+
+def on_command_line(key: str) -> str:
+    """The key of an override of the command line."""
+    return f"--set {key}"
+
 
 @dataclass(frozen=True)
 class Document:
@@ -20,16 +28,24 @@ class Document:
     path: Path
     content: Mapping[str, Any]
     overridden: tuple[Key, ...]  #: the keys that overrides gave
-    override: str = "--set"  #: where overrides come from, as messages name it
+    naming: Naming = on_command_line
 
-    def with_overrides(self, overrides: Sequence[str], override: str = "--set") -> "Document":
-        """The same with every "a.b=value" put in; values are parsed as YAML.
+    def with_overrides(self, overrides: Sequence[str]) -> "Document":
+        """The same with every "a.b=value" of the command line put in.
 
-        override: where they come from, for messages. Raises InputError for one that is not KEY=VALUE.
+        Raises InputError as `with_values`, and for one that is not KEY=VALUE.
+        """
+        return self.with_values([_key_and_value(text) for text in overrides], on_command_line)
+
+    def with_values(self, values: Sequence[tuple[str, Any]], naming: Naming) -> "Document":
+        """The same with values put in at dotted keys; texts are parsed as YAML, also those in lists and mappings.
+
+        naming: of the keys in messages. Raises InputError for a key without a name or below a value, and for a text
+        that is not YAML.
         """
         content = deepcopy(dict(self.content))
-        keys = tuple(_override(content, text, override) for text in overrides)
-        return Document(self.path, content, (*self.overridden, *keys), override)
+        keys = tuple(_override(content, key, value, naming) for key, value in values)
+        return Document(self.path, content, (*self.overridden, *keys), naming)
 
     def wrong(self, key: Key, complaint: str) -> InputError:
         """The refusal of one key."""
@@ -40,7 +56,7 @@ class Document:
         for given in self.overridden:
             if given[: len(key)] == key or key[: len(given)] == given:
                 inside = f"{_dotted(key)}: " if len(key) > len(given) else ""
-                return f"{self.override} {_dotted(given)}: {inside}{complaint}"
+                return f"{self.naming(_dotted(given))}: {inside}{complaint}"
         return f"{self.path}: {_dotted(key)}: {complaint}"
 
     def choice(self, key: tuple[str, ...], allowed: tuple[str, ...]) -> str:
@@ -97,11 +113,18 @@ def _parsed(text: str) -> Any:
         raise yaml.constructor.ConstructorError(problem=f"has an invalid value ({failure})") from None
 
 
-def _override(content: dict[Any, Any], text: str, override: str) -> Key:
-    dotted, sign, value = text.partition("=")
-    names = tuple(name.strip() for name in dotted.split("."))
-    if not sign or not all(names):
-        raise InputError(f"{override} {shortened(text)}: is not KEY=VALUE; for example --set mesh.size='4 mm'")
+def _key_and_value(text: str) -> tuple[str, str]:
+    """The parts of a KEY=VALUE of the command line."""
+    key, sign, value = text.partition("=")
+    if not sign or not all(name.strip() for name in key.split(".")):
+        raise InputError(f"{on_command_line(shortened(text))}: is not KEY=VALUE; for example --set mesh.size='4 mm'")
+    return key, value
+
+
+def _override(content: dict[Any, Any], key: str, value: Any, naming: Naming) -> Key:
+    names = tuple(name.strip() for name in key.split("."))
+    if not all(names):
+        raise InputError(f"{naming(shortened(key))}: is not a key; write one such as mesh.size")
     inside = content
     for depth, name in enumerate(names[:-1], start=1):
         value_there = inside.setdefault(name, {})
@@ -109,13 +132,21 @@ def _override(content: dict[Any, Any], text: str, override: str) -> Key:
             inside[name] = {"state": value_there}  # `self_contact: auto` beside parameters of the effect
         inside = inside[name]
         if not isinstance(inside, dict):
-            raise InputError(f"{override} {_dotted(names)}: '{_dotted(names[:depth])}' holds a value, not keys")
+            raise InputError(f"{naming(_dotted(names))}: '{_dotted(names[:depth])}' holds a value, not keys")
     try:
-        inside[names[-1]] = _parsed(value)
+        inside[names[-1]] = _read(value)
     except yaml.YAMLError as failure:
-        complaint = f"{_yaml_complaint(failure)}; for example --set mesh.size='4 mm'"
-        raise InputError(f"{override} {_dotted(names)}: {complaint}") from None
+        raise InputError(f"{naming(_dotted(names))}: {_yaml_complaint(failure)}; write a value such as 4 mm") from None
     return names
+
+
+def _read(value: Any) -> Any:
+    """A value with its texts parsed; raises YAMLError."""
+    if isinstance(value, str):
+        return _parsed(value)
+    if isinstance(value, Mapping):
+        return {name: _read(entry) for name, entry in value.items()}
+    return [_read(entry) for entry in value] if isinstance(value, list | tuple) else value
 
 
 def _dotted(key: Key) -> str:

@@ -51,7 +51,23 @@ class ResultFolder:
         return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
 
 
-def open_folder(directory: Path | str) -> ResultFolder:
+@dataclass(frozen=True)
+class FolderWords:
+    """What the caller has given a result folder with, as the sentences of a refusal name it."""
+
+    out: str = "--out"  #: with which the folder was given
+    joint: str = " "  #: between this and the folder
+    fresh: str = "--fresh"  #: with which earlier results are replaced
+
+    def given(self, folder: Path) -> str:
+        """The folder as it was given: --out results/arm."""
+        return f"{self.out}{self.joint}{folder}"
+
+
+ON_COMMAND_LINE = FolderWords()
+
+
+def open_folder(directory: Path | str, words: FolderWords = ON_COMMAND_LINE) -> ResultFolder:
     """A folder, made if it is missing, for results that replace earlier ones.
 
     Raises InputError when it cannot be written.
@@ -64,7 +80,9 @@ def open_folder(directory: Path | str) -> ResultFolder:
     except OSError as failure:
         in_the_way = next((part for part in (folder, *folder.parents) if part.is_file()), None)
         reason = f"{in_the_way} is a file" if in_the_way else failure.strerror or str(failure)
-        raise InputError(f"--out {folder}: cannot be written ({reason}); give a folder you may write to") from None
+        raise InputError(
+            f"{words.given(folder)}: cannot be written ({reason}); give a folder you may write to"
+        ) from None
     return ResultFolder(folder)
 
 

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from pipeline.errors import InputError
 from pipeline.store.atomic_file import remove_parts, write_atomic
 from pipeline.store.json_values import JsonObject
-from pipeline.store.result_folder import ResultFolder, open_folder
+from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords, ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, STATE_SOURCES, result_key
 
 _IDENTITY = "states/configuration.json"
@@ -78,19 +78,22 @@ class Store(ResultFolder):
 
 
 @contextmanager
-def open_store(directory: Path | str, config: Configuration, *, fresh: bool = False) -> Iterator[Store]:
+def open_store(
+    directory: Path | str, config: Configuration, *, fresh: bool = False, words: FolderWords = ON_COMMAND_LINE
+) -> Iterator[Store]:
     """The result directory for `config`, made if it is missing and locked against other runs until the block ends.
 
-    `fresh` first removes what earlier runs left in it. Raises InputError with one sentence when the directory cannot
-    be written, when another run is at work in it, or when it holds the results of another configuration.
+    `fresh` first removes what earlier runs left in it. Raises InputError with one sentence, in the words of the caller,
+    when the directory cannot be written, when another run is at work in it, or when it holds the results of another
+    configuration.
     """
-    folder = open_folder(directory).directory
-    with locked(folder):
+    folder = open_folder(directory, words).directory
+    with locked(folder, words):
         own = [folder, *(folder / name for name in _FOLDERS)]  # others below may belong to other runs
         remove_parts(own)  # a worker of a killed run may still be ending
         if fresh:
             clear(folder)
-        check_owner(folder, config, "give another --out, or --fresh to replace them")
+        check_owner(folder, config, f"give another {words.out}, or {words.fresh} to replace them", words)
         keys = (result_key(config.hash, sources) for sources in (STATE_SOURCES, NUMBER_SOURCES))
         store = Store(folder, *keys)
         store.save_json(_IDENTITY, {"config_hash": config.hash, "config": config.record()})
@@ -102,21 +105,23 @@ def open_store(directory: Path | str, config: Configuration, *, fresh: bool = Fa
 
 
 @contextmanager
-def locked(folder: Path) -> Iterator[None]:
+def locked(folder: Path, words: FolderWords = ON_COMMAND_LINE) -> Iterator[None]:
     """Keep other runs out of a folder until the block ends. Raises InputError where one is at work in it."""
     handle = os.open(folder, os.O_RDONLY)
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         os.close(handle)
-        raise InputError(f"--out {folder}: another run is at work in it; wait for it or give another --out") from None
+        raise InputError(
+            f"{words.given(folder)}: another run is at work in it; wait for it or give another {words.out}"
+        ) from None
     try:
         yield
     finally:
         os.close(handle)
 
 
-def check_owner(folder: Path, config: Configuration, remedy: str) -> None:
+def check_owner(folder: Path, config: Configuration, remedy: str, words: FolderWords = ON_COMMAND_LINE) -> None:
     """Raise InputError, with the remedy, for a folder that holds the results of another configuration."""
     try:
         owner = json.loads((folder / _IDENTITY).read_text(encoding="utf-8"))
@@ -125,7 +130,7 @@ def check_owner(folder: Path, config: Configuration, remedy: str) -> None:
     except (OSError, ValueError):
         owner = {}
     if owner.get("config_hash") != config.hash:
-        raise InputError(f"--out {folder}: holds the results of another configuration; {remedy}")
+        raise InputError(f"{words.given(folder)}: holds the results of another configuration; {remedy}")
 
 
 def clear(folder: Path) -> None:

@@ -152,5 +152,5 @@ def _hypercube(document: Document, cube: _Hypercube) -> Axis:
 
 def document_of(sweep: Sweep, setting: Setting) -> Document:
     """The base configuration with the values of one point put in. Raises InputError where a key cannot be put in."""
-    texts = [f"{key}={dumps(value)}" for key, value in {**sweep.common, **setting}.items()]
-    return sweep.base_document.with_overrides(texts, f"{sweep.source}:")
+    values = [(key, dumps(value)) for key, value in {**sweep.common, **setting}.items()]
+    return sweep.base_document.with_values(values, lambda key: f"{sweep.source}: {key}")

@@ -1,0 +1,63 @@
+"""Arguments of the Python interface whose type is wrong, refused in one sentence."""
+
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pipeline.errors import InputError, quoted
+
+_SETTING = 'a text such as "6 mm", a plain number, true or false, or a list of these'
+
+
+def given_path(value: Any, name: str, example: str) -> Path:
+    """A path that is given as a text or as a `Path`. Raises InputError, naming the argument, for anything else."""
+    try:
+        text = os.fspath(value)
+    except TypeError:
+        text = None
+    if not isinstance(text, str) or not text or "\0" in text:
+        raise InputError(f'{name}: {quoted(value)} is no path; give a text or a Path, for example "{example}"')
+    return Path(text)
+
+
+def given_choice(value: Any, name: str) -> bool:
+    """True or False. Raises InputError, naming the argument, for anything else."""
+    plain = _plain(value)
+    if not isinstance(plain, bool):
+        raise InputError(f"{name}: {quoted(value)} is not allowed; give True or False")
+    return plain
+
+
+def given_settings(given: Any) -> list[tuple[str, Any]]:
+    """The keys and values of `settings`, arrays as lists. Raises InputError, naming the key, for what is none."""
+    if given is None:
+        return []
+    if not isinstance(given, Mapping):
+        raise InputError('settings: give values by their keys, for example {"mesh.size": "6 mm"}')
+    for key in given:
+        if not isinstance(key, str):
+            raise InputError(f'settings: {quoted(key)} is not a key; keys are texts such as "mesh.size"')
+    return [(key, _setting(value, setting_name(key))) for key, value in given.items()]
+
+
+def setting_name(key: str) -> str:
+    """One of the settings, as messages name it: settings["mesh.size"]."""
+    return f'settings["{key}"]'
+
+
+def _setting(value: Any, name: str) -> Any:
+    plain = _plain(value)
+    if isinstance(plain, str | float | int):
+        return plain
+    if isinstance(plain, Mapping):
+        return {key: _setting(entry, name) for key, entry in plain.items()}
+    if isinstance(plain, Sequence) and not isinstance(plain, bytes | bytearray):
+        return [_setting(entry, name) for entry in plain]
+    raise InputError(f"{name}: {quoted(value)} is not allowed; give {_SETTING}")
+
+
+def _plain(value: Any) -> Any:
+    """Numbers, arrays and columns of numpy and pandas as numbers and lists of Python."""
+    to_list = getattr(value, "tolist", None)
+    return to_list() if callable(to_list) else value
