@@ -12,6 +12,7 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from rod import FiveParameters, Load, Rod, RodError
+from rod.mechanics import continuation
 from rod.mechanics.profile import cut_into_steps
 from rod.mechanics.shooting import RodArrays, sweep
 
@@ -268,3 +269,48 @@ def test_loads_without_solution_say_so(loads, sentence):
 def test_an_impossible_rod_is_refused(change, sentence):
     with pytest.raises(RodError, match=sentence):
         dataclasses.replace(Rod(1.0, 2.0, TWO_LINES), **change)
+
+
+@pytest.mark.parametrize("kappa_0", [-0.006, -0.003])
+def test_the_force_is_continuous_where_the_end_is_pushed_towards_the_clamp(kappa_0):
+    """A rod that is nearly straight buckles in its lowest mode: others, with 7 to 100 times the force, are near by."""
+    rod = Rod(112.0, kappa_0, FiveParameters(180.0, 290.0, 0.0, -0.25, 6.0))
+    shapes = [rod.solve(end=(x, 0.0)) for x in np.arange(108.0, 70.0, -1.0)]
+    forces = np.array([shape.force for shape in shapes])
+    assert (np.diff(forces, axis=0) < [0.0, 0.009]).all()
+    assert (np.diff(forces, axis=0) > [-0.02, 0.0]).all()
+    # a straight rod, clamped at one end and pinned on its line at the other: 20.2 alpha/l^2 (Timoshenko and Gere, 2.1);
+    # its next mode has 60 alpha/l^2
+    assert (np.abs(forces[:, 0]) * 112.0**2 / 290.0 < 25.0).all()
+    assert all(np.count_nonzero(np.diff(np.sign(shape.theta))) <= 2 for shape in shapes)
+
+
+def test_ends_drawn_at_random_against_small_steps(monkeypatch):
+    rng = np.random.default_rng(11)
+    cases = []
+    for _ in range(60):
+        law = FiveParameters(*rng.uniform(100.0, 500.0, 2), *rng.uniform(-0.5, 0.5, 2), rng.uniform(5.0, 30.0))
+        rod = Rod(112.0, rng.uniform(-4.0, 4.0) / 112.0, law)
+        angle, reach = rng.uniform(-2.5, 2.5), 112.0 * rng.uniform(0.2, 0.995)
+        where = {"end": (reach * math.cos(angle), reach * math.sin(angle))}
+        cases.append((rod, where if rng.random() < 0.6 else {"end_x": float(rng.uniform(-0.2, 0.995) * 112.0)}))
+
+    def forces():
+        values = []
+        for rod, where in cases:
+            try:
+                values.append(rod.solve(**where).force)
+            except RodError:
+                values.append(np.full(2, np.nan))
+        return np.array(values)
+
+    usual = forces()
+    monkeypatch.setattr(continuation, "SMOOTH", 0.1)
+    monkeypatch.setattr(continuation, "MAX_ROTATION_STEP", 0.05)
+    np.testing.assert_allclose(usual, forces(), rtol=1e-6, atol=1e-9)
+    assert np.isfinite(usual).all(axis=1).mean() > 0.8
+
+
+def test_a_force_that_is_too_large_is_refused_soon():
+    with pytest.raises(RodError, match=r"The end force has grown to .* alpha/l"):
+        ARM.solve(force=(-3000.0 * 400.0 / 112.0**2, 1.0))

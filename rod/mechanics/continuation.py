@@ -3,6 +3,10 @@
 Everything is dimensionless as in `shooting`. Large loads have several equilibria; the solution is the one on the path
 from the unloaded rod. A path that folds or branches is reported, not stepped over: the matrix of Newton's method keeps
 the sign of its determinant as long as neither happens.
+
+Newton's method may also converge to an equilibrium far from the path: with prescribed ends to modes of buckling with
+many waves, whose angles are close to the last ones. But a path is smooth. Its states follow the straight line through
+the two states before ever more closely the smaller the step is, and those of another equilibrium do not.
 """
 
 import math
@@ -18,8 +22,15 @@ from rod.mechanics.shooting import RodArrays, converge, sweep
 
 #: rad, largest change of a tangent angle in one load step; keeps Newton's method on its branch
 MAX_ROTATION_STEP = 1.0
+#: first load step, which gives the direction of the path: the response is linear in it, also that of a rod that is
+#: nearly straight and compressed
+FIRST_STEP = 1e-6
+#: largest distance of a state from the line through the two before, over its distance from the last one
+SMOOTH = 0.5
+#: changes of the angle (rad) and the moment that are small on any path, however far from that line
+SMALL = np.array([1e-3, 1e-2])
 #: smallest load step over the full load
-MIN_LOAD_STEP = 1e-5
+MIN_LOAD_STEP = 1e-7
 #: alpha/l^2, limit of shooting from one end: errors grow along the rod like exp(l sqrt(F/alpha))
 MAX_FORCE = 200.0
 
@@ -92,22 +103,44 @@ def continue_to_full_load(problem: Problem) -> tuple[LoadPoint, int]:
     previous = current = problem.start
     if problem.idle:
         return current, 0
-    step, count, sign = 1.0, 0, math.copysign(1.0, current.determinant)
+    previous, current, step, count = current, _first(problem, current), 1.0, 1
+    sign = math.copysign(1.0, current.determinant)
     while current.factor < 1.0:
         factor = min(1.0, current.factor + step)
-        tangent = np.zeros(3)
-        if current.factor > 0.0:
-            tangent = (current.unknowns - previous.unknowns) / (current.factor - previous.factor)
+        tangent = (current.unknowns - previous.unknowns) / (current.factor - previous.factor)
         trial = _at(problem, factor, current.unknowns + (factor - current.factor) * tangent)
-        near = trial is not None and np.max(np.abs(trial.states[:, 0] - current.states[:, 0])) < MAX_ROTATION_STEP
+        near = trial is not None and _is_near(previous, current, trial)
         if trial is None or not near or trial.determinant * sign < 0.0:
             step = 0.4 * (factor - current.factor)
             if step < MIN_LOAD_STEP:
-                raise RodError(_end_of_path(problem, current, trial is not None and bool(near)))
+                raise RodError(_end_of_path(problem, current, near))
             continue
         previous, current = current, trial
         step, count = 2.0 * (factor - previous.factor), count + 1
     return current, count
+
+
+def _first(problem: Problem, start: LoadPoint) -> LoadPoint:
+    """The point after the first step. Raises `RodError` where there is none: an end that is put nearer to the clamp
+    buckles a straight rod at once, to either side."""
+    point = _at(problem, FIRST_STEP, start.unknowns)
+    if point is None or not _has_small_turn(start, point) or point.determinant * start.determinant < 0.0:
+        raise RodError(buckles_at(0.0))
+    return point
+
+
+def _is_near(previous: LoadPoint, current: LoadPoint, trial: LoadPoint) -> bool:
+    """Whether a point may follow two others on the path."""
+    if not _has_small_turn(current, trial):
+        return False
+    part = (trial.factor - current.factor) / (current.factor - previous.factor)
+    change, before = ((b.states - a.states)[:, :2] for a, b in ((current, trial), (previous, current)))
+    off, size = np.abs(change - part * before).max(axis=0), np.abs(change).max(axis=0)
+    return bool((off <= np.maximum(SMOOTH * size, SMALL)).all())
+
+
+def _has_small_turn(current: LoadPoint, trial: LoadPoint) -> bool:
+    return bool(np.max(np.abs(trial.states[:, 0] - current.states[:, 0])) < MAX_ROTATION_STEP)
 
 
 def _at(problem: Problem, factor: float, guess: Array) -> LoadPoint | None:
@@ -122,10 +155,15 @@ def _at(problem: Problem, factor: float, guess: Array) -> LoadPoint | None:
     return LoadPoint(factor, unknowns, states, determinant) if converged else None
 
 
+def too_large(force: float) -> str:
+    """The sentence on a force (alpha/l^2) that this solver does not follow."""
+    return f"The end force has grown to {force:.0f} alpha/l^2; this solver follows the rod to about {MAX_FORCE:.0f}."
+
+
 def _end_of_path(problem: Problem, point: LoadPoint, split: bool) -> str:
     size = float(np.hypot(*point.unknowns[1:]) / problem.alpha.min())
     if size > MAX_FORCE:
-        return f"The end force has grown to {size:.0f} alpha/l^2; this solver follows the rod to about {MAX_FORCE:.0f}."
+        return too_large(size)
     if split:
         return buckles_at(point.factor)
     reached = f"{100 * point.factor:.3g} % of the load"

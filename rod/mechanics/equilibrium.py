@@ -27,11 +27,14 @@ from rod.curves.extension import Extension
 from rod.errors import RodError
 from rod.law import FiveParameters, TwoSlopes
 from rod.load import Load, held_at, pair
-from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load
+from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load, too_large
 from rod.mechanics.own_weight import moment_of_weight
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.mechanics.shooting import ABSCISSAE
 from rod.solution import RodSolution
+
+#: how much finer than the usual the steps may become: at nearly twice the force that this solver follows to all ends
+FINEST = 60.0
 
 Order = Literal["as tested", "together", "pressure first"]
 
@@ -169,6 +172,8 @@ class Rod:
         """The solution, on finer steps where the end force turns out to be large."""
         solution = self._solved(self.steps, case)
         refinement = _refinement(self, solution, case.load)
+        if refinement > FINEST:
+            raise RodError(too_large(_growth(self, solution, case.load) ** 2))
         if refinement > 1.0:
             assert self.kappa_0 is not None  # `steps` has refused it
             solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.lines, refinement), case)
@@ -215,10 +220,15 @@ def _grow_together(order: Order, end_x: float | None, end_y: float | None, *, lo
 
 def _refinement(rod: Rod, solution: RodSolution, load: Load) -> float:
     """How much finer than the usual the steps must be: at large forces errors grow like exp(s sqrt(F/alpha))."""
+    growth = _growth(rod, solution, load)
+    return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
+
+
+def _growth(rod: Rod, solution: RodSolution, load: Load) -> float:
+    """l sqrt(F/alpha), by whose exponential function errors grow along the rod."""
     softest = min(abs(rod.lines.alpha1), abs(rod.lines.alpha2))
     force = np.hypot(*solution.force) + rod.length * (math.hypot(*load.weight) + math.hypot(*rod.weight))
-    growth = rod.length * math.sqrt(force / softest)
-    return max(1.0, growth / 4.0 * math.exp((growth - 4.0) / 6.0))
+    return rod.length * math.sqrt(force / softest)
 
 
 def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
