@@ -9,9 +9,12 @@ from pipeline.store.state_key import NUMBER_SOURCES, result_key
 ROOMS = Path(__file__).resolve().parent.parent
 
 
-def key_of(words: str, *benchmarks: str) -> str:
-    """sha256 of what was measured, of the program, of the packages it uses, and of these files of this folder."""
-    return result_key(words, (*NUMBER_SOURCES, *(f"benchmarks/{name}" for name in benchmarks)))
+def key_of(words: str, *files: str) -> str:
+    """sha256 of what was measured, of the program, of the packages it uses, and of other files that decide the result.
+
+    files: relative to the folder of the rooms.
+    """
+    return result_key(words, (*NUMBER_SOURCES, *files))
 
 
 def commit_of_sources(rooms: Path = ROOMS) -> str:
