@@ -6,7 +6,6 @@ Renews the tables of docs/cell.md between their marks; finished solutions of who
 program changes. About ten minutes with two threads.
 """
 
-import argparse
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,6 +22,7 @@ HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
 import fem  # noqa: E402
+from benchmarks.arguments import parser_of  # noqa: E402
 from benchmarks.sources import key_of, written_with  # noqa: E402
 from fem.cell.piece import BendingPiece  # noqa: E402
 from fem.cell.response import slopes  # noqa: E402
@@ -395,7 +395,7 @@ def renew(name: str, text: str) -> None:
 
 def main() -> None:
     """All tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("results", type=Path)
     results, cells = Results(parser.parse_args().results), []
     for arm in ARMS:

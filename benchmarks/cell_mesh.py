@@ -6,7 +6,6 @@ Renews the tables of docs/cell.md under "Mesh convergence of the law"; finished 
 program changes. A quarter of an hour on an idle core.
 """
 
-import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -19,6 +18,7 @@ HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
 import fem  # noqa: E402
+from benchmarks.arguments import parser_of  # noqa: E402
 from benchmarks.cell import ARMS, RUBBER, Arm, renew, report, table_of  # noqa: E402
 from benchmarks.sources import key_of  # noqa: E402
 from fem.cell.piece import BendingPiece, PieceFailed  # noqa: E402
@@ -149,7 +149,7 @@ def table(series: Series, folder: Path) -> str:
 
 def main() -> None:
     """All tables."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("results", type=Path)
     folder = parser.parse_args().results
     for series in SERIES:

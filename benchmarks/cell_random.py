@@ -12,7 +12,6 @@ the table is that of all designs, so --publish goes with neither. A design that 
 of its own. One to three minutes a design on one core.
 """
 
-import argparse
 import json
 import math
 import multiprocessing
@@ -30,6 +29,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import count, parser_of  # noqa: E402
 from benchmarks.cell import (  # noqa: E402
     Arm,
     Case,
@@ -325,10 +325,10 @@ def page(seed: int, rows: Sequence[Row]) -> str:
 
 def main() -> None:
     """One design, or all with the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("results", type=Path)
     parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--count", type=int, default=COUNT)
+    parser.add_argument("--count", type=count, default=COUNT)
     parser.add_argument("--limit", type=float, default=LIMIT, help="s per design")
     parser.add_argument("--first", type=int, default=0, help="number of the first design")
     kind = parser.add_mutually_exclusive_group()

@@ -7,7 +7,6 @@ everything else chosen by the program; finished runs in RESULTS are kept until t
 only these are run, and the table is not written. About five minutes with one thread.
 """
 
-import argparse
 import sys
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -18,6 +17,7 @@ from time import process_time
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import parser_of  # noqa: E402
 from benchmarks.sources import key_of, written_with  # noqa: E402
 from pipeline.config.load import load_config  # noqa: E402
 from pipeline.errors import InputError  # noqa: E402
@@ -113,7 +113,7 @@ def _key(tried: Tried) -> str:
 
 def main() -> None:
     """Run what is missing and write the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("results", type=Path)
     parser.add_argument("names", nargs="*", metavar="FILE", help="run these bodies alone, and write no table")
     given = parser.parse_args()

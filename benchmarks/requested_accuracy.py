@@ -8,7 +8,6 @@ marks; finished runs and meshes in RESULTS are kept until the program changes. T
 thread.
 """
 
-import argparse
 import re
 import sys
 import tempfile
@@ -23,6 +22,7 @@ from typing import Any
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import parser_of  # noqa: E402
 from benchmarks.sources import key_of, written_with  # noqa: E402
 from pipeline.accuracy.ladder import Rung, mesh_series  # noqa: E402
 from pipeline.accuracy.measure import measure, numbers_of  # noqa: E402
@@ -216,7 +216,7 @@ def _key(config: Config) -> str:
 
 def main() -> None:
     """Run what is missing and write the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("results", type=Path)
     results = parser.parse_args().results
     lines = [f"| {' | '.join(TITLES)} |", "|---|---:|---:|---:|---:|---|---|---|---:|---:|"]
