@@ -9,6 +9,7 @@ import pytest
 
 WRONG = {
     "accuracy": ([], ["{tmp}/nowhere"]),
+    "bodies": (["a", "b"],),
     "cell": ([],),
     "cell_cost": (["x"], ["0"]),
     "cell_mesh": ([],),
