@@ -16,6 +16,7 @@ HERE = Path(__file__).resolve().parent.parent
 # the rooms stand beside this folder
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import parser_of  # noqa: E402
 from pipeline.accuracy.record import ConvergenceStudy  # noqa: E402
 from pipeline.accuracy.table import COLUMNS, cells, order_sentences, reference_sentences  # noqa: E402
 from pipeline.store.formats import with_present_keys  # noqa: E402
@@ -58,8 +59,13 @@ def markdown(study: ConvergenceStudy) -> str:
     return "\n".join(lines) + "\n"
 
 
-def main(results: Path) -> None:
+def main() -> None:
     """Write the docs anew."""
+    parser = parser_of(__doc__)
+    parser.add_argument("results", type=Path)
+    results = parser.parse_args().results
+    if not any(results.glob("*_accuracy/accuracy.json")):
+        parser.error(f"{results}: has no folder *_accuracy with an accuracy.json; make accuracy makes them")
     DOCS.write_text(with_tables(DOCS.read_text(encoding="utf-8"), results), encoding="utf-8")
     for picture in sorted(results.glob("*_accuracy/accuracy.svg")):
         name = picture.parent.name.removesuffix("_accuracy")
@@ -67,4 +73,4 @@ def main(results: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

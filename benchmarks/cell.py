@@ -2,11 +2,10 @@
 
     python benchmarks/cell.py RESULTS
 
-Renews the tables of docs/cell.md between their marks; finished solutions of whole arms in RESULTS are kept. About ten
-minutes with two threads.
+Renews the tables of docs/cell.md between their marks; finished solutions of whole arms in RESULTS are kept until the
+program changes. About ten minutes with two threads.
 """
 
-import json
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -23,6 +22,8 @@ HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
 import fem  # noqa: E402
+from benchmarks.arguments import parser_of  # noqa: E402
+from benchmarks.sources import key_of, written_with  # noqa: E402
 from fem.cell.piece import BendingPiece  # noqa: E402
 from fem.cell.response import slopes  # noqa: E402
 from fem.materials.material import Material  # noqa: E402
@@ -32,6 +33,7 @@ from geometry.design import Design  # noqa: E402
 from pipeline.cell.measure import cell_without_moment, sweep_cell  # noqa: E402
 from pipeline.cell.measure_ends import clamp_curve, tip_curve  # noqa: E402
 from pipeline.cell.reach import Reach  # noqa: E402
+from pipeline.study import JsonFiles, Study  # noqa: E402
 from rod import RodError, RodSolution  # noqa: E402
 from rod.arm_law.law import ArmLaw, LawRod  # noqa: E402
 
@@ -57,6 +59,11 @@ class Arm:
     between: float | None  #: kPa, at which the whole arm alone is solved
     dhat: float | None = None  #: activation distance of contact, mm
     material: Material = RUBBER
+
+    @property
+    def all_pressures(self) -> list[float]:
+        """Ascending, at which the whole arm is solved, kPa."""
+        return sorted({*self.pressures, *([] if self.between is None else [self.between])})
 
 
 @dataclass(frozen=True)
@@ -160,26 +167,33 @@ def plane_rotations(arm: Arm, step: fem.Step) -> Iterator[tuple[float, float]]:
         yield s, float(np.arctan2(-height @ x, height @ y))
 
 
+@dataclass(frozen=True)
 class Results:
-    """Solutions of whole arms, kept in a folder."""
+    """Solutions of whole arms, kept in a folder until arm, load or program change."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        folder.mkdir(parents=True, exist_ok=True)
+    folder: Path
 
     def whole(self, arm: Arm, case: Case) -> dict[float, WholeArm]:
-        """At the pressures of the law, and between."""
-        pressures = sorted({*arm.pressures, *([] if arm.between is None else [arm.between])})
-        words = case.name.replace("+", "plus ").replace("-", "minus ")
-        name = re.sub(r"\W+", "_", f"{arm.name} {arm.design.length:g} {arm.size:g} {words} {pressures}")
-        file = self.folder / f"{name}.json"
-        if not file.is_file():
-            solved, cost = solve_whole(arm, case, pressures)
-            report(f"{arm.name}, {case.name}: {len(solved)} pressures, {cost.seconds:.1f} s")
-            rows = {str(p): {key: _plain(value) for key, value in vars(state).items()} for p, state in solved.items()}
-            file.write_text(json.dumps(rows), encoding="utf-8")
-        rows = json.loads(file.read_text(encoding="utf-8"))
-        return {float(p): WholeArm.of(row) for p, row in rows.items()}
+        """At the pressures of the law, and between; without those beyond the end of the path."""
+        files: JsonFiles[tuple[Arm, Case], dict[float, WholeArm]] = JsonFiles(
+            lambda load: self.folder / f"{_name(*load)}.json",
+            lambda load: key_of(str(load), "benchmarks/cell.py"),
+            lambda states: {str(p): {key: _plain(value) for key, value in vars(s).items()} for p, s in states.items()},
+            lambda rows: {float(p): WholeArm.of(row) for p, row in rows.items()},
+        )
+        return next(Study([(arm, case)], _solved, files).run())[1]
+
+
+def _solved(load: tuple[Arm, Case]) -> dict[float, WholeArm]:
+    arm, case = load
+    states, cost = solve_whole(arm, case, arm.all_pressures)
+    report(f"{arm.name}, {case.name}: {len(states)} pressures, {cost.seconds:.1f} s")
+    return states
+
+
+def _name(arm: Arm, case: Case) -> str:
+    words = case.name.replace("+", "plus ").replace("-", "minus ")
+    return re.sub(r"\W+", "_", f"{arm.name} {arm.design.length:g} {arm.size:g} {words} {arm.all_pressures}")
 
 
 def report(sentence: str) -> None:
@@ -371,16 +385,19 @@ def compare_lengths(arm: Arm, pieces: Pieces, results: Results) -> str:
 
 
 def renew(name: str, text: str) -> None:
-    """Put a table between its marks in the docs."""
+    """Put a table between its marks in the docs, with the version of the program below it."""
     begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"
     docs = DOCS.read_text(encoding="utf-8")
     before, rest = docs.split(begin)
+    text = f"{text.rstrip()}\n\n{written_with()}\n"
     DOCS.write_text(f"{before}{begin}\n\n{text}\n{end}{rest.split(end)[1]}", encoding="utf-8")
 
 
-def main(folder: Path) -> None:
+def main() -> None:
     """All tables."""
-    results, cells = Results(folder), []
+    parser = parser_of(__doc__)
+    parser.add_argument("results", type=Path)
+    results, cells = Results(parser.parse_args().results), []
     for arm in ARMS:
         pieces = Pieces(arm)
         table, rows = compare_arm(arm, pieces, results)
@@ -392,4 +409,4 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

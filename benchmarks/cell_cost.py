@@ -19,6 +19,7 @@ HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
 import fem.equations.pardiso  # noqa: E402
+from benchmarks.arguments import count, parser_of  # noqa: E402
 from benchmarks.cell import ARMS, Arm, Case, Cost, Pieces, renew, report, solve_whole, table_of  # noqa: E402
 from fem.cell.piece import BendingPiece  # noqa: E402
 from pipeline.cell.measure_ends import clamp_curve, tip_curve  # noqa: E402
@@ -53,8 +54,11 @@ def _cost(begin: float, pieces: Sequence[BendingPiece]) -> Cost:
     )
 
 
-def main(rounds: int) -> None:
+def main() -> None:
     """Renew the table after every round."""
+    parser = parser_of(__doc__)
+    parser.add_argument("rounds", nargs="?", type=count, default=3)
+    rounds = parser.parse_args().rounds
     arm = ARMS[0]
     pardiso: Any = fem.equations.pardiso
     pardiso.perf_counter = process_time  # what other programs take does not count
@@ -100,4 +104,4 @@ def row_of(name: str, measured: Sequence[tuple[Cost, Cost, Cost]], numbers: Sequ
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 3)
+    main()

@@ -2,11 +2,10 @@
 
     OMP_NUM_THREADS=1 python benchmarks/cell_mesh.py RESULTS
 
-Renews the tables of docs/cell.md under "Mesh convergence of the law"; finished meshes in RESULTS are kept. A quarter
-of an hour on an idle core.
+Renews the tables of docs/cell.md under "Mesh convergence of the law"; finished meshes in RESULTS are kept until the
+program changes. A quarter of an hour on an idle core.
 """
 
-import json
 import sys
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
@@ -19,11 +18,14 @@ HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
 import fem  # noqa: E402
+from benchmarks.arguments import parser_of  # noqa: E402
 from benchmarks.cell import ARMS, RUBBER, Arm, renew, report, table_of  # noqa: E402
+from benchmarks.sources import key_of  # noqa: E402
 from fem.cell.piece import BendingPiece, PieceFailed  # noqa: E402
 from geometry import GRADINGS, PneuNet  # noqa: E402
 from pipeline.cell.measure import cell_without_moment  # noqa: E402
 from pipeline.identification.richardson import extrapolated  # noqa: E402
+from pipeline.study import JsonFiles, Study  # noqa: E402
 
 
 @dataclass(frozen=True)
@@ -78,27 +80,34 @@ SERIES = (
 
 
 def measured(series: Series, size: float, folder: Path) -> OnMesh | str:
-    """One mesh, or why it has no such state; kept in the folder."""
-    file = folder / f"{series.name.replace(' ', '_')}_{size:g}mm.json"
-    if not file.is_file():
-        begin = process_time()
-        body = series.arm.design.half_cell(size, GRADINGS[series.grading])
-        piece = BendingPiece(body, series.arm.material, "mirror", series.formulation, dhat=series.arm.dhat)
-        try:
-            middle, steps = cell_without_moment(piece, 0.0), ceil(series.pressure / STEP)
-            for step in range(steps):
-                pressure = series.pressure / 1000.0 * (step + 1) / steps
-                middle = cell_without_moment(piece, pressure, middle.state)
-            straight = piece.solve(middle.state.pressure, 0.0, middle.state)
-            seconds = process_time() - begin
-            mesh = OnMesh(piece.system.size, middle.state.angle / body.length, straight.moment, seconds)
-            content = asdict(mesh)
-        except PieceFailed as failure:
-            content = {"failure": str(failure)}
-        report(f"{series.name}, {size:g} mm: {content}")
-        file.write_text(json.dumps(content), encoding="utf-8")
-    content = json.loads(file.read_text(encoding="utf-8"))
-    return str(content["failure"]) if "failure" in content else OnMesh(**content)
+    """One mesh, or why it has no such state; kept in the folder until series or program change."""
+    files: JsonFiles[tuple[Series, float], OnMesh | str] = JsonFiles(
+        lambda _: folder / f"{series.name.replace(' ', '_')}_{size:g}mm.json",
+        lambda case: key_of(str(case), "benchmarks/cell_mesh.py", "benchmarks/cell.py"),
+        lambda mesh: {"failure": mesh} if isinstance(mesh, str) else asdict(mesh),
+        lambda content: str(content["failure"]) if "failure" in content else OnMesh(**content),
+    )
+    return next(Study([(series, size)], _solved, files).run())[1]
+
+
+def _solved(case: tuple[Series, float]) -> OnMesh | str:
+    series, size = case
+    begin = process_time()
+    body = series.arm.design.half_cell(size, GRADINGS[series.grading])
+    piece = BendingPiece(body, series.arm.material, "mirror", series.formulation, dhat=series.arm.dhat)
+    mesh: OnMesh | str
+    try:
+        middle, steps = cell_without_moment(piece, 0.0), ceil(series.pressure / STEP)
+        for step in range(steps):
+            pressure = series.pressure / 1000.0 * (step + 1) / steps
+            middle = cell_without_moment(piece, pressure, middle.state)
+        straight = piece.solve(middle.state.pressure, 0.0, middle.state)
+        seconds = process_time() - begin
+        mesh = OnMesh(piece.system.size, middle.state.angle / body.length, straight.moment, seconds)
+    except PieceFailed as failure:
+        mesh = str(failure)
+    report(f"{series.name}, {size:g} mm: {mesh}")
+    return mesh
 
 
 def limit_of(series: Series, folder: Path) -> tuple[list[float], list[float]]:
@@ -138,12 +147,14 @@ def table(series: Series, folder: Path) -> str:
     return table_of(lines, ["mesh", "unknowns", *(c for q in quantities for c in (q, "%")), "seconds"])
 
 
-def main(folder: Path) -> None:
+def main() -> None:
     """All tables."""
-    folder.mkdir(parents=True, exist_ok=True)
+    parser = parser_of(__doc__)
+    parser.add_argument("results", type=Path)
+    folder = parser.parse_args().results
     for series in SERIES:
         renew(series.name, table(series, folder))
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

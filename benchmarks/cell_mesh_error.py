@@ -13,6 +13,7 @@ from time import process_time
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import parser_of  # noqa: E402
 from benchmarks.cell import ARMS, renew, report, table_of  # noqa: E402
 from pipeline.cell.mesh_error import COARSER, FINER, deviation, numbers_on  # noqa: E402
 from pipeline.cell.pieces import ArmPieces  # noqa: E402
@@ -48,6 +49,7 @@ def rows_of(name: str) -> list[list[str]]:
 
 def main() -> None:
     """The table."""
+    parser_of(__doc__).parse_args()
     rows = [row for arm in ARMS for row in rows_of(arm.name)]
     quantities = ("κ₀", "rigidity", "M at κ₀ / 2")
     columns = [f"{name}: {kind}" for name in quantities for kind in ("error", "stated", "from 1.5 times the size")]

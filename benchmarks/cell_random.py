@@ -1,22 +1,24 @@
 """The arm's own law on designs drawn at random, against finite elements of the whole arm.
 
-    python benchmarks/cell_random.py RESULTS --seed SEED [--count 24] [--first 0] [--limit 600] [--whole | --publish]
+    python benchmarks/cell_random.py RESULTS --seed SEED [--count 24] [--limit 600] [--publish]
+    python benchmarks/cell_random.py RESULTS --seed SEED [--count 24] [--limit 600] [--first 0] [--whole]
 
 Draws designs of all families and laws, measures the law of each as `pneurod cell` does, and solves the whole arm at the
 two pressures of the configuration and at one between. With --publish the table of docs/cell.md is renewed after every
 design: that is for a seed that was not used to improve the program. Each design has a folder in RESULTS with its
-configuration, its whole arms and its row; what is finished is kept, so that the same command continues an interrupted
-one. A row is made again when the sources of the law have changed. With --whole only the whole arms are solved. A design
-that takes longer than the limit (s) is a row of its own. One to three minutes a design on one core.
+configuration, its whole arms and its row; what is finished is kept until the program changes, so that the same command
+continues an interrupted one. With --whole only the whole arms are solved, with --first the designs from that number on;
+the table is that of all designs, so --publish goes with neither. A design that takes longer than the limit (s) is a row
+of its own. One to three minutes a design on one core.
 """
 
-import argparse
 import json
 import math
 import multiprocessing
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -27,6 +29,7 @@ import numpy as np
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import count, parser_of  # noqa: E402
 from benchmarks.cell import (  # noqa: E402
     Arm,
     Case,
@@ -40,6 +43,7 @@ from benchmarks.cell import (  # noqa: E402
     rigidity_at_rest,
     table_of,
 )
+from benchmarks.sources import key_of  # noqa: E402
 from fem.materials import LAWS, Material  # noqa: E402
 from pipeline.cell.build import build_law  # noqa: E402
 from pipeline.cell.pieces import ArmPieces, NoArmLaw  # noqa: E402
@@ -50,11 +54,14 @@ from pipeline.errors import InputError, RunFailed  # noqa: E402
 from pipeline.progress import Silent  # noqa: E402
 from pipeline.simulation.scene import Scene  # noqa: E402
 from pipeline.store.store import open_store  # noqa: E402
+from pipeline.study import JsonFiles, Study  # noqa: E402
 
 COUNT, LIMIT = 24, 600.0
 #: what counts as right: shape over the length, error of the force over the force, or over that which moves the end of a
 #: straight arm by a tenth of its length where this is larger
 SHAPE, FORCE = 0.01, 0.03
+#: why there is nothing to compare
+NOT_SOLVED = "the path of the whole arm ends before this pressure"
 #: MPa, of all laws at small strain
 MODULUS = 1.2
 #: over the highest pressure: the lower one of the configuration, and that between
@@ -117,7 +124,6 @@ def _dimensions(rng: np.random.Generator, family: int) -> tuple[dict[str, Any], 
 class Row:
     """What came out of a design."""
 
-    key: str  #: of configuration and sources
     words: str
     seconds: dict[str, float]  #: by part of the work
     turn: float  #: degrees, of the unloaded arm at the highest pressure
@@ -134,18 +140,23 @@ class Row:
     @property
     def is_right(self) -> bool:
         """In all loads, with small forces judged by the scale."""
-        return not self.refusal and all(map(_right, self.scaled))
+        return self._are_right(self.scaled)
 
     @property
     def is_right_by_force(self) -> bool:
         """In all loads, with every force judged by itself, however small."""
-        return not self.refusal and all(map(_right, self.comparisons))
+        return self._are_right(self.comparisons)
+
+    def _are_right(self, comparisons: Sequence[Comparison]) -> bool:
+        """Whether something was compared, and all of it is right."""
+        return not self.refusal and bool(comparisons) and all(map(_right, comparisons))
 
     @property
     def reasons(self) -> list[str]:
-        """Why rod or law were refused."""
-        refused = {row.refusal: row for row in self.comparisons if row.refusal}
-        sentences = [f"{row.case} at {row.pressure:g} kPa: {sentence}" for sentence, row in refused.items()]
+        """Why rod or law were refused, and what was not solved."""
+        refused = {row.refusal: row for row in self.comparisons if row.refusal and row.refusal != NOT_SOLVED}
+        rows = [*refused.values(), *(row for row in self.comparisons if row.refusal == NOT_SOLVED)]
+        sentences = [f"{row.case} at {row.pressure:g} kPa: {row.refusal}" for row in rows]
         return [self.refusal, *sentences] if self.refusal else sentences
 
     @classmethod
@@ -161,20 +172,23 @@ def _right(row: Comparison) -> bool:
 
 def solved(folder: Path, config: Config) -> Row:
     """The row of a design, solved unless the same sources have done so before."""
-    file = folder / "row.json"
+    files: JsonFiles[Config, Row] = JsonFiles(
+        lambda _: folder / "row.json",
+        lambda config: key_of(config.hash, "benchmarks/cell_random.py", "benchmarks/cell.py"),
+        asdict,
+        Row.of,
+    )
+    return next(Study([config], partial(_of_design, folder), files).run())[1]
+
+
+def _of_design(folder: Path, config: Config) -> Row:
     with open_store(folder / "law", config) as store:
-        if file.is_file():
-            kept = json.loads(file.read_text(encoding="utf-8"))
-            if kept["key"] == store.numbers_key:
-                return Row.of(kept)
-        row = _compared(folder, config, RunContext.alone(store, Silent()))
-    file.write_text(json.dumps(asdict(row)), encoding="utf-8")
-    return row
+        return _compared(folder, config, RunContext.alone(store, Silent()))
 
 
 def _compared(folder: Path, config: Config, context: RunContext) -> Row:
     """The law of a design beside its whole arm."""
-    empty = Row(context.store.numbers_key, _words(config), {}, math.nan, ())
+    empty = Row(_words(config), {}, math.nan, ())
     begin = perf_counter()
     try:
         scene = Scene.meshed(config)
@@ -188,15 +202,18 @@ def _compared(folder: Path, config: Config, context: RunContext) -> Row:
     begin = perf_counter()
     rigidity = rigidity_at_rest(ArmPieces.of(scene).cell)
     for case, pressure, whole in whole_arm(folder, scene):
-        rows.append(compare(law, design, case, pressure, whole, rigidity))
+        if whole is None:
+            rows.append(Comparison(pressure, case.name, math.nan, None, math.nan, refusal=NOT_SOLVED))
+        else:
+            rows.append(compare(law, design, case, pressure, whole, rigidity))
         report(f"{config.name}: {rows[-1]}")
     seconds["whole"] = perf_counter() - begin
     turn = math.degrees(law.at(config.pressures_kPa[-1]).section.kappa_0 * design.length)
     return replace(empty, seconds=seconds, turn=turn, comparisons=tuple(rows))
 
 
-def whole_arm(folder: Path, scene: Scene) -> Iterator[tuple[Case, float, WholeArm]]:
-    """All loads at all pressures, by finite elements; kept in the folder."""
+def whole_arm(folder: Path, scene: Scene) -> Iterator[tuple[Case, float, WholeArm | None]]:
+    """All loads at all pressures, by finite elements, None where they have no equilibrium; kept in the folder."""
     config, design = scene.config, scene.config.design
     between = round(BETWEEN * config.pressures_kPa[-1], 2)
     size, dhat, material = config.mesh.element_size_mm, scene.activation_distance, scene.material
@@ -214,8 +231,9 @@ def whole_arm(folder: Path, scene: Scene) -> Iterator[tuple[Case, float, WholeAr
     )
     results = Results(folder / "whole")
     for case in cases:
-        for pressure, whole in results.whole(arm, case).items():
-            yield case, pressure, whole
+        states = results.whole(arm, case)
+        for pressure in arm.all_pressures:
+            yield case, pressure, states.get(pressure)
 
 
 def _words(config: Config) -> str:
@@ -239,7 +257,7 @@ def attempt(results: Path, seed: int, number: int, whole_alone: bool) -> Row:
     begin = perf_counter()
     for _ in whole_arm(folder, Scene.meshed(config)):
         pass
-    return Row("", _words(config), {"whole": perf_counter() - begin}, math.nan, ())
+    return Row(_words(config), {"whole": perf_counter() - begin}, math.nan, ())
 
 
 def attempts(results: Path, seed: int, numbers: range, limit: float, whole_alone: bool) -> Iterator[Row]:
@@ -248,7 +266,7 @@ def attempts(results: Path, seed: int, numbers: range, limit: float, whole_alone
     for number in numbers:
         words = _words(config_of(_folder(results, seed, number), seed, number))
         pending = pool.apply_async(attempt, (results, seed, number, whole_alone))
-        empty = Row("", words, {"": limit}, math.nan, ())
+        empty = Row(words, {"": limit}, math.nan, ())
         try:
             yield pending.get(limit)
         except multiprocessing.TimeoutError:
@@ -269,7 +287,7 @@ def _largest(rows: Sequence[Comparison]) -> str:
     if not rows:
         return "-"
     if any(row.refusal for row in rows):
-        return "refused"
+        return "not solved" if all(row.refusal in ("", NOT_SOLVED) for row in rows) else "refused"
     forces = [abs(row.force) for row in rows if row.force is not None]
     return percent(max(row.shape for row in rows)) + (f", {percent(max(forces))}" if forces else "")
 
@@ -301,21 +319,24 @@ def page(seed: int, rows: Sequence[Row]) -> str:
     highest = [float(row.words.split()[-2]) for row in rows]
     entries = [_entries(k, row, round(BETWEEN * highest[k], 2)) for k, row in enumerate(rows)]
     reasons = [f"- Design {k}: {reason.rstrip('.')}." for k, row in enumerate(rows) for reason in row.reasons]
-    below = "\nRefused:\n\n" + "\n".join(reasons) + "\n" if reasons else ""
+    below = "\nRefused or not solved:\n\n" + "\n".join(reasons) + "\n" if reasons else ""
     return f"{sentence}\n\n{table_of(entries, COLUMNS)}{below}"
 
 
 def main() -> None:
     """One design, or all with the table."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = parser_of(__doc__)
     parser.add_argument("results", type=Path)
     parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--count", type=int, default=COUNT)
+    parser.add_argument("--count", type=count, default=COUNT)
     parser.add_argument("--limit", type=float, default=LIMIT, help="s per design")
     parser.add_argument("--first", type=int, default=0, help="number of the first design")
-    parser.add_argument("--whole", action="store_true", help="solve the whole arms alone")
-    parser.add_argument("--publish", action="store_true", help="renew the table in the docs")
+    kind = parser.add_mutually_exclusive_group()
+    kind.add_argument("--whole", action="store_true", help="solve the whole arms alone")
+    kind.add_argument("--publish", action="store_true", help="renew the table in the docs")
     given = parser.parse_args()
+    if given.publish and given.first:
+        parser.error("the table of --publish has all designs from number 0 on: leave --first out")
     rows: list[Row] = []
     numbers = range(given.first, given.count)
     for number, row in zip(

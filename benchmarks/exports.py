@@ -2,17 +2,19 @@
 
     python benchmarks/exports.py results/pneunet_coarse [--programs mujoco pyelastica pybullet] [--force 0 0.02]
 
-Every program gets the files of `pneurod export` and the same dead force on the end; the largest distance between its
-curve and that of the rod is printed over the length, at the identified pressures and, where the pressure is an input of
-the file, between them. PyBullet is not among the packages of the project; it reads the
+Every program gets the files of `pneurod export` and the same dead force on the end. The largest distance between its
+points and those of the rod at the same arc length is printed over the length, at the identified pressures and, where
+the pressure is an input of the file, between them. PyBullet is not among the packages of the project; it reads the
 URDF that goes with the file for SoMo, and the springs of that file are applied as torques, as SoMo does.
 """
 
-import argparse
+import importlib.util
 import json
 import runpy
 import sys
 import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
@@ -20,9 +22,12 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
+from benchmarks.arguments import parser_of
+from geometry.arrays import Array
+from pipeline.errors import InputError, RunFailed
 from pipeline.rods.export import ExportOptions, exported
 from pipeline.rods.saved import SavedRod
-from rod import EXPORTS
+from rod import EXPORTS, RodSolution
 from rod.export.arm import PARTS
 
 
@@ -100,40 +105,79 @@ def in_pybullet(files: list[Path], pressure: float, force: tuple[float, float]) 
 
 #: where a pressure between two identified ones is tried, over the interval: in the middle of a part of `rod.export.arm`
 BETWEEN = 1.5 / PARTS
-PROGRAMS = {"mujoco": ("mujoco", in_mujoco), "pyelastica": ("pyelastica", in_pyelastica)}
-PROGRAMS["pybullet"] = ("somo", in_pybullet)
+
+
+def at_hinges(count: int) -> Array:
+    """Arc lengths over the length of hinges in the middles of equal elements, and of the end (count,)."""
+    return np.array([*((np.arange(count - 1) + 0.5) / (count - 1)), 1.0])
+
+
+def at_nodes(count: int) -> Array:
+    """Arc lengths over the length of nodes between equal elements (count,)."""
+    return np.linspace(0.0, 1.0, count)
+
+
+@dataclass(frozen=True)
+class Program:
+    """Another program that reads the files of an export."""
+
+    package: str  #: that is imported
+    target: str  #: the format, of `EXPORTS`
+    solve: Callable[[list[Path], float, tuple[float, float]], Array]  #: points (n, 2) in mm at rest
+    at: Callable[[int], Array]  #: the arc lengths of n points over the length
+
+
+PROGRAMS = {
+    "mujoco": Program("mujoco", "mujoco", in_mujoco, at_hinges),
+    "pyelastica": Program("elastica", "pyelastica", in_pyelastica, at_nodes),
+    "pybullet": Program("pybullet", "somo", in_pybullet, at_hinges),
+}
+
+
+def largest_distance(points: Array, at: Array, shape: RodSolution) -> float:
+    """Largest distance of points (n, 2) in mm from those of a rod at the same arc lengths, over its length.
+
+    at: arc lengths of the points over the length (n,).
+    """
+    length = float(shape.s[-1])
+    return float(np.linalg.norm(points - shape.positions(at * length), axis=1).max()) / length
 
 
 def main() -> None:
-    options = argparse.ArgumentParser(description=__doc__)
+    """Print the table."""
+    options = parser_of(__doc__)
     options.add_argument("folder", type=Path)
     options.add_argument("--programs", nargs="+", default=["mujoco", "pyelastica"], choices=list(PROGRAMS))
     options.add_argument("--force", nargs=2, type=float, default=(0.0, 0.02))
     given = options.parse_args()
+    if lacking := [name for name in given.programs if importlib.util.find_spec(PROGRAMS[name].package) is None]:
+        options.error(f"not installed: {', '.join(lacking)}")
+    try:
+        compare(given.folder, given.programs, tuple(given.force))
+    except (InputError, RunFailed) as failure:
+        sys.exit(str(failure))
+
+
+def compare(folder: Path, programs: list[str], force: tuple[float, float]) -> None:
+    """The lines of the table. Raises InputError and RunFailed."""
     write = sys.stdout.write
-    saved = SavedRod.read(given.folder / "parameters.json", extensible=False)
+    saved = SavedRod.read(folder / "parameters.json", extensible=False)
     write("| program | pressure, kPa | largest distance over l, % | end, mm | end of the rod, mm |\n")
     write("|---|---:|---:|---|---|\n")
     with tempfile.TemporaryDirectory() as scratch:
-        for name in given.programs:
-            target, solve = PROGRAMS[name]
-            files = exported(given.folder, target, ExportOptions(out=Path(scratch)))
+        for name in programs:
+            program = PROGRAMS[name]
+            files = exported(folder, program.target, ExportOptions(out=Path(scratch)))
             known = saved.rods.pressures.tolist()
-            between = [] if EXPORTS[target].one_pressure else [a + BETWEEN * (b - a) for a, b in pairwise(known)]
+            between = (
+                [] if EXPORTS[program.target].one_pressure else [a + BETWEEN * (b - a) for a, b in pairwise(known)]
+            )
             for pressure in sorted([*known, *between]):
-                shape = saved.rods.at(pressure).solve(force=given.force)
-                ours = np.column_stack([shape.x, shape.y])
-                theirs = solve(files, pressure, tuple(given.force))
-                off = max(_distance(point, ours) for point in theirs) / saved.rods.length
-                ends = ["({:.2f}, {:.2f})".format(*points[-1]) for points in (theirs, ours)]
+                shape = saved.rods.at(pressure).solve(force=force)
+                theirs = program.solve(files, pressure, force)
+                off = largest_distance(theirs, program.at(len(theirs)), shape)
+                ends = ["({:.2f}, {:.2f})".format(*end) for end in (theirs[-1], shape.end)]
                 write(f"| {name} | {pressure:g} | {100.0 * off:.3f} | {ends[0]} | {ends[1]} |\n")
-
-
-def _distance(point: np.ndarray, curve: np.ndarray) -> float:
-    """Distance of a point (2,) from a polygon (n, 2)."""
-    along = np.diff(curve, axis=0)
-    t = np.clip(np.einsum("ij,ij->i", point - curve[:-1], along) / np.einsum("ij,ij->i", along, along), 0.0, 1.0)
-    return float(np.hypot(*(curve[:-1] + t[:, None] * along - point).T).min())
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ import numpy as np  # noqa: E402  (the number of threads comes first)
 import scipy.sparse as sp  # noqa: E402
 from scipy.sparse.linalg import LinearOperator, gmres  # noqa: E402
 
+from benchmarks.arguments import parser_of, size  # noqa: E402
 from fem import Experiment, Pressure, StVenantKirchhoff  # noqa: E402
 from fem.equations.pardiso import LARGE, Pardiso, forget_unused_analyses  # noqa: E402
 from fem.path import newton  # noqa: E402
@@ -35,9 +36,9 @@ Value = TypeVar("Value")
 Systems = Sequence[tuple[Array, Array]]
 
 
-def tangents(size: float) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
+def tangents(mesh_size: float) -> tuple[np.ndarray, np.ndarray, list[tuple[np.ndarray, np.ndarray]]]:
     """Pattern (indptr, indices) and the values and right-hand sides of every iteration."""
-    experiment = Experiment.of("II", PneuNet().body(size), 0.0)
+    experiment = Experiment.of("II", PneuNet().body(mesh_size), 0.0)
     model = experiment.model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 0.017)], "p2p0")
     system, linear_systems = model.system(), []
     factorize, solve = system.solver.factorize, system.solver.solve
@@ -126,8 +127,9 @@ def stale_factor(indptr: Array, indices: Array, systems: Systems, patience: int)
 
 def main() -> None:
     """Print one table."""
-    size = float(sys.argv[1]) if len(sys.argv) > 1 else 4.0
-    indptr, indices, systems = tangents(size)
+    parser = parser_of(__doc__)
+    parser.add_argument("size", nargs="?", type=size, default=4.0, help="of the mesh, mm")
+    indptr, indices, systems = tangents(parser.parse_args().size)
     sys.stdout.write(f"{len(indptr) - 1} unknowns, {len(indices)} entries, {len(systems)} iterations\n")
     ways = {
         "new factor each time, nested dissection": lambda: fresh_factor(indptr, indices, systems, 0, None),

@@ -3,12 +3,11 @@
     python benchmarks/foreign.py RESULTS [FILE ...]
 
 The files are those of `write_tried` in tests/foreign_bodies.py. Each is run with the same pressures and material, and
-everything else chosen by the program; finished runs in RESULTS are kept. With names of files only these are run, and
-the table is not written. About five minutes with one thread.
+everything else chosen by the program; finished runs in RESULTS are kept until the program changes. With names of files
+only these are run, and the table is not written. About five minutes with one thread.
 """
 
 import sys
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -18,6 +17,8 @@ from time import process_time
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import parser_of  # noqa: E402
+from benchmarks.sources import key_of, written_with  # noqa: E402
 from pipeline.config.load import load_config  # noqa: E402
 from pipeline.errors import InputError  # noqa: E402
 from pipeline.progress import Silent  # noqa: E402
@@ -88,23 +89,43 @@ def _number(form: str, value: float | None, factor: float = 1) -> str:
 
 def solve(results: Path, tried: Tried) -> Ran:
     """Run a body from its file, which is in `results`."""
-    stem = tried.file.replace(".", "_")
-    configuration = results / f"{stem}.yaml"
-    configuration.write_text(CONFIGURATION.format(stem=stem, file=tried.file, keys=tried.keys), encoding="utf-8")
+    configuration = results / f"{_stem(tried)}.yaml"
+    configuration.write_text(_configuration(tried), encoding="utf-8")
     begin = process_time()
     try:
-        ran = Ran.of(run(load_config(configuration), results / stem, 1, True, Silent()))
+        ran = Ran.of(run(load_config(configuration), results / _stem(tried), 1, True, Silent()))
     except InputError as refused:
         ran = Ran("; ".join(refused.sentences))
     return replace(ran, seconds=process_time() - begin)
 
 
-def main(results: Path, names: Sequence[str]) -> None:
+def _stem(tried: Tried) -> str:
+    return tried.file.replace(".", "_")
+
+
+def _configuration(tried: Tried) -> str:
+    return CONFIGURATION.format(stem=_stem(tried), file=tried.file, keys=tried.keys)
+
+
+def _key(tried: Tried) -> str:
+    return key_of(_configuration(tried), "benchmarks/foreign.py", "tests/foreign_bodies.py", "tests/step_bodies.py")
+
+
+def main() -> None:
     """Run what is missing and write the table."""
+    parser = parser_of(__doc__)
+    parser.add_argument("results", type=Path)
+    parser.add_argument("names", nargs="*", metavar="FILE", help="run these bodies alone, and write no table")
+    given = parser.parse_args()
+    results, names = given.results, given.names
     results.mkdir(parents=True, exist_ok=True)
-    bodies = [tried for tried in write_tried(results) if not names or tried.file in names]
+    tried_bodies = write_tried(results)
+    if unknown := set(names) - {tried.file for tried in tried_bodies}:
+        known = ", ".join(tried.file for tried in tried_bodies)
+        parser.error(f"there is no body {', '.join(sorted(unknown))}; there are {known}")
+    bodies = [tried for tried in tried_bodies if not names or tried.file in names]
     files: JsonFiles[Tried, Ran] = JsonFiles(
-        lambda tried: results / f"{tried.file}.json", asdict, lambda record: Ran(**record)
+        lambda tried: results / f"{tried.file}.json", _key, asdict, lambda record: Ran(**record)
     )
     lines = [f"| {' | '.join(TITLES)} |", "|---|---|" + "---:|" * (len(TITLES) - 3) + "---|"]
     for tried, ran in Study(bodies, partial(solve, results), files).run():
@@ -113,9 +134,9 @@ def main(results: Path, names: Sequence[str]) -> None:
         sys.stdout.flush()
     if not names:
         before, rest = DOCS.read_text(encoding="utf-8").split(MARKS[0])
-        table = "\n".join([MARKS[0], "", *lines, "", MARKS[1]])
+        table = "\n".join([MARKS[0], "", *lines, "", written_with(), "", MARKS[1]])
         DOCS.write_text(before + table + rest.split(MARKS[1])[1], encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2:])
+    main()

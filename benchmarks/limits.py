@@ -13,7 +13,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+# the rooms stand beside this folder
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
 import fem
+from benchmarks.arguments import parser_of
 from pipeline.config.config import Config
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
@@ -135,14 +139,19 @@ def line_of_run(arm: str, over_limit: float, outcomes: Outcomes) -> str:
 
 def main() -> None:
     """Print the tables."""
+    parser = parser_of(__doc__)
+    parser.add_argument("arms", nargs="*", metavar="ARM", help=f"of these: {'; '.join(ARMS)}")
+    names = parser.parse_args().arms or list(ARMS)
+    if unknown := [name for name in names if name not in ARMS]:
+        parser.error(f"unknown: {', '.join(unknown)}; there are: {'; '.join(ARMS)}")
     print("| arm | experiment | of the states | of the search | over a state | last equilibrium kPa | limit kPa |")  # noqa: T201
     print("|---|---|---|---:|---:|---:|---:|")  # noqa: T201
-    for arm in sys.argv[1:] or ARMS:
+    for arm in names:
         for experiment in ("I", "II", "III"):
             print(row(arm, experiment), flush=True)  # noqa: T201
     print("\n| arm | pressure over limit of II | of the states | of I, II, III | over the states at one pressure |")  # noqa: T201
     print("|---|---:|---:|---|---:|")  # noqa: T201
-    for arm in sys.argv[1:] or ARMS:
+    for arm in names:
         for line in rows_of_run(arm):
             print(line, flush=True)  # noqa: T201
 

@@ -4,7 +4,8 @@
 
 Each design is run with `--accuracy`, and again on two finer meshes (FINER times the planned size), from which the limit
 is extrapolated over the degrees of freedom as in `pneurod accuracy`. Renews the table of docs/accuracy.md between its
-marks; finished runs and meshes in RESULTS are kept. Three quarters of an hour with one thread.
+marks; finished runs and meshes in RESULTS are kept until the program changes. Three quarters of an hour with one
+thread.
 """
 
 import re
@@ -21,6 +22,8 @@ from typing import Any
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import parser_of  # noqa: E402
+from benchmarks.sources import key_of, written_with  # noqa: E402
 from pipeline.accuracy.ladder import Rung, mesh_series  # noqa: E402
 from pipeline.accuracy.measure import measure, numbers_of  # noqa: E402
 from pipeline.accuracy.result import HEADLINE, Headline, RungResult  # noqa: E402
@@ -207,22 +210,36 @@ def _file_of_rung(folder: Path, rung: Rung) -> Path:
     return folder / f"{rung.value:.4g}mm.json"
 
 
-def main(results: Path) -> None:
+def _key(config: Config) -> str:
+    return key_of(config.hash, "benchmarks/requested_accuracy.py")
+
+
+def main() -> None:
     """Run what is missing and write the table."""
+    parser = parser_of(__doc__)
+    parser.add_argument("results", type=Path)
+    results = parser.parse_args().results
     lines = [f"| {' | '.join(TITLES)} |", "|---|---:|---:|---:|---:|---|---|---|---:|---:|"]
-    designs = Study(DESIGNS, solve, JsonFiles(lambda request: results / request.name / "run.json", asdict, Solved.read))
-    for request, result in designs.run():
+    runs: JsonFiles[Request, Solved] = JsonFiles(
+        lambda request: results / request.name / "run.json", lambda request: _key(request.config), asdict, Solved.read
+    )
+    for request, result in Study(DESIGNS, solve, runs).run():
         rungs = [finer_rung(request, result.accuracy, factor) for factor in FINER]
-        files = JsonFiles(partial(_file_of_rung, results / request.name), RungResult.record, RungResult.read)
+        files: JsonFiles[Rung, RungResult] = JsonFiles(
+            partial(_file_of_rung, results / request.name),
+            lambda rung: _key(rung.config),
+            RungResult.record,
+            RungResult.read,
+        )
         references = [reference for _, reference in Study(rungs, measure_all, files).run()]
         lines.append(row(request, result, true_errors(result, references)))
         sys.stdout.write(lines[-1] + "\n")
         sys.stdout.flush()
     begin, end = MARKS
-    table = "\n".join([begin, "", *lines, "", end])
+    table = "\n".join([begin, "", *lines, "", written_with(), "", end])
     text = DOCS.read_text(encoding="utf-8")
     DOCS.write_text(re.sub(f"{begin}.*?{end}", lambda _: table, text, flags=re.DOTALL), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main()

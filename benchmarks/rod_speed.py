@@ -24,6 +24,7 @@ from scipy.integrate import solve_bvp
 # the rooms stand beside this folder
 sys.path[0] = str(Path(__file__).resolve().parent.parent)
 
+from benchmarks.arguments import parser_of  # noqa: E402  (the path comes first)
 from geometry.arrays import Array  # noqa: E402  (the path comes first)
 from rod import Arm, FiveParameters, Rod, export_arm  # noqa: E402  (the path comes first)
 from rod.arm_law.record import law_from_record  # noqa: E402
@@ -109,8 +110,13 @@ def with_law(file: Path) -> list[tuple[str, float, None]]:
     return rows
 
 
-def main(arguments: list[str]) -> None:
+def main() -> None:
     """Print one table."""
+    parser = parser_of(__doc__)
+    parser.add_argument("law", nargs="?", type=Path, metavar="LAW.json", help="of an arm, as pneurod cell writes it")
+    law = parser.parse_args().law
+    if law is not None and not law.is_file():
+        parser.error(f"{law}: is no file")
     shape = CONSTANT.solve(force=FORCE)
     ours = np.array([shape.x[-1], shape.y[-1]])
     rows = [
@@ -119,8 +125,8 @@ def main(arguments: list[str]) -> None:
         ("rod, dead force, kappa_0 at 113 nodes", seconds_each(lambda: SAMPLED.solve(force=FORCE), 300), None),
         ("rod, experiment III, kappa_0 at 113 nodes", seconds_each(lambda: SAMPLED.solve(end_y=0.0), 300), None),
     ]
-    if arguments:
-        rows += with_law(Path(arguments[0]))
+    if law is not None:
+        rows += with_law(law)
     tip = by_scipy()
     rows.append(("scipy solve_bvp, tol 1e-8", seconds_each(by_scipy, 10), np.hypot(*(tip - ours)) / LENGTH))
     by_pyelastica(until=0.01)  # compiled
@@ -137,4 +143,4 @@ def main(arguments: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

@@ -18,6 +18,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 import fem
+from benchmarks.arguments import parser_of, size
 from geometry import Centreline, PneuNet
 from rod import (
     Curvature,
@@ -143,11 +144,18 @@ def table(size: float, pressures: Sequence[float], origin: float, others: Sequen
     return rows
 
 
-if __name__ == "__main__":
-    mesh_size = float(sys.argv[1]) if len(sys.argv) > 1 else 4.0
+def main() -> None:
+    """Print the table."""
+    parser = parser_of(__doc__)
+    parser.add_argument("size", nargs="?", type=size, default=4.0, help="of the mesh, mm")
+    mesh_size = parser.parse_args().size
     print("chambers  p kPa  from kPa  kappa_0  alpha2   II %   III %  force %")  # noqa: T201
     for row in table(mesh_size, (10.0, 17.0, 24.0, 31.0, 37.0), 24.0):
         print(  # noqa: T201
             f"{row.chambers:8d} {row.pressure:6g} {row.origin:9g} {row.kappa_0:8.3f} {row.alpha2:7.3f}"
             f" {100 * row.distance_II:6.2f} {100 * row.distance_III:7.2f} {100 * row.force:+8.1f}"
         )
+
+
+if __name__ == "__main__":
+    main()

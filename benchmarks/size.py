@@ -15,11 +15,15 @@ import sys
 from pathlib import Path
 from time import perf_counter, process_time
 
+# the rooms stand beside this folder
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from benchmarks.arguments import parser_of, size
+
 SIZES = (5.0, 4.0, 3.0, 2.5, 2.0, 1.5, 1.2, 1.0)
-HERE = Path(__file__).resolve().parent.parent
 
 
-def measured(size: float, single: bool) -> dict[str, float]:
+def measured(mesh_size: float, single: bool) -> dict[str, float]:
     """One size, in this process."""
     from functools import partial
 
@@ -29,7 +33,7 @@ def measured(size: float, single: bool) -> dict[str, float]:
 
     compile_kernels()
     begin = process_time()
-    body = PneuNet().body(size)
+    body = PneuNet().body(mesh_size)
     meshed = process_time() - begin
     experiment = Experiment.of("II", body, 0.0)
     model = experiment.model(StVenantKirchhoff(1.2, 0.495), [Pressure("cavity", 0.005)], "p2p0")
@@ -44,7 +48,7 @@ def measured(size: float, single: bool) -> dict[str, float]:
     total = process_time() - begin
     spent, count, busy = solution.seconds, solution.factorizations, total / (perf_counter() - start)
     return {
-        "size_mm": size,
+        "size_mm": mesh_size,
         "single": single,
         "degrees_of_freedom": solution.degrees_of_freedom,
         "iterations": count,
@@ -62,21 +66,23 @@ def measured(size: float, single: bool) -> dict[str, float]:
 
 def main() -> None:
     """Print one table and the exponents between its first and last row."""
-    words = sys.argv[1:]
-    single = "--single" in words
-    if words[:1] == ["--one"]:
-        sys.path.insert(0, str(HERE))
-        sys.stdout.write(json.dumps(measured(float(words[1]), single)))
+    parser = parser_of(__doc__)
+    parser.add_argument("sizes", nargs="*", type=size, default=SIZES, metavar="SIZE", help="of the mesh, mm")
+    parser.add_argument("--single", action="store_true", help="the factor in single precision")
+    parser.add_argument("--one", action="store_true", help="one size in this process, as JSON")
+    given = parser.parse_args()
+    if given.one:
+        sys.stdout.write(json.dumps(measured(given.sizes[0], given.single)))
         return
     threads = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
     head = ("dofs", "iterations", "end mm", "assembly", "factor", "solve", "rest/all", "total s", "GB")
     sys.stdout.write("".join(f"{name:>11s}" for name in head) + "\n")
     rows = []
-    for size in [float(word) for word in words if not word.startswith("-")] or SIZES:
-        command = [sys.executable, __file__, "--one", str(size), *(["--single"] if single else [])]
+    for mm in given.sizes:
+        command = [sys.executable, __file__, "--one", str(mm), *(["--single"] if given.single else [])]
         done = subprocess.run(command, capture_output=True, text=True, env={**os.environ, **threads}, check=False)
         if done.returncode:
-            sys.stdout.write(f"{size:g} mm: {done.stderr.strip().splitlines()[-1]}\n")
+            sys.stdout.write(f"{mm:g} mm: {done.stderr.strip().splitlines()[-1]}\n")
             continue
         row = json.loads(done.stdout)
         rows.append(row)

@@ -15,6 +15,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle, Wedge
 
+# the rooms stand beside this folder
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+
+from benchmarks.arguments import parser_of
+
 DOCS = Path(__file__).resolve().parent.parent / "docs" / "pictures"
 SOLID, AIR, LINE, SIZE = "#b8c4d0", "white", "#222222", 8
 #: distance of a key from its arrow, in the units of the sketch
@@ -230,7 +235,9 @@ def draw(family: str, file: Path) -> None:
 
 def main() -> None:
     """All families, into docs/pictures or the given folder."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else DOCS
+    parser = parser_of(__doc__)
+    parser.add_argument("folder", nargs="?", type=Path, default=DOCS)
+    folder = parser.parse_args().folder
     folder.mkdir(parents=True, exist_ok=True)
     for family in SKETCHES:
         draw(family, folder / f"sketch_{family}.svg")

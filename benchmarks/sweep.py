@@ -20,6 +20,7 @@ HERE = Path(__file__).resolve().parent.parent
 # the rooms stand beside this folder
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import count, parser_of  # noqa: E402
 from pipeline.processes import THREADS, available_cores  # noqa: E402
 from pipeline.sweep.points import Point, points_of  # noqa: E402
 from pipeline.sweep.spec import read_sweep  # noqa: E402
@@ -87,8 +88,21 @@ def as_sweep(file: Path, out: Path, jobs: int) -> float:
     return time.perf_counter() - begin
 
 
-def main(points: int, jobs: int) -> None:
+def main() -> None:
     """Print the seconds of the three and their ratios."""
+    parser = parser_of(__doc__)
+    parser.add_argument("points", nargs="?", type=count, default=20)
+    parser.add_argument("workers", nargs="?", type=count, default=2)
+    parser.add_argument("--alone", type=Path, nargs=2, metavar=("FILE", "OUT"), help="one after the other, here")
+    given = parser.parse_args()
+    if given.alone:
+        say(f"{one_after_the_other(*given.alone):.3f}")
+    else:
+        compare(given.points, given.workers)
+
+
+def compare(points: int, jobs: int) -> None:
+    """Print the table."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         file = folder / "sweep.yaml"
@@ -104,8 +118,4 @@ def main(points: int, jobs: int) -> None:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:2] == ["--alone"]:
-        say(f"{one_after_the_other(Path(sys.argv[2]), Path(sys.argv[3])):.3f}")
-    else:
-        numbers = [int(argument) for argument in sys.argv[1:]]
-        main(*(numbers + [20, 2][len(numbers) :]))
+    main()

@@ -13,7 +13,6 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from pipeline.processes import process_pool
 from pipeline.store.atomic_file import write_atomic
-from pipeline.store.formats import with_present_keys
 
 Case = TypeVar("Case")
 Result = TypeVar("Result")
@@ -32,24 +31,25 @@ class Record(Protocol[Given, Result]):
 
 @dataclass(frozen=True)
 class JsonFiles(Generic[Case, Result]):
-    """A record with one JSON file per case; a file is valid until it is deleted."""
+    """A record with one JSON file per case, valid while the case has the key that stands in it."""
 
     file: Callable[[Case], Path]
+    key: Callable[[Case], str]  #: of all that decides the result
     to_json: Callable[[Result], Any]
     from_json: Callable[[Any], Result]
 
     def read(self, case: Case) -> Result | None:
-        """The result in the file of a case, None where there is no file."""
+        """The result in the file of a case, None where there is no file, or one with another key or without one."""
         path = self.file(case)
-        return (
-            self.from_json(with_present_keys(json.loads(path.read_text(encoding="utf-8")))) if path.is_file() else None
-        )
+        content = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+        return self.from_json(content["result"]) if content.get("key") == self.key(case) else None
 
     def save(self, case: Case, result: Result) -> None:
         """Write the file of a case."""
         path = self.file(case)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomic(path, json.dumps(self.to_json(result), indent=2).encode())
+        content = {"key": self.key(case), "result": self.to_json(result)}
+        write_atomic(path, json.dumps(content, indent=2).encode())
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.paper.__main__ import draw, provenance
 from benchmarks.paper.claims import claims
 from benchmarks.paper.data import Data
 from benchmarks.paper.measures import aligned_distance, line, sign_change
@@ -93,6 +94,37 @@ def test_without_sweeps_every_claim_says_that_it_is_not_measured_yet(tmp_path: P
     text = page({**empty, "claims": [claim.record() for claim in all_claims]})
     assert text.count("**not yet measured**") == len(all_claims)
     assert "What follows" not in text
+
+
+def _sweep(folder: Path, name: str, **record: object) -> None:
+    """A sweep without a point."""
+    path = folder / f"paper_{name}"
+    path.mkdir()
+    (path / "sweep.csv").touch()
+    (path / "sweep.json").write_text(json.dumps({"commit": None, "points": [], **record}), encoding="utf-8")
+
+
+def test_a_figure_without_its_state_is_not_drawn_and_does_not_stop_the_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The pictures of bodies and the figures over the length need single states; `make paper` goes on without them."""
+    point = {"folder": "", "values": {}, "seconds": None, "status": "unfinished", "reason": "no equilibrium"}
+    base = str(HERE / "configs" / "pneunet_coarse.yaml")
+    _sweep(tmp_path, "pneunet", base=base, set={}, points=[point])
+    _sweep(tmp_path, "lengths")
+    drawn = {name for name, _ in draw(Data(tmp_path), tmp_path)}
+    said = capsys.readouterr().out
+    assert "not drawn: figure_03, without experiment I of pneunet with svk at 37 kPa\n" in said
+    assert "not drawn: figure_12, without the arm of 11 chambers with svk at 24 kPa\n" in said
+    assert {"figure_04.svg", "figure_09b.svg"} <= drawn
+    assert not {"figure_03.png", "figure_12.svg"} & drawn
+
+
+def test_sources_that_differ_from_their_commit_are_marked_on_the_page(tmp_path: Path) -> None:
+    commits = {"pneunet": "a" * 40 + "+", "lengths": "b" * 40, "arms": None}
+    for name, commit in commits.items():
+        _sweep(tmp_path, name, commit=commit)
+    assert "commit aaaaaaaaa+, bbbbbbbbb, unknown, on" in provenance(Data(tmp_path))
 
 
 def test_the_page_is_that_of_the_numbers_beside_it() -> None:

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from benchmarks.paper.claims import claims
 from benchmarks.paper.data import ARMS, Data
+from benchmarks.paper.drawing import NotThere
 from benchmarks.paper.estimates import COLUMNS, SCALES, Estimate, control, process, rows
 from benchmarks.paper.figures import FIGURES
 from benchmarks.paper.page import write_page
@@ -51,17 +52,19 @@ def write(path: Path, estimates: Sequence[Estimate]) -> None:
 
 
 def draw(data: Data, folder: Path) -> list[tuple[str, str]]:
-    """Draw the figures whose sweeps are there; file and title of each."""
+    """Draw the figures whose sweeps and states are there; file and title of each."""
     drawn = []
     for name, figure in FIGURES.items():
-        if set(figure.needs) <= set(data.sweeps):
-            file = f"{name}.{figure.suffix}"
+        file = f"{name}.{figure.suffix}"
+        try:
+            if sweeps := sorted(set(figure.needs) - set(data.sweeps)):
+                raise NotThere(f"the sweeps {', '.join(sweeps)}")
             figure.draw(data).savefig(folder / file)
+        except NotThere as missing:
+            sys.stdout.write(f"not drawn: {name}, without {missing}\n")
+        else:
             sys.stdout.write(f"written: {folder / file}\n")
             drawn.append((file, figure.title))
-        else:
-            missing = sorted(set(figure.needs) - set(data.sweeps))
-            sys.stdout.write(f"not drawn: {name}, without the sweeps {', '.join(missing)}\n")
     return drawn
 
 
@@ -70,7 +73,7 @@ def provenance(data: Data) -> str:
     records = {
         name: json.loads((path / "sweep.json").read_text(encoding="utf-8")) for name, path in data.sweeps.items()
     }
-    commits = sorted({str(record["commit"])[:9] for record in records.values()})
+    commits = sorted({_short(record["commit"]) for record in records.values()})
     seconds = sum(point["seconds"] or 0.0 for record in records.values() for point in record["points"])
     sizes = sorted(
         {f"{s.config['mesh']['size_mm']:g} mm" for e in data.estimates.values() for s in [x.state for x in e]}
@@ -81,6 +84,11 @@ def provenance(data: Data) -> str:
         f"sweeps with {designs} designs. Each on one core, with others at work, they took "
         f"{seconds / 60.0:.0f} minutes together."
     )
+
+
+def _short(commit: str | None) -> str:
+    """A commit of a record: nine digits, and the "+" behind it where files differed from it."""
+    return "unknown" if commit is None else commit[:9] + "+" * commit.endswith("+")
 
 
 def main() -> None:

@@ -36,6 +36,10 @@ FIVE_ROD: dict[str, Any] = {"color": INK, "linestyle": "--", "linewidth": 1.0}
 OWN_ROD: dict[str, Any] = {"color": INK, "linestyle": ":", "linewidth": 1.6}
 
 
+class NotThere(Exception):
+    """A sweep or a state without which a figure cannot be drawn; the message names it."""
+
+
 def figure_of(rows: int, columns: int, title: str, *, wide: float = 4.2) -> tuple[Figure, Any]:
     """A figure with its panels (rows, columns)."""
     figure = Figure(figsize=(1.0 + wide * columns, 0.8 + 3.2 * rows), layout="constrained")

@@ -17,6 +17,7 @@ from benchmarks.paper.drawing import (
     MARKERS,
     NAMES,
     PRINTED_LENGTHS,
+    NotThere,
     colour_of,
     figure_of,
     legend,
@@ -99,7 +100,11 @@ def _by_length(data: Data, law: str, estimator: str, pressure: float) -> list[Es
 
 
 def _reference(chosen: Sequence[Estimate]) -> State:
-    return next(e.state for e in chosen if e.state.config["geometry"]["chambers"] == 11)
+    """The state of the arm of 11 chambers; raises `NotThere`."""
+    state = next((e.state for e in chosen if e.state.config["geometry"]["chambers"] == 11), None)
+    if state is None:
+        raise NotThere(f"the arm of 11 chambers with svk at {OF_LENGTHS:g} kPa")
+    return state
 
 
 def lengths(data: Data) -> Figure:

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from benchmarks.paper.data import ARMS, Data
-from benchmarks.paper.drawing import ARM_NAMES
+from benchmarks.paper.drawing import ARM_NAMES, NotThere
 from fem import Discretisation
 from geometry.arrays import Array
 from pipeline.config.load import load_config
@@ -41,15 +41,18 @@ def bodies(data: Data) -> Figure:
 
 
 def _picture(sweep: Path, arm: str, experiment: str) -> Array:
-    """A picture (h, w, 4) of a state of a sweep with the St. Venant-Kirchhoff law."""
+    """A picture (h, w, 4) of a state of a sweep with the St. Venant-Kirchhoff law. Raises `NotThere`."""
+    missing = NotThere(f"experiment {experiment} of {arm} with svk at {PRESSURE:g} kPa")
     record = json.loads((sweep / "sweep.json").read_text(encoding="utf-8"))
     for point in record["points"]:
         values = {**record["set"], **point["values"]}
         config = load_config(Path(record["base"]), [f"{key}={json.dumps(value)}" for key, value in values.items()])
         if config.family == arm and config.material.law == "svk":
+            state = sweep / point["folder"] / "states" / f"{experiment}_{PRESSURE:g}kPa.npz"
+            if not state.is_file():
+                raise missing
             body = Scene.meshed(config).body
             space = Discretisation.of(body.mesh, config.mesh.formulation)
-            state = sweep / point["folder"] / "states" / f"{experiment}_{PRESSURE:g}kPa.npz"
             with np.load(state, allow_pickle=False) as stored:
                 displacement = np.array(stored["displacement"]).reshape(-1, 3)
             size = Colour(np.linalg.norm(displacement, axis=1), "displacement (mm)")
@@ -57,7 +60,7 @@ def _picture(sweep: Path, arm: str, experiment: str) -> Array:
                 file = Path(folder) / "picture.png"
                 draw_deformed(file, space.points, space.nodes, displacement, size, mirrored=body.half)
                 return np.asarray(matplotlib.image.imread(io.BytesIO(file.read_bytes())))
-    raise FileNotFoundError(f"{sweep} has no point of {arm} with svk")
+    raise missing
 
 
 def _stacked(title: str, pictures: dict[str, Array], columns: int) -> Figure:

@@ -1,18 +1,21 @@
 """Whether a limit that a run has named is one: by a prescribed volume, or by a second law.
 
 With the volume of the cavity prescribed the pressure is an unknown, and the path goes through a limit point of it. If
-the pressure on this path has a maximum near the named limit and falls behind it, there is no equilibrium beyond on that
-path. Where the volume cannot be driven that far either, the same body of another law is solved up to the pressure that
-was not reached: it either ends near the same pressure, or goes on, at least well beyond the limit, where the sentence
-names the law itself as the cause.
+the pressure on this path has a maximum near the end of the run and falls behind it, there is no equilibrium beyond on
+that path; if it rises well above that end, the end is no limit. Where the volume cannot be driven that far either, the
+same body of another law is solved up to the pressure that was not reached: it either names a limit as well, near the
+same pressure, or goes on, at least well beyond the limit, where the sentence names the law itself as the cause. A
+second law says nothing about an end at which the run itself names no limit.
 """
 
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import fem
+from benchmarks.unseen.sentences import names_a_limit, names_the_law
 from pipeline.config.config import Config, Material
 from pipeline.context import RunContext
 from pipeline.progress import Silent
@@ -23,15 +26,17 @@ from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
 
-#: largest difference between the highest pressure with a prescribed volume and the named limit, or the last equilibrium
+#: largest difference between the highest pressure with a prescribed volume and the end of the run, over the latter
 NEAR = 0.05
 #: two laws with the same moduli have their limits this close where the body and not the law is the cause
 NEAR_OF_LAWS = 0.25
 #: volumes that are prescribed beyond the last state, each larger by this part of what the first order expects up to the
 #: limit; the slope of the volume grows towards a limit point
 VOLUMES, STEP = 24, 0.35
-#: what in the sentence of a limit names the law, in compression and in tension (`fem.outside_stable_range`)
-OF_LAW = ("is no longer stable", "the largest at which the law")
+#: begin of what a prescribed volume says where it confirms a limit
+BY_VOLUME = "with a prescribed volume the pressure has its maximum"
+#: the highest pressure with a prescribed volume, in what is said of it
+HIGHEST = re.compile(r"(?:of the pressure up to|has its maximum at) (\S+) kPa")
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,7 @@ class Confirmation:
     """What a second way says about a limit."""
 
     experiment: str
-    limit_kPa: float  #: as the run names it, or its last equilibrium
+    limit_kPa: float  #: as the run names it, or its last equilibrium; 0 where the body passes through itself
     confirmed: bool
     sentence: str  #: by what, or why not
 
@@ -48,25 +53,42 @@ class Confirmation:
         return asdict(self)
 
 
-def named_limit(failure: Failure) -> float:
+def end_of(failure: Failure) -> float:
     """The pressure (kPa) of the named limit, or of the last equilibrium; 0 where the body passes through itself."""
     return 0.0 if failure.passes_through_itself else failure.limit_kPa or failure.reached_kPa
 
 
 def confirmed(config: Config, outcome: Outcome, folder: Path) -> Confirmation:
-    """Whether the limit at which an experiment ended is one."""
+    """Whether the end of an experiment is a limit."""
     failure = outcome.failure
     assert failure is not None
-    limit = named_limit(failure)
-    by_volume = by_prescribed_volume(config, outcome, limit) if limit else "no pressure of a limit is named"
-    if not by_volume.startswith("no"):
-        return Confirmation(outcome.name, limit, True, by_volume)
-    by_law, agrees = by_second_law(config, failure, limit, outcome.name, folder)
-    return Confirmation(outcome.name, limit, agrees, f"{by_law}; prescribed volume: {by_volume}")
+    end = end_of(failure)
+    said, agrees = by_prescribed_volume(config, outcome, end) if end else ("no pressure of a limit is named", None)
+    if agrees is not None:
+        return Confirmation(outcome.name, end, agrees, said)
+    by_law, agrees = by_second_law(config, failure, end, outcome.name, folder)
+    return Confirmation(outcome.name, end, agrees, f"{by_law}; prescribed volume: {said}")
 
 
-def by_prescribed_volume(config: Config, outcome: Outcome, limit_kPa: float) -> str:
-    """How the pressure turns on the path of a prescribed volume; begins with "no" where it does not near the limit."""
+def judged_again(limit: Mapping[str, Any], reason: str) -> Mapping[str, Any]:
+    """A recorded confirmation, not confirmed where the present rules speak against it.
+
+    reason: the sentence of the run. Earlier versions let a second law confirm ends at which the run names no limit, and
+    ends above which a prescribed volume has equilibria.
+    """
+    said: str = limit["sentence"]
+    if not limit["confirmed"] or said.startswith(BY_VOLUME):
+        return limit
+    against = [] if names_a_limit(reason) else ["the run names no limit"]
+    if (highest := HIGHEST.search(said)) and _is_beyond(float(highest[1]), limit["limit_kPa"]):
+        against.append(_refuted(float(highest[1])))
+    if not against:
+        return limit
+    return {**limit, "confirmed": False, "sentence": f"{' and '.join(against)}; recorded as confirmed: {said}"}
+
+
+def by_prescribed_volume(config: Config, outcome: Outcome, limit_kPa: float) -> tuple[str, bool | None]:
+    """What the path of a prescribed volume says about a limit, as `turned` has it."""
     scene = Scene.meshed(config)
     reference = config.pressures_kPa[-1]
     at_end = config.end
@@ -78,7 +100,7 @@ def by_prescribed_volume(config: Config, outcome: Outcome, limit_kPa: float) -> 
     try:
         start = fem.follow(model, [0.5 * begin, begin]).steps
     except fem.NotConverged as failed:
-        return f"no state at 90 % of the limit ({failed.reason})"
+        return f"no state at 90 % of the limit ({failed.reason})", None
     volumes = [step.cavity_volume(cavity) for step in start]
     slope = (volumes[1] - volumes[0]) / (start[1].factor - start[0].factor)
     change = STEP * slope * (limit_kPa / reference - begin)
@@ -111,14 +133,25 @@ def _until_turned(
             return
 
 
-def turned(pressures_kPa: Sequence[float], limit_kPa: float, otherwise: str) -> str:
-    """What pressures along growing volumes say about a limit; begins with "no" where they do not confirm it."""
+def turned(pressures_kPa: Sequence[float], limit_kPa: float, otherwise: str) -> tuple[str, bool | None]:
+    """What pressures along growing volumes say about a limit, and whether that confirms or refutes it, or neither."""
     highest = max(pressures_kPa)
+    if _is_beyond(highest, limit_kPa):
+        return _refuted(highest), False
     if pressures_kPa[-1] >= highest:
-        return f"no maximum of the pressure up to {highest:.4g} kPa: {otherwise}"
-    if abs(highest - limit_kPa) > NEAR * limit_kPa:
-        return f"no agreement: with a prescribed volume the pressure has its maximum at {highest:.4g} kPa"
-    return f"with a prescribed volume the pressure has its maximum at {highest:.4g} kPa and falls behind it"
+        return f"no maximum of the pressure up to {highest:.4g} kPa: {otherwise}", None
+    if highest < (1.0 - NEAR) * limit_kPa:
+        return f"no agreement: with a prescribed volume the pressure has its maximum at {highest:.4g} kPa", None
+    return f"{BY_VOLUME} at {highest:.4g} kPa and falls behind it", True
+
+
+def _is_beyond(highest_kPa: float, limit_kPa: float) -> bool:
+    """Whether a pressure is too high for a limit; there is none at 0, where no pressure is known."""
+    return highest_kPa > (1.0 + NEAR) * limit_kPa > 0.0
+
+
+def _refuted(highest_kPa: float) -> str:
+    return f"with a prescribed volume there are equilibria up to {highest_kPa:.4g} kPa"
 
 
 def second_law(config: Config) -> Config:
@@ -149,15 +182,22 @@ def judged(failure: Failure, limit_kPa: float, law: str, of_second: Failure | No
 
     of_second: why the second law did not reach the pressure; None where it did.
     """
-    of_law = any(words in failure.reason for words in OF_LAW)
+    is_named, of_law = names_a_limit(failure.reason), names_the_law(failure.reason)
     if of_second is None:
         return f"with {law} the pressure is reached" + (", so the law is the cause" if of_law else ""), of_law
     if failure.passes_through_itself and of_second.passes_through_itself:
         return f"with {law} the body passes through itself as well", True
-    other = named_limit(of_second)
-    if other and limit_kPa and abs(other - limit_kPa) <= NEAR_OF_LAWS * limit_kPa:
-        return f"with {law} the limit is at {other:.4g} kPa", True
-    if of_law and limit_kPa and other > (1.0 + NEAR_OF_LAWS) * limit_kPa:
+    other = end_of(of_second)
+    if of_law and other > (1.0 + NEAR_OF_LAWS) * limit_kPa > 0.0:
         return f"with {law} the path goes on to {other:.4g} kPa, so the law is the cause", True
-    where = f"at {other:.4g} kPa" if other else "without a pressure of a limit"
-    return f"with {law} the path ends {where}", False
+    if not other:
+        what = "the body passes through itself" if of_second.passes_through_itself else "no pressure is reached"
+        return f"with {law} {what}", False
+    if not names_a_limit(of_second.reason):
+        return f"with {law} the path ends at {other:.4g} kPa, and no limit is named there", False
+    there = f"with {law} a limit is named as well, at {other:.4g} kPa"
+    if not of_second.limit_kPa:
+        there = f"with {law} the path ends at {other:.4g} kPa, and a limit is named there as well"
+    if abs(other - limit_kPa) > NEAR_OF_LAWS * limit_kPa:
+        return there, False
+    return (there, True) if is_named else (f"the run names no limit; {there}", False)

@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from math import degrees
 
 from benchmarks.peers.page import table
-from benchmarks.unseen.sorting import checks_in, outcome, rod_errors, states_of
+from benchmarks.unseen.sentences import names_the_pressure
+from benchmarks.unseen.sorting import checks_in, limits_in, outcome, rod_errors, states_of
 from benchmarks.unseen.wording import Record, item, name_of, percent
 
 #: why there is no law of the arm where a configuration asks for the five parameters alone
@@ -55,21 +56,28 @@ def _five(record: Record) -> str:
 
 
 def limits(records: Sequence[Record]) -> str:
-    """A row for each limit that a run has named."""
+    """A row for each end that was checked: the limit that the run names, or the pressure at which its path ends."""
     rows = [
         [
             name_of(record),
             limit["experiment"],
-            f"{limit['limit_kPa']:.4g}",
+            _end(record, limit),
             "yes" if limit["confirmed"] else "**no**",
             _cell(limit["sentence"]),
         ]
         for record in records
-        for limit in record["limits"]
+        for limit in limits_in(record)
     ]
     if not rows:
         return "No design met a limit."
     return table(["seed and no.", "experiment", "limit kPa", "confirmed", "by"], rows)
+
+
+def _end(record: Record, limit: Record) -> str:
+    if not limit["limit_kPa"]:
+        return "passes through itself"
+    pressure = f"{limit['limit_kPa']:.4g}"
+    return pressure if names_the_pressure(record["reasons"][limit["experiment"]]) else f"path ends at {pressure}"
 
 
 def other(records: Sequence[Record]) -> str:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from benchmarks.unseen.checks import Check
+from benchmarks.unseen.confirm import judged_again
+from benchmarks.unseen.sentences import names_a_limit
 from benchmarks.unseen.work import ERROR, FAILED, REFUSED, SLOW
 
 Record = Mapping[str, Any]
@@ -13,13 +15,6 @@ SOLVED, LIMIT, EARLY = "solved", "named limit", "refused early"
 WRONG, NO_LIMIT, TOO_SLOW, TRACEBACK = "wrong", "stopped without a limit", "too slow", "error of the program"
 #: all outcomes, the good ones first
 OUTCOMES = (SOLVED, LIMIT, EARLY, NO_LIMIT, TOO_SLOW, TRACEBACK, WRONG)
-#: what the sentence of a limit says: a limit point, the range of the law, an inverted element, an intersection
-NAMED = ("limit", "stable", "turned inside out", "inverted", "passes through itself")
-#: what the sentence of an experiment says that ends because II does, whose own sentence decides
-BECAUSE_OF_II = (
-    "last equilibrium of experiment II of the same arm",
-    "experiment II of the same arm has its last equilibrium",
-)
 #: largest error of the default mesh that is allowed, in parts of the number
 MESH_ERROR = 0.03
 #: part of the states that is to be solved or beyond a confirmed limit, and of the meshes that have no larger error
@@ -31,9 +26,9 @@ def checks_in(record: Record) -> tuple[Check, ...]:
     return tuple(Check.of(row) for row in record["checks"])
 
 
-def names_a_limit(reason: str) -> bool:
-    """Whether a sentence says which limit was met, or that the experiment was not followed because of the end of II."""
-    return any(words in reason for words in (*NAMED, *BECAUSE_OF_II))
+def limits_in(record: Record) -> tuple[Record, ...]:
+    """The ends of a design that were checked, with the verdict of the present rules (`judged_again`)."""
+    return tuple(judged_again(limit, record["reasons"].get(limit["experiment"], "")) for limit in record["limits"])
 
 
 def outcome(record: Record) -> str:
@@ -95,8 +90,8 @@ def states_of(record: Record) -> States:
     if result == WRONG:
         return States(0, 0, len(rows), 0)
     reached = sum(row["reached"] for row in rows)
-    missed = [row for row in rows if not row["reached"]]
-    beyond = sum(any(_covers(limit, row) for limit in record["limits"]) for row in missed)
+    missed, limits = [row for row in rows if not row["reached"]], limits_in(record)
+    beyond = sum(any(_covers(limit, row) for limit in limits) for row in missed)
     return States(reached, beyond, len(missed) - beyond, 0)
 
 

@@ -11,12 +11,14 @@ from scipy.stats import beta
 
 from benchmarks.peers.page import table
 from benchmarks.unseen.checks import ALLOWED
+from benchmarks.unseen.confirm import BY_VOLUME
 from benchmarks.unseen.sorting import (
     EARLY,
     GOOD_MESHES,
     GOOD_STATES,
     LIMIT,
     MESH_ERROR,
+    NO_LIMIT,
     OUTCOMES,
     TOO_SLOW,
     TRACEBACK,
@@ -24,6 +26,7 @@ from benchmarks.unseen.sorting import (
     States,
     checks_in,
     has_numbers,
+    limits_in,
     outcome,
     rod_errors,
     states_of,
@@ -37,6 +40,17 @@ BENT = 0.03
 FAR = 45.0
 #: seeds whose results are given beside those of all: those that were published last
 LAST_SEEDS = 3
+#: words in the sentence of a confirmed limit, and how that is told
+WAYS = {
+    BY_VOLUME: "by a prescribed volume",
+    "so the law is the cause": "because another law goes on",
+    "a limit is named": "by a limit that is named with another law",
+    "the limit is at": (
+        "by another law whose path ends near the same pressure (earlier records, which do not say whether a limit was "
+        "named there)"
+    ),
+    "passes through itself as well": "because the body passes through itself with another law too",
+}
 #: names of the three numbers in the records, and as they are written
 NUMBERS = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
 
@@ -209,18 +223,28 @@ def rods(records: Sequence[Record]) -> str:
 
 
 def confirmed(records: Sequence[Record]) -> str:
-    """How many of the limits that were named a second way confirms, and which could not be checked in time."""
-    limits = [limit for record in records for limit in record["limits"]]
+    """How many of the ends that were checked a second way confirms as limits, by which way, and which were too slow."""
+    limits = [limit for record in records for limit in limits_in(record)]
     slow = [name_of(record) for record in records if "limits" in record["slow"]]
     if not limits and not slow:
         return "No design met a limit."
-    ended = sum(outcome(record) == LIMIT for record in records)
-    sentences = [f"{ended} designs ended at a named limit, and one limit of each was checked."]
+    counts = Counter(outcome(record) for record in records)
+    sentences = [f"{counts[LIMIT]} designs ended at a named limit{_stopped(counts[NO_LIMIT])}."]
+    sentences.append("Of each of them one end was checked: that of experiment II, if it has one.")
     if slow:
         sentences.append(f"For {len(slow)} ({', '.join(slow)}) the check ran out of CPU time.")
-    confirmed = sum(bool(limit["confirmed"]) for limit in limits)
-    sentences.append(f"Of the {'other ' if slow else ''}{len(limits)} limits {confirmed} are confirmed.")
+    confirmed = [limit["sentence"].partition("; prescribed volume: ")[0] for limit in limits if limit["confirmed"]]
+    ways = Counter(next(way for words, way in WAYS.items() if words in sentence) for sentence in confirmed)
+    by = "; ".join(f"{ways[way]} {way}" for way in WAYS.values() if ways[way])
+    sentences.append(
+        f"Of the {'other ' if slow else ''}{len(limits)} ends {len(confirmed)} are confirmed as limits"
+        + (f": {by}." if by else ".")
+    )
     return " ".join(sentences)
+
+
+def _stopped(count: int) -> str:
+    return f", {count} stopped without one" if count else ""
 
 
 def checks(records: Sequence[Record]) -> str:

@@ -7,7 +7,6 @@ states. A stage that needs more CPU time than it may is ended and recorded as to
 import json
 import resource
 import signal
-import subprocess
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -20,6 +19,7 @@ from time import monotonic
 from types import FrameType
 from typing import Any
 
+from benchmarks.sources import commit_of_sources, key_of
 from benchmarks.unseen.checks import checks_of
 from benchmarks.unseen.confirm import confirmed
 from benchmarks.unseen.designs import Drawn
@@ -33,7 +33,6 @@ from pipeline.report.validation import rod_errors
 from pipeline.run import run
 from pipeline.run_report import RunReport
 from pipeline.store.atomic_file import write_atomic
-from pipeline.store.state_key import NUMBER_SOURCES, result_key
 
 Record = dict[str, Any]
 
@@ -44,8 +43,6 @@ PATIENCE = 15.0
 #: seconds after which processes are looked at that have not ended
 PAUSE = 1.0
 FILE = "outcome.json"
-#: the folder of the rooms
-ROOMS = Path(__file__).resolve().parents[2]
 #: how the run of a design ended
 RAN, REFUSED, FAILED, ERROR, SLOW = "ran", "refused", "failed", "error", "too slow"
 
@@ -73,7 +70,7 @@ class Work:
 
     def complete_record(self) -> Record | None:
         """The record in its folder if nothing is left to do, else None."""
-        record = kept(self.folder, key_of(self.design))
+        record = kept(self.folder, _key(self.design))
         if record is None or not record["finished"]:
             return None
         return None if self.finer and "finer" not in record and record["ended"] == RAN else record
@@ -89,7 +86,7 @@ class Work:
 
     def record(self, ended_badly: Mapping[str, str]) -> Record:
         """That in its folder; where its process left none that is complete, one with how the process ended."""
-        record = kept(self.folder, key_of(self.design)) or _begun(self.design)
+        record = kept(self.folder, _key(self.design)) or _begun(self.design)
         if not record["finished"]:
             record |= {**ended_badly, "finished": True}
             _keep(self.folder, record)
@@ -134,9 +131,9 @@ def outcomes_of(works: Sequence[Work], jobs: int) -> Iterator[Record]:
             yield entry.ended()
 
 
-def key_of(design: Drawn) -> str:
-    """sha256 of what decides the record besides this program: configuration, sources and packages."""
-    return result_key(json.dumps(design.document, sort_keys=True), NUMBER_SOURCES)
+def _key(design: Drawn) -> str:
+    """Of what decides the record besides this program."""
+    return key_of(json.dumps(design.document, sort_keys=True))
 
 
 def kept(folder: Path, key: str | None = None) -> Record | None:
@@ -154,12 +151,12 @@ def _keep(folder: Path, record: Mapping[str, Any]) -> None:
 
 def _begun(design: Drawn) -> Record:
     return {
-        "key": key_of(design),
+        "key": _key(design),
         "number": design.number,
         "family": design.family,
         "law": design.law,
         "words": design.words,
-        "sources": _commit_of_sources(),
+        "sources": commit_of_sources(),
         "load": design.load,
         "pressures_kPa": list(design.pressures_kPa),
         "ended": "",
@@ -173,18 +170,10 @@ def _begun(design: Drawn) -> Record:
     }
 
 
-def _commit_of_sources() -> str:
-    """The last commit that changed the program; benchmarks and pages do not count."""
-    folders = ("geometry", "fem", "rod", "pipeline")
-    command = ["git", "log", "-1", "--format=%h", "--", *folders]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOMS)
-    return done.stdout.strip() or "unknown"
-
-
 def _work(design: Drawn, folder: Path, limit: float, finer: bool) -> None:
     """All stages that the record in the folder lacks; in the process of the design, which ends with the campaign."""
     end_with_main_process()
-    record = kept(folder, key_of(design)) or _begun(design)
+    record = kept(folder, _key(design)) or _begun(design)
     report: RunReport | None = None
     try:
         with _timed(record, "run", limit):
