@@ -12,7 +12,7 @@ import pandas as pd
 
 from pipeline.errors import InputError, quoted
 from pipeline.report.verdict import Verdict
-from pipeline.rods.saved import RodAtPressure
+from pipeline.rods.at_pressure import RodAtPressure
 from pneurod.arguments import given_choice
 from rod import PARAMETER_COLUMNS, ArmLaw, FiveParameters, Interval, OutsidePressures, PressurisedRod, Rod, RodError
 from rod.checked import finite

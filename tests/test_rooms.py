@@ -203,7 +203,8 @@ def test_a_configuration_is_read_without_the_machines() -> None:
 def test_a_saved_rod_is_solved_with_numpy_alone() -> None:
     loaded = loaded_after(
         "from pathlib import Path\n"
-        "from pipeline.rods.saved import EndLoads, rod_of_file\n"
+        "from pipeline.rods.end_loads import EndLoads\n"
+        "from pipeline.rods.saved import rod_of_file\n"
         "file = Path('tests/data/results_format_1/parameters.json')\n"
         "EndLoads.read('[0 N, 0.01 N]', '0 N*mm', None, None).shape(rod_of_file(file, '31 kPa', False, None).rod)"
     )

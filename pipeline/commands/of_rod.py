@@ -33,7 +33,8 @@ def rod(
 ) -> None:
     """The rod alone, in milliseconds: its shape under loads."""
     with errors_as_sentences():
-        from pipeline.rods.saved import EndLoads, end_lines, rod_of_file, write_shape
+        from pipeline.rods.end_loads import EndLoads, end_lines, write_shape
+        from pipeline.rods.saved import rod_of_file
 
         selected = rod_of_file(parameters, pressure, extrapolate, extensible)
         shape = EndLoads.read(force, moment, end_y, end).shape(selected.rod)

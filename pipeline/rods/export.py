@@ -8,7 +8,8 @@ from pathlib import Path
 from pipeline.cell.saved import SavedLaw
 from pipeline.config.units import PRESSURE
 from pipeline.errors import InputError, RunFailed
-from pipeline.rods.saved import SavedRod, option_value
+from pipeline.rods.options import option_value
+from pipeline.rods.saved import SavedRod
 from pipeline.store.result_folder import open_folder
 from rod import EXPORTS, Arm, RodError, export_arm
 from rod.export.arm import divided

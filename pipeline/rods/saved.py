@@ -1,7 +1,6 @@
-"""The rod alone: from parameters.json or law.json to shapes under loads."""
+"""The rod of a parameters.json or a law.json."""
 
 import json
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,25 +10,21 @@ import numpy as np
 
 from geometry.arrays import Array
 from pipeline.cell.saved import SavedLaw, is_law
-from pipeline.config.units import FORCE, LENGTH, MOMENT, PRESSURE, Dimension, convert
-from pipeline.errors import InputError, RunFailed
+from pipeline.config.units import PRESSURE
+from pipeline.errors import InputError
+from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.rods.checks import check_parameters
+from pipeline.rods.options import option_value
 from pipeline.rods.without_parameters import refuse_without_parameters
-from pipeline.store.atomic_file import write_atomic
-from pipeline.store.formats import ARM_LAW, EXTENSIBLE, FIVE, with_present_keys
-from pipeline.store.result_folder import open_file
-from rod.arm_law.law import LawRod
+from pipeline.store.formats import with_present_keys
 from rod.checked import positive
 from rod.curves.extension import Extension
 from rod.errors import RodError
-from rod.export.tables import unloaded_distance
 from rod.identification.moment_range import MomentRange
 from rod.law import PARAMETER_COLUMNS, FiveParameters
 from rod.load import pair
-from rod.mechanics.equilibrium import Rod
-from rod.pressurised_rod import IDENTIFIED, OutsidePressures, PressurisedRod
+from rod.pressurised_rod import OutsidePressures, PressurisedRod
 from rod.same_pressure import known_at
-from rod.solution import RodSolution
 
 
 @dataclass(frozen=True)
@@ -143,43 +138,6 @@ def _averaged(profile: Mapping[str, Any]) -> tuple[Array, Array] | None:
     return np.array(profile["cell_s_mm"], float), np.array(profile["cell_averaged_per_mm"], float)
 
 
-@dataclass(frozen=True)
-class RodAtPressure:
-    """The rod of a file at one pressure."""
-
-    rod: Rod
-    moment_range: MomentRange | None  #: of the identification, None where the file has none
-    origin: str = IDENTIFIED  #: where the five parameters at this pressure come from
-
-    @staticmethod
-    def of(rods: PressurisedRod, pressure: float, extrapolate: bool) -> "RodAtPressure":
-        """That of a file at a pressure in kPa. Raises RodError."""
-        rod = rods.at(pressure, extrapolate=extrapolate)
-        return RodAtPressure(rod, rods.moment_range_at(pressure, extrapolate=extrapolate), rods.origin_at(pressure))
-
-    @property
-    def description(self) -> str:
-        """Which rod it is: its name in validation.json, and where its numbers come from."""
-        if isinstance(self.rod.law, LawRod):
-            return f"{ARM_LAW}: the arm's own law"
-        if self.rod.extension is None:
-            which = f"{FIVE}: five parameters, inextensible"
-        else:
-            which = f"{EXTENSIBLE}: five parameters of the key eccentricity, with the stretch of the curve"
-        return which if self.origin == IDENTIFIED else f"{which}; {self.origin}"
-
-    def warning(self, shape: RodSolution) -> str:
-        """What to know where the moments of a shape leave the range of the identification; empty elsewhere."""
-        outside = "" if self.moment_range is None else self.moment_range.warning(shape)
-        if not outside:
-            return ""
-        jump = unloaded_distance(self.rod)
-        return (
-            f"{outside} Under any load, however small, the offsets m0 bend this rod as well: its end is then "
-            f"{jump:.3g} mm from its place without load."
-        )
-
-
 def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool | None) -> RodAtPressure:
     """The rod of a parameters.json or of a law.json at a pressure written with its unit. Raises InputError."""
     if path.is_dir():
@@ -203,47 +161,6 @@ def rod_of_file(path: Path, pressure: str, extrapolate: bool, extensible: bool |
         return RodAtPressure(SavedLaw.of(path, content).rod(option_value("--pressure", pressure, PRESSURE)), None)
     except RodError as failure:
         raise InputError(f"--pressure {pressure}: {failure}") from None
-
-
-@dataclass(frozen=True)
-class EndLoads:
-    """Loads on the end of a rod; None for what is not prescribed.
-
-    Positions are relative to the clamped end of the material curve.
-    """
-
-    force: tuple[float, float] | None  #: N
-    moment: float  #: N mm
-    end_y: float | None  #: mm
-    end: tuple[float, float] | None  #: mm
-
-    @staticmethod
-    def read(force: str | None, moment: str, end_y: str | None, end: str | None) -> "EndLoads":
-        """From the options of the command line, written with units. Raises InputError."""
-        return EndLoads(
-            None if force is None else _pair("--force", force, FORCE),
-            option_value("--moment", moment, MOMENT),
-            None if end_y is None else option_value("--end-y", end_y, LENGTH),
-            None if end is None else _pair("--end", end, LENGTH),
-        )
-
-    def shape(self, rod: Rod) -> RodSolution:
-        """The equilibrium of a rod under these loads. Raises RunFailed where there is none."""
-        try:
-            return rod.solve(force=self.force, moment=self.moment, end_y=self.end_y, end=self.end)
-        except RodError as failure:
-            raise RunFailed(f"{failure}{self._beyond_reach(rod)}") from None
-
-    def _beyond_reach(self, rod: Rod) -> str:
-        """A sentence where the end of a rod that stretches is to be farther from the clamped end than the arm is long;
-        empty elsewhere: an inextensible rod says so itself."""
-        away = abs(self.end_y or 0.0) if self.end is None else math.hypot(*self.end)
-        inextensible = rod.extension is None and not isinstance(rod.law, LawRod)
-        if away <= rod.length or inextensible:
-            return ""
-        return (
-            f" The end is to be {away:g} mm away from the clamped end, but the arm is {rod.length:g} mm long at rest."
-        )
 
 
 def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> PressurisedRod:
@@ -278,49 +195,3 @@ def default_rod(content: Mapping[str, Any]) -> PressurisedRod:
         if extensible.stretches:
             return extensible
     return pressurised_rod(content)
-
-
-def end_lines(selected: RodAtPressure, shape: RodSolution) -> list[str]:
-    """Which rod it is, position, angle and force of its end, and the moment at the clamp, one line each."""
-    x, y = shape.end
-    lines = {
-        "rod": selected.description,
-        "end": f"x = {x:.3f} mm, y = {y:.3f} mm from the clamped end of the curve",
-        "end angle": f"{shape.end_angle:.4f} rad",
-        "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
-        "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
-    }
-    if any(selected.rod.weight):
-        x, y = (selected.rod.length * component for component in selected.rod.weight)
-        lines["weight"] = f"[{x:.5g}, {y:.5g}] N, which the rod carries besides"
-    width = max(map(len, lines))
-    return [f"{name:<{width}}  {value}" for name, value in lines.items()]
-
-
-def write_shape(shape: RodSolution, file: Path) -> None:
-    """Write the shape as CSV: s_mm, x_mm, y_mm, theta_rad, kappa_per_mm, moment_N_mm.
-
-    x and y are those of the material curve, theta and kappa those of the axis. Raises InputError when the file
-    cannot be written.
-    """
-    columns = (shape.s, *shape.curve.T, shape.theta, shape.kappa, shape.moment)
-    rows = [",".join(f"{value:.12g}" for value in row) for row in zip(*columns, strict=True)]
-    write_atomic(
-        open_file(file), ("\n".join(["s_mm,x_mm,y_mm,theta_rad,kappa_per_mm,moment_N_mm", *rows]) + "\n").encode()
-    )
-
-
-def option_value(option: str, text: str, dimension: Dimension) -> float:
-    try:
-        return convert(text, dimension)
-    except ValueError as failure:
-        raise InputError(f"{option}: {failure}") from None
-
-
-def _pair(option: str, text: str, dimension: Dimension) -> tuple[float, float]:
-    values = text.strip().removeprefix("[").removesuffix("]").split(",")
-    if len(values) != 2:
-        raise InputError(
-            f"{option}: '{text}' is not a pair; write x and y, for example [0 {dimension.unit}, {dimension.example}]"
-        )
-    return option_value(option, values[0], dimension), option_value(option, values[1], dimension)
