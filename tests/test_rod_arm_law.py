@@ -101,6 +101,30 @@ def test_shear_and_axial_force_in_the_small() -> None:
     assert (rod.solve((force, 0.0)).x[-1] - LENGTH) / force == pytest.approx(LENGTH / 60.0, rel=1e-6)
 
 
+def test_work_over_a_closed_loop_of_forces_vanishes() -> None:
+    """The clamped end moves along the arm by a moment, so that a force along the arm turns it (reciprocal theorem)."""
+    cell, clamp, tip = straight_law(0.0, kappa_0=0.01)
+    ones, along = np.ones(9), np.array([1.0, 0.0])
+    clamp = replace(
+        clamp,
+        rotation=2e-3 * clamp.moment,
+        rotation_by_moment=2e-3 * ones,
+        offset=0.05 * clamp.moment[:, None] * along,
+        offset_by_moment=0.05 * ones[:, None] * along,
+    )
+    rod = law_of((cell, clamp, tip)).at(0.0)
+
+    def end(force: np.ndarray) -> np.ndarray:
+        shape = rod.solve(tuple(force))
+        return np.array([shape.x[-1], shape.y[-1]])
+
+    base, size = np.array([0.02, 0.01]), 1e-3
+    columns = [(end(base + size * axis) - end(base - size * axis)) / (2 * size) for axis in np.eye(2)]
+    compliance = np.column_stack(columns)
+    scale = np.sqrt(compliance[0, 0] * compliance[1, 1])
+    assert abs(compliance[0, 1] - compliance[1, 0]) < 2e-3 * scale
+
+
 def test_it_agrees_with_the_five_parameter_rod() -> None:
     kappa_0 = -0.012
     own = law_of(straight_law(20.0, kappa_0)).at(20.0)

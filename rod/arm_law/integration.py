@@ -20,8 +20,9 @@ import numpy as np
 from geometry.arrays import Array, Mask
 from rod.compiled import CompiledLater
 
-#: iterations for the effective moment; each one gains a factor N (dlambda/dkappa)^2 / (dM/dkappa), a thousandth
-ITERATIONS = 3
+#: most iterations for the effective moment, and its change over the step of the law with which they end: each gains a
+#: factor of about a thousand, and less near kinks of the stretch
+ITERATIONS, SETTLED = 8, 1e-6
 #: Newton's method at the end: largest correction, iterations, and relative step of the difference quotients
 TOLERANCE, MAX_ITERATIONS, DIFFERENCE = 1e-8, 12, 1e-6
 #: calls of Newton's method in plain Python, 50 ms each, after which it is compiled: one rod takes two to ten
@@ -71,7 +72,9 @@ def _rate(law: LawArrays, z: Array, fx: float, fy: float, out: Array) -> float:
         kappa, kappa_slope = _cubic(law.kappa, law.kappa_slope, i, t, law.step)
         stretch, stretch_slope = _cubic(law.stretch, law.stretch_slope, i, t, law.step)
         outside = max(law.first - effective, effective - law.first - law.step * last, 0.0)
-        effective = moment + axial * stretch_slope / kappa_slope
+        before, effective = effective, moment + axial * stretch_slope / kappa_slope
+        if abs(effective - before) < SETTLED * law.step:
+            break
     EA = (1 - t) * law.axial[i] + t * law.axial[i + 1]
     GA = (1 - t) * law.shear[i] + t * law.shear[i + 1]
     length, slip = stretch + axial / EA, across / GA
@@ -133,17 +136,21 @@ class EndLoad(NamedTuple):
     target: Array  #: (2,) mm, prescribed coordinates
 
 
-def _clamp(ends: EndArrays, moment: float, offset: Array) -> tuple[float, float]:
-    """Rotation at a moment and the offset (2,) there; by how much the moment leaves the curve, N mm."""
+def _clamp(ends: EndArrays, moment: float, axial: float, offset: Array) -> tuple[float, float]:
+    """Rotation at a moment under a force along the arm (N), and the offset (2,) there; by how much the moment leaves
+    the curve, N mm.
+
+    A moment moves the clamped end along the arm, so that by the reciprocal theorem a force along the arm turns it.
+    """
     last = len(ends.moment) - 1
     outside = max(ends.moment[0] - moment, moment - ends.moment[last], 0.0)
     at = min(max(moment, ends.moment[0]), ends.moment[last])
     i = min(max(np.searchsorted(ends.moment, at) - 1, 0), last - 1)
     step = ends.moment[i + 1] - ends.moment[i]
     t = (at - ends.moment[i]) / step
-    for k in range(2):
-        offset[k] = _cubic(ends.offset[:, k], ends.offset_slope[:, k], i, t, step)[0]
-    return _cubic(ends.rotation, ends.rotation_slope, i, t, step)[0], outside
+    offset[1] = _cubic(ends.offset[:, 1], ends.offset_slope[:, 1], i, t, step)[0]
+    offset[0], by_moment = _cubic(ends.offset[:, 0], ends.offset_slope[:, 0], i, t, step)
+    return _cubic(ends.rotation, ends.rotation_slope, i, t, step)[0] + axial * by_moment, outside
 
 
 def tip_levers(ends: EndArrays, turn: float, acting: Array) -> tuple[Array, Array, float]:
@@ -183,7 +190,7 @@ def residual(law: LawArrays, ends: EndArrays, load: EndLoad, unknowns: Array, st
     position = ends.position / load.length * n
     i = min(math.floor(position), n - 1)
     decides = states[i, 1] + (position - i) * (states[i + 1, 1] - states[i, 1])
-    rotation, beyond = _clamp(ends, decides, offset)
+    rotation, beyond = _clamp(ends, decides, float(force[0]), offset)
     shift = np.array([offset[0] - states[0, 2], offset[1] - states[0, 3]])
     for row in range(n + 1):
         states[row, 2] += shift[0]

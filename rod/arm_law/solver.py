@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.curves import ClampCurve, TipCurve, TipState
-from rod.arm_law.integration import EndArrays, EndLoad, LawArrays, converge, tip_levers
+from rod.arm_law.integration import ITERATIONS, EndArrays, EndLoad, LawArrays, converge, tip_levers
 from rod.arm_law.section import SectionLaw
 from rod.errors import RodError, buckles_at
 from rod.load import Load
@@ -23,9 +23,6 @@ SMALLEST_STEP = 1e-3
 LARGEST_TURN = 1.0
 #: the moment may leave the law by rounding, over the range of the law
 ROUNDING = 1e-9
-#: iterations for the effective moment of a solution
-ITERATIONS = 3
-
 _TABLES = ("kappa", "kappa_slope", "stretch", "stretch_slope", "axial_rigidity", "shear_rigidity")
 
 
@@ -157,14 +154,11 @@ def equilibrium(pieces: Pieces, conditions: EndConditions) -> RodSolution:
 def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:
     """The state last solved with curvature, stretch and shear by the law."""
     states, law = shooting.states, shooting.pieces.section
-    _check_within_law(shooting)
     force = unknowns[1:]
     cosine, sine = np.cos(states[:, 0]), np.sin(states[:, 0])
     axial, across = force[0] * cosine + force[1] * sine, force[1] * cosine - force[0] * sine
-    effective = states[:, 1]
-    for _ in range(ITERATIONS):
-        slope = np.interp(effective, law.moment, law.stretch_slope) / np.interp(effective, law.moment, law.kappa_slope)
-        effective = states[:, 1] + axial * slope
+    effective = _effective_moment(law, states[:, 1], axial)
+    _check_within_law(shooting, effective)
     by_force = axial / np.interp(effective, law.moment, law.axial_rigidity)
     arrays = {
         "s": np.linspace(0.0, shooting.pieces.length, len(states)),
@@ -183,15 +177,27 @@ def _solution(shooting: _Shooting, unknowns: Array, count: int) -> RodSolution:
     return RodSolution(**arrays, load_steps=count)
 
 
-def _check_within_law(shooting: _Shooting) -> None:
-    """Raise `RodError` where a moment of the state last solved leaves the law of the cells or of the clamped end."""
-    pieces, moment = shooting.pieces, shooting.states[:, 1]
+def _effective_moment(law: SectionLaw, moment: Array, axial: Array) -> Array:
+    """(n,) N mm: the moment that bends the cells, with that of the axial force about their neutral line."""
+    effective = moment
+    for _ in range(ITERATIONS):
+        slope = np.interp(effective, law.moment, law.stretch_slope) / np.interp(effective, law.moment, law.kappa_slope)
+        effective = moment + axial * slope
+    return effective
+
+
+def _check_within_law(shooting: _Shooting, moment: Array) -> None:
+    """Raise `RodError` where a moment of the state last solved leaves the law of the cells or of the clamped end.
+
+    moment: (n,) N mm, the effective one.
+    """
+    pieces = shooting.pieces
     law, clamp = pieces.section, pieces.clamp
     if shooting.outside <= ROUNDING * float(np.ptp(law.moment)):
         return
     low, high = max(law.moment[0], clamp.moment[0]), min(law.moment[-1], clamp.moment[-1])
     raise RodError(
-        f"The moment goes from {moment.min():.4g} to {moment.max():.4g} N mm; at {law.pressure:g} kPa the law is known "
-        f"from {low:.4g} to {high:.4g} N mm, and it is not extrapolated: a law is measured for the loads "
-        "of its configuration, and this one is larger."
+        f"The moment that bends the cells goes from {moment.min():.4g} to {moment.max():.4g} N mm; at "
+        f"{law.pressure:g} kPa the law is known from {low:.4g} to {high:.4g} N mm, and it is not extrapolated: a law "
+        "is measured for the loads of its configuration, and this one is larger."
     )

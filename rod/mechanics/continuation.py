@@ -33,6 +33,8 @@ SMALL = np.array([1e-3, 1e-2])
 MIN_LOAD_STEP = 1e-7
 #: alpha/l^2, limit of shooting from one end: errors grow along the rod like exp(l sqrt(F/alpha))
 MAX_FORCE = 200.0
+#: smallest load step beyond this force: towards an end that cannot be reached there would be thousands of smaller ones
+MIN_STEP_BEYOND = 1e-3
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,7 @@ def continue_to_full_load(problem: Problem) -> tuple[LoadPoint, int]:
         near = trial is not None and _is_near(previous, current, trial)
         if trial is None or not near or trial.determinant * sign < 0.0:
             step = 0.4 * (factor - current.factor)
-            if step < MIN_LOAD_STEP:
+            if step < (MIN_LOAD_STEP if _force(problem, current) <= MAX_FORCE else MIN_STEP_BEYOND):
                 raise RodError(_end_of_path(problem, current, near))
             continue
         previous, current = current, trial
@@ -155,15 +157,19 @@ def _at(problem: Problem, factor: float, guess: Array) -> LoadPoint | None:
     return LoadPoint(factor, unknowns, states, determinant) if converged else None
 
 
+def _force(problem: Problem, point: LoadPoint) -> float:
+    """On the end, alpha/l^2."""
+    return float(np.hypot(*point.unknowns[1:]) / problem.alpha.min())
+
+
 def too_large(force: float) -> str:
     """The sentence on a force (alpha/l^2) that this solver does not follow."""
     return f"The end force has grown to {force:.0f} alpha/l^2; this solver follows the rod to about {MAX_FORCE:.0f}."
 
 
 def _end_of_path(problem: Problem, point: LoadPoint, split: bool) -> str:
-    size = float(np.hypot(*point.unknowns[1:]) / problem.alpha.min())
-    if size > MAX_FORCE:
-        return too_large(size)
+    if (force := _force(problem, point)) > MAX_FORCE:
+        return too_large(force)
     if split:
         return buckles_at(point.factor)
     reached = f"{100 * point.factor:.3g} % of the load"
