@@ -5,13 +5,13 @@
 The pictures are those that a run draws of its body at rest. All five take less than a minute.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(HERE))
 
+from benchmarks.arguments import parser_of  # noqa: E402
 from pipeline.config.load import load_config  # noqa: E402
 from pipeline.drawing.pictures import draw_body  # noqa: E402
 from pipeline.simulation.scene import Scene  # noqa: E402
@@ -30,7 +30,7 @@ def draw(name: str, folder: Path) -> None:
 
 def main() -> None:
     """All bodies, into docs/pictures or the given folder."""
-    parser = argparse.ArgumentParser(description="The bodies of the shipped configurations, whole and cut open.")
+    parser = parser_of(__doc__)
     parser.add_argument("folder", nargs="?", type=Path, default=DOCS, help="[default: docs/pictures]")
     folder = parser.parse_args().folder
     folder.mkdir(parents=True, exist_ok=True)

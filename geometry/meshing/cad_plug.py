@@ -5,6 +5,7 @@ becomes wider (`geometry.meshing.cad_channel`); or it is in a round face (`geome
 """
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
@@ -36,19 +37,21 @@ def plugged(gmsh: Any, body: CadBody, solids: list[Volume]) -> tuple[list[Volume
     depths: dict[str, float] = {}
     filled: dict[str, Array] = {}
     images: dict[str, Array] = {}
-    has_image = body.half and bool(body.plugs) and not _extent(gmsh, body, solids)[1]
+    if not body.plugs:
+        return solids, depths
+    extent = _Extent(body, *bounds(gmsh, solids))
     for name, point in body.plugs.items():
         if known := _around(images, point):
             depths[name] = depths[known]
             continue
-        channel = _channel(gmsh, body, solids, point)
+        channel = _channel(gmsh, extent, solids, point)
         if channel is None:
             if known := _around(filled, point):
                 raise _refusal(body, name, f"lies in the inlet that plug.{known} has filled; leave it out")
-            if (closed := _closed(gmsh, body, solids, point)) is None:
+            if (closed := _closed(gmsh, extent, solids, point)) is None:
                 raise _refusal(body, name, f"{NO_OPENING}{hole_advice(gmsh, body, solids)}")
             solids, depths[name], filled[name] = closed.solids, closed.depth, closed.box
-            image = _closed(gmsh, body, solids, _mirrored(point)) if has_image else None
+            image = _closed(gmsh, extent, solids, _mirrored(point)) if extent.has_image else None
             if image is not None:
                 solids, images[name] = image.solids, image.box
             continue
@@ -58,29 +61,43 @@ def plugged(gmsh: Any, body: CadBody, solids: list[Volume]) -> tuple[list[Volume
             )
         depths[name] = channel.depth
         solids, filled[name] = _filled(gmsh, body, name, channel)
-        beside = _channel(gmsh, body, solids, _mirrored(point)) if has_image else None
+        beside = _channel(gmsh, extent, solids, _mirrored(point)) if extent.has_image else None
         if beside is not None and beside.is_filled:
             solids, images[name] = _filled(gmsh, body, name, beside)
     return solids, depths
 
 
-def _closed(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Closed | None:
+@dataclass(frozen=True)
+class _Extent:
+    """What a body reaches, which its plugs do not change."""
+
+    body: CadBody
+    low: Point  #: mm
+    high: Point  #: mm
+
+    @property
+    def size(self) -> float:
+        """mm"""
+        return float(np.linalg.norm(np.subtract(self.high, self.low)))
+
+    @property
+    def is_half(self) -> bool:
+        """Whether the file itself holds one half."""
+        return self.body.half and self.low[2] > -FLAT * self.size
+
+    @property
+    def has_image(self) -> bool:
+        """Whether an inlet has a mirror image in the file."""
+        return self.body.half and not self.is_half
+
+    def located(self, point: Point) -> Point:
+        """A point of the user, in the half that the file holds."""
+        return self.body.within_half(point, self.low, self.high) if self.is_half else point
+
+
+def _closed(gmsh: Any, extent: _Extent, solids: list[Volume], point: Point) -> Closed | None:
     """The solids without the inlet in a round face in whose mouth a point lies; None where there is none."""
-    size, is_half = _extent(gmsh, body, solids)
-    return close_round_inlet(gmsh, solids, _given(gmsh, body, solids, point), NEAR * size, is_half)
-
-
-def _extent(gmsh: Any, body: CadBody, solids: list[Volume]) -> tuple[float, bool]:
-    """Size of the body, mm, and whether the file itself holds one half."""
-    low, high = bounds(gmsh, solids)
-    size = float(np.linalg.norm(np.subtract(high, low)))
-    return size, body.half and low[2] > -FLAT * size
-
-
-def _given(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Point:
-    """A point of the user, in the half that the file holds."""
-    _, is_half = _extent(gmsh, body, solids)
-    return body.within_half(point, *bounds(gmsh, solids)) if is_half else point
+    return close_round_inlet(gmsh, solids, extent.located(point), NEAR * extent.size, extent.is_half)
 
 
 def _mirrored(point: Point) -> Point:
@@ -130,21 +147,20 @@ def hole_advice(gmsh: Any, body: CadBody, solids: list[Volume]) -> str:
     return f"; openings in flat faces, those outside first, have their centres at {', '.join(first)}" if first else ""
 
 
-def _channel(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Channel | None:
+def _channel(gmsh: Any, extent: _Extent, solids: list[Volume], point: Point) -> Channel | None:
     """The deepest channel behind a mouth in which a point lies; None where it lies in none."""
     channels = [
         Channel(gmsh, solids, mouth, side * mouth.normal)
-        for mouth in _mouths(gmsh, body, solids, point)
+        for mouth in _mouths(gmsh, extent, solids, point)
         for side in (1, -1)
     ]
     return max(channels, key=lambda channel: channel.depth, default=None)
 
 
-def _mouths(gmsh: Any, body: CadBody, solids: list[Volume], point: Point) -> Iterator[Mouth]:
+def _mouths(gmsh: Any, extent: _Extent, solids: list[Volume], point: Point) -> Iterator[Mouth]:
     """The openings of flat faces in which a point lies: at most one for each plane near it, those nearest first."""
     occ = gmsh.model.occ
-    size, is_half = _extent(gmsh, body, solids)
-    given = np.array(_given(gmsh, body, solids, point))
+    size, is_half, given = extent.size, extent.is_half, np.array(extent.located(point))
     for on, normal, flat in _planes_near(gmsh, solids, given, NEAR * size):
         if is_half and abs(normal[2]) > 0.5 and on[2] < NEAR * size:
             continue  # the plane of symmetry

@@ -6,6 +6,7 @@ are whole again (Gmsh's defeaturing), so that the plug ends in both faces whatev
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from typing import Any
 
@@ -46,7 +47,7 @@ class _Inlet:
     near: float  #: mm, accuracy of the point
     is_half: bool  #: whether its solid is one half, z >= 0
 
-    @property
+    @cached_property
     def mouth(self) -> Array | None:
         """Corners (2, 3) of the smallest box around a closed line of the edge of the walls in which the point lies, mm;
         None without such a line, or where only flat faces meet it."""
@@ -71,7 +72,7 @@ class _Inlet:
         mouth = self.mouth
         return mouth is not None and self._area <= LONG * 4.0 * pi * _radius(mouth) ** 2
 
-    @property
+    @cached_property
     def _area(self) -> float:
         return sum(self.faces.area(wall) for wall in self.walls)
 
