@@ -72,6 +72,8 @@ def parameter_frames(content: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
     pressures = content.get("pressures_kPa", [])
     profile = content["kappa_0"] if pressures else {}
     stretched = content.get("eccentricity", {}) if pressures else {}
+    if stretched and "moment_range_N_mm" in content:  # older files have one range for both rods
+        stretched = {"moment_range_N_mm": content["moment_range_N_mm"], **stretched}
     estimators = [
         _by_pressure(pressures, columns).assign(estimator=name, reason=columns.get("reason", ""))
         for name, columns in content.get("estimators", {}).items()

@@ -5,7 +5,7 @@ from rod.arm_law.record import law_from_record, law_record
 from rod.curves.cell_average import cell_averaged
 from rod.curves.closure import Closure, end_displacement_closure
 from rod.curves.curve import Curvature, Moment, moment_between, moment_from_load, without_stretch
-from rod.curves.extension import Extension, extension
+from rod.curves.extension import Extension, extension, moment_about_neutral_axis
 from rod.curves.gaussian_process import Smoothing, gaussian_process, shared_smoothing
 from rod.curves.uncertainty import Bootstrap, Interval
 from rod.errors import RodError
@@ -77,6 +77,7 @@ __all__ = [
     "law_record",
     "linear_range",
     "longest_break",
+    "moment_about_neutral_axis",
     "moment_between",
     "moment_from_load",
     "next_pressure",

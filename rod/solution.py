@@ -35,8 +35,9 @@ class RodSolution:
     shear: Array | None = field(default=None, repr=False)  #: (n,) slope Q/GA; None: the rod does not shear
     #: (m, 2) mm at s (m,): the material curve beside the axis, along and normal to it; None: it is the axis
     beside: Callable[[Array], Array] | None = field(default=None, repr=False)
-    #: (n,) N mm, moment of the rod's own weight where nothing else acts; None: a rod with another law than two lines
-    rest_moment: Array | None = field(default=None, repr=False)
+    #: (n,) N mm, what bends a rod with two lines: its moment about the neutral axis, less that of its own weight where
+    #: nothing else acts; None: a rod with another law
+    bending_moment: Array | None = field(default=None, repr=False)
 
     @cached_property
     def curve(self) -> Array:

@@ -49,6 +49,7 @@ def test_a_path_without_equilibrium_is_told_in_plain_python_too(monkeypatch: pyt
         np.ones((steps, 6)),
         np.ones(steps),
         np.zeros(steps),
+        np.zeros((steps, 6)),
         0.0,
         0.0,
         0.0,

@@ -87,8 +87,8 @@ def test_the_scheme_is_of_sixth_order():
     ends = []
     for n in (8, 16, 32, 64):
         steps = cut_into_steps(1.0, lambda s: 3.0 + s**2, FiveParameters(1.0, 1.0, 0.0, 0.0, 0.5), refinement=n / 160)
-        states, ones = np.empty((len(steps.s), 4)), np.ones(len(steps.s) - 1)
-        rod = RodArrays(steps.s, steps.kappa_0, np.ones_like(steps.kappa_0), ones, 0 * ones, 0.0, 0.0, 0.0)
+        states, ones, none = np.empty((len(steps.s), 4)), np.ones(len(steps.s) - 1), np.zeros_like(steps.kappa_0)
+        rod = RodArrays(steps.s, steps.kappa_0, none + 1.0, ones, 0 * ones, none, 0.0, 0.0, 0.0)
         sweep(rod, np.array([0.4, 1.0, -3.0]), np.zeros(4), states, np.empty(16))
         ends.append(states[-1].copy())
     differences = [np.abs(a - b).max() for a, b in itertools.pairwise(ends)]
@@ -100,7 +100,8 @@ def test_derivatives_by_the_unknowns_against_central_differences():
     steps = cut_into_steps(1.0, 2.0, TWO_LINES)
     alpha, m0 = np.where(steps.first, 2.0, 1.0), np.where(steps.first, 0.1, -0.05)
     unknowns, weight = np.array([-0.8, 0.5, -1.0]), np.array([0.1, -0.3, 0.2, -0.6])
-    rod = RodArrays(steps.s, steps.kappa_0, 1.0 + 0.1 * steps.kappa_0, alpha, m0, 0.05, 0.3, 0.2)
+    rest_moment = 0.1 * np.sin(steps.kappa_0)
+    rod = RodArrays(steps.s, steps.kappa_0, 1.0 + 0.1 * steps.kappa_0, alpha, m0, rest_moment, 0.05, 0.3, 0.2)
 
     def end(u):
         out = np.empty(16)

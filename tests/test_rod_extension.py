@@ -7,7 +7,16 @@ import pytest
 from scipy.integrate import solve_bvp
 
 from geometry import Centreline
-from rod import Extension, FiveParameters, Rod, RodError, extension
+from rod import (
+    Extension,
+    FiveParameters,
+    Load,
+    Rod,
+    RodError,
+    extension,
+    moment_about_neutral_axis,
+    moment_between,
+)
 
 LAW = FiveParameters(200.0, 400.0, 0.0, -0.3, 12.0)
 LENGTH, ECCENTRICITY = 112.0, 1.3
@@ -31,7 +40,8 @@ def test_agreement_with_scipy_solve_bvp():
             (0.0, LAW.d, z[:4], LAW.alpha1, LAW.m01),
             (LAW.d, LENGTH, z[4:], LAW.alpha2, LAW.m02),
         ):
-            s, delta = a + (b - a) * t, (m - m0) / alpha
+            about_neutral_axis = m + ECCENTRICITY * p[0] * np.sin(theta)
+            s, delta = a + (b - a) * t, (about_neutral_axis - m0) / alpha
             stretch = 1.01 + 0.02 * s / LENGTH + ECCENTRICITY * delta
             terms = (0.03 + delta, -stretch * p[0] * np.cos(theta), stretch * np.cos(theta), stretch * np.sin(theta))
             out += [(b - a) * term for term in terms]
@@ -79,6 +89,37 @@ def test_both_are_read_back_from_the_shapes():
     assert identified.eccentricity == pytest.approx(ECCENTRICITY, rel=2e-3)
     assert identified.eccentricity_std < 0.01
     assert identified.rest_stretch[5:-5] == pytest.approx(REST.rest_stretch[5:-5], abs=1e-4)
+
+
+def test_the_moment_about_the_neutral_axis_gives_back_the_rigidity():
+    """The end is pulled along the arm, so that the axial force is large; the moment about the curve is not enough."""
+    law = FiveParameters(300.0, 300.0, 0.0, 0.0, 12.0)
+    rod = dataclasses.replace(PLAIN, law=law, extension=REST, kappa_0=0.02)
+    loaded = rod.solve(force=(0.05, -0.05))
+    load = Load((0.05, -0.05))
+    free, bent = curve(rod.solve()), curve(loaded)
+    about_axis = moment_about_neutral_axis(free, bent, load, ECCENTRICITY)
+    delta = np.interp(NODES, loaded.s, loaded.kappa) - 0.02
+    assert about_axis.value == pytest.approx(300.0 * delta, abs=2e-4 * np.abs(about_axis.value).max())
+    assert about_axis.value == pytest.approx(np.interp(NODES, loaded.s, loaded.bending_moment), abs=2e-3)
+    apart = np.abs(moment_between(free, bent, load).value - about_axis.value).max()
+    assert apart > 0.005 * np.abs(about_axis.value).max()
+
+
+@pytest.mark.parametrize("weight", [(0.0, 0.0), (3e-4, -1e-3)])
+def test_the_compliance_is_symmetric(weight):
+    """The rod is elastic: its end moves by F_y along x as by F_x along y, and the same of a couple and the angle."""
+    rod = dataclasses.replace(PLAIN, extension=REST, weight=weight, weight_height=4.0)
+
+    def end(load):
+        shape = rod.under(Load(tuple(load[:2]), load[2], (1e-4, -2e-4), 4.0))
+        return np.array([shape.x[-1], shape.y[-1], shape.theta[-1]])
+
+    at, steps = np.array([0.01, -0.02, 0.5]), np.diag([1e-5, 1e-5, 1e-3])
+    compliance = np.column_stack([(end(at + h) - end(at - h)) / (2.0 * h.sum()) for h in steps])
+    scale = np.sqrt(np.outer(np.diag(compliance), np.diag(compliance)))
+    assert np.abs((compliance - compliance.T) / scale).max() < 1e-5
+    assert np.all(np.linalg.eigvalsh(0.5 * (compliance + compliance.T)) > 0.0)
 
 
 def test_an_end_out_of_reach_of_a_rod_that_does_not_stretch_is_within_it():

@@ -77,6 +77,16 @@ def test_the_stretch_changes_with_the_change_of_curvature_alone() -> None:
     assert pulled.stretch == pytest.approx(1.05 + 2.0 * (pulled.kappa - kappa))
 
 
+def test_offsets_fade_with_the_change_of_the_moment() -> None:
+    """Under next to no load the rod has the shape of kappa_0, although its weight alone has a large moment."""
+    rod = heavy(FiveParameters(300.0, 300.0, -2.0, -2.0, 15.0), fade=0.5)
+    alone, touched = rod.solve(), rod.solve((0.0, 1e-7))
+    assert touched.load_steps > 0
+    assert touched.positions(S) == pytest.approx(alone.positions(S), abs=1e-3)
+    assert touched.bending_moment == pytest.approx(0.0, abs=1e-3)
+    assert np.abs(alone.moment).max() > 5.0
+
+
 def test_the_rigidity_of_an_arm_that_sags_is_identified() -> None:
     """The moments of the end force alone give a rigidity that is far off."""
     (free, _), (loaded, load) = shape(LIGHT, WEIGHT_ALONE), shape(LIGHT, WEIGHT_ALONE, end_y=0.0)

@@ -40,6 +40,7 @@ from rod import (
     identify,
     is_clear,
     longest_break,
+    moment_about_neutral_axis,
     moment_between,
     rest_curvature,
     shared_smoothing,
@@ -70,8 +71,9 @@ class Parameters:
     moment: Moment  #: of III without its stretch
     by_cells: Identification
     by_process: Identification  #: the same from a Gaussian process, for comparison
-    extensible: Identification  #: from cell averages with the levers of the stretched curve, for the extensible rod
+    extensible: Identification  #: from cell averages with the moment about the neutral axis, for the extensible rod
     extension: Extension  #: how the curve stretches: rest stretch and eccentricity
+    bending_moment: Moment  #: of III about the neutral axis, with the levers of the stretched curve
     by_rod: RodFit | NoFit  #: the same from the closest rod
     given_d: float | None = None  #: mm, the break of all estimators where it was given; None where it was sought
     #: standard deviations due to the mesh by name; empty where they were not estimated
@@ -188,6 +190,11 @@ class Parameters:
         """The moments of III, from which the parameters were identified."""
         return MomentRange.of(self.moment)
 
+    @property
+    def extensible_moment_range(self) -> MomentRange:
+        """The same of the rod whose curve stretches."""
+        return MomentRange.of(self.bending_moment)
+
 
 def decided_together(parameters: Iterable[Parameters]) -> tuple[Parameters, ...]:
     """The same at every pressure of a run, with a single line or two by the evidence of all of them."""
@@ -253,7 +260,8 @@ def _identified(free: Record, loaded: Record, pitch: float, d: float | None, equ
     smooth_0, smooth = (gaussian_process(curve, smoothing) for curve in curves)
     by_cells = identify(kappa_0, kappa, moment, closure, d=d)
     by_process = identify(smooth_0, smooth, moment, closure, d=d)
-    stretched_moment = moment_between(*curves, loaded.load)
+    stretch = extension(*curves, pitch)
+    bending_moment = moment_about_neutral_axis(*curves, loaded.load, stretch.eccentricity)
     return Parameters(
         pressure_kPa=free.pressure_kPa,
         free=free,
@@ -263,8 +271,9 @@ def _identified(free: Record, loaded: Record, pitch: float, d: float | None, equ
         moment=moment,
         by_cells=by_cells,
         by_process=by_process,
-        extensible=identify(kappa_0, kappa, stretched_moment, closure, d=d),
-        extension=extension(*curves, pitch),
+        extensible=identify(kappa_0, kappa, bending_moment, closure, d=d),
+        extension=stretch,
+        bending_moment=bending_moment,
         by_rod=_closest_rod(LoadedShape(*curves, loaded.load, pitch, loaded.held), d, (by_cells, by_process)),
         given_d=d,
         equal_cells=equal_cells,

@@ -9,7 +9,7 @@ from pipeline.identification.parameters import DEFAULT, NoFit, Parameters, choic
 from pipeline.identification.predicted import predicted_numbers
 from pipeline.store.formats import FORMAT
 from pipeline.store.json_values import Json, JsonObject
-from rod import ArmLaw, Identification, Interval, LinearRange, Load, ParameterEstimate, rest_curvature
+from rod import ArmLaw, Identification, Interval, LinearRange, Load, MomentRange, ParameterEstimate, rest_curvature
 
 ESTIMATORS = (DEFAULT, "gaussian_process", "rod_fit")
 
@@ -53,7 +53,7 @@ def parameters_record(
         "observations": [p.by_cells.observations for p in parameters],
         "mesh_error": _mesh_error(config, parameters),
         "mesh_error_reason": mesh_error_reason,
-        "moment_range_N_mm": [[p.moment_range.low, p.moment_range.high] for p in parameters],
+        "moment_range_N_mm": _ranges([p.moment_range for p in parameters]),
         "eccentricity": _eccentricity(parameters),
         "estimators": {name: _estimator(name, parameters) for name in ESTIMATORS},
         **_predicted(parameters, law),
@@ -104,8 +104,13 @@ def _eccentricity(parameters: Sequence[Parameters]) -> JsonObject:
         "eccentricity_mm": [p.extension.eccentricity for p in parameters],
         "eccentricity_mm_std": [p.extension.eccentricity_std for p in parameters],
         **_columns([p.extensible_numbers for p in parameters]),
+        "moment_range_N_mm": _ranges([p.extensible_moment_range for p in parameters]),
         "rest_stretch": [p.extension.rest_stretch for p in parameters],
     }
+
+
+def _ranges(ranges: Sequence[MomentRange]) -> list[Json]:
+    return [[moments.low, moments.high] for moments in ranges]
 
 
 def _predicted(parameters: Sequence[Parameters], law: ArmLaw | None) -> JsonObject:

@@ -52,11 +52,16 @@ def check_parameters(content: Mapping[str, Any]) -> None:
     reach = float(content["kappa_0"]["s_mm"][-1])
     if abs(reach - length) > 1e-6 * length:
         raise RodError(f"s_mm of kappa_0 goes to {reach:g} mm, and length_mm is {length:g} mm.")
-    if content.get("moment_range_N_mm"):
-        check_table(content, {"moment_range_N_mm": ("n", 2)}, sizes=sizes)
+    _check_moment_range(content, "", sizes)
     if content.get("eccentricity"):
         check_table(content["eccentricity"], _STRETCH, "eccentricity", sizes)
         check_positive(content["eccentricity"], (*_POSITIVE, "rest_stretch"), "eccentricity")
+        _check_moment_range(content["eccentricity"], "eccentricity", sizes)
+
+
+def _check_moment_range(content: Mapping[str, Any], name: str, sizes: Mapping[str, int]) -> None:
+    if content.get("moment_range_N_mm"):
+        check_table(content, {"moment_range_N_mm": ("n", 2)}, name, sizes)
 
 
 def _check_deviations(content: Mapping[str, Any], sizes: Mapping[str, int]) -> None:

@@ -170,6 +170,8 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
     of_rod = content["eccentricity"] if extensible else content
     columns = [of_rod[key] for key in PARAMETER_COLUMNS.values()]
     stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
+    # older files have no range of its own for the rod that stretches
+    moment_ranges = of_rod.get("moment_range_N_mm", content.get("moment_range_N_mm", ()))
     return PressurisedRod(
         length=float(content["length_mm"]),
         pressures=np.array(content["pressures_kPa"], dtype=float),
@@ -178,7 +180,7 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
         kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
         theta0=np.array(profile["theta0_rad"], dtype=float),
         extensions=tuple(Extension(np.array(profile["s_mm"]), np.array(rest), e) for rest, e in stretches),
-        moment_ranges=tuple(MomentRange(*ends) for ends in content.get("moment_range_N_mm", ())),
+        moment_ranges=tuple(MomentRange(*ends) for ends in moment_ranges),
         straight_without_pressure=bool(content.get("straight_without_pressure", True)),
         weight=pair(content.get("weight_N_per_mm", (0.0, 0.0)), "weight_N_per_mm"),
         weight_height=float(content.get("weight_height_mm", 0.0)),

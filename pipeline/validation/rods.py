@@ -49,9 +49,9 @@ class ArmRods:
         """The rods at a pressure in kPa, between identified ones by cubics; a reason for each that is none."""
         rods: dict[str, FittedRod | PredictedRod | NoSolution] = {}
         if self.parameters:
-            for name, of_pressure in ((FIVE, [p.rod for p in self.parameters]), (EXTENSIBLE, self._extensible)):
+            for name, over_pressure in ((FIVE, self._inextensible), (EXTENSIBLE, self._extensible)):
                 try:
-                    rods[name] = fitted_rod(self._over_pressure(of_pressure), pressure)
+                    rods[name] = fitted_rod(over_pressure(), pressure)
                 except RodError as failure:
                     rods[name] = NoSolution(str(failure))
         if self.law is not None:
@@ -61,11 +61,14 @@ class ArmRods:
                 rods[ARM_LAW] = NoSolution(str(failure))
         return rods
 
-    @property
-    def _extensible(self) -> list[Rod]:
-        return [p.extensible_rod for p in self.parameters]
+    def _inextensible(self) -> PressurisedRod:
+        return self._over_pressure([p.rod for p in self.parameters], [p.moment_range for p in self.parameters])
 
-    def _over_pressure(self, rods: Sequence[Rod]) -> PressurisedRod:
+    def _extensible(self) -> PressurisedRod:
+        ranges = [p.extensible_moment_range for p in self.parameters]
+        return self._over_pressure([p.extensible_rod for p in self.parameters], ranges)
+
+    def _over_pressure(self, rods: Sequence[Rod], ranges: Sequence[MomentRange]) -> PressurisedRod:
         """Rods at the pressures of the parameters."""
         return PressurisedRod(
             rods[0].length,
@@ -76,7 +79,7 @@ class ArmRods:
             np.array([rod.theta0 for rod in rods]),
             rods[0].start,
             tuple(rod.extension for rod in rods if rod.extension is not None),
-            tuple(p.moment_range for p in self.parameters),
+            tuple(ranges),
             self.straight_without_pressure,
             rods[0].weight,
             rods[0].weight_height,

@@ -7,7 +7,8 @@ the distance e from the neutral axis is lengthened by e Delta:
 
 lambda_0 is the stretch of the curve without end load (experiment II), a profile like kappa_0; the eccentricity e is one
 number per pressure, the sixth parameter, read from experiment III. With it the position of the rod at every s is right,
-not only its angle. Stretch by the normal force (F/EA, a tenth of a per cent) is neglected.
+not only its angle. The moment that bends such an arm is that about its neutral axis, M + e N with the axial force N
+(`moment_about_neutral_axis`). Stretch by the normal force (F/EA, a tenth of a per cent) is neglected.
 """
 
 import math
@@ -18,7 +19,9 @@ import numpy as np
 from geometry import Centreline
 from geometry.arrays import Array
 from rod.curves.cell_average import cell_averaged
+from rod.curves.curve import Moment, moment_between
 from rod.errors import RodError
+from rod.load import Load
 
 
 @dataclass(frozen=True)
@@ -85,3 +88,21 @@ def extension(free: Centreline, loaded: Centreline, pitch: float) -> Extension:
     misfit = float(np.mean((stretch - eccentricity * delta) ** 2)) * cells / (cells - 1.0)
     std = math.sqrt(misfit / cells / float(np.mean(delta**2)))
     return Extension(s, rest, eccentricity, std)
+
+
+def moment_about_neutral_axis(free: Centreline, loaded: Centreline, load: Load, eccentricity: float) -> Moment:
+    """M + e N at the nodes of the loaded curve less that of the free one, which bears the weight alone.
+
+    With the stretch lambda_0 + e Delta it does the work of all loads when the curvature of the rod changes. N is the
+    force along the tangent; eccentricity: e, mm.
+    """
+    moment = moment_between(free, loaded, load)
+    along = _axial_force(loaded, load) - _axial_force(free, load.own_weight)
+    return Moment(moment.s, moment.value + eccentricity * along)
+
+
+def _axial_force(curve: Centreline, load: Load) -> Array:
+    """(n,) N, of the load on the curve beyond every node."""
+    angle = np.interp(curve.s, 0.5 * (curve.s[1:] + curve.s[:-1]), curve.angle)
+    x, y = (force + weight * (curve.s[-1] - curve.s) for force, weight in zip(load.force, load.weight, strict=True))
+    return x * np.cos(angle) + y * np.sin(angle)

@@ -43,13 +43,13 @@ class MomentRange:
     def warning(self, shape: RodSolution) -> str:
         """One sentence on where the moment of a rod leaves the range and how far; empty where it does not.
 
-        An unloaded rod has the shape of kappa_0 and needs no law. Of the weight of a rod that has one, the change of
-        its moment counts.
+        An unloaded rod has the shape of kappa_0 and needs no law. The moment is that which bends the rod: of one that
+        stretches about its neutral axis, and of the weight of a rod that has one the change.
         """
         if shape.load_steps == 0 or not np.any(shape.moment):
             return ""
         s = np.linspace(0.0, shape.s[-1], 401)
-        moment = np.interp(s, shape.s, shape.moment if shape.rest_moment is None else shape.moment - shape.rest_moment)
+        moment = np.interp(s, shape.s, shape.moment if shape.bending_moment is None else shape.bending_moment)
         outside = (moment < self.low) | (moment > self.high)
         fraction = float(outside.mean())
         if fraction <= ALLOWED_FRACTION:

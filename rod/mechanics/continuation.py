@@ -42,7 +42,7 @@ class Problem:
     """A dimensionless rod under one set of loads. The clamp is the origin."""
 
     steps: Steps
-    kappa_0: Array  #: (n, 6) of the rod without load and without its own weight, at the stages of every step
+    kappa_0: Array  #: (n, 6) of the rod without load, under its own weight, at the stages of every step
     alpha: Array  #: (n,)
     m0: Array  #: (n,)
     fade: float
@@ -53,7 +53,8 @@ class Problem:
     force: Array  #: (2,) given components, zero where unknown
     weight: Array  #: (4,) of the load, as in `shooting`
     own_weight: Array  #: (4,) of the rod itself, in full from the start, or growing with kappa_0 if `together`
-    rest_moment: Array  #: (n, 6) of the own weight on the rod without load
+    rest_moment: Array  #: (n, 6) of the own weight on the rod without load, about the neutral axis (`own_weight`)
+    rest_clamp_moment: float  #: of the same about the curve, at the clamp
     moment: float  #: at the tip
     end: Array  #: (2,) prescribed x and y of the tip, used where the force is unknown
     together: bool  #: kappa_0 and the rest stretch grow with the loads, from the straight rod
@@ -62,7 +63,7 @@ class Problem:
     def start(self) -> "LoadPoint":
         """The rod before any load: straight, or with the shape of kappa_0."""
         states, end = np.empty((len(self.steps.s), 4)), np.empty(16)
-        unknowns = np.array([0.0 if self.together else self.rest_moment[0, 0], 0.0, 0.0])
+        unknowns = np.array([0.0 if self.together else self.rest_clamp_moment, 0.0, 0.0])
         sweep(self.arrays(0.0)._replace(fade=0.0), unknowns, self.weight_at(0.0), states, end)
         # columns of derivatives by M(0), F_x, F_y; rows M, x, y; a given force component keeps a trivial row
         matrix = np.where(np.outer(self.free, self.free), end[4:].reshape(3, 4)[:, 1:].T, np.eye(3))
@@ -70,11 +71,11 @@ class Problem:
 
     def arrays(self, factor: float) -> RodArrays:
         """The rod at a load factor: its intercepts grow with the load, kappa_0 and rest stretch if `together`."""
-        kappa_0, stretch = self.kappa_0, self.stretch
+        kappa_0, stretch, rest_moment = self.kappa_0, self.stretch, self.rest_moment
         if self.together:
-            kappa_0, stretch = factor * kappa_0, 1.0 + factor * (stretch - 1.0)
-        m0 = factor * self.m0
-        return RodArrays(self.steps.s, kappa_0, stretch, self.alpha, m0, self.fade, self.eccentricity, self.theta0)
+            kappa_0, stretch, rest_moment = factor * kappa_0, 1.0 + factor * (stretch - 1.0), factor * rest_moment
+        s, m0 = self.steps.s, factor * self.m0
+        return RodArrays(s, kappa_0, stretch, self.alpha, m0, rest_moment, self.fade, self.eccentricity, self.theta0)
 
     def weight_at(self, factor: float) -> Array:
         """(4,) weight at a load factor."""

@@ -3,12 +3,13 @@
     theta' = kappa,                          x' = cos theta,  y' = sin theta,
     kappa = kappa_0 + (M - m0_i)/alpha_i,    M' = n_x sin theta - n_y cos theta
 
-(times the stretch lambda where the rod has an `extension`; without one it is inextensible, lambda = 1)
-
 clamped at s = 0, with n(s) = F + q (l - s), end force F, end moment M(l) and a dead load q per length (gravity; for
 that under which kappa_0 was measured see `own_weight`). Given
 are F or components of the end position, whose reactions are then unknown components of F. The unknowns, M(0) and those
 components, are found by shooting (`shooting`), for large loads with continuation (`continuation`).
+
+Where the rod has an `extension`, x', y' and M' are those times the stretch, and the moment about the neutral axis
+stands in the place of M in kappa (`shooting`).
 """
 
 import math
@@ -28,7 +29,7 @@ from rod.errors import RodError
 from rod.law import FiveParameters, TwoSlopes
 from rod.load import Load, held_at, pair
 from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load, too_large
-from rod.mechanics.own_weight import moment_of_weight
+from rod.mechanics.own_weight import rest_moment
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
 from rod.mechanics.shooting import ABSCISSAE
 from rod.solution import RodSolution
@@ -248,12 +249,13 @@ def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
     eccentricity = 0.0 if extension is None else extension.eccentricity / length
     alpha = np.where(steps.first, law.alpha1, law.alpha2) / base
     own_weight = _weight(Load(weight=rod.weight, weight_height=rod.weight_height), unit, length)
-    of_weight = moment_of_weight(steps, stretch, own_weight, rod.theta0) if any(rod.weight) else np.zeros(stages.shape)
-    bent = of_weight / alpha[:, None]
+    at_rest = (0.0, np.zeros(stages.shape))
+    if any(rod.weight):
+        at_rest = rest_moment(steps, stretch, own_weight, rod.theta0, eccentricity)
     return Problem(
         steps=steps,
-        kappa_0=steps.kappa_0 - bent,
-        stretch=stretch - eccentricity * bent,
+        kappa_0=steps.kappa_0,
+        stretch=stretch,
         eccentricity=eccentricity,
         alpha=alpha,
         m0=np.where(steps.first, law.m01, law.m02) * (length / base),
@@ -263,7 +265,8 @@ def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
         force=np.array(case.load.force) * unit,
         weight=_weight(case.load, unit, length),
         own_weight=own_weight,
-        rest_moment=of_weight,
+        rest_moment=at_rest[1],
+        rest_clamp_moment=at_rest[0],
         moment=case.load.couple * length / base,
         end=np.array(end),
         together=case.together,
@@ -280,31 +283,41 @@ def _solution(rod: Rod, problem: Problem, point: LoadPoint, count: int) -> RodSo
     """The dimensionless point in mm and N."""
     law, steps, length = rod.lines, problem.steps, rod.length
     base = abs(law.alpha2)
-    moment = point.states[:, 1] * (base / length)
-    intercept_factor = np.full(len(moment), 1.0 if count else 0.0)
+    kappa_0, at_rest = (np.append(stages[:, 0], stages[-1, 1]) for stages in (steps.kappa_0, problem.rest_moment))
+    bending = (_about_neutral_axis(problem, point) - at_rest) * (base / length)
+    intercept_factor = np.full(len(bending), 1.0 if count else 0.0)
     if rod.fade > 0.0:
-        intercept_factor *= np.minimum(1.0, np.abs(moment) / rod.fade)
+        intercept_factor *= np.minimum(1.0, np.abs(bending) / rod.fade)
     first = np.append(steps.first, False)
-    kappa_0, rest, rest_moment = (
-        np.append(stages[:, 0], stages[-1, 1]) / length
-        for stages in (problem.kappa_0, steps.kappa_0, problem.rest_moment * base)
-    )
     intercept = intercept_factor * np.where(first, law.m01, law.m02)
-    deviation = (moment - intercept) / np.where(first, law.alpha1, law.alpha2)
+    deviation = (bending - intercept) / np.where(first, law.alpha1, law.alpha2)
     arrays = {
         "s": steps.s * length,
         "x": rod.start[0] + length * point.states[:, 2],
         "y": rod.start[1] + length * point.states[:, 3],
         "theta": point.states[:, 0].copy(),
-        "kappa": kappa_0 + deviation,
-        "moment": moment,
-        "rest_moment": rest_moment,
-        "stretch": _stretch(rod, steps.s * length, kappa_0 + deviation - rest),
-        "force": np.where(problem.free[1:], point.unknowns[1:], problem.force) * (base / length**2),
+        "kappa": kappa_0 / length + deviation,
+        "moment": point.states[:, 1] * (base / length),
+        "bending_moment": bending,
+        "stretch": _stretch(rod, steps.s * length, deviation),
+        "force": _end_force(problem, point) * (base / length**2),
     }
     for array in arrays.values():
         array.setflags(write=False)
     return RodSolution(**arrays, load_steps=count)
+
+
+def _end_force(problem: Problem, point: LoadPoint) -> Array:
+    """(2,) F_x and F_y on the end, given or found."""
+    return np.where(problem.free[1:], point.unknowns[1:], problem.force)
+
+
+def _about_neutral_axis(problem: Problem, point: LoadPoint) -> Array:
+    """(n,) M + e N at the ends of the steps."""
+    theta, moment = point.states[:, 0], point.states[:, 1]
+    weight_beyond = np.outer(problem.weight_at(1.0)[:2], 1.0 - problem.steps.s)
+    x, y = _end_force(problem, point)[:, None] + weight_beyond
+    return moment + problem.eccentricity * (x * np.cos(theta) + y * np.sin(theta))
 
 
 def _stretch(rod: Rod, s: Array, deviation: Array) -> Array:

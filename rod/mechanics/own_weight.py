@@ -1,11 +1,11 @@
-"""A rod whose intrinsic curvature was measured under its weight: what of it the weight has bent.
+"""A rod whose intrinsic curvature was measured under its weight: what moment it has in that shape.
 
-With M_w(s) the moment of the weight on the shape of kappa_0, for which it is in equilibrium where nothing else acts,
+Where nothing else acts the weight is in equilibrium on the shape of kappa_0. With M_0(s) the moment that it has there
+about the neutral axis, the law of the rod relates changes from this state (see `shooting`):
 
-    kappa = kappa_0 + (M - M_w - m0)/alpha = (kappa_0 - M_w/alpha) + (M - m0)/alpha,
+    kappa = kappa_0 + (M + e N - M_0 - m0)/alpha
 
-so that a rod with the curvature kappa_0 - M_w/alpha which carries its weight is that rod. M is then the moment of all
-loads. Everything is dimensionless as in `shooting`.
+M is the moment of all loads. Everything is dimensionless as in `shooting`.
 """
 
 import numpy as np
@@ -16,18 +16,26 @@ from rod.mechanics.profile import Steps
 from rod.mechanics.shooting import ABSCISSAE, RodArrays, sweep
 
 
-def moment_of_weight(steps: Steps, stretch: Array, weight: Array, theta0: float) -> Array:
-    """(n, 6) M_w at the stages of every step, by the cubics of its values and slopes at the ends of the step.
+def rest_moment(
+    steps: Steps, stretch: Array, weight: Array, theta0: float, eccentricity: float = 0.0
+) -> tuple[float, Array]:
+    """M of the weight at the clamp, and (n, 6) M_0 at the stages of every step, by the cubics of its values and slopes
+    at the ends of the step.
 
     stretch: (n, 6) of the shape of kappa_0; weight: (4,) as in `shooting`; theta0: rad, at the clamp.
     """
-    n = len(steps.s) - 1
-    rigid = RodArrays(steps.s, steps.kappa_0, stretch, np.full(n, np.inf), np.zeros(n), 0.0, 0.0, theta0)
+    n, zero = len(steps.s) - 1, np.zeros_like(steps.kappa_0)
+    rigid = RodArrays(steps.s, steps.kappa_0, stretch, np.full(n, np.inf), np.zeros(n), zero, 0.0, 0.0, theta0)
     states = np.empty((n + 1, 4))
     sweep(rigid, np.zeros(3), weight, states, np.empty(16))
-    moment = states[:, 1] - states[-1, 1]
-    cosine, sine = np.cos(states[:, 0]), np.sin(states[:, 0])
-    across, couple = (1.0 - steps.s) * (weight[0] * sine - weight[1] * cosine), weight[2] * cosine + weight[3] * sine
-    step = np.diff(steps.s)
-    first, last = step * (stretch[:, 0] * across[:-1] + couple[:-1]), step * (stretch[:, 1] * across[1:] + couple[1:])
-    return np.ascontiguousarray(hermite(ABSCISSAE[:, None], moment[:-1], moment[1:], first, last).T)
+    cosine, sine, beyond = np.cos(states[:, 0]), np.sin(states[:, 0]), 1.0 - steps.s
+    along, across = weight[0] * cosine + weight[1] * sine, weight[0] * sine - weight[1] * cosine
+    of_curve = states[:, 1] - states[-1, 1]
+    moment = of_curve + eccentricity * beyond * along
+    couple = weight[2] * cosine + weight[3] * sine - eccentricity * along
+    step, slopes = np.diff(steps.s), []
+    for at, nodes in ((0, slice(None, -1)), (1, slice(1, None))):
+        lever = stretch[:, at] - eccentricity * steps.kappa_0[:, at]
+        slopes.append(step * (lever * (beyond * across)[nodes] + couple[nodes]))
+    stages = hermite(ABSCISSAE[:, None], moment[:-1], moment[1:], *slopes)
+    return float(of_curve[0]), np.ascontiguousarray(stages.T)

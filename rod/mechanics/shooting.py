@@ -3,12 +3,17 @@
 All quantities here are dimensionless: lengths over l, moments over B/l, forces over B/l^2, with B a rigidity of the
 rod. The state is (theta, M, x, y); behind it stand its derivatives by the three unknowns M(0), F_x, F_y:
 
-    theta' = kappa_0 + Delta,  Delta = (M - m0)/alpha          x' = lambda cos theta
+    theta' = kappa_0 + Delta                                   x' = lambda cos theta
     M'     = lambda (n_x sin theta - n_y cos theta) + c_x cos theta + c_y sin theta
                                                                y' = lambda sin theta
 
 with n(s) = F + q (1 - s), c = h q of a weight at the height h above the curve, and the stretch
-lambda = lambda_0 + e Delta, which is 1 on an inextensible rod.
+lambda = lambda_0 + e Delta, which is 1 on an inextensible rod. Where the rod bends by dDelta it gets longer by
+e dDelta, so that the moment about the neutral axis bends it, which is at the distance e from the curve:
+
+    Delta = (M + e N - M_0 - m0)/alpha,    N = n_x cos theta + n_y sin theta
+
+M_0 is this moment where the rod has kappa_0, zero unless it has that under its own weight (`own_weight`).
 
 The scheme is the explicit sixth-order Runge-Kutta method of H. A. Luther, Math. Comp. 22 (1968) 434-436. Its steps are
 chosen by the caller so that every break (d, the samples of kappa_0) lies on a step boundary; nothing jumps inside a
@@ -70,6 +75,7 @@ class RodArrays(NamedTuple):
     rest_stretch: Array  #: (n, 6) lambda_0, likewise
     alpha: Array  #: (n,)
     m0: Array  #: (n,)
+    rest_moment: Array  #: (n, 6) M_0, likewise
     fade: float  #: moment below which the intercepts fade to zero
     eccentricity: float
     theta0: float  #: rad, tangent angle at the clamp
@@ -82,6 +88,7 @@ class _Section(NamedTuple):
     rest_stretch: float
     alpha: float
     m0: float
+    rest_moment: float
     nx: float
     ny: float
     cx: float
@@ -90,8 +97,13 @@ class _Section(NamedTuple):
 
 def _rate(z: Array, section: _Section, fade: float, eccentricity: float, out: Array) -> None:
     """Right-hand side for the state z[0:4] and its three derivatives z[4:16] (theta, M, x, y for each unknown)."""
-    angle, moment = float(z[0]), float(z[1])
+    angle = float(z[0])
     m0, nx, ny = section.m0, section.nx, section.ny
+    cosine, sine = math.nan, math.nan
+    if math.isfinite(angle):
+        cosine, sine = math.cos(angle), math.sin(angle)
+    along, across = nx * cosine + ny * sine, nx * sine - ny * cosine
+    moment = float(z[1]) + eccentricity * along - section.rest_moment  # what bends the rod
     slope = 1.0 / section.alpha
     size = abs(moment)
     if size < fade:  # the intercept fades to nothing with the moment
@@ -99,20 +111,21 @@ def _rate(z: Array, section: _Section, fade: float, eccentricity: float, out: Ar
         m0 = m0 * size / fade
     deviation = (moment - m0) / section.alpha
     stretch, by_moment = section.rest_stretch + eccentricity * deviation, eccentricity * slope
-    cosine, sine = math.nan, math.nan
-    if math.isfinite(angle):
-        cosine, sine = math.cos(angle), math.sin(angle)
     c, s = stretch * cosine, stretch * sine
-    across = nx * sine - ny * cosine
     out[0] = section.kappa_0 + deviation
     out[1] = stretch * across + section.cx * cosine + section.cy * sine
     couple_rate = section.cy * cosine - section.cx * sine
     out[2] = c
     out[3] = s
-    axial = nx * c + ny * s
+    axial = stretch * along
     for unknown in range(3):
         j = 4 + 4 * unknown
-        angle_rate, moment_rate = float(z[j]), float(z[j + 1])
+        angle_rate = float(z[j])
+        moment_rate = float(z[j + 1]) - eccentricity * across * angle_rate
+        if unknown == 1:
+            moment_rate += eccentricity * cosine
+        elif unknown == 2:
+            moment_rate += eccentricity * sine
         stretch_rate = by_moment * moment_rate
         out[j] = slope * moment_rate
         out[j + 1] = (axial + couple_rate) * angle_rate + across * stretch_rate
@@ -149,7 +162,9 @@ def _sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: A
             at = _STAGE_ABSCISSA[i]
             beyond = 1.0 - start - h * ABSCISSAE[at]
             kappa_0, rest_stretch = float(rod.kappa_0[step, at]), float(rod.rest_stretch[step, at])
-            section = _Section(kappa_0, rest_stretch, alpha, m0, fx + qx * beyond, fy + qy * beyond, cx, cy)
+            rest_moment = float(rod.rest_moment[step, at])
+            nx, ny = fx + qx * beyond, fy + qy * beyond
+            section = _Section(kappa_0, rest_stretch, alpha, m0, rest_moment, nx, ny, cx, cy)
             _rate(stage, section, rod.fade, rod.eccentricity, k[i])
         for i in range(7):
             if _WEIGHTS[i] != 0.0:
