@@ -60,8 +60,8 @@ def test_without_its_details_the_bar_is_left(tmp_path: Path, draw: Any) -> None:
     assert (design.extent, len(design.edges)) == (pytest.approx((60, 12, 15)), 24)
     assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
     assert design.cavity_volumes == pytest.approx({"cavity": BAR_AIR}, rel=1e-9)
-    quality = design.body(5.0).mesh.quality
-    given = CadFile(str(path), 1.5, symmetric=draw is rounded)
+    quality = CadFile(str(path), 1.5, defeature=0.8, cell=6.0).body(5.0).mesh.quality
+    given = CadFile(str(path), 1.5, symmetric=draw is rounded, cell=6.0)
     assert given.solid_volume != pytest.approx(BAR_VOLUME, rel=1e-6)
     assert quality.count < given.body(5.0).mesh.quality.count / 2
 

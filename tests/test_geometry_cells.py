@@ -96,3 +96,65 @@ def test_a_cavity_that_does_not_go_through_the_cells_is_refused(tmp_path: Path) 
     air = {f"cavity{k}": (6.0 + 10.0 * k, 4.0, 0.0) for k in range(4)}
     with pytest.raises(DesignError, match="does not go through the cell; equal cells are in the same cavities"):
         CadFile(str(path), 1, 0, 42, air, cell=PLANES).half_cell(6.0)
+
+
+LONG = PneuNet(chambers=7)
+
+
+def test_equal_chambers_are_the_cells_unless_a_length_is_given(tmp_path: Path) -> None:
+    path = str(pneunet_as_step(tmp_path / "net.step", LONG))
+    own = CadFile(path, LONG.curve_y)
+    assert own.cells is not None
+    assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells) == pytest.approx((6, 5, 12), abs=1e-9)
+    assert own.half_cell(5.0).mesh.volume == pytest.approx(LONG.half_cell(5.0).mesh.volume, rel=1e-9)
+    turned = CadFile(path, LONG.curve_y, clamp=LONG.length, tip=0.0)
+    assert turned.cells == own.cells
+    assert CadFile(path, LONG.curve_y, cell=10.0).cells is None
+
+
+def test_round_chambers(tmp_path: Path) -> None:
+    """The kernel's difference of such a body and its mirror image is more than the body itself."""
+
+    def draw(occ: Any) -> None:
+        air = [(3, occ.addSphere(9.1 + 9.3 * k, 0, 0, 4)) for k in range(9)]
+        air, _ = occ.fuse(air[:1], [*air[1:], (3, occ.addCylinder(8, 0, 0, 76, 0, 0, 1))])
+        occ.cut([box(occ, (0, -8, -8), (92, 8, 8))], air)
+
+    own = CadFile(str(save(tmp_path / "spheres.step", draw)), -7.0)
+    assert own.cells is not None
+    assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells) == pytest.approx((9.1, 4.65, 16), abs=1e-6)
+
+
+def chambers_in_a_bar(occ: Any, *, channel: bool = True, notched: bool = False) -> None:
+    bar = box(occ, (0, 0, -6), (80, 10, 6))
+    air = [box(occ, (4 + 10 * k, 2, -4), (10 + 10 * k, 8, 4)) for k in range(7)]
+    air += [box(occ, (6, 3, -1), (70, 4, 1))] if channel else []
+    notches = [box(occ, (5 + 10 * k, 9, -6), (6 + 10 * k, 10, 6)) for k in range(7)] if notched else []
+    occ.cut([bar], air + notches)
+
+
+def test_equal_chambers_that_are_no_cells(tmp_path: Path) -> None:
+    lopsided = CadFile(str(save(tmp_path / "lop.step", lambda occ: chambers_in_a_bar(occ, notched=True))), 1.0)
+    assert (lopsided.repeats, lopsided.pitch) == (False, pytest.approx(10.0))
+    assert "are 10 mm apart, but the body is not symmetric about the plane x = 37 mm" in lopsided.why_no_cell
+    air = {f"c{k}": (7.0 + 10.0 * k, 5.0, 0.0) for k in range(7)}
+    path = save(tmp_path / "apart.step", lambda occ: chambers_in_a_bar(occ, channel=False))
+    apart = CadFile(str(path), 1.0, air=air)
+    assert not apart.repeats
+    assert "but the cavity c0 does not go through all of them" in apart.why_no_cell
+
+
+def test_an_arm_with_one_section_has_cells_and_one_with_a_rib_has_none(tmp_path: Path) -> None:
+    def draw(occ: Any, rib: tuple[int, int] | None = None) -> None:
+        body = [box(occ, (0, 0, -6), (80, 10, 6))]
+        if rib is not None:
+            body, _ = occ.fuse(body, [box(occ, (rib[0], 9, -6), (rib[1], 11, 6))])
+        occ.cut(body, [box(occ, (3, 2, -4), (77, 8, 4))])
+
+    own = CadFile(str(save(tmp_path / "bar.step", draw)), 1.0)
+    assert own.cells is not None
+    assert own.cells.half_cells == 16
+    assert own.body(5.0).mesh.volume == pytest.approx((80 * 10 * 12 - 74 * 6 * 8) / 2, rel=1e-9)
+    ribbed = CadFile(str(save(tmp_path / "rib.step", lambda occ: draw(occ, (41, 43)))), 1.0)
+    assert not ribbed.repeats
+    assert "name the planes of one" in ribbed.why_no_cell

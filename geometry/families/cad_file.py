@@ -1,8 +1,10 @@
 """A body from a CAD file (STEP or BREP)."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import ClassVar, final
 
@@ -11,7 +13,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug, wrong_points
-from geometry.foreign.chambers import Range
+from geometry.foreign.chambers import Range, middles_of
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
@@ -20,7 +22,7 @@ from geometry.manifold import check_manifold
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_thinnest_wall, mesh_cad
 from geometry.meshing.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
-from geometry.meshing.cells import CellPlanes, Cells, find_cells, mesh_cells
+from geometry.meshing.cells import CellPlanes, Cells, find_cells, find_cells_of_chambers, mesh_cells
 from geometry.meshing.mirror import Repetition
 
 
@@ -31,9 +33,10 @@ class CadFile(FileDesign):
 
     In the frame of the arm (`axes`) x is along the length, y up, z across, and the body is symmetric about z = 0 (or
     one half of such a body) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError`
-    names the config key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The cells are nominal:
-    equal parts of the length, about `cell` long, unless `cell` are two planes of mirror symmetry: then the body is
-    meshed from equal cells and its two ends.
+    names the config key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The body is meshed from
+    equal cells and its two ends where `cell` are two planes of mirror symmetry of the cells, or where it is not given
+    and such planes are in and between equal chambers, or anywhere in an arm with one section. Otherwise the cells are
+    nominal: equal parts of the length, about `cell` long.
     """
 
     family: ClassVar[str] = "cad_file"
@@ -44,7 +47,7 @@ class CadFile(FileDesign):
     tip: float | None = None  #: x of the other end face; without it the other end
     air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
     symmetric: bool = True  #: whether only the half z >= 0 is meshed
-    cell: float | CellPlanes | None = None  #: length of a cell, or two planes of [its symmetry](cell.md#own-bodies)
+    cell: float | CellPlanes | None = None  #: its length or [planes](cell.md#own-bodies), sought if left out
     unit: float = 1.0  #: unit of length of a BREP file, which does not store it
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
     unite: bool = False  #: whether several solids that touch become one
@@ -128,10 +131,45 @@ class CadFile(FileDesign):
         """Length (mm) of each edge of the body in the file, and where its middle is, the shortest first."""
         return edges_of(self._cad)
 
-    @cached_property
+    @property
     def cells(self) -> Cells | None:
         """Where the cells lie; None where it is not known."""
-        return find_cells(self._cad, self.cell) if isinstance(self.cell, CellPlanes) else None
+        return self._cells_or_reason[0]
+
+    @property
+    def pitch(self) -> float:
+        return super().pitch if self.cells is None else 2 * self.cells.half_pitch
+
+    @property
+    def why_no_cell(self) -> str:
+        return self._cells_or_reason[1] or super().why_no_cell
+
+    @cached_property
+    def _cells_or_reason(self) -> tuple[Cells | None, str]:
+        """The cells, or why equal chambers are not those of cells, if there are any."""
+        if isinstance(self.cell, CellPlanes):
+            return find_cells(self._cad, self.cell), ""
+        if self.cell is not None or self.parts:
+            return None, ""
+        if self.has_equal_chambers:
+            return self._cells_of_chambers
+        if not middles_of(chain.from_iterable(self.chamber_ranges.values()), self.length):
+            middle = (self._cad.clamp + self._cad.tip) / 2
+            with suppress(DesignError):
+                return find_cells(self._cad, CellPlanes(middle, middle + super().pitch / 2)), ""
+        return None, ""
+
+    @property
+    def _cells_of_chambers(self) -> tuple[Cells | None, str]:
+        middles = middles_of(chain.from_iterable(self.chamber_ranges.values()), self.length)
+        beginning = f"its chambers are {max(self.chamber_distances):.4g} mm apart, but"
+        for name, chambers in self.chamber_ranges.items():
+            if not chambers[0][0] < middles[0] < middles[-1] < chambers[-1][1]:
+                return None, f"{beginning} the cavity {name} does not go through all of them"
+        try:
+            return find_cells_of_chambers(self._cad, middles), ""
+        except DesignError as refusal:
+            return None, f"{beginning} {refusal.sentence}"
 
     def _source(self, turn: Array) -> CadSource:
         first, second, third = (tuple(float(x) for x in row) for row in turn)

@@ -89,6 +89,11 @@ class FileDesign(Design):
         return distances(chain.from_iterable(self.chamber_ranges.values()), self.length)
 
     @property
+    def has_equal_chambers(self) -> bool:
+        """Whether the arm has chambers at equal distances, which are short enough to be its cells."""
+        return not why_no_row_of_cells(self.length, self.chamber_distances)
+
+    @property
     def cavity_pitch(self) -> float:
         return max(self.chamber_distances, default=0.0)
 
@@ -116,12 +121,19 @@ def usual_pitch(length: float, between: Sequence[float]) -> tuple[float, str]:
     The largest distance of neighbouring chambers (mm) where all are equal and the arm is long enough for five
     parameters of such cells; otherwise equal parts of the arm of about the usual length.
     """
-    parts = slices(length, usual_cell(length))[1]
+    if reason := why_no_row_of_cells(length, between):
+        return slices(length, usual_cell(length))[1], reason
+    return max(between), f"this is the distance of its {len(between) + 1} chambers"
+
+
+def why_no_row_of_cells(length: float, between: Sequence[float]) -> str:
+    """Why an arm of a length (mm) with those distances of neighbouring chambers (mm) is no row of equal cells that are
+    short enough for five parameters, a clause; empty where it is one."""
     if not between:
-        return parts, "no chambers follow one another along the arm"
+        return "no chambers follow one another along the arm"
     longest = max(between)
     if longest - min(between) > EQUAL * longest:
-        return parts, "its chambers are not equally far apart"
+        return "its chambers are not equally far apart"
     if length < PITCHES * longest:
-        return parts, f"five parameters need {PITCHES:g} times the distance of its chambers, {longest:.3g} mm"
-    return longest, f"this is the distance of its {len(between) + 1} chambers"
+        return f"five parameters need {PITCHES:g} times the distance of its chambers, {longest:.3g} mm"
+    return ""

@@ -101,7 +101,12 @@ def _crossings(points: Array, walls: Index, wide: Array, narrow: Array, levels: 
 
 
 def distances(chambers: Iterable[Range], length: float) -> list[float]:
-    """Distances (mm) between the middles of neighbouring chambers of an arm of a length (mm).
+    """Distances (mm) between the middles of neighbouring chambers of an arm of a length (mm)."""
+    return [round(after - before, ROUNDED) for before, after in pairwise(middles_of(chambers, length))]
+
+
+def middles_of(chambers: Iterable[Range], length: float) -> list[float]:
+    """x (mm) of the middles of the chambers that follow one another along an arm of a length (mm).
 
     Chambers beside one another are one, and those that run through all of the arm do not count.
     """
@@ -110,5 +115,4 @@ def distances(chambers: Iterable[Range], length: float) -> list[float]:
         if groups and low < groups[-1][1]:
             low, high = groups[-1][0], max(high, groups.pop()[1])
         groups.append((low, high))
-    middles = [(low + high) / 2 for low, high in groups if high - low < WHOLE * length]
-    return [round(after - before, ROUNDED) for before, after in pairwise(middles)]
+    return [(low + high) / 2 for low, high in groups if high - low < WHOLE * length]

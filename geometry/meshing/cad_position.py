@@ -7,6 +7,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.design import DesignError
 from geometry.meshing.cad_import import STEP, CadBody, Point
+from geometry.meshing.cad_mirror import difference
 from geometry.meshing.shapes import Volume
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
@@ -16,6 +17,8 @@ USUAL = 10.0
 #: The two sides of a symmetric body reach equally far but for this part of its size, because the bounds of splines are
 #: those of triangles; `check_symmetric` compares the halves themselves.
 UNEQUAL = 1e-3
+#: Part of the volume of a symmetric body in which both halves together may differ.
+DIFFERENT = 2e-6
 #: A face all of which is nearer to the plane of an end than this, over the length, may lie in it: the CAD kernel draws
 #: boxes wider than faces, by more in files in metres.
 NEAR_END = 1e-3
@@ -123,17 +126,10 @@ def goes_on(name: str, x: float) -> DesignError:
 
 def check_symmetric(gmsh: Any, solids: list[Volume]) -> None:
     """Raise `DesignError` unless solids of one material and their mirror images at z = 0 fill the same space."""
-    occ = gmsh.model.occ
-    image = occ.copy(solids)
-    occ.mirror(image, 0, 0, 1, 0)
-    whole = sum(float(occ.getMass(*solid)) for solid in solids)
-    rest, _ = occ.cut(solids, image, removeObject=False, removeTool=True)
-    fraction = sum(float(occ.getMass(*volume)) for volume in rest if volume[0] == 3) / whole
-    if rest:
-        occ.remove(rest, recursive=True)
-    occ.synchronize()
-    if fraction > 1e-6:
+    fraction = difference(gmsh, solids, solids, 2, 0.0, DIFFERENT).fraction
+    gmsh.model.occ.synchronize()
+    if fraction > DIFFERENT:
         raise DesignError(
             "symmetric",
-            f"the halves of the body about z = 0 differ ({100 * fraction:.2g} % of its volume); write false",
+            f"the halves of the body about z = 0 differ ({50 * fraction:.2g} % of its volume); write false",
         )

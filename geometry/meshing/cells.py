@@ -1,12 +1,13 @@
 """The cells of a solid from a CAD file: where they lie, and its ends and half a cell meshed to be repeated.
 
-The user names two planes of mirror symmetry, x = start in the middle of a cell and x = stop between two cells. The
-space between them and each of its neighbours must be mirror images of each other; further ones are cells as long as
-they are. In the Gmsh session of `geometry.meshing.solid`.
+Two planes of mirror symmetry, x = start in the middle of a cell and x = stop between two cells, are named by the user
+or lie in and between equal chambers. The space between them and each of its neighbours must be mirror images of each
+other; further ones are cells as long as they are. In the Gmsh session of `geometry.meshing.solid`.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import floor, pi
 from typing import Any
 
@@ -18,12 +19,15 @@ from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.meshing.cad import cad_session, keep_material, mesh_session
 from geometry.meshing.cad_import import CadBody
+from geometry.meshing.cad_mirror import Difference, difference, moments
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.shapes import Volume
 from geometry.meshing.solid import SolidMesh, collect_mesh, walls_between
 
 #: part of the volume of half a cell by which another one may differ from it
 SAME = 1e-4
+#: decimals (mm) of a length in a drawing, and how far one that is computed is from such a length
+DECIMALS, CLOSE = 3, 1e-4
 #: smallest length of half a cell over that of the body
 SHORTEST = 1e-3
 
@@ -62,9 +66,47 @@ def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
             )
     if not half_pitch > SHORTEST * length:
         raise DesignError("cell", f"the planes are {half_pitch:g} mm apart; give two planes with half a cell between")
-    low = min(planes.start, planes.stop)
     with cad_session(body) as (gmsh, blocks, _, _):
-        first, last = _Slots(gmsh, body, blocks, low, half_pitch).equal_to_the_first()
+        return _cells(gmsh, body, blocks, planes)
+
+
+def find_cells_of_chambers(body: CadBody, middles: Sequence[float]) -> Cells:
+    """All cells of a body with chambers at equal distances, whose middles are about at x = middles (mm).
+
+    Raises `DesignError` on `cell` where the material is not symmetric about the planes in and between the chambers.
+    """
+    with cad_session(body) as (gmsh, blocks, air, _):
+        planes = _planes_of_chambers(gmsh, list(air), middles)
+        return _cells(gmsh, body, blocks, planes)
+
+
+def _planes_of_chambers(gmsh: Any, air: Collection[Volume], middles: Sequence[float]) -> CellPlanes:
+    """The planes of a cell near the middle of the arm, from the centres of the air between the walls of chambers.
+
+    Channels are narrow in the middle between two chambers, so that cuts that are not exactly there change them little.
+    The outermost chambers do not count, for beyond them the channel may end anywhere.
+    """
+    occ = gmsh.model.occ
+    between = [0.5 * (first + second) for first, second in pairwise(middles)]
+    total = np.zeros((len(middles), 2))
+    for part in _cut_at(gmsh, occ.copy(list(air)), between):
+        x, mass = occ.getCenterOfMass(*part)[0], occ.getMass(*part)
+        total[np.searchsorted(between, x)] += mass * np.array([1.0, x])
+    inner = total[1:-1]
+    pitch, first = np.polyfit(np.arange(len(inner)), inner[:, 1] / inner[:, 0], 1)
+    start = first + pitch * (len(inner) // 2)
+    return CellPlanes(_drawn(start), _drawn(start) + 0.5 * _drawn(pitch))
+
+
+def _drawn(length: float) -> float:
+    """A length (mm) as it may have been drawn: in whole micrometres where it is so close to one."""
+    rounded = round(float(length), DECIMALS)
+    return rounded if abs(length - rounded) < CLOSE else float(length)
+
+
+def _cells(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> Cells:
+    low, half_pitch = min(planes.start, planes.stop), planes.half_pitch
+    first, last = _Slots(gmsh, body, blocks, low, half_pitch).equal_to_the_first()
     odd = int(planes.stop < planes.start)  # of the numbers of the planes in the middle of a cell
     middles = first + (first + odd) % 2, last - (last + odd) % 2
     if middles[1] - middles[0] < 2:
@@ -160,7 +202,7 @@ def _between(gmsh: Any, volumes: list[Volume], low: float, high: float) -> list[
 
 
 class _Slots:
-    """Half cells of a body one after the other, number 0 between the planes of the user."""
+    """Half cells of a body one after the other, number 0 between the two planes."""
 
     def __init__(self, gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, half_pitch: float) -> None:
         self.gmsh = gmsh
@@ -173,7 +215,7 @@ class _Slots:
         self.moments = {number: self._moments(number) for number in self.slots}
 
     def equal_to_the_first(self) -> tuple[int, int]:
-        """Numbers of the first and the last plane between which all slots equal that of the user.
+        """Numbers of the first and the last plane between which all slots equal number 0.
 
         Raises `DesignError` where a neighbour of that does not.
         """
@@ -208,19 +250,11 @@ class _Slots:
 
     def _moments(self, number: int) -> Array:
         """Volume, first and second moments (10,) of a slot about its own middle, mm to mm5."""
-        occ = self.gmsh.model.occ
-        total = np.zeros((4, 4))
-        for volume in self.slots[number]:
-            mass = float(occ.getMass(*volume))
-            centre = np.array(occ.getCenterOfMass(*volume)) - [self._position(number) + 0.5 * self.h, 0.0, 0.0]
-            inertia = np.array(occ.getMatrixOfInertia(*volume)).reshape(3, 3)
-            total[0, 0] += mass
-            total[0, 1:] += mass * centre
-            total[1:, 1:] += 0.5 * np.trace(inertia) * np.eye(3) - inertia + mass * np.outer(centre, centre)
-        return np.asarray(total[np.triu_indices(4)])
+        middle = [self._position(number) + 0.5 * self.h, 0.0, 0.0]
+        return np.asarray(moments(self.gmsh, self.slots[number], middle)[np.triu_indices(4)])
 
     def _is_equal(self, number: int) -> bool:
-        """Whether a slot has the volume and the moments of the user's, or of its mirror image."""
+        """Whether a slot has the volume and the moments of number 0, or of its mirror image."""
         if number not in self.slots:
             return False
         sign = np.array([1.0, -1.0, 1.0, 1.0])[:, None] ** (number % 2)
@@ -230,25 +264,18 @@ class _Slots:
         return bool((np.abs(self.moments[number] - expected) <= allowed).all())
 
     def _check_neighbour(self, number: int) -> None:
-        """Raise `DesignError` unless a neighbour of the user's slot is its mirror image."""
-        occ = self.gmsh.model.occ
+        """Raise `DesignError` unless a neighbour of slot 0 is its mirror image."""
         x = self._position(max(number, 0))
-        slot, image = self.slots.get(number, []), occ.copy(self.slots[0])
-        occ.mirror(image, 1, 0, 0, -x)
-        rest = []
-        for first, second in ((slot, image), (image, slot)):
-            parts = occ.cut(first, second, removeObject=False, removeTool=False)[0] if slot else first
-            rest += [part for part in parts if part[0] == 3]
-        volumes = [float(occ.getMass(*part)) for part in rest]
-        fraction = sum(volumes) / self.moments[0][0]
-        if fraction > SAME:
-            largest = rest[int(np.argmax(volumes))]
-            centre = ", ".join(f"{round(coordinate, 3) + 0.0:g}" for coordinate in occ.getCenterOfMass(*largest))
+        slot = self.slots.get(number, [])
+        found = difference(self.gmsh, slot, self.slots[0], 0, x, SAME) if slot else Difference(1.0)
+        if found.fraction > SAME:
+            centre = ", ".join(f"{round(coordinate, 3) + 0.0:g}" for coordinate in found.centre or ())
+            around = f", around ({centre}) mm" if centre else ""
             raise DesignError(
                 "cell",
                 f"the body is not symmetric about the plane x = {x:g} mm: the material {self.h:g} mm before and behind "
-                f"it differs by {100 * fraction:.2g} % of its volume, around ({centre}) mm; give planes in the middle "
-                "of a cell and between two equal cells, or a length alone",
+                f"it differs by {100 * found.fraction:.2g} % of its volume{around}; give planes in the middle of a "
+                "cell and between two equal cells, or a length alone",
             )
 
 
