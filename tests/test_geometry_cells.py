@@ -112,6 +112,13 @@ def test_equal_chambers_are_the_cells_unless_a_length_is_given(tmp_path: Path) -
     assert CadFile(path, LONG.curve_y, cell=10.0).cells is None
 
 
+def test_three_chambers_are_cells_though_too_few_for_five_parameters(drawn: Path) -> None:
+    own, given = CadFile(str(drawn), NET.curve_y), design_of(drawn)
+    assert own.cells == given.cells
+    assert (own.pitch, given.pitch) == (pytest.approx(3.2), 10)
+    assert "five parameters need" in own.reason_for_pitch
+
+
 def test_round_chambers(tmp_path: Path) -> None:
     """The kernel's difference of such a body and its mirror image is more than the body itself."""
 

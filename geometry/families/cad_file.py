@@ -15,7 +15,7 @@ from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug, wrong_points
 from geometry.foreign.chambers import Range, middles_of
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
-from geometry.foreign.frame import SAME, Axes, rotation
+from geometry.foreign.frame import PITCHES, SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
@@ -35,8 +35,8 @@ class CadFile(FileDesign):
     one half of such a body) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError`
     names the config key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The body is meshed from
     equal cells and its two ends where `cell` are two planes of mirror symmetry of the cells, or where it is not given
-    and such planes are in and between equal chambers, or anywhere in an arm with one section. Otherwise the cells are
-    nominal: equal parts of the length, about `cell` long.
+    and such planes are in and between equal chambers (three or more), or anywhere in an arm with one section. Otherwise
+    the cells are nominal: equal parts of the length, about `cell` long.
     """
 
     family: ClassVar[str] = "cad_file"
@@ -138,7 +138,10 @@ class CadFile(FileDesign):
 
     @property
     def pitch(self) -> float:
-        return super().pitch if self.cells is None else 2 * self.cells.half_pitch
+        """That of the cells; of an arm that is too short for five parameters of such cells the usual one."""
+        if self.cells is None or self.length < PITCHES * 2 * self.cells.half_pitch:
+            return super().pitch
+        return 2 * self.cells.half_pitch
 
     @property
     def why_no_cell(self) -> str:

@@ -90,8 +90,9 @@ class FileDesign(Design):
 
     @property
     def has_equal_chambers(self) -> bool:
-        """Whether the arm has chambers at equal distances, which are short enough to be its cells."""
-        return not why_no_row_of_cells(self.length, self.chamber_distances)
+        """Whether the arm has three chambers or more, at equal distances."""
+        between = self.chamber_distances
+        return len(between) > 1 and are_equal(between)
 
     @property
     def cavity_pitch(self) -> float:
@@ -121,19 +122,17 @@ def usual_pitch(length: float, between: Sequence[float]) -> tuple[float, str]:
     The largest distance of neighbouring chambers (mm) where all are equal and the arm is long enough for five
     parameters of such cells; otherwise equal parts of the arm of about the usual length.
     """
-    if reason := why_no_row_of_cells(length, between):
-        return slices(length, usual_cell(length))[1], reason
-    return max(between), f"this is the distance of its {len(between) + 1} chambers"
-
-
-def why_no_row_of_cells(length: float, between: Sequence[float]) -> str:
-    """Why an arm of a length (mm) with those distances of neighbouring chambers (mm) is no row of equal cells that are
-    short enough for five parameters, a clause; empty where it is one."""
+    parts = slices(length, usual_cell(length))[1]
     if not between:
-        return "no chambers follow one another along the arm"
+        return parts, "no chambers follow one another along the arm"
     longest = max(between)
-    if longest - min(between) > EQUAL * longest:
-        return "its chambers are not equally far apart"
+    if not are_equal(between):
+        return parts, "its chambers are not equally far apart"
     if length < PITCHES * longest:
-        return f"five parameters need {PITCHES:g} times the distance of its chambers, {longest:.3g} mm"
-    return ""
+        return parts, f"five parameters need {PITCHES:g} times the distance of its chambers, {longest:.3g} mm"
+    return longest, f"this is the distance of its {len(between) + 1} chambers"
+
+
+def are_equal(between: Sequence[float]) -> bool:
+    """Whether the distances of neighbouring chambers (mm) may be those of equal cells."""
+    return max(between) - min(between) <= EQUAL * max(between)

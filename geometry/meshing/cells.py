@@ -84,7 +84,8 @@ def _planes_of_chambers(gmsh: Any, air: Collection[Volume], middles: Sequence[fl
     """The planes of a cell near the middle of the arm, from the centres of the air between the walls of chambers.
 
     Channels are narrow in the middle between two chambers, so that cuts that are not exactly there change them little.
-    The outermost chambers do not count, for beyond them the channel may end anywhere.
+    The outermost chambers do not count, for beyond them the channel may end anywhere, unless there are three only: then
+    the given middles have to do.
     """
     occ = gmsh.model.occ
     between = [0.5 * (first + second) for first, second in pairwise(middles)]
@@ -93,6 +94,8 @@ def _planes_of_chambers(gmsh: Any, air: Collection[Volume], middles: Sequence[fl
         x, mass = occ.getCenterOfMass(*part)[0], occ.getMass(*part)
         total[np.searchsorted(between, x)] += mass * np.array([1.0, x])
     inner = total[1:-1]
+    if len(inner) == 1:
+        return CellPlanes(_drawn(middles[1]), _drawn(middles[1]) + 0.25 * _drawn(middles[2] - middles[0]))
     pitch, first = np.polyfit(np.arange(len(inner)), inner[:, 1] / inner[:, 0], 1)
     start = first + pitch * (len(inner) // 2)
     return CellPlanes(_drawn(start), _drawn(start) + 0.5 * _drawn(pitch))

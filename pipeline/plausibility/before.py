@@ -86,7 +86,7 @@ def _long_cells(config: Config) -> str:
     """Cavities that follow one another at larger distances than the curvature is averaged over."""
     design, between = config.design, config.design.cavity_pitch
     wanted = config.law != "cell" and config.identification.d_mm is None
-    if not wanted or design.repeats or not design.averages_within_cavities or too_short(config):
+    if not wanted or not design.averages_within_cavities or too_short(config):
         return ""
     is_long = not too_few_pitches(design.length, between)
     how = f"; give geometry.cell: {between:.4g} mm, or" if is_long else ";"
