@@ -3,7 +3,7 @@
 import csv
 import json
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import pytest
 from test_pipeline_outcome import outcome, record
 
 import fem
+from geometry import Centreline
 from pipeline.config.config import Config, End
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
@@ -23,7 +24,7 @@ from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
-from pipeline.validation.validate import beyond_end_of_II
+from pipeline.validation.validate import beyond_end_of_II, with_reached_loads
 
 SHORT = """
 name: seven
@@ -169,3 +170,17 @@ def test_a_load_begins_at_the_next_lower_state_below_the_highest_one(config: Con
     held = replace(config, end=End(x_mm=1.0, y_mm=0.0))
     for other in (validation_cases(held, (6.0, 12.0)), validation_cases(config)):
         assert not any(case.near_kPa for case in other)
+
+
+@pytest.mark.parametrize(("rise", "height"), [(0.002, -7.2), (-0.002, 7.2)])
+def test_the_chosen_end_of_an_arm_that_bends_upwards_is_held_below(tmp_path: Path, rise: float, height: float) -> None:
+    path = tmp_path / "seven.yaml"
+    path.write_text("\n".join(line for line in SHORT.splitlines() if "validation" not in line), encoding="utf-8")
+    s = np.linspace(0.0, 72.0, 20)
+    bent = Centreline(s, s, rise * s**2)
+    states = [replace(record(pressure), centreline=bent) for pressure in (6.0, 12.0, 24.0)]
+    outcomes = Outcomes({name: outcome(name, *states) for name in ("II", "III")})
+    config = load_config(path)
+    tested = with_reached_loads(Scene(config, *(None,) * (len(fields(Scene)) - 1)), outcomes)  # type: ignore[arg-type]
+    assert config.validation.end_y_mm == (pytest.approx(7.2),)
+    assert tested.config.validation.end_y_mm == (pytest.approx(height),)

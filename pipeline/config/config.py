@@ -105,6 +105,16 @@ class Validation:
             return Validation((), (), ())
         return replace(self, pressures_kPa=(middle_of_widest(reached_kPa),))
 
+    def against_bending(self, held_mm: float, *, upwards: bool) -> "Validation":
+        """The same loads, or the end that the program chooses on the other side of its height u_y in III.
+
+        The chosen end is above that height, which loads an arm that bends downwards more than III does; its mirror
+        image has to be held below.
+        """
+        if self.with_experiments or not upwards:
+            return self
+        return replace(self, end_y_mm=tuple(float(f"{2.0 * held_mm - y:.12g}") for y in self.end_y_mm))
+
     def up_to(self, highest_kPa: float) -> "Validation":
         """The same loads at the pressures up to this one; empty where there is none."""
         pressures = tuple(pressure for pressure in self.pressures_kPa if pressure <= highest_kPa)

@@ -59,6 +59,8 @@ def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
     Behind a limit they would take long to end without a result, and there is no rod to compare them with.
     """
     validation = scene.config.validation.among(outcomes.reached_kPa).up_to(_highest_of_II(outcomes))
+    held = scene.config.end.y_mm or 0.0
+    validation = validation.against_bending(held, upwards=_bends_upwards(outcomes))
     return replace(scene, config=replace(scene.config, validation=validation))
 
 
@@ -76,6 +78,12 @@ def beyond_end_of_II(config: Config, outcomes: Outcomes) -> tuple[str, ...]:
         if left_out:
             sentences.append(f"{_subject(case)} at {', '.join(left_out)} kPa was not solved: {reason}")
     return tuple(sentences)
+
+
+def _bends_upwards(outcomes: Outcomes) -> bool:
+    """Whether the end of the free arm has turned towards larger y."""
+    angles = [record.centreline.angle for record in outcomes["II"].records[:1]]
+    return any(angle[-1] > angle[0] for angle in angles)
 
 
 def _highest_of_II(outcomes: Outcomes) -> float:
