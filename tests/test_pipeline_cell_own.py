@@ -2,13 +2,16 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from fem.effects.barrier import FacingTerm
 from geometry import PneuNet
 from pipeline.cell.measure import cell_without_moment
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
+from pipeline.simulation.scene import Scene
 from tests.step_bodies import pneunet_as_step
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
@@ -49,6 +52,20 @@ def test_a_step_body_has_the_law_of_the_family_that_draws_it(own: Path) -> None:
     assert ours.state.angle == pytest.approx(theirs.state.angle, rel=0.01)
     assert ours.axis.stretch == pytest.approx(theirs.axis.stretch, abs=1e-3)
     assert moments[0] == pytest.approx(moments[1], rel=0.03)
+
+
+def test_contact_of_the_pieces_without_naming_their_walls(own: Path) -> None:
+    named = ArmPieces.of(Scene.meshed(load_config(own)))
+    found = ArmPieces.of(Scene.meshed(load_config(own, ["effects.self_contact=auto"])))
+    assert found.outer == "outer"
+    assert found.dhat == pytest.approx(named.dhat) == pytest.approx(DHAT)
+    gaps = [
+        [term.gap(pieces.cell.space.points) for term in pieces.cell.terms if isinstance(term, FacingTerm)]
+        for pieces in (named, found)
+    ]
+    assert (
+        gaps[0] == gaps[1] == [pytest.approx(1.0), np.inf]
+    )  # of the plane between two cells, of walls of the half cell
 
 
 def test_planes_are_recorded_and_refused_with_the_key(own: Path) -> None:

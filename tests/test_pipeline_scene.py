@@ -6,13 +6,15 @@ import pytest
 
 import fem
 from fem.cell.response import slopes
-from geometry import Body
+from geometry import Body, PneuNet
 from pipeline.cell.pieces import ArmPieces
 from pipeline.config.config import Config
 from pipeline.config.effects import CavityPressure, StrainLimitingLayer
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.simulation.scene import Scene, material_of
+from tests.foreign_bodies import bar
+from tests.step_bodies import pneunet_as_step, save
 
 BISECTED = ("geometry.length=30 mm", "mesh.size=5 mm")
 
@@ -194,6 +196,27 @@ def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None
     off = arm("effects.self_contact=off")
     assert Scene.meshed(off).contact_faces == ()
     assert Scene(arm(), half).contact_faces == half.cavities
+
+
+def test_outer_walls_of_a_body_from_a_file_that_face_each_other_may_touch(tmp_path: Path) -> None:
+    pneunet_as_step(tmp_path / "net.step", PneuNet(chambers=3))
+    save(tmp_path / "bar.step", bar)
+    contacts = {}
+    for name, curve, effects in (
+        ("net", 1.0, ""),
+        ("net", 1.0, "effects: {self_contact: {faces: [outer]}}"),
+        ("bar", 1.5, ""),
+        ("bar", 1.5, "effects: {self_contact: on}"),
+    ):
+        (tmp_path / "own.yaml").write_text(
+            f"name: own\ngeometry: {{family: own, file: {name}.step, curve: {curve} mm}}\n"
+            f"material: {{law: svk, E: 1.2 MPa, nu: 0.495}}\npressures: [10 kPa]\nmesh: {{size: 5 mm}}\n{effects}\n"
+        )
+        scene = Scene.meshed(load_config(tmp_path / "own.yaml"))
+        contacts[name, effects] = scene.contact_faces, scene.activation_distance, scene.outer_walls
+    gapped = ("outer", "cavity"), pytest.approx(2.0 / 50.0), "outer"
+    assert contacts["net", ""] == contacts["net", "effects: {self_contact: {faces: [outer]}}"] == gapped
+    assert contacts["bar", ""] == contacts["bar", "effects: {self_contact: on}"] == (("cavity",), None, "")
 
 
 def test_an_arm_of_two_materials_is_softer_or_stiffer_than_one_of_one(configs: Path) -> None:

@@ -34,12 +34,19 @@ class MirrorContact(Effect):
 
     def bind(self, space: Discretisation, material: Material) -> FacingTerm:
         """The barrier; raises `fem.ContactError` where no wall faces the plane."""
-        pairs = plane_pairs(space.surface(self.faces), space.surface(self.plane), space.points)
+        pairs = self._pairs(space)
         if pairs.nodes.size == 0:
             raise ContactError(f"no wall of {self.faces!r} faces the plane {self.plane!r}")
 
         stiffness = 2.0 * STIFFNESS * 3.0 * material.shear_modulus
         return FacingTerm(pairs, self.dhat / 2.0, stiffness, OVERLAP, starts_inactive=False)
+
+    def has_walls(self, space: Discretisation) -> bool:
+        """Whether a wall faces the plane."""
+        return self._pairs(space).nodes.size > 0
+
+    def _pairs(self, space: Discretisation) -> FacingPairs:
+        return plane_pairs(space.surface(self.faces), space.surface(self.plane), space.points)
 
 
 def gap_and_touch(terms: Terms, x: Array, plane: Index) -> tuple[float, bool]:

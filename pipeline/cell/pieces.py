@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from fem import ContactError, SelfContact
+from fem import ContactError, Discretisation, Effect, SelfContact
 from fem.cell.boundary import Boundary
 from fem.cell.mirror_contact import MirrorContact
 from fem.cell.piece import BendingPiece
@@ -28,7 +28,8 @@ class ArmPieces:
     """
 
     config: Config
-    dhat: float | None  #: mm, activation distance of contact of the gap; None without contact
+    dhat: float | None  #: mm, activation distance of contact of the walls outside; None without contact
+    outer: str = ""  #: name of the outer faces that may meet; empty: the first one of the configuration, or the gap
     _pieces: dict[tuple[int, Boundary], BendingPiece] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -38,11 +39,16 @@ class ArmPieces:
     @staticmethod
     def of(scene: Scene) -> "ArmPieces":
         """The pieces of a meshed arm. Raises `NoArmLaw`."""
-        return ArmPieces(scene.config, scene.activation_distance)
+        return ArmPieces(scene.config, scene.activation_distance, scene.outer_walls)
 
     def with_mesh_size(self, size_mm: float) -> "ArmPieces":
         """The same pieces on another mesh, with the same contact."""
-        return ArmPieces(self.config.with_mesh_size(size_mm), self.dhat)
+        return ArmPieces(self.config.with_mesh_size(size_mm), self.dhat, self.outer)
+
+    @property
+    def walls(self) -> str:
+        """The name of the outer faces that may meet."""
+        return self.outer or next(iter(self.config.effects.self_contact.faces or (GAP,)))
 
     @property
     def design(self) -> Design:
@@ -76,11 +82,7 @@ class ArmPieces:
         key = (half_cells, start)
         if key not in self._pieces:
             config, body = self.config, self._body(half_cells, start)
-            walls = _contact_walls(config)
-            effects, dhat = layer_in(body, config), self.dhat if walls == GAP else None
-            if walls != GAP and self.dhat is not None:
-                contact = SelfContact(walls, self.dhat, starts_inactive=True, near=math.inf)
-                effects += [MirrorContact(walls, "tip", self.dhat), contact]
+            effects, dhat = [*layer_in(body, config), *self._contacts(body)], self.dhat if self.walls == GAP else None
             try:
                 self._pieces[key] = BendingPiece(
                     *(body, material_of(config), start, config.mesh.formulation, self.fractions, dhat), effects=effects
@@ -88,6 +90,16 @@ class ArmPieces:
             except ContactError as failure:
                 raise NoArmLaw(f"{failure} between two cells; leave effects.self_contact.faces out") from None
         return self._pieces[key]
+
+    def _contacts(self, body: Body) -> list[Effect]:
+        """Of outer faces that are no gap, with each other and with their images beyond the plane between two cells."""
+        if self.walls == GAP or self.dhat is None:
+            return []
+        mirrored = MirrorContact(self.walls, "tip", self.dhat)
+        is_given = self.config.effects.self_contact.faces is not None
+        space = Discretisation.of(body.mesh, self.config.mesh.formulation)
+        facing = [mirrored] if is_given or mirrored.has_walls(space) else []
+        return [*facing, SelfContact(self.walls, self.dhat, starts_inactive=True, near=math.inf)]
 
     def _body(self, half_cells: int, start: Boundary) -> Body:
         """The meshed piece. Raises `NoArmLaw` and InputError."""
@@ -105,8 +117,3 @@ class ArmPieces:
             if meshed == half_cells and other != "mirror" and (other == "clamp") == is_clamp:
                 return piece.body
         return (self.design.end_piece if is_clamp else self.design.tip_piece)(half_cells, size, grading)
-
-
-def _contact_walls(config: Config) -> str:
-    """Name of the outer faces that may meet."""
-    return next(iter(config.effects.self_contact.faces or (GAP,)))

@@ -26,31 +26,35 @@ class ArmTasks:
 
     config: Config
     dhat: float | None  #: mm, as in `ArmPieces`
+    outer: str  #: likewise
     context: RunContext
 
     @staticmethod
     def of(pieces: ArmPieces, context: RunContext) -> "ArmTasks":
         """For the same pieces."""
-        return ArmTasks(pieces.config, pieces.dhat, context)
+        return ArmTasks(pieces.config, pieces.dhat, pieces.outer, context)
 
     def submit(
         self, task: Callable[Concatenate[PieceCurves, TaskContext, P], Value], *args: P.args, **kwargs: P.kwargs
     ) -> Pending[Value]:
         """A function of this module, or one like it. Its result raises `PieceFailed` and `RodError`."""
-        return self.context.submit(_with_curves, self.config, self.dhat, self.context.store, task, *args, **kwargs)
+        store = self.context.store
+        return self.context.submit(_with_curves, self.config, self.dhat, self.outer, store, task, *args, **kwargs)
 
 
 def _with_curves(
     context: TaskContext,
     config: Config,
     dhat: float | None,
+    outer: str,
     store: Store,
     task: Callable[Concatenate[PieceCurves, TaskContext, P], Value],
     *args: P.args,
     **kwargs: P.kwargs,
 ) -> Value:
     curves = context.kept(
-        (PieceCurves, config.hash, dhat, store.directory), lambda: PieceCurves(ArmPieces(config, dhat), store)
+        (PieceCurves, config.hash, dhat, outer, store.directory),
+        lambda: PieceCurves(ArmPieces(config, dhat, outer), store),
     )
     return task(curves, context, *args, **kwargs)
 

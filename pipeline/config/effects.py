@@ -56,7 +56,7 @@ class SelfContact(Effect):
     """Contact of the body with itself."""
 
     dhat_mm: float | None  #: activation distance; None for a fiftieth of the smallest gap
-    faces: tuple[str, ...] | None  #: names of faces that can meet; None for those named gap
+    faces: tuple[str, ...] | None  #: names of faces that can meet; None: `gap`, or `outer` without a `gap`
 
 
 @dataclass(frozen=True)

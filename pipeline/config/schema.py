@@ -119,7 +119,7 @@ class _Validation(_Section):
 
 class _SelfContact(_Switch):
     dhat: ActivationDistance | None = None  #: activation distance, below the smallest gap at rest; default: 1/50 of it
-    faces: FaceNames | None = None  #: faces that can meet; default: faces named `gap`
+    faces: FaceNames | None = None  #: faces that can meet; default: `gap`, or `outer` without a `gap`
 
 
 class _Gravity(_Switch):

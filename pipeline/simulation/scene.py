@@ -12,8 +12,9 @@ from pipeline.config.config import AUTO, Config, Material
 from pipeline.errors import InputError
 from rod import Load
 
-#: The name of outer faces that can meet, where the user names no others.
-GAP = "gap"
+#: The name of outer faces that can meet, where the user names no others, and that of all outer faces of a body from a
+#: file, of which it is not known which ones they are.
+GAP, OUTER = "gap", "outer"
 
 
 @dataclass(frozen=True)
@@ -54,13 +55,14 @@ class Scene:
 
     @property
     def contact_faces(self) -> tuple[str, ...]:
-        """The faces each of which may meet itself: those the user names, gap, and the walls of the cavities.
+        """The faces each of which may meet itself: those the user names, gap or outer walls that face each other, and
+        the walls of the cavities.
 
         Empty where contact is switched off.
         """
         if self.config.effects.self_contact.off:
             return ()
-        names = (*(self.config.effects.self_contact.faces or ()), GAP, *self.body.cavities)
+        names = (*(self.config.effects.self_contact.faces or ()), *self._facing_outside, *self.body.cavities)
         return tuple(dict.fromkeys(name for name in names if name in self.body.mesh.faces))
 
     @property
@@ -82,8 +84,22 @@ class Scene:
 
     @property
     def _intended_faces(self) -> tuple[str, ...]:
-        """The faces that are expected to meet: those the user names, else the gap."""
-        return self.config.effects.self_contact.faces or (GAP,)
+        """The faces that are expected to meet: those the user names, else those outside that face each other."""
+        return self.config.effects.self_contact.faces or self._facing_outside
+
+    @property
+    def outer_walls(self) -> str:
+        """The name of the outer faces that are expected to meet; empty where none do."""
+        return next((name for name in self._intended_faces if name not in self.body.cavities), "")
+
+    @cached_property
+    def _facing_outside(self) -> tuple[str, ...]:
+        """The faces outside that the program expects to meet."""
+        faces = self.body.mesh.faces
+        if GAP in faces or OUTER not in faces:
+            return (GAP,)
+        space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
+        return (OUTER,) if fem.SelfContact(OUTER, starts_inactive=True).smallest_gap(space) < inf else ()
 
     def _check_contact(self) -> None:
         """Refuse a given activation distance that walls are within at rest. Raises InputError."""
