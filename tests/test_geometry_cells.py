@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geometry import CadFile, CellPlanes, DesignError, PneuNet
+from geometry import CadFile, CellPlanes, DesignError, MeshError, PneuNet
+from geometry.families import cad_file
 from tests.step_bodies import box, pneunet_as_step, save
 
 NET = PneuNet(chambers=3)
@@ -165,3 +166,58 @@ def test_an_arm_with_one_section_has_cells_and_one_with_a_rib_has_none(tmp_path:
     ribbed = CadFile(str(save(tmp_path / "rib.step", lambda occ: draw(occ, (41, 43)))), 1.0)
     assert not ribbed.repeats
     assert "name the planes of one" in ribbed.why_no_cell
+
+
+def test_a_knob_on_one_side_of_an_arm_with_round_chambers_is_no_mirror_image(tmp_path: Path) -> None:
+    """The kernel gives mirror images of such bodies another volume than the bodies have."""
+
+    def draw(occ: Any, knob: float) -> None:
+        bar, _ = occ.fuse([box(occ, (0, 0, -6), (54, 10, 6))], [box(occ, (25, 9, 2), (26, 10 + knob, 3))])
+        chambers = [(3, occ.addCylinder(7 + 10 * k, 5, -4, 0, 0, 8, 3)) for k in range(5)]
+        air, _ = occ.fuse(chambers[:1], [*chambers[1:], box(occ, (7, 4, -1), (47, 5, 1))])
+        occ.cut(bar, air)
+
+    assert CadFile(str(save(tmp_path / "even.step", lambda occ: draw(occ, 0.0))), 1.0).repeats
+    with pytest.raises(DesignError, match=r"the halves of the body about z = 0 differ \(0\.0\d+ % of its volume\)"):
+        CadFile(str(save(tmp_path / "knob.step", lambda occ: draw(occ, 0.5))), 1.0)
+
+
+def test_a_cavity_that_begins_just_behind_a_plane_gets_no_walls_between_cells(tmp_path: Path) -> None:
+    def draw(occ: Any) -> None:
+        occ.cut([box(occ, (0, 0, -6), (80, 10, 6))], [box(occ, (8.0001, 2, -4), (72, 8, 4))])
+
+    path = str(save(tmp_path / "bar.step", draw))
+    own, whole = CadFile(path, 1.0), CadFile(path, 1.0, cell=8.0)
+    assert own.repeats
+    assert own.body(5.0).mesh.area("cavity") == pytest.approx(whole.body(5.0).mesh.area("cavity"), rel=1e-4)
+
+
+def test_three_round_chambers_and_a_longer_last_one(tmp_path: Path) -> None:
+    """Triangles of round walls give middles that are off by 0.01 mm; the half of the last chamber that is longer is no cell."""
+
+    def spheres(occ: Any) -> None:
+        air = [(3, occ.addCylinder(7 + 9.3 * k, 5, -4, 0, 0, 8, 3)) for k in range(3)]
+        air, _ = occ.fuse(air[:1], [*air[1:], box(occ, (7, 4, -1), (25.6, 5, 1))])
+        occ.cut([box(occ, (0, 0, -6), (31.9, 10, 6))], air)
+
+    round_ones = CadFile(str(save(tmp_path / "round.step", spheres)), 1.0).cells
+    assert round_ones is not None
+    assert (round_ones.first, round_ones.half_pitch, round_ones.half_cells) == pytest.approx((7.0, 4.65, 4), abs=1e-4)
+
+    def longer(occ: Any) -> None:
+        air = [box(occ, (4 + 10 * k, 2, -4), (10 + 10 * k + 0.8 * (k == 6), 8, 4)) for k in range(7)]
+        occ.cut([box(occ, (0, 0, -6), (80, 10, 6))], [*air, box(occ, (6, 3, -1), (70, 4, 1))])
+
+    with_longer = CadFile(str(save(tmp_path / "longer.step", longer)), 1.0).cells
+    assert with_longer is not None
+    assert (with_longer.first, with_longer.half_pitch, with_longer.half_cells) == pytest.approx((7, 5, 12), abs=1e-6)
+
+
+def test_cells_that_cannot_be_meshed_are_left_out(drawn: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fails(*_: Any) -> None:
+        raise MeshError("flat")
+
+    monkeypatch.setattr(cad_file, "mesh_cells", fails)
+    assert CadFile(str(drawn), NET.curve_y).body(5.0).mesh.volume == pytest.approx(NET.solid_volume / 2, rel=1e-9)
+    with pytest.raises(MeshError, match="flat"):
+        design_of(drawn).body(5.0)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
 from pathlib import Path
+from statistics import median
 from typing import ClassVar, final
 
 import numpy as np
@@ -19,6 +20,7 @@ from geometry.foreign.frame import PITCHES, SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
 from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
+from geometry.mesh import Mesh
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_thinnest_wall, mesh_cad
 from geometry.meshing.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
@@ -158,14 +160,14 @@ class CadFile(FileDesign):
             return self._cells_of_chambers
         if not middles_of(chain.from_iterable(self.chamber_ranges.values()), self.length):
             middle = (self._cad.clamp + self._cad.tip) / 2
-            with suppress(DesignError):
+            with suppress(DesignError, MeshError):
                 return find_cells(self._cad, CellPlanes(middle, middle + super().pitch / 2)), ""
         return None, ""
 
     @property
     def _cells_of_chambers(self) -> tuple[Cells | None, str]:
         middles = middles_of(chain.from_iterable(self.chamber_ranges.values()), self.length)
-        beginning = f"its chambers are {max(self.chamber_distances):.4g} mm apart, but"
+        beginning = f"its chambers are {median(self.chamber_distances):.4g} mm apart, but"
         for name, chambers in self.chamber_ranges.items():
             if not chambers[0][0] < middles[0] < middles[-1] < chambers[-1][1]:
                 return None, f"{beginning} the cavity {name} does not go through all of them"
@@ -173,6 +175,8 @@ class CadFile(FileDesign):
             return find_cells_of_chambers(self._cad, middles), ""
         except DesignError as refusal:
             return None, f"{beginning} {refusal.sentence}"
+        except MeshError as failure:
+            return None, f"{beginning} {failure}"
 
     def _source(self, turn: Array) -> CadSource:
         first, second, third = (tuple(float(x) for x in row) for row in turn)
@@ -271,7 +275,21 @@ class CadFile(FileDesign):
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
         self.check_size(size)
-        mesh = self.repetition(size, grading).mesh() if self.repeats else mesh_cad(self._cad, size, grading)
+        mesh = self._of_cells(size, grading) or self._checked(mesh_cad(self._cad, size, grading))
+        return self._body(mesh, self.length, self.symmetric)
+
+    def _of_cells(self, size: float, grading: Grading) -> Mesh | None:
+        """The mesh of equal cells; None where there are none, or where cells that nobody named cannot be meshed."""
+        if not self.repeats:
+            return None
+        try:
+            return self._checked(self.repetition(size, grading).mesh())
+        except (DesignError, MeshError):
+            if self.cell is not None:
+                raise
+            return None
+
+    def _checked(self, mesh: Mesh) -> Mesh:
         mesh = replace(mesh, regions={name: mesh.regions[name] for name in self.regions})
         check_manifold(mesh)
-        return self._body(mesh, self.length, self.symmetric)
+        return mesh

@@ -7,8 +7,8 @@ other; further ones are cells as long as they are. In the Gmsh session of `geome
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from math import floor, pi
+from functools import cached_property
+from math import floor, inf, pi
 from typing import Any
 
 import numpy as np
@@ -26,8 +26,12 @@ from geometry.meshing.solid import SolidMesh, collect_mesh, walls_between
 
 #: part of the volume of half a cell by which another one may differ from it
 SAME = 1e-4
-#: decimals (mm) of a length in a drawing, and how far one that is computed is from such a length
-DECIMALS, CLOSE = 3, 1e-4
+#: decimals (mm) of a computed length, of which the others are rounding
+TIDY = 6
+#: decimals (mm) of lengths in drawings, and how far one that is computed may be from such a length
+DECIMALS, ROUNDED = (1, 2, 3), 0.02
+#: fraction in which half cells differ below which planes are good enough, and above which better ones are not near
+GOOD, FAR = 1e-5, 0.02
 #: smallest length of half a cell over that of the body
 SHORTEST = 1e-3
 
@@ -52,6 +56,7 @@ class Cells:
     first: float  #: middle of the first cell
     half_pitch: float
     half_cells: int  #: between the middles of the first and of the last cell, even
+    start: float  #: middle of the cell that was compared with its neighbours
 
 
 def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
@@ -71,40 +76,70 @@ def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
 
 
 def find_cells_of_chambers(body: CadBody, middles: Sequence[float]) -> Cells:
-    """All cells of a body with chambers at equal distances, whose middles are about at x = middles (mm).
+    """All cells of a body with three chambers or more at equal distances, whose middles are about at x = middles (mm).
 
     Raises `DesignError` on `cell` where the material is not symmetric about the planes in and between the chambers.
     """
     with cad_session(body) as (gmsh, blocks, air, _):
-        planes = _planes_of_chambers(gmsh, list(air), middles)
+        start, pitch = _middle_and_pitch(gmsh, list(air), middles)
+        planes = _as_drawn(gmsh, body, blocks, start, pitch)
         return _cells(gmsh, body, blocks, planes)
 
 
-def _planes_of_chambers(gmsh: Any, air: Collection[Volume], middles: Sequence[float]) -> CellPlanes:
-    """The planes of a cell near the middle of the arm, from the centres of the air between the walls of chambers.
+def _middle_and_pitch(gmsh: Any, air: Collection[Volume], middles: Sequence[float]) -> tuple[float, float]:
+    """x (mm) of the middle of a chamber near that of the arm, and the pitch, from the centres of the air in chambers.
 
     Channels are narrow in the middle between two chambers, so that cuts that are not exactly there change them little.
-    The outermost chambers do not count, for beyond them the channel may end anywhere, unless there are three only: then
-    the given middles have to do.
+    The outermost chambers do not count, for they may be of another size, and the channel may end anywhere beyond them.
     """
-    occ = gmsh.model.occ
-    between = [0.5 * (first + second) for first, second in pairwise(middles)]
-    total = np.zeros((len(middles), 2))
-    for part in _cut_at(gmsh, occ.copy(list(air)), between):
-        x, mass = occ.getCenterOfMass(*part)[0], occ.getMass(*part)
-        total[np.searchsorted(between, x)] += mass * np.array([1.0, x])
-    inner = total[1:-1]
-    if len(inner) == 1:
-        return CellPlanes(_drawn(middles[1]), _drawn(middles[1]) + 0.25 * _drawn(middles[2] - middles[0]))
-    pitch, first = np.polyfit(np.arange(len(inner)), inner[:, 1] / inner[:, 0], 1)
-    start = first + pitch * (len(inner) // 2)
-    return CellPlanes(_drawn(start), _drawn(start) + 0.5 * _drawn(pitch))
+    occ, inner = gmsh.model.occ, np.array(middles[1:-1])
+    pitch = float(np.median(np.diff(middles)))
+    for _ in range(2):
+        cuts = np.append(inner - pitch / 2, inner[-1] + pitch / 2)
+        total = np.zeros((len(inner) + 2, 2))
+        copies = occ.copy(list(air))
+        parts = _cut_at(gmsh, copies, cuts.tolist())
+        for part in parts:
+            x, mass = occ.getCenterOfMass(*part)[0], occ.getMass(*part)
+            total[np.searchsorted(cuts, x)] += mass * np.array([1.0, x])
+        occ.remove(parts, recursive=True)
+        inner = total[1:-1, 1] / total[1:-1, 0]
+        if len(inner) == 1:
+            break
+        pitch, first = (float(value) for value in np.polyfit(np.arange(len(inner)), inner, 1))
+        inner = first + pitch * np.arange(len(inner))
+    return round(float(inner[len(inner) // 2]), TIDY), round(pitch, TIDY)
 
 
-def _drawn(length: float) -> float:
-    """A length (mm) as it may have been drawn: in whole micrometres where it is so close to one."""
-    rounded = round(float(length), DECIMALS)
-    return rounded if abs(length - rounded) < CLOSE else float(length)
+def _as_drawn(gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, pitch: float) -> CellPlanes:
+    """The planes of a cell: those of rounded lengths, as they may have been drawn, if they are better ones.
+
+    Centres of air with round walls are off by up to 1e-2 mm, others by 1e-6 mm.
+    """
+    best, least = CellPlanes(start, start + pitch / 2), inf
+    rounded = [
+        (round(start, k) if is_start else start, round(pitch, k))
+        for k in DECIMALS
+        for is_start in (True, False)
+        if abs(round(pitch, k) - pitch) < ROUNDED and (not is_start or abs(round(start, k) - start) < ROUNDED)
+    ]
+    for middle, distance in dict.fromkeys([(start, pitch), *rounded]):
+        planes = CellPlanes(middle, middle + distance / 2)
+        differs = _largest_difference(gmsh, body, blocks, planes)
+        if differs < least:
+            best, least = planes, differs
+        if not GOOD < least < FAR:
+            break
+    return best
+
+
+def _largest_difference(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> float:
+    """The larger fraction in which one of both neighbours of half a cell is not its mirror image."""
+    copies = gmsh.model.occ.copy(list(blocks))
+    slots = _Slots(gmsh, body, copies, planes.start, planes.half_pitch, neighbours_alone=True)
+    largest = max(slots.difference(side).fraction for side in (-1, 1))
+    slots.remove()
+    return largest
 
 
 def _cells(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> Cells:
@@ -115,10 +150,11 @@ def _cells(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPla
     if middles[1] - middles[0] < 2:
         raise DesignError(
             "cell",
-            f"the body repeats its cell only from x = {low + first * half_pitch:g} to "
-            f"{low + last * half_pitch:g} mm; two whole cells at least are needed",
+            f"the body repeats its cell only on {(last - first) * half_pitch:.4g} mm of its length; two whole cells at "
+            "least are needed",
         )
-    return Cells(low - body.clamp + middles[0] * half_pitch, half_pitch, middles[1] - middles[0])
+    first_middle = low - body.clamp + middles[0] * half_pitch
+    return Cells(first_middle, half_pitch, middles[1] - middles[0], planes.start - body.clamp)
 
 
 def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Repetition:
@@ -130,7 +166,7 @@ def mesh_cells(body: CadBody, cells: Cells, size: float, grading: Grading) -> Re
     edge, shift = middle + h, (cells.half_cells - 2) * h
     windows = {
         "end": (-length, middle, 0.0),
-        "cell": (middle, edge, 0.0),
+        "cell": (cells.start, cells.start + h, cells.start - middle),
         "far": (edge + shift, 2 * length, shift),
     }
     with cad_session(body) as (gmsh, blocks, air, _):
@@ -207,15 +243,24 @@ def _between(gmsh: Any, volumes: list[Volume], low: float, high: float) -> list[
 class _Slots:
     """Half cells of a body one after the other, number 0 between the two planes."""
 
-    def __init__(self, gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, half_pitch: float) -> None:
+    def __init__(
+        self,
+        gmsh: Any,
+        body: CadBody,
+        blocks: Collection[Volume],
+        start: float,
+        half_pitch: float,
+        *,
+        neighbours_alone: bool = False,
+    ) -> None:
         self.gmsh = gmsh
         self.body = body
         self.start, self.h = start, half_pitch
         self.slots: dict[int, list[Volume]] = {}
-        for volume in _cut_at(gmsh, blocks, [self._position(number) for number in self._numbers()]):
+        planes = range(-1, 3) if neighbours_alone else self._numbers()
+        for volume in _cut_at(gmsh, blocks, [self._position(number) for number in planes]):
             x = gmsh.model.occ.getCenterOfMass(*volume)[0]
             self.slots.setdefault(floor((x - start) / half_pitch), []).append(volume)
-        self.moments = {number: self._moments(number) for number in self.slots}
 
     def equal_to_the_first(self) -> tuple[int, int]:
         """Numbers of the first and the last plane between which all slots equal number 0.
@@ -227,7 +272,7 @@ class _Slots:
             if not self._is_within(side):
                 raise DesignError(
                     "cell",
-                    f"beside x = {self._position(max(side, 0)):g} mm the arm has no room for another half cell; give "
+                    f"beside x = {self._told(max(side, 0)):g} mm the arm has no room for another half cell; give "
                     "two planes that are farther from its ends",
                 )
             self._check_neighbour(side)
@@ -237,9 +282,24 @@ class _Slots:
             ends.append(number)
         return ends[0], ends[1] + 1
 
+    def difference(self, number: int) -> Difference:
+        """Between a neighbour of slot 0 and its mirror image."""
+        slot = self.slots.get(number, [])
+        if not slot or not self._is_within(number):
+            return Difference(1.0)
+        return difference(self.gmsh, slot, self.slots[0], 0, self._position(max(number, 0)), SAME)
+
+    def remove(self) -> None:
+        """Take its volumes out of the session."""
+        self.gmsh.model.occ.remove([volume for slot in self.slots.values() for volume in slot], recursive=True)
+
     def _position(self, number: int) -> float:
         """x of a plane, mm."""
         return self.start + number * self.h
+
+    def _told(self, number: int) -> float:
+        """The same as the user knows it."""
+        return (-1.0 if self.body.turned else 1.0) * self._position(number)
 
     def _numbers(self) -> range:
         """Of the planes within the arm."""
@@ -256,29 +316,36 @@ class _Slots:
         middle = [self._position(number) + 0.5 * self.h, 0.0, 0.0]
         return np.asarray(moments(self.gmsh, self.slots[number], middle)[np.triu_indices(4)])
 
+    @cached_property
+    def _first(self) -> Array:
+        """The moments of slot 0."""
+        return self._moments(0)
+
     def _is_equal(self, number: int) -> bool:
         """Whether a slot has the volume and the moments of number 0, or of its mirror image."""
         if number not in self.slots:
             return False
         sign = np.array([1.0, -1.0, 1.0, 1.0])[:, None] ** (number % 2)
-        expected = self.moments[0] * (sign @ sign.T)[np.triu_indices(4)]
+        expected = self._first * (sign @ sign.T)[np.triu_indices(4)]
         size = np.array([1.0, *np.ptp(_box(self.gmsh, self.slots[0]), axis=0)])
-        allowed = SAME * self.moments[0][0] * np.outer(size, size)[np.triu_indices(4)]
-        return bool((np.abs(self.moments[number] - expected) <= allowed).all())
+        allowed = SAME * self._first[0] * np.outer(size, size)[np.triu_indices(4)]
+        return bool((np.abs(self._moments(number) - expected) <= allowed).all())
 
     def _check_neighbour(self, number: int) -> None:
         """Raise `DesignError` unless a neighbour of slot 0 is its mirror image."""
-        x = self._position(max(number, 0))
-        slot = self.slots.get(number, [])
-        found = difference(self.gmsh, slot, self.slots[0], 0, x, SAME) if slot else Difference(1.0)
+        found = self.difference(number)
         if found.fraction > SAME:
-            centre = ", ".join(f"{round(coordinate, 3) + 0.0:g}" for coordinate in found.centre or ())
-            around = f", around ({centre}) mm" if centre else ""
+            x, around, planes = self._told(max(number, 0)), "", "give planes"
+            if found.centre is not None:
+                x_centre, y, z = (round(coordinate, 3) for coordinate in found.centre)
+                around = f", around {self.body.words((x_centre, y, z))}"
+            if self.body.turned:
+                planes = "turn the body with axes, and give planes"
             raise DesignError(
                 "cell",
                 f"the body is not symmetric about the plane x = {x:g} mm: the material {self.h:g} mm before and behind "
-                f"it differs by {100 * found.fraction:.2g} % of its volume{around}; give planes in the middle of a "
-                "cell and between two equal cells, or a length alone",
+                f"it differs by {100 * min(found.fraction, 1.0):.2g} % of its volume{around}; {planes} in the middle "
+                "of a cell and between two equal cells, or a length alone",
             )
 
 
