@@ -193,7 +193,7 @@ def test_a_cavity_that_begins_just_behind_a_plane_gets_no_walls_between_cells(tm
 
 
 def test_three_round_chambers_and_a_longer_last_one(tmp_path: Path) -> None:
-    """Triangles of round walls give middles that are off by 0.01 mm; the half of the last chamber that is longer is no cell."""
+    """Triangles of round walls give middles that are off by 0.01 mm; the longer half of the last chamber is no cell."""
 
     def spheres(occ: Any) -> None:
         air = [(3, occ.addCylinder(7 + 9.3 * k, 5, -4, 0, 0, 8, 3)) for k in range(3)]

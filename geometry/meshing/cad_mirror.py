@@ -16,7 +16,7 @@ from geometry.meshing.shapes import Volume
 
 #: part of the volume by which difference and intersection with an image add up to another one if they are right
 NOT_ADDED = 0.01
-#: part of the volume above which a difference that leaves all moments the same is not believed
+#: part of the volume above which a difference that leaves all moments the same is checked by points
 SUSPICIOUS = 0.05
 #: deviation of the moments of an image, over volume and extent, that is due to their integration
 BY_MOMENTS = 1e-4
