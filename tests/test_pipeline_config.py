@@ -527,14 +527,14 @@ def test_the_load_that_the_program_chooses_is_among_reached_pressures(
     assert given.up_to(highest) == (given if highest >= 20.0 else Validation((), (), ()))
 
 
-def test_the_end_that_the_program_chooses_is_held_against_the_bending(configs: Path) -> None:
+def test_the_end_that_the_program_chooses_is_beyond_that_of_III(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
     chosen = load_config(coarse, ["end.y=2 mm"]).validation
     assert chosen.end_y_mm == (13.2,)
-    assert chosen.against_bending(2.0, upwards=False) == chosen
-    assert chosen.against_bending(2.0, upwards=True).end_y_mm == (-9.2,)
+    assert chosen.beyond(2.0, is_held_down=False) == chosen
+    assert chosen.beyond(2.0, is_held_down=True).end_y_mm == (-9.2,)
     given = load_config(coarse, ["validation={pressures: [20 kPa], end_y: [5 mm]}"]).validation
-    assert given.against_bending(0.0, upwards=True) == given
+    assert given.beyond(0.0, is_held_down=True) == given
 
 
 @pytest.mark.parametrize(

@@ -173,7 +173,7 @@ def test_a_load_begins_at_the_next_lower_state_below_the_highest_one(config: Con
 
 
 @pytest.mark.parametrize(("rise", "height"), [(0.002, -7.2), (-0.002, 7.2)])
-def test_the_chosen_end_of_an_arm_that_bends_upwards_is_held_below(tmp_path: Path, rise: float, height: float) -> None:
+def test_the_chosen_end_of_an_arm_that_III_holds_down_is_below(tmp_path: Path, rise: float, height: float) -> None:
     path = tmp_path / "seven.yaml"
     path.write_text("\n".join(line for line in SHORT.splitlines() if "validation" not in line), encoding="utf-8")
     s = np.linspace(0.0, 72.0, 20)

@@ -105,13 +105,13 @@ class Validation:
             return Validation((), (), ())
         return replace(self, pressures_kPa=(middle_of_widest(reached_kPa),))
 
-    def against_bending(self, held_mm: float, *, upwards: bool) -> "Validation":
+    def beyond(self, held_mm: float, *, is_held_down: bool) -> "Validation":
         """The same loads, or the end that the program chooses on the other side of its height u_y in III.
 
-        The chosen end is above that height, which loads an arm that bends downwards more than III does; its mirror
-        image has to be held below.
+        The chosen end is above that height, farther from the free end than in III if that is below; of the mirror image
+        of such an arm, whose end III holds down, it has to be below.
         """
-        if self.with_experiments or not upwards:
+        if self.with_experiments or not is_held_down:
             return self
         return replace(self, end_y_mm=tuple(float(f"{2.0 * held_mm - y:.12g}") for y in self.end_y_mm))
 

@@ -173,7 +173,7 @@ def _check_identification(document: Document, content: Any, length: float) -> No
 def _default_validation(content: Any, length: float) -> Validation:
     """One load that nothing is fitted to: in the middle of the widest interval of pressures, the end elsewhere.
 
-    Of an arm that turns out to bend upwards it is on the other side (`Validation.against_bending`).
+    Of an arm whose end III holds down it is on the other side (`Validation.beyond`).
     """
     at_rest = content.end.y.displacement_mm or 0.0
     end = float(f"{at_rest + ELSEWHERE * length:.12g}")

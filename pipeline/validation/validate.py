@@ -60,7 +60,7 @@ def with_reached_loads(scene: Scene, outcomes: Outcomes) -> Scene:
     """
     validation = scene.config.validation.among(outcomes.reached_kPa).up_to(_highest_of_II(outcomes))
     held = scene.config.end.y_mm or 0.0
-    validation = validation.against_bending(held, upwards=_bends_upwards(outcomes))
+    validation = validation.beyond(held, is_held_down=_is_held_down(outcomes, held))
     return replace(scene, config=replace(scene.config, validation=validation))
 
 
@@ -80,10 +80,10 @@ def beyond_end_of_II(config: Config, outcomes: Outcomes) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def _bends_upwards(outcomes: Outcomes) -> bool:
-    """Whether the end of the free arm has turned towards larger y."""
-    angles = [record.centreline.angle for record in outcomes["II"].records[:1]]
-    return any(angle[-1] > angle[0] for angle in angles)
+def _is_held_down(outcomes: Outcomes, held_mm: float) -> bool:
+    """Whether the end of the free arm has moved above the height u_y at which it is held in III."""
+    curves = [record.centreline for record in outcomes["II"].records[:1]]
+    return any(curve.y[-1] - curve.y[0] > held_mm for curve in curves)
 
 
 def _highest_of_II(outcomes: Outcomes) -> float:
