@@ -221,3 +221,17 @@ def test_cells_that_cannot_be_meshed_are_left_out(drawn: Path, monkeypatch: pyte
     assert CadFile(str(drawn), NET.curve_y).body(5.0).mesh.volume == pytest.approx(NET.solid_volume / 2, rel=1e-9)
     with pytest.raises(MeshError, match="flat"):
         design_of(drawn).body(5.0)
+
+
+def test_a_lane_of_chambers_beside_one_without(tmp_path: Path) -> None:
+    def draw(occ: Any) -> None:
+        air = [box(occ, (4 + 10 * k, 2, -4), (10 + 10 * k, 8, 4)) for k in range(7)]
+        air += [box(occ, (6, 3, -1), (70, 4, 1)), box(occ, (3, 11, -4), (77, 14, 4))]
+        occ.cut([box(occ, (0, 0, -6), (80, 16, 6))], air)
+
+    path = str(save(tmp_path / "lanes.step", draw))
+    own = CadFile(path, 1.0, air={"chambers": (7.0, 5.0, 0.0), "plain": (40.0, 12.0, 0.0)})
+    assert own.cells is not None
+    assert (own.cells.first, own.cells.half_pitch, own.cells.half_cells) == pytest.approx((7, 5, 12), abs=1e-6)
+    assert own.pitch == pytest.approx(10.0)
+    assert set(own.half_cell(5.0).mesh.faces) >= {"chambers", "plain"}

@@ -14,7 +14,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug, wrong_points
-from geometry.foreign.chambers import Range, middles_of
+from geometry.foreign.chambers import Range, middles_of, runs_through
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import PITCHES, SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
@@ -171,8 +171,13 @@ class CadFile(FileDesign):
         for name, chambers in self.chamber_ranges.items():
             if not chambers[0][0] < middles[0] < middles[-1] < chambers[-1][1]:
                 return None, f"{beginning} the cavity {name} does not go through all of them"
+        divided = [
+            name
+            for name, chambers in self.chamber_ranges.items()
+            if not all(runs_through(chamber, self.length) for chamber in chambers)
+        ]
         try:
-            return find_cells_of_chambers(self._cad, middles), ""
+            return find_cells_of_chambers(self._cad, middles, divided), ""
         except DesignError as refusal:
             return None, f"{beginning} {refusal.sentence}"
         except MeshError as failure:

@@ -111,8 +111,13 @@ def middles_of(chambers: Iterable[Range], length: float) -> list[float]:
     Chambers beside one another are one, and those that run through all of the arm do not count.
     """
     groups: list[Range] = []
-    for low, high in sorted(chambers):
+    for low, high in sorted(chamber for chamber in chambers if not runs_through(chamber, length)):
         if groups and low < groups[-1][1]:
             low, high = groups[-1][0], max(high, groups.pop()[1])
         groups.append((low, high))
-    return [(low + high) / 2 for low, high in groups if high - low < WHOLE * length]
+    return [(low + high) / 2 for low, high in groups if not runs_through((low, high), length)]
+
+
+def runs_through(chamber: Range, length: float) -> bool:
+    """Whether a chamber runs through all of an arm of a length (mm)."""
+    return chamber[1] - chamber[0] >= WHOLE * length

@@ -75,13 +75,14 @@ def find_cells(body: CadBody, planes: CellPlanes) -> Cells:
         return _cells(gmsh, body, blocks, planes)
 
 
-def find_cells_of_chambers(body: CadBody, middles: Sequence[float]) -> Cells:
+def find_cells_of_chambers(body: CadBody, middles: Sequence[float], cavities: Collection[str]) -> Cells:
     """All cells of a body with three chambers or more at equal distances, whose middles are about at x = middles (mm).
 
+    cavities: the names of those that the chambers belong to; others run through the arm with one section.
     Raises `DesignError` on `cell` where the material is not symmetric about the planes in and between the chambers.
     """
     with cad_session(body) as (gmsh, blocks, air, _):
-        start, pitch = _middle_and_pitch(gmsh, list(air), middles)
+        start, pitch = _middle_and_pitch(gmsh, [v for v, name in air.items() if name in cavities], middles)
         planes = _as_drawn(gmsh, body, blocks, start, pitch)
         return _cells(gmsh, body, blocks, planes)
 
