@@ -24,7 +24,14 @@ from geometry.mesh import Mesh
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_thinnest_wall, mesh_cad
 from geometry.meshing.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
-from geometry.meshing.cells import CellPlanes, Cells, find_cells, find_cells_of_chambers, mesh_cells
+from geometry.meshing.cells import (
+    CellPlanes,
+    Cells,
+    find_cells,
+    find_cells_of_chambers,
+    find_cells_of_one_section,
+    mesh_cells,
+)
 from geometry.meshing.mirror import Repetition
 
 
@@ -87,7 +94,9 @@ class CadFile(FileDesign):
                 "cell",
                 "must be a length where the arm is clamped at its larger x; turn the body with axes to give planes",
             )
-        _ = self.measures, self.cells
+        _ = self.measures
+        if isinstance(self.cell, CellPlanes):
+            _ = self.cells
         if self.defeature is not None and self.defeature > self.thinnest_wall / 2:
             raise DesignError(
                 "defeature",
@@ -141,6 +150,8 @@ class CadFile(FileDesign):
     @property
     def pitch(self) -> float:
         """That of the cells; of an arm that is too short for five parameters of such cells the usual one."""
+        if self.cell is None and not self.has_equal_chambers:
+            return super().pitch  # cells of an arm with one section are as long
         if self.cells is None or self.length < PITCHES * 2 * self.cells.half_pitch:
             return super().pitch
         return 2 * self.cells.half_pitch
@@ -159,9 +170,8 @@ class CadFile(FileDesign):
         if self.has_equal_chambers:
             return self._cells_of_chambers
         if not middles_of(chain.from_iterable(self.chamber_ranges.values()), self.length):
-            middle = (self._cad.clamp + self._cad.tip) / 2
             with suppress(DesignError, MeshError):
-                return find_cells(self._cad, CellPlanes(middle, middle + super().pitch / 2)), ""
+                return find_cells_of_one_section(self._cad, super().pitch), ""
         return None, ""
 
     @property

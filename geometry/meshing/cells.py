@@ -83,8 +83,21 @@ def find_cells_of_chambers(body: CadBody, middles: Sequence[float], cavities: Co
     """
     with cad_session(body) as (gmsh, blocks, air, _):
         start, pitch = _middle_and_pitch(gmsh, [v for v, name in air.items() if name in cavities], middles)
-        planes = _as_drawn(gmsh, body, blocks, start, pitch)
-        return _cells(gmsh, body, blocks, planes)
+        planes, differs = _as_drawn(gmsh, body, blocks, start, pitch)
+        return _cells(gmsh, body, blocks, planes, is_compared=differs <= SAME)
+
+
+def find_cells_of_one_section(body: CadBody, pitch: float) -> Cells | None:
+    """All cells of a body with one section near its middle, of the given length (mm); None of one with another shape.
+
+    Raises `DesignError` on `cell` where two whole cells have no room.
+    """
+    middle = (body.clamp + body.tip) / 2
+    planes = CellPlanes(middle, middle + pitch / 2)
+    with cad_session(body) as (gmsh, blocks, _, _):
+        if _largest_difference(gmsh, body, blocks, planes) > SAME:
+            return None
+        return _cells(gmsh, body, blocks, planes, is_compared=True)
 
 
 def _middle_and_pitch(gmsh: Any, air: Collection[Volume], middles: Sequence[float]) -> tuple[float, float]:
@@ -112,10 +125,12 @@ def _middle_and_pitch(gmsh: Any, air: Collection[Volume], middles: Sequence[floa
     return round(float(inner[len(inner) // 2]), TIDY), round(pitch, TIDY)
 
 
-def _as_drawn(gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, pitch: float) -> CellPlanes:
-    """The planes of a cell: those of rounded lengths, as they may have been drawn, if they are better ones.
+def _as_drawn(
+    gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, pitch: float
+) -> tuple[CellPlanes, float]:
+    """The planes of a cell, and the fraction in which its neighbours are no mirror images.
 
-    Centres of air with round walls are off by up to 1e-2 mm, others by 1e-6 mm.
+    The planes are those of rounded lengths, as they may have been drawn, if these are better ones. Centres of air with round walls are off by up to 1e-2 mm, others by 1e-6 mm.
     """
     best, least = CellPlanes(start, start + pitch / 2), inf
     rounded = [
@@ -131,7 +146,7 @@ def _as_drawn(gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float
             best, least = planes, differs
         if not GOOD < least < FAR:
             break
-    return best
+    return best, least
 
 
 def _largest_difference(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> float:
@@ -143,9 +158,11 @@ def _largest_difference(gmsh: Any, body: CadBody, blocks: Collection[Volume], pl
     return largest
 
 
-def _cells(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> Cells:
+def _cells(
+    gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes, *, is_compared: bool = False
+) -> Cells:
     low, half_pitch = min(planes.start, planes.stop), planes.half_pitch
-    first, last = _Slots(gmsh, body, blocks, low, half_pitch).equal_to_the_first()
+    first, last = _Slots(gmsh, body, blocks, low, half_pitch).equal_to_the_first(is_compared=is_compared)
     odd = int(planes.stop < planes.start)  # of the numbers of the planes in the middle of a cell
     middles = first + (first + odd) % 2, last - (last + odd) % 2
     if middles[1] - middles[0] < 2:
@@ -263,10 +280,10 @@ class _Slots:
             x = gmsh.model.occ.getCenterOfMass(*volume)[0]
             self.slots.setdefault(floor((x - start) / half_pitch), []).append(volume)
 
-    def equal_to_the_first(self) -> tuple[int, int]:
+    def equal_to_the_first(self, *, is_compared: bool) -> tuple[int, int]:
         """Numbers of the first and the last plane between which all slots equal number 0.
 
-        Raises `DesignError` where a neighbour of that does not.
+        is_compared: whether its neighbours are known to be its mirror images. Raises `DesignError` where one is not.
         """
         ends = []
         for side in (-1, 1):
@@ -276,7 +293,8 @@ class _Slots:
                     f"beside x = {self._told(max(side, 0)):g} mm the arm has no room for another half cell; give "
                     "two planes that are farther from its ends",
                 )
-            self._check_neighbour(side)
+            if not is_compared:
+                self._check_neighbour(side)
             number = side
             while self._is_within(number + side) and self._is_equal(number + side):
                 number += side
