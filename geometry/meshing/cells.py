@@ -130,7 +130,8 @@ def _as_drawn(
 ) -> tuple[CellPlanes, float]:
     """The planes of a cell, and the fraction in which its neighbours are no mirror images.
 
-    The planes are those of rounded lengths, as they may have been drawn, if these are better ones. Centres of air with round walls are off by up to 1e-2 mm, others by 1e-6 mm.
+    The planes are those of rounded lengths, as they may have been drawn, if these are better ones. Centres of air with
+    round walls are off by up to 1e-2 mm, others by 1e-6 mm.
     """
     best, least = CellPlanes(start, start + pitch / 2), inf
     rounded = [
