@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pipeline.store.formats import of_extensible
 from pneurod.results import COLUMNS
 
 Row = Mapping[str, Any]
@@ -71,9 +72,7 @@ def parameter_frames(content: Mapping[str, Any]) -> dict[str, pd.DataFrame]:
     """
     pressures = content.get("pressures_kPa", [])
     profile = content["kappa_0"] if pressures else {}
-    stretched = content.get("eccentricity", {}) if pressures else {}
-    if stretched and "moment_range_N_mm" in content:  # older files have one range for both rods
-        stretched = {"moment_range_N_mm": content["moment_range_N_mm"], **stretched}
+    stretched = of_extensible(content) if pressures else {}
     estimators = [
         _by_pressure(pressures, columns).assign(estimator=name, reason=columns.get("reason", ""))
         for name, columns in content.get("estimators", {}).items()

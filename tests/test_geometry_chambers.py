@@ -8,7 +8,7 @@ import pytest
 
 from geometry import CadFile, MeshFile, PneuNet, SurfaceFile
 from geometry.families.from_file import FileDesign, usual_pitch
-from geometry.foreign.chambers import chambers_of, distances, sections
+from geometry.foreign.chambers import chambers_of, distances, middles_of, sections
 from geometry.foreign.frame import PITCHES
 from rod.identification.observed import FEWEST_PITCHES
 from tests.foreign_bodies import meshed, two_chambers, write_mesh, write_surface
@@ -97,7 +97,7 @@ def test_sections_and_chambers_of_a_cone_and_a_box_with_a_bore_between(tmp_path:
     ids=["one", "beside one another", "two and one", "three and one", "almost all of the arm", "overlapping"],
 )
 def test_chambers_beside_one_another_are_one(ranges: list[tuple[float, float]], between: list[float]) -> None:
-    assert distances(ranges, 60.0) == pytest.approx(between)
+    assert distances(middles_of(ranges, 60.0)) == pytest.approx(between)
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import chain
 from pathlib import Path
 from statistics import median
 from typing import ClassVar, final
@@ -14,7 +13,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug, wrong_points
-from geometry.foreign.chambers import Range, middles_of, runs_through
+from geometry.foreign.chambers import Range, runs_through
 from geometry.foreign.file import SUFFIXES as MESH_SUFFIXES
 from geometry.foreign.frame import PITCHES, SAME, Axes, rotation
 from geometry.foreign.surface import SUFFIXES as SURFACE_SUFFIXES
@@ -169,14 +168,14 @@ class CadFile(FileDesign):
             return None, ""
         if self.has_equal_chambers:
             return self._cells_of_chambers
-        if not middles_of(chain.from_iterable(self.chamber_ranges.values()), self.length):
+        if not self.chamber_middles:
             with suppress(DesignError, MeshError):
                 return find_cells_of_one_section(self._cad, super().pitch), ""
         return None, ""
 
     @property
     def _cells_of_chambers(self) -> tuple[Cells | None, str]:
-        middles = middles_of(chain.from_iterable(self.chamber_ranges.values()), self.length)
+        middles = self.chamber_middles
         beginning = f"its chambers are {median(self.chamber_distances):.4g} mm apart, but"
         for name, chambers in self.chamber_ranges.items():
             if not chambers[0][0] < middles[0] < middles[-1] < chambers[-1][1]:

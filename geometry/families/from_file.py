@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from geometry.design import Design, DesignError
-from geometry.foreign.chambers import Range, distances
+from geometry.foreign.chambers import Range, distances, middles_of
 from geometry.foreign.companions import companions
 from geometry.foreign.frame import PITCHES, Axes, usual_cell
 from geometry.meshing.cad_import import Point
@@ -84,9 +84,14 @@ class FileDesign(Design):
         """Smallest and largest x of each chamber by the name of its cavity, mm; x as in the file or from the clamp."""
 
     @property
+    def chamber_middles(self) -> list[float]:
+        """x of the middles of chambers that follow one another, as in `chamber_ranges`."""
+        return middles_of(chain.from_iterable(self.chamber_ranges.values()), self.length)
+
+    @property
     def chamber_distances(self) -> list[float]:
         """Along x between the middles of neighbouring chambers, mm."""
-        return distances(chain.from_iterable(self.chamber_ranges.values()), self.length)
+        return distances(self.chamber_middles)
 
     @property
     def has_equal_chambers(self) -> bool:

@@ -100,9 +100,9 @@ def _crossings(points: Array, walls: Index, wide: Array, narrow: Array, levels: 
     return narrow
 
 
-def distances(chambers: Iterable[Range], length: float) -> list[float]:
-    """Distances (mm) between the middles of neighbouring chambers of an arm of a length (mm)."""
-    return [round(after - before, ROUNDED) for before, after in pairwise(middles_of(chambers, length))]
+def distances(middles: Iterable[float]) -> list[float]:
+    """Distances (mm) between the middles (mm) of neighbouring chambers."""
+    return [round(after - before, ROUNDED) for before, after in pairwise(middles)]
 
 
 def middles_of(chambers: Iterable[Range], length: float) -> list[float]:

@@ -29,7 +29,13 @@ class Difference:
     """Where the material of two parts differs if one of them is mirrored."""
 
     fraction: float  #: volume of that over the volume of the first part
-    centre: tuple[float, float, float] | None = None  #: mm, of its largest piece; None: known by moments alone
+    centre: tuple[float, float, float] | None = None  #: mm, of its largest piece; None where this is not known
+
+
+def box(gmsh: Any, volumes: Collection[Volume]) -> Array:
+    """Corners (2, 3) of the box around some volumes, mm."""
+    boxes = np.array([gmsh.model.occ.getBoundingBox(*volume) for volume in volumes])
+    return np.stack([boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)])
 
 
 def moments(gmsh: Any, volumes: Collection[Volume], origin: Sequence[float]) -> Array:
@@ -49,9 +55,7 @@ def moments(gmsh: Any, volumes: Collection[Volume], origin: Sequence[float]) -> 
 
 def largest_deviation(gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float) -> float:
     """Of the moments of the mirror image of second from those of first, over the volume and powers of the extent."""
-    occ = gmsh.model.occ
-    boxes = np.array([occ.getBoundingBox(*volume) for volume in first])
-    low, high = boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)
+    low, high = box(gmsh, first)
     origin = 0.5 * (low + high)
     origin[axis] = at
     mirrored = np.ones(4)
@@ -81,7 +85,7 @@ def difference(
     fraction = (2.0 * _volume(gmsh, rest) - abs(volumes[0] - volumes[1])) / volumes[0]
     common: list[Volume] = []
     told = Difference(max(fraction, 0.0))
-    if fraction > allowed or fraction < -allowed:
+    if abs(fraction) > allowed:
         common, _ = occ.intersect(larger, smaller, removeObject=False, removeTool=False)
         missing = abs(_volume(gmsh, rest) + _volume(gmsh, common) - max(volumes)) / volumes[0]
         deviation = largest_deviation(gmsh, first, second, axis, at)
@@ -99,8 +103,7 @@ def difference(
 
 def _by_points(gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float) -> float:
     """Fraction of the points in first that are not in the mirror image of second, or the other way round."""
-    boxes = np.array([gmsh.model.occ.getBoundingBox(*volume) for volume in first])
-    low, high = boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)
+    low, high = box(gmsh, first)
     points = low + (high - low) * np.random.default_rng(0).random((POINTS, 3))
     images = points.copy()
     images[:, axis] = 2.0 * at - images[:, axis]

@@ -19,7 +19,7 @@ from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.meshing.cad import cad_session, keep_material, mesh_session
 from geometry.meshing.cad_import import CadBody
-from geometry.meshing.cad_mirror import Difference, difference, moments
+from geometry.meshing.cad_mirror import Difference, box, difference, moments
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.shapes import Volume
 from geometry.meshing.solid import SolidMesh, collect_mesh, walls_between
@@ -253,7 +253,7 @@ def _fragmented(
 def _between(gmsh: Any, volumes: list[Volume], low: float, high: float) -> list[Volume]:
     """Copies of what the volumes have between x = low and x = high, mm."""
     occ = gmsh.model.occ
-    (_, y, z), (_, top, far) = _box(gmsh, volumes) + np.array([[-1.0], [1.0]])
+    (_, y, z), (_, top, far) = box(gmsh, volumes) + np.array([[-1.0], [1.0]])
     window = (3, occ.addBox(low, y, z, high - low, top - y, far - z))
     parts, _ = occ.intersect(occ.copy(volumes), [window])  # a volume within the window would be returned itself
     return [part for part in parts if part[0] == 3]
@@ -347,7 +347,7 @@ class _Slots:
             return False
         sign = np.array([1.0, -1.0, 1.0, 1.0])[:, None] ** (number % 2)
         expected = self._first * (sign @ sign.T)[np.triu_indices(4)]
-        size = np.array([1.0, *np.ptp(_box(self.gmsh, self.slots[0]), axis=0)])
+        size = np.array([1.0, *np.ptp(box(self.gmsh, self.slots[0]), axis=0)])
         allowed = SAME * self._first[0] * np.outer(size, size)[np.triu_indices(4)]
         return bool((np.abs(self._moments(number) - expected) <= allowed).all())
 
@@ -372,7 +372,7 @@ class _Slots:
 def _cut_at(gmsh: Any, blocks: Collection[Volume], positions: list[float]) -> list[Volume]:
     """The blocks, cut at the planes x = position (mm)."""
     occ = gmsh.model.occ
-    (_, y, z), (_, top, far) = _box(gmsh, blocks)
+    (_, y, z), (_, top, far) = box(gmsh, blocks)
     height, width = 2 * (top - y), 2 * (far - z)
     planes = []
     for x in positions:
@@ -382,9 +382,3 @@ def _cut_at(gmsh: Any, blocks: Collection[Volume], positions: list[float]) -> li
         planes.append((2, sheet))
     _, children = occ.fragment(list(blocks), planes)
     return [part for parts in children[: len(blocks)] for part in parts if part[0] == 3]
-
-
-def _box(gmsh: Any, volumes: Collection[Volume]) -> Array:
-    """Corners (2, 3) of the box around some volumes, mm."""
-    boxes = np.array([gmsh.model.occ.getBoundingBox(*volume) for volume in volumes])
-    return np.stack([boxes[:, :3].min(axis=0), boxes[:, 3:].max(axis=0)])

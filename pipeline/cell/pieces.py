@@ -96,10 +96,11 @@ class ArmPieces:
         if self.walls == GAP or self.dhat is None:
             return []
         mirrored = MirrorContact(self.walls, "tip", self.dhat)
-        is_given = self.config.effects.self_contact.faces is not None
+        among_themselves = SelfContact(self.walls, self.dhat, starts_inactive=True, near=math.inf)
+        if self.config.effects.self_contact.faces is not None:
+            return [mirrored, among_themselves]  # refused where these walls do not face their images
         space = Discretisation.of(body.mesh, self.config.mesh.formulation)
-        facing = [mirrored] if is_given or mirrored.has_walls(space) else []
-        return [*facing, SelfContact(self.walls, self.dhat, starts_inactive=True, near=math.inf)]
+        return [mirrored, among_themselves] if mirrored.has_walls(space) else [among_themselves]
 
     def _body(self, half_cells: int, start: Boundary) -> Body:
         """The meshed piece. Raises `NoArmLaw` and InputError."""

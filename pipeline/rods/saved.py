@@ -16,7 +16,7 @@ from pipeline.rods.at_pressure import RodAtPressure
 from pipeline.rods.checks import check_parameters
 from pipeline.rods.options import option_value
 from pipeline.rods.without_parameters import refuse_without_parameters
-from pipeline.store.formats import with_present_keys
+from pipeline.store.formats import of_extensible, with_present_keys
 from rod.checked import positive
 from rod.curves.extension import Extension
 from rod.errors import RodError
@@ -167,11 +167,9 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
     """The rod of the content of a parameters.json. Raises KeyError, TypeError or ValueError for one that has none."""
     check_parameters(content)
     profile = content["kappa_0"]
-    of_rod = content["eccentricity"] if extensible else content
+    of_rod = of_extensible(content) if extensible else content
     columns = [of_rod[key] for key in PARAMETER_COLUMNS.values()]
     stretches = zip(of_rod["rest_stretch"], of_rod["eccentricity_mm"], strict=True) if extensible else ()
-    # older files have no range of its own for the rod that stretches
-    moment_ranges = of_rod.get("moment_range_N_mm", content.get("moment_range_N_mm", ()))
     return PressurisedRod(
         length=float(content["length_mm"]),
         pressures=np.array(content["pressures_kPa"], dtype=float),
@@ -180,7 +178,7 @@ def pressurised_rod(content: Mapping[str, Any], extensible: bool = False) -> Pre
         kappa_0=np.array(profile["kappa_0_per_mm"], dtype=float),
         theta0=np.array(profile["theta0_rad"], dtype=float),
         extensions=tuple(Extension(np.array(profile["s_mm"]), np.array(rest), e) for rest, e in stretches),
-        moment_ranges=tuple(MomentRange(*ends) for ends in moment_ranges),
+        moment_ranges=tuple(MomentRange(*ends) for ends in of_rod.get("moment_range_N_mm", ())),
         straight_without_pressure=bool(content.get("straight_without_pressure", True)),
         weight=pair(content.get("weight_N_per_mm", (0.0, 0.0)), "weight_N_per_mm"),
         weight_height=float(content.get("weight_height_mm", 0.0)),

@@ -68,14 +68,18 @@ class Scene:
     @property
     def activation_distance(self) -> float | None:
         """The activation distance of contact (mm) as configured, or the default; None where no faces can meet."""
-        space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
+        space = self._space
         return min((contact.activation_distance(space) for contact in self._intended_contacts), default=None)
 
     @property
     def smallest_gap(self) -> float:
         """The smallest gap at rest between the faces that are expected to meet, mm; infinite where there are none."""
-        space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
+        space = self._space
         return min((contact.smallest_gap(space) for contact in self._intended_contacts), default=inf)
+
+    @property
+    def _space(self) -> fem.Discretisation:
+        return fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
 
     @property
     def _intended_contacts(self) -> list[fem.SelfContact]:
@@ -98,14 +102,13 @@ class Scene:
         faces = self.body.mesh.faces
         if GAP in faces or OUTER not in faces:
             return (GAP,)
-        space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
-        return (OUTER,) if fem.SelfContact(OUTER, starts_inactive=True).smallest_gap(space) < inf else ()
+        return (OUTER,) if fem.SelfContact(OUTER, starts_inactive=True).smallest_gap(self._space) < inf else ()
 
     def _check_contact(self) -> None:
         """Refuse a given activation distance that walls are within at rest. Raises InputError."""
         if self.config.effects.self_contact.dhat_mm is None:
             return
-        space = fem.Discretisation.of(self.body.mesh, self.config.mesh.formulation)
+        space = self._space
         try:
             for contact in self._intended_contacts:
                 replace(contact, starts_inactive=True).activation_distance(space)  # faces that never meet do no harm

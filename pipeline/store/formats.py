@@ -40,6 +40,16 @@ def with_present_keys(content: Any) -> Any:
     return content
 
 
+def of_extensible(content: Mapping[str, Any]) -> Mapping[str, Any]:
+    """What a parameters.json has of the rod that stretches, by present keys; empty without it.
+
+    Earlier files have one range of moments for both rods.
+    """
+    columns = content.get("eccentricity") or {}
+    shared = {key: content[key] for key in ("moment_range_N_mm",) if columns and key in content}
+    return {**shared, **columns}
+
+
 def validation_rows(rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """The rows of a validation.json with one rod each.
 

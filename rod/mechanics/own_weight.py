@@ -16,13 +16,12 @@ from rod.mechanics.profile import Steps
 from rod.mechanics.shooting import ABSCISSAE, RodArrays, sweep
 
 
-def rest_moment(
-    steps: Steps, stretch: Array, weight: Array, theta0: float, eccentricity: float = 0.0
-) -> tuple[float, Array]:
+def rest_moment(steps: Steps, stretch: Array, weight: Array, theta0: float, eccentricity: float) -> tuple[float, Array]:
     """M of the weight at the clamp, and (n, 6) M_0 at the stages of every step, by the cubics of its values and slopes
     at the ends of the step.
 
-    stretch: (n, 6) of the shape of kappa_0; weight: (4,) as in `shooting`; theta0: rad, at the clamp.
+    stretch: (n, 6) of the shape of kappa_0; weight: (4,) as in `shooting`; theta0: rad, at the clamp;
+    eccentricity: of the neutral axis, over the length.
     """
     n, zero = len(steps.s) - 1, np.zeros_like(steps.kappa_0)
     rigid = RodArrays(steps.s, steps.kappa_0, stretch, np.full(n, np.inf), np.zeros(n), zero, 0.0, 0.0, theta0)
