@@ -31,7 +31,8 @@ from geometry import GRADINGS, BisectedCircle, PneuNet, Semicircular, Semicircul
 from geometry.arrays import Array  # noqa: E402
 from geometry.design import Design  # noqa: E402
 from pipeline.cell.measure import cell_without_moment, sweep_cell  # noqa: E402
-from pipeline.cell.measure_ends import clamp_curve, tip_curve  # noqa: E402
+from pipeline.cell.measure_clamp import clamp_curve  # noqa: E402
+from pipeline.cell.measure_tip import tip_curve  # noqa: E402
 from pipeline.cell.reach import Reach  # noqa: E402
 from pipeline.study import JsonFiles, Study  # noqa: E402
 from rod import RodError, RodSolution  # noqa: E402
@@ -240,7 +241,7 @@ class Pieces:
         cells = [sweep.curve(self.cell.body.length) for sweep in self.sweep()]
         pieces = {start: self.end_piece(start) for start in ("clamp", "free")}
         clamps = [clamp_curve(pieces["clamp"], cell).curve for cell in cells]
-        tips = [tip_curve(pieces["free"], cell) for cell in cells]
+        tips = [tip_curve(pieces["free"], cell).curve for cell in cells]
         first = design.repetition(self.arm.size, GRADINGS["off"]).middle
         return ArmLaw(design.pitch, first, design.length, tuple(cells), tuple(clamps), tuple(tips))
 

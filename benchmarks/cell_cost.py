@@ -22,7 +22,8 @@ import fem.equations.pardiso  # noqa: E402
 from benchmarks.arguments import count, parser_of  # noqa: E402
 from benchmarks.cell import ARMS, Arm, Case, Cost, Pieces, renew, report, solve_whole, table_of  # noqa: E402
 from fem.cell.piece import BendingPiece  # noqa: E402
-from pipeline.cell.measure_ends import clamp_curve, tip_curve  # noqa: E402
+from pipeline.cell.measure_clamp import clamp_curve  # noqa: E402
+from pipeline.cell.measure_tip import tip_curve  # noqa: E402
 
 
 def costs(arm: Arm) -> tuple[Cost, Cost, Cost, int]:

@@ -1,4 +1,4 @@
-"""Cubics through points with given slopes, and the slopes of a monotone and of a periodic curve.
+"""Cubics through points with given slopes, and the slopes of a monotone, of a smooth and of a periodic curve.
 
 scipy.interpolate has them. They are written out here because its import takes longer than all other work of
 `pneurod rod` together; `tests/test_rod_cubics.py` compares them with scipy.
@@ -61,6 +61,15 @@ def monotone_slopes(x: Array, y: Array) -> Array:
     first = _end_slope(steps[:2], secants[:2])
     last = _end_slope(steps[:-3:-1], secants[:-3:-1])
     return np.concatenate([first[None], inner, last[None]])
+
+
+def parabola_slopes(x: Array, y: Array) -> Array:
+    """(n, ...) slopes of smooth cubics through y (n, ...) over rising x (n,), at least two points.
+
+    Each is that of the parabola through a point and its two neighbours, at the ends through the last three points; of
+    two points that of the straight line.
+    """
+    return np.asarray(np.gradient(y, x, axis=0, edge_order=2 if len(x) > 2 else 1))
 
 
 def periodic_slopes(y: Array, step: float) -> Array:

@@ -165,7 +165,7 @@ def test_a_second_call_solves_nothing_and_writes_the_same_law(
 def test_an_interrupted_measurement_continues_with_equal_numbers(
     report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A cell, an end and a check that are missing are measured again, from rest as the first time."""
+    """A cell, an end and a check that are missing are measured again, from the same states as the first time."""
     shutil.copytree(report.directory, tmp_path / "again")
     for pattern in ("cell_9kPa*", "clamp_*_9kPa*", "between_6*"):
         file = min((tmp_path / "again" / "law").glob(pattern))

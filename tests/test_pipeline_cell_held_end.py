@@ -10,7 +10,8 @@ from fem.cell.piece import BendingPiece
 from geometry import GRADINGS, BisectedCircle
 from geometry.arrays import Array
 from pipeline.cell.measure import sweep_cell
-from pipeline.cell.measure_ends import axis_by_pull, clamp_curve, tip_curve
+from pipeline.cell.measure_clamp import clamp_curve
+from pipeline.cell.measure_tip import axis_by_pull, tip_curve
 from pipeline.cell.reach import Reach
 from rod import Load, RodSolution
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
@@ -33,7 +34,7 @@ def law(cell: CellCurve) -> ArmLaw:
     clamp, tip = (BendingPiece(DESIGN.end_piece(ENDS, SIZE), RUBBER, start) for start in ("clamp", "free"))
     middle = DESIGN.repetition(SIZE, GRADINGS["off"]).middle
     return ArmLaw(
-        DESIGN.pitch, middle, DESIGN.length, (cell,), (clamp_curve(clamp, cell).curve,), (tip_curve(tip, cell),)
+        DESIGN.pitch, middle, DESIGN.length, (cell,), (clamp_curve(clamp, cell).curve,), (tip_curve(tip, cell).curve,)
     )
 
 

@@ -12,8 +12,9 @@ from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from fem.cell.response import inflated
 from geometry import GRADINGS, PneuNet
 from pipeline.cell.measure import TOLERANCE, cell_without_moment, sweep_cell
-from pipeline.cell.measure_ends import NEAREST, STEPS, clamp_curve, clamp_without_moment, tip_curve
-from pipeline.cell.measure_ends import TOLERANCE as CLAMP_TOLERANCE
+from pipeline.cell.measure_clamp import NEAREST, TOUCHING, clamp_curve, clamp_without_moment
+from pipeline.cell.measure_clamp import TOLERANCE as CLAMP_TOLERANCE
+from pipeline.cell.measure_tip import tip_curve
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.point import PiecePoint
 from pipeline.cell.reach import Reach
@@ -57,7 +58,7 @@ class Measured:
 
     @cached_property
     def law(self) -> ArmLaw:
-        tip = tip_curve(self._end("free"), self.cell)
+        tip = tip_curve(self._end("free"), self.cell).curve
         middle = DESIGN.repetition(SIZE, GRADINGS["off"]).middle
         return ArmLaw(DESIGN.pitch, middle, DESIGN.length, (self.cell,), (self.clamp,), (tip,))
 
@@ -112,7 +113,7 @@ def test_the_clamped_end_is_followed_over_the_moments_of_the_cell() -> None:
     measured = Measured(0.15, 5.0)
     cell, clamp = measured.cell, measured.clamp
     assert cell.rigidity[-1] > 3.0 * np.interp(0.0, cell.moment, cell.rigidity)
-    spacing = np.ptp(cell.moment) / STEPS
+    spacing = np.ptp(cell.moment) / TOUCHING[1]
     for k in (0, -1):
         assert abs(clamp.moment[k] - cell.moment[k]) < NEAREST * spacing
         assert cell.moment[0] < clamp.moment[k] < cell.moment[-1]
@@ -123,7 +124,7 @@ def test_between_its_states_the_clamped_end_departs_as_the_cubics_say(measured: 
     """In the middle of the longest intervals with contact and without, against a state that is solved there."""
     cell, clamp, piece = measured.cell, measured.clamp, measured._end("clamp")
     steps = np.diff(clamp.moment)
-    assert len(steps) > STEPS  # where walls meet, intervals are divided
+    assert len(steps) > TOUCHING[1]  # where walls meet, intervals are divided
     for row in np.argsort(steps)[-3:]:
         moment = clamp.moment[row] + 0.5 * steps[row]
         angle = clamp.at(moment)[0] + cell.at(moment)[0] * piece.body.length

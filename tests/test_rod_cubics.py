@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline, CubicSpline, PchipInterpolator
 
-from rod.cubics import cubic, cubic_slope, monotone_slopes, periodic_slopes
+from rod.cubics import cubic, cubic_slope, monotone_slopes, parabola_slopes, periodic_slopes
 
 RANDOM = np.random.default_rng(5)
 X = np.cumsum(RANDOM.uniform(0.5, 2.0, 12))
@@ -33,6 +33,15 @@ def test_cubics_have_the_given_values_and_slopes(shape: tuple[int, ...]) -> None
 def test_monotone_slopes_are_those_of_pchip(y: np.ndarray) -> None:
     ours = cubic(X, y, monotone_slopes(X, y), POINTS)
     assert ours == pytest.approx(PchipInterpolator(X, y)(POINTS), rel=1e-11, abs=1e-11)
+
+
+@pytest.mark.parametrize("count", [2, 3, 12])
+def test_the_slopes_of_parabolas_are_exact(count: int) -> None:
+    constants = RANDOM.normal(size=(3, 4, 2))
+    constants[2] *= count > 2  # through two points there is a straight line
+    x = X[:count, None, None]
+    y = constants[0] + x * (constants[1] + x * constants[2])
+    assert parabola_slopes(X[:count], y) == pytest.approx(constants[1] + 2.0 * x * constants[2], rel=1e-10, abs=1e-10)
 
 
 @pytest.mark.parametrize(("count", "shape"), [(1, ()), (2, (2,)), (3, ()), (24, (4, 2))])

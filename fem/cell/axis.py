@@ -70,12 +70,15 @@ def circle(s: Array, stretch: float, curvature: float) -> Array:
     return np.asarray(stretch * s[:, None] * np.stack([sine, versine], axis=1))
 
 
+def components(away: Array, angle: Array) -> Array:
+    """Components (m, 2) of vectors (m, 2) along and normal to directions of the given angles (m,)."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.stack([away[:, 0] * cosine + away[:, 1] * sine, away[:, 1] * cosine - away[:, 0] * sine], axis=1)
+
+
 def _beside(points: Array, s: Array, stretch: float, curvature: float, height: float) -> Array:
     """Components (m, 2) along and normal to the axis of the points (m, 2) beside it."""
-    away = points - circle(s, stretch, curvature) - np.array([0.0, height])
-    angle = curvature * s
-    tangent, normal = np.stack([np.cos(angle), np.sin(angle)], 1), np.stack([-np.sin(angle), np.cos(angle)], 1)
-    return np.stack([np.sum(away * tangent, axis=1), np.sum(away * normal, axis=1)], axis=1)
+    return components(points - circle(s, stretch, curvature) - np.array([0.0, height]), curvature * s)
 
 
 def _functions(phi: float) -> tuple[float, float, float, float]:

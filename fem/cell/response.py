@@ -95,32 +95,36 @@ def slopes(piece: BendingPiece, at: PieceState) -> Slopes:
     )
 
 
-def inflated(piece: BendingPiece, pressure: float, angle: float) -> PieceState:
-    """Equilibrium at a pressure in MPa and an angle in rad, from the piece at rest.
+def inflated(piece: BendingPiece, pressure: float, angle: float, start: PieceState | None = None) -> PieceState:
+    """Equilibrium at a pressure in MPa and an angle in rad, from another state, or from the piece at rest.
 
-    Both grow together, at once where that converges: an increment that fails is halved, and one that converges is
+    Both change together, at once where that converges: an increment that fails is halved, and one that converges is
     doubled. Newton's method starts a small step along the slopes of the last state, but under the whole pressure of the
     increment and the stress that goes with it to first order, as on a load path (`fem.path.predictor`). Where this has
     failed beyond the first state, it starts on the cubic through the last two states with their slopes. Raises
     `PieceFailed`.
     """
-    if pressure == 0.0 and angle == 0.0:  # in the balance at rest there is nothing but rounding, of a stiff layer too
-        return piece.rest()
-    last, increment, failures, spent = piece.rest(), 1.0, 0, 0
+    first = piece.rest() if start is None else start
+    way = pressure - first.pressure, angle - first.angle
+    if way == (0.0, 0.0):  # at rest there is nothing to balance but rounding, of a stiff layer too
+        return replace(first, factorizations=0)
+    last, increment, failures, spent = first, 1.0, 0, 0
     extrapolates = False  #: whether Newton's method starts on the cubic
-    points = [_inflation_point(piece, last, 0.0, pressure, angle)]
+    points = [_inflation_point(piece, last, 0.0, way)]
     while (fraction := points[-1].value) < 1.0:
         target = min(1.0, fraction + increment)
-        start = _inflation_start(points, target, extrapolates)
+        predicted = _inflation_start(points, target, extrapolates)
+        next_pressure, next_angle = first.pressure + target * way[0], first.angle + target * way[1]
+        gives_up = start is not None or fraction > 0.0
         try:
-            last = piece.solve_near(target * pressure, target * angle, start, last, fraction > 0.0, pressure)
+            last = piece.solve_near(next_pressure, next_angle, predicted, last, gives_up, pressure)
         except PieceFailed:
             failures, increment, extrapolates = failures + 1, (target - fraction) / 2.0, fraction > 0.0
             if failures > MAX_FAILURES or increment < SMALLEST_INCREMENT:
                 raise
             continue
         increment, spent = 2.0 * increment, spent + last.factorizations
-        points = [points[-1], _inflation_point(piece, last, target, pressure, angle)]
+        points = [points[-1], _inflation_point(piece, last, target, way)]
     return replace(last, factorizations=spent)
 
 
@@ -132,16 +136,17 @@ def _inflation_start(points: Sequence[PathPoint], target: float, extrapolates: b
     return cubic or small_step_under_load(last, target) or last.state
 
 
-def _inflation_point(piece: BendingPiece, at: PieceState, part: float, pressure: float, angle: float) -> PathPoint:
-    """A state at a part of pressure in MPa and angle in rad, with its change per part of both; one factorization.
+def _inflation_point(piece: BendingPiece, at: PieceState, part: float, way: tuple[float, float]) -> PathPoint:
+    """A state at a part of the way, with its change per part of it; one factorization.
 
-    Without this change where the tangent is singular, and at the end of the way, where it is not needed.
+    way: changes of the pressure in MPa and of the angle in rad. Without this change where the tangent is singular, and
+    at the end of the way, where it is not needed.
     """
     rate: State | None = None
     if part < 1.0:
         with suppress(SingularMatrix):
             known = slopes(piece, at)
-            rate = weighted_sum([(pressure, known.pressure_rate), (angle, known.angle_rate)])
+            rate = weighted_sum([(way[0], known.pressure_rate), (way[1], known.angle_rate)])
     return PathPoint(part, 1.0, at.state, at.touches, rate)
 
 

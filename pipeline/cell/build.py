@@ -272,25 +272,23 @@ class _Builder:
 
     def _ends(self, cells: Sequence[Measured[CellCurve]], half_cells: int) -> tuple[list[ClampCurve], list[TipCurve]]:
         """The clamped end and the tip by rising pressure, up to the last one that is borne."""
-        self.context.progress.experiment("ends", [cell.curve.pressure for cell in cells])
-        pending = [self.tasks.submit(tasks.ends, cell.curve, half_cells) for cell in cells]
-        clamps: list[ClampCurve] = []
-        tips: list[TipCurve] = []
-        for cell, both in zip(cells, pending, strict=True):
-            try:
-                parts = both.result()
-            except (PieceFailed, RodError) as failure:
-                self.failures.append(str(failure).rstrip("."))
-                self.context.progress.stopped("ends", [cell.curve.pressure], self.failures[-1])
-                break
-            clamps.append(parts[0].curve)
-            tips.append(parts[1].curve)
-            self.error_along_clamp = max(self.error_along_clamp, parts[0].error)
-            self.limits += cell.limits
-            for part in parts:
-                self.limits += part.limits
-                self._count("ends", part)
-        return clamps, tips
+        curves = [cell.curve for cell in cells]
+        for name in (tasks.CLAMPED_END, tasks.TIP):
+            self.context.progress.experiment(name, [curve.pressure for curve in curves])
+        pending = (
+            self.tasks.submit(tasks.clamps, curves, half_cells),
+            self.tasks.submit(tasks.tips, curves, half_cells),
+        )
+        clamps, tips = pending[0].result(), pending[1].result()
+        borne = min(len(clamps.measured), len(tips.measured))
+        self.failures += [end.failure for end in (clamps, tips) if end.failure and len(end.measured) == borne][:1]
+        for cell, clamp, tip in zip(cells[:borne], clamps.measured[:borne], tips.measured[:borne], strict=True):
+            self.error_along_clamp = max(self.error_along_clamp, clamp.error)
+            self.limits += [*cell.limits, *clamp.limits, *tip.limits]
+        for end in (clamps, tips):
+            for measured in end.measured:
+                self._count("ends", measured)
+        return [clamp.curve for clamp in clamps.measured[:borne]], [tip.curve for tip in tips.measured[:borne]]
 
     def _count(self, part: str, measured: Measured[Any]) -> None:
         self.factorizations[part] += measured.factorizations

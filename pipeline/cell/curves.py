@@ -1,21 +1,38 @@
 """The curves of the pieces of an arm, each measured once and kept in the result folder."""
 
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import partial
+from types import MappingProxyType
+from typing import TypeAlias, TypeVar
+
+from fem.cell.boundary import Boundary
+from fem.cell.piece import BendingPiece, PieceState
 from pipeline.cell.deviation import DEVIATION_KEYS, Deviation, largest_deviation
 from pipeline.cell.kept import KeptCurves, Measured
 from pipeline.cell.measure import cell_without_moment, sweep_cell
-from pipeline.cell.measure_ends import clamp_curve, clamp_without_moment, tip_curve
+from pipeline.cell.measure_clamp import clamp_curve, clamp_without_moment, first_state
+from pipeline.cell.measure_tip import tip_curve, tip_state
 from pipeline.cell.pieces import ArmPieces
 from pipeline.cell.reach import BEND_KEYS, Bend, Reach
 from pipeline.store.store import Store
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 from rod.arm_law.record import CELL_KEYS, CLAMP_KEYS, TIP_KEYS
 
+Curve = TypeVar("Curve", ClampCurve, TipCurve)
+#: a curve of an end, and the state that the one at the next pressure begins with
+_End: TypeAlias = tuple[Measured[Curve], PieceState]
+
+#: what holds an end piece, by the kind of its curves
+BOUNDARIES: Mapping[str, Boundary] = MappingProxyType({"clamp": "clamp", "tip": "free"})
+
 
 class PieceCurves:
     """Curves of the cell, of the clamped end and of the tip at one pressure each.
 
-    Every one begins with the piece at rest, so that it does not depend on which others were measured before. All raise
-    `PieceFailed` and `RodError` for a piece that does not bear the pressure.
+    Those of the cell begin with the piece at rest, so that they do not depend on which others were measured before; the
+    ends, which cost more, begin with their state at the pressure before. All raise `PieceFailed` and `RodError` for a
+    piece that does not bear the pressure.
     """
 
     def __init__(self, pieces: ArmPieces, store: Store) -> None:
@@ -62,16 +79,14 @@ class PieceCurves:
 
         return self._deviations.get(f"between_{lower.pressure:.12g}kPa_{upper.pressure:.12g}kPa", measure)
 
-    def clamp(self, cell: CellCurve, half_cells: int) -> Measured[ClampCurve]:
-        """The clamped end with that many half cells over the moments of the cell."""
+    def clamps(self, cells: Sequence[CellCurve], half_cells: int) -> Iterator[Measured[ClampCurve]]:
+        """The clamped end with that many half cells over the moments of cells at rising pressures."""
 
-        def measure() -> Measured[ClampCurve]:
-            piece = self.pieces.end(half_cells, "clamp")
-            before = piece.factorizations
-            clamp = clamp_curve(piece, cell)
-            return Measured(clamp.curve, clamp.limits, clamp.error, piece.factorizations - before)
+        def measure(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> _End[ClampCurve]:
+            clamp = clamp_curve(piece, cell, start)
+            return Measured(clamp.curve, clamp.limits, clamp.error), clamp.first
 
-        return self._clamps.get(_end_name("clamp", half_cells, cell), measure)
+        return self._ends(self._clamps, "clamp", cells, half_cells, measure, first_state)
 
     def clamp_without_moment(self, cell: CellCurve, half_cells: int) -> Measured[ClampCurve]:
         """The clamped end with that many half cells without moment alone."""
@@ -84,20 +99,47 @@ class PieceCurves:
 
         return self._clamps.get(_end_name("decay", half_cells, cell), measure)
 
-    def tip(self, cell: CellCurve, half_cells: int) -> Measured[TipCurve]:
-        """The tip with that many half cells."""
+    def tips(self, cells: Sequence[CellCurve], half_cells: int) -> Iterator[Measured[TipCurve]]:
+        """The tip with that many half cells beside cells at rising pressures."""
 
-        def measure() -> Measured[TipCurve]:
-            piece = self.pieces.end(half_cells, "free")
+        def measure(piece: BendingPiece, cell: CellCurve, start: PieceState | None) -> _End[TipCurve]:
+            tip = tip_curve(piece, cell, start)
+            return Measured(tip.curve), tip.state
+
+        return self._ends(self._tips, "tip", cells, half_cells, measure, tip_state)
+
+    def _ends(
+        self,
+        kept: KeptCurves[Curve],
+        kind: str,
+        cells: Sequence[CellCurve],
+        half_cells: int,
+        measure: Callable[[BendingPiece, CellCurve, PieceState | None], _End[Curve]],
+        state_of: Callable[[BendingPiece, CellCurve, PieceState | None], PieceState],
+    ) -> Iterator[Measured[Curve]]:
+        """Curves of an end at rising pressures, each from the state of the one before.
+
+        Those of an earlier run have left no states. If one is needed it is solved again with `state_of`, so that the
+        curves do not depend on where that run ended.
+        """
+        last: PieceState | None = None
+        without_state: list[CellCurve] = []
+
+        def measured(cell: CellCurve) -> Measured[Curve]:
+            nonlocal last
+            piece = self.pieces.end(half_cells, BOUNDARIES[kind])
+            for earlier in without_state:
+                last = state_of(piece, earlier, last)
+            without_state.clear()
             before = piece.factorizations
-            curve = tip_curve(piece, cell)
-            return Measured(curve, (), 0.0, piece.factorizations - before)
+            curve, last = measure(piece, cell, last)
+            return replace(curve, factorizations=piece.factorizations - before)
 
-        return self._tips.get(_end_name("tip", half_cells, cell), measure)
-
-    def ends(self, cell: CellCurve, half_cells: int) -> tuple[Measured[ClampCurve], Measured[TipCurve]]:
-        """The clamped end and the tip."""
-        return self.clamp(cell, half_cells), self.tip(cell, half_cells)
+        for cell in cells:
+            curve = kept.get(_end_name(kind, half_cells, cell), partial(measured, cell))
+            if curve.is_stored:
+                without_state.append(cell)
+            yield curve
 
 
 def _cell_name(pressure: float) -> str:

@@ -6,6 +6,7 @@ from typing import NamedTuple, final
 import numpy as np
 
 from fem.cell.piece import PieceFailed
+from geometry.arrays import Array
 from pipeline.cell import tasks
 from pipeline.cell.kept import Measured
 from pipeline.cell.pieces import ArmPieces, NoArmLaw
@@ -79,7 +80,13 @@ def difference(first: ClampCurve, second: ClampCurve, cell: CellCurve, length: f
 
     def distance(name: str) -> float:
         """Of the values without moment, and of their slopes at that moment."""
-        values, rates = (getattr(first, key)[0] - getattr(second, key)[0] for key in (name, f"{name}_by_moment"))
-        return float(np.linalg.norm(values) + straight * np.linalg.norm(rates))
+        (value, rate), (other, other_rate) = (_without_moment(clamp, name) for clamp in (first, second))
+        return float(np.linalg.norm(value - other) + straight * np.linalg.norm(rate - other_rate))
 
     return distance("rotation") + distance("offset") / length
+
+
+def _without_moment(clamp: ClampCurve, name: str) -> tuple[Array, Array]:
+    """A value without moment, to first order, and its rate, of the first state."""
+    rate = getattr(clamp, f"{name}_by_moment")[0]
+    return getattr(clamp, name)[0] - clamp.moment[0] * rate, rate

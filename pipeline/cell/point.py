@@ -1,18 +1,18 @@
 """States of a piece with their slopes, and the one without moment."""
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
 
 from fem.cell.piece import BendingPiece, PieceFailed, PieceState
-from fem.cell.response import Slopes, slopes
+from fem.cell.response import Slopes, inflated, slopes
 from fem.equations.linear import SingularMatrix
 from fem.path.predictor import PathPoint, extrapolate
 
-#: Newton's method for the angle without moment: largest moment left over EI times an angle of one
+#: Newton's method for the angle without moment: largest error of the angle to first order, rad
 STRAIGHT, MAX_ITERATIONS = 1e-8, 12
 #: rad, largest change of the angle in one iteration
 LARGEST_TURN = 0.2
@@ -43,25 +43,47 @@ class PiecePoint:
 
 
 Point = TypeVar("Point", bound=PiecePoint)
+Value = TypeVar("Value")
 
 
 def without_moment(
-    piece: BendingPiece, state: PieceState, point_of: Callable[[BendingPiece, PieceState], Point]
+    piece: BendingPiece,
+    state: PieceState,
+    point_of: Callable[[BendingPiece, PieceState], Point],
+    tolerance: float = STRAIGHT,
 ) -> Point:
     """The piece without moment at the pressure of a state, by Newton's method for the angle from that state.
 
-    point_of: makes a point of a state. Raises `PieceFailed`.
+    point_of: makes a point of a state. tolerance: largest error of the angle to first order, rad. Raises `PieceFailed`.
     """
     for _ in range(MAX_ITERATIONS):
         point = point_of(piece, state)
         correction = -point.moment / point.slopes.moment_by_angle
-        if abs(correction) < STRAIGHT:
+        if abs(correction) < tolerance:
             return point
         angle = state.angle + float(np.clip(correction, -LARGEST_TURN, LARGEST_TURN))
         state = piece.solve(state.pressure, angle, state, extrapolate(None, point.path_point, angle))
     raise PieceFailed(
         f"the {piece.name} at {1000.0 * state.pressure:.4g} kPa has no state without moment near the last one"
     )
+
+
+def reached(
+    piece: BendingPiece,
+    pressure: float,
+    angle: float,
+    start: PieceState | None,
+    made_of: Callable[[PieceState], Value],
+) -> Value:
+    """What is made of the state at a pressure in MPa and an angle in rad.
+
+    It is solved from the state `start`, and from the piece at rest where there is none or that fails. Raises
+    `PieceFailed`.
+    """
+    if start is not None:
+        with suppress(PieceFailed):
+            return made_of(inflated(piece, pressure, angle, start))
+    return made_of(inflated(piece, pressure, angle))
 
 
 @contextmanager

@@ -1,9 +1,10 @@
 """What workers do for the arm's own law, a task each: one curve, one check, the numbers of one cell on another mesh."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import Concatenate, Generic, ParamSpec, TypeVar
 
+from fem.cell.piece import PieceFailed
 from pipeline.cell.curves import PieceCurves
 from pipeline.cell.deviation import Deviation
 from pipeline.cell.kept import Measured
@@ -14,10 +15,23 @@ from pipeline.context import RunContext
 from pipeline.parallel.worker import TaskContext
 from pipeline.parallel.workers import Pending
 from pipeline.store.store import Store
+from rod import RodError
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
 
 P = ParamSpec("P")
 Value = TypeVar("Value")
+
+
+#: in the progress
+CLAMPED_END, TIP = "clamped end", "tip"
+
+
+@dataclass(frozen=True)
+class Ends(Generic[Value]):
+    """An end of the arm by rising pressure."""
+
+    measured: tuple[Measured[Value], ...]
+    failure: str  #: a sentence: why it goes no further; empty where all pressures are borne
 
 
 @dataclass(frozen=True)
@@ -83,14 +97,31 @@ def clamp_without_moment(
     return curves.clamp_without_moment(beside, half_cells)
 
 
-def ends(
-    curves: PieceCurves, context: TaskContext, beside: CellCurve, half_cells: int
-) -> tuple[Measured[ClampCurve], Measured[TipCurve]]:
-    """The clamped end and the tip beside a cell."""
-    parts = curves.ends(beside, half_cells)
-    stored = all(part.is_stored for part in parts)
-    context.progress.step_done("ends", beside.pressure, 0.0 if stored else sum(part.seconds for part in parts))
-    return parts
+def clamps(curves: PieceCurves, context: TaskContext, cells: Sequence[CellCurve], half_cells: int) -> Ends[ClampCurve]:
+    """The clamped end beside cells at rising pressures."""
+    return _ends(CLAMPED_END, cells, curves.clamps(cells, half_cells), context)
+
+
+def tips(curves: PieceCurves, context: TaskContext, cells: Sequence[CellCurve], half_cells: int) -> Ends[TipCurve]:
+    """The tip beside cells at rising pressures."""
+    return _ends(TIP, cells, curves.tips(cells, half_cells), context)
+
+
+def _ends(
+    name: str, cells: Sequence[CellCurve], curves: Iterator[Measured[Value]], context: TaskContext
+) -> Ends[Value]:
+    """Curves of one end up to the last pressure that it bears; name: for the progress."""
+    measured: list[Measured[Value]] = []
+    for cell in cells:
+        try:
+            curve = next(curves)
+        except (PieceFailed, RodError) as failed:
+            reason = str(failed).rstrip(".")
+            context.progress.stopped(name, [cell.pressure], reason)
+            return Ends(tuple(measured), reason)
+        context.progress.step_done(name, cell.pressure, 0.0 if curve.is_stored else curve.seconds)
+        measured.append(curve)
+    return Ends(tuple(measured), "")
 
 
 def unknowns_of_cell(curves: PieceCurves, context: TaskContext) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from geometry.arrays import Array, Mask
-from rod.cubics import cubic, periodic_slopes
+from rod.cubics import cubic, parabola_slopes, periodic_slopes
 from rod.errors import RodError
 
 
@@ -111,9 +111,29 @@ class ClampCurve:
 
     def at(self, moment: float) -> tuple[float, Array]:
         """Rotation (rad) and offset (2,) mm at a moment, by the cubics of both; the ends outside."""
-        m = float(np.clip(moment, self.moment[0], self.moment[-1]))
+        rotation, offset = self.on(np.array([moment]))
+        return float(rotation[0]), offset[0]
+
+    def on(self, moment: Array) -> tuple[Array, Array]:
+        """Rotations (n,) in rad and offsets (n, 2) in mm at moments (n,), as `at` has them."""
+        m = self._inside(moment)
         rotation = cubic(self.moment, self.rotation, self.rotation_by_moment, m)
-        return float(rotation), cubic(self.moment, self.offset, self.offset_by_moment, m)
+        return rotation, cubic(self.moment, self.offset, self.offset_by_moment, m)
+
+    def beside_at(self, moment: Array) -> Array:
+        """(n, m, 2) mm: the nodes of the material curve beside the axis at moments (n,); the ends outside."""
+        return self._smooth(self.beside, moment)
+
+    def rotation_by_pressure_at(self, moment: Array) -> Array:
+        """(n,) rad/kPa, at moments (n,); the ends outside."""
+        return self._smooth(self.rotation_by_pressure, moment)
+
+    def _inside(self, moment: Array) -> Array:
+        return np.clip(moment, self.moment[0], self.moment[-1])
+
+    def _smooth(self, values: Array, moment: Array) -> Array:
+        """Values (k, ...) whose slopes are not known, at moments (n,), by smooth cubics."""
+        return cubic(self.moment, values, parabola_slopes(self.moment, values), self._inside(moment))
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.arm_law.material_curve import ripple, row_at
+from rod.arm_law.material_curve import ripple
 from rod.arm_law.section import SectionLaw, clamp_at, section_at, tip_at
 from rod.arm_law.solver import EndConditions, Pieces, equilibrium
 from rod.checked import finite
@@ -136,8 +136,8 @@ class _Beside:
         moment = np.interp(s, self.s, self.moment)
         result = ripple(rod.section, (cycle - np.round(cycle)) * rod.pitch, moment)
         clamped, last = s <= rod.clamp.s[-1], s - rod.length >= rod.tip.s[0]
-        at_clamp = float(np.interp(rod.clamp.position, self.s, self.moment))
-        rows = row_at(rod.clamp.moment, rod.clamp.beside, at_clamp)
+        at_clamp = np.interp([rod.clamp.position], self.s, self.moment)
+        (rows,) = rod.clamp.beside_at(at_clamp)
         for k in range(2):
             result[clamped, k] = np.interp(s[clamped], rod.clamp.s, rows[:, k])
             result[last, k] = np.interp(s[last] - rod.length, rod.tip.s, self.at_tip[:, k])

@@ -21,10 +21,3 @@ def ripple(law: SectionLaw, from_middle: Array, moment: Array) -> Array:
     values += t[:, None] * ((1 - u)[:, None] * corner[i + 1, column] + u[:, None] * corner[i + 1, column + 1])
     values[:, 0] *= np.where(from_middle < 0.0, -1.0, 1.0)
     return np.asarray(values)
-
-
-def row_at(nodes: Array, values: Array, at: float) -> Array:
-    """Row of values (k, ...) at a position between nodes (k,), joined by straight lines; the end rows outside."""
-    i = int(np.clip(np.searchsorted(nodes, at) - 1, 0, len(nodes) - 2))
-    t = float(np.clip((at - nodes[i]) / (nodes[i + 1] - nodes[i]), 0.0, 1.0))
-    return np.asarray((1 - t) * values[i] + t * values[i + 1])

@@ -5,7 +5,7 @@ Between two pressures the states that belong together are joined (`rod.arm_law.b
 and what a section bulges by cubics in the pressure (`_beyond_straight`). Nothing is extrapolated.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -14,11 +14,12 @@ import numpy as np
 from geometry.arrays import Array
 from rod.arm_law.between import columns, joined
 from rod.arm_law.curves import CellCurve, ClampCurve, TipCurve
-from rod.cubics import cubic, cubic_slope, hermite, monotone_slopes
+from rod.cubics import cubic, cubic_slope, hermite, monotone_slopes, parabola_slopes
 from rod.errors import RodError
 from rod.same_pressure import known_at
 
 Curve = TypeVar("Curve", CellCurve, ClampCurve, TipCurve)
+Bent = TypeVar("Bent", CellCurve, ClampCurve)
 
 #: moments of the table
 POINTS = 257
@@ -91,7 +92,7 @@ def section_at(curves: Sequence[CellCurve], pressure: float) -> SectionLaw:
         straight("axial_rigidity"),
         straight("shear_rigidity"),
         first.s,
-        straight("ripple") + _beyond_straight_at(_around(curves, lower, upper), "ripple", pressure, moment),
+        straight("ripple") + _beyond_straight_at(_around(curves, lower, upper), _ripple_at, pressure, moment),
     )
 
 
@@ -146,42 +147,46 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         raise RodError(f"The ends at {first.pressure:g} and {second.pressure:g} kPa have no state in common.")
     range_known = pairs.moment[known]
     moment = np.linspace(range_known[0], range_known[-1], CLAMP_POINTS)
+    around = _around(clamps, lower, upper)
 
-    def straight(name: str) -> Array:
-        column = pairs.straight((getattr(first, name), getattr(second, name)), nodes)
-        return columns(moment, pairs.moment, column)
+    def straight(values: Callable[[ClampCurve, Array], Array]) -> Array:
+        low, high = values(first, pairs.first), values(second, pairs.second)
+        return columns(moment, pairs.moment, (1 - pairs.t) * low + pairs.t * high)
 
     def rotations(curve: ClampCurve, at: Array, slope: Array) -> tuple[Array, Array]:
         """Of one curve at moments (n,), and their changes along the lines for the whole step of the pressure."""
-        cubics = curve.moment, curve.rotation, curve.rotation_by_moment
         inside = np.clip(at, curve.moment[0], curve.moment[-1])
-        value, by_moment = cubic(*cubics, inside), cubic_slope(*cubics, inside)
-        by_pressure = np.interp(at, curve.moment, curve.rotation_by_pressure)
-        return value, by_pressure * (second.pressure - first.pressure) + by_moment * slope
+        by_moment = cubic_slope(curve.moment, curve.rotation, curve.rotation_by_moment, inside)
+        by_pressure = curve.rotation_by_pressure_at(at)
+        return curve.on(at)[0], by_pressure * (second.pressure - first.pressure) + by_moment * slope
 
     (low, low_slope), (high, high_slope) = (
         rotations(first, pairs.first, pairs.first_slope),
         rotations(second, pairs.second, pairs.second_slope),
     )
     rotation = columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
-    shifts = [
-        cubic(curve.moment, curve.offset, curve.offset_by_moment, np.clip(at, curve.moment[0], curve.moment[-1]))
-        for curve, at in ((first, pairs.first), (second, pairs.second))
-    ]
-    offset = columns(moment, pairs.moment, (1 - pairs.t) * shifts[0] + pairs.t * shifts[1])
-    around = _around(clamps, lower, upper)
-    offset = offset + _beyond_straight_at(around, "offset", pressure, moment)
+    offset = straight(_offset_at) + _beyond_straight_at(around, _offset_at, pressure, moment)
     return ClampCurve(
         pressure=pressure,
         moment=moment,
         rotation=rotation,
-        rotation_by_moment=np.gradient(rotation, moment, edge_order=2),
-        rotation_by_pressure=straight("rotation_by_pressure"),
+        rotation_by_moment=parabola_slopes(moment, rotation),
+        rotation_by_pressure=straight(ClampCurve.rotation_by_pressure_at),
         offset=offset,
-        offset_by_moment=np.gradient(offset, moment, axis=0, edge_order=2),
+        offset_by_moment=parabola_slopes(moment, offset),
         s=first.s,
-        beside=straight("beside") + _beyond_straight_at(around, "beside", pressure, moment),
+        beside=straight(ClampCurve.beside_at) + _beyond_straight_at(around, ClampCurve.beside_at, pressure, moment),
     )
+
+
+def _ripple_at(curve: CellCurve, moment: Array) -> Array:
+    """(n, m, 2) mm at moments (n,), joined by straight lines."""
+    return columns(moment, curve.moment, curve.ripple)
+
+
+def _offset_at(curve: ClampCurve, moment: Array) -> Array:
+    """(n, 2) mm at moments (n,)."""
+    return curve.on(moment)[1]
 
 
 def tip_at(curves: Sequence[TipCurve], pressure: float) -> TipCurve:
@@ -207,14 +212,17 @@ def _around(curves: Sequence[Curve], lower: int, upper: int) -> Sequence[Curve]:
 
 
 def _beyond_straight_at(
-    around: Sequence[CellCurve] | Sequence[ClampCurve], name: str, pressure: float, moment: Array
+    around: Sequence[Bent], values: Callable[[Bent, Array], Array], pressure: float, moment: Array
 ) -> Array:
-    """`_beyond_straight` at moments (n,) in N mm; beyond those that all curves have, as at the last such moment."""
+    """`_beyond_straight` at moments (n,) in N mm; beyond those that all curves have, as at the last such moment.
+
+    values: gives those of a curve at moments (n,), (n, ...).
+    """
     low, high = max(curve.moment[0] for curve in around), min(curve.moment[-1] for curve in around)
     if low > high:
         return np.zeros(())
     at = np.clip(moment, low, high)
-    rows = np.array([columns(at, curve.moment, getattr(curve, name)) for curve in around])
+    rows = np.array([values(curve, at) for curve in around])
     return _beyond_straight([curve.pressure for curve in around], rows, pressure)
 
 
