@@ -1,6 +1,5 @@
 """Bodies as other programs write them: meshes without names or a material curve, surfaces, solids in other frames."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,9 +8,7 @@ import meshio
 import numpy as np
 
 from geometry.meshing.solid import session
-from tests.step_bodies import box, save
-
-Draw = Callable[[Any], Any]
+from tests.step_bodies import Draw, box, save
 
 #: the bar: 60 x 12 x 15 mm with a cavity of 54 x 7 x 10 mm, 3 mm over the base
 BAR_VOLUME, BAR_AIR = 60 * 12 * 15 - 54 * 7 * 10, 54 * 7 * 10

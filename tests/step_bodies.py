@@ -10,6 +10,8 @@ from geometry import PneuNet
 from geometry.meshing.solid import session
 
 Corner = tuple[float, float, float]
+#: draws with the CAD kernel of a Gmsh session
+Draw = Callable[[Any], Any]
 
 
 def box(occ: Any, low: Corner, high: Corner) -> tuple[int, int]:
@@ -17,7 +19,7 @@ def box(occ: Any, low: Corner, high: Corner) -> tuple[int, int]:
     return (3, occ.addBox(*low, *np.subtract(high, low)))
 
 
-def save(path: Path, draw: Callable[[Any], Any]) -> Path:
+def save(path: Path, draw: Draw) -> Path:
     """Write what is drawn with the CAD kernel of a Gmsh session."""
     with session() as gmsh:
         draw(gmsh.model.occ)
@@ -28,6 +30,11 @@ def save(path: Path, draw: Callable[[Any], Any]) -> Path:
 
 def pneunet_as_step(path: Path, net: PneuNet, knob: tuple[Corner, Corner] | None = None) -> Path:
     """Write a whole pneu-net, with a block between two corners (mm) fused to it."""
+    return save(path, pneunet_drawn(net, knob))
+
+
+def pneunet_drawn(net: PneuNet, knob: tuple[Corner, Corner] | None = None) -> Draw:
+    """The same, drawn."""
     width, top = net.width / 2, net.base + net.strip + net.chamber_height
     near, far = net.gap + net.wall, net.length - net.gap - net.wall
 
@@ -43,4 +50,4 @@ def pneunet_as_step(path: Path, net: PneuNet, knob: tuple[Corner, Corner] | None
         solid, _ = occ.fuse(material[:1], material[1:])
         occ.cut(solid, air)
 
-    return save(path, draw)
+    return draw

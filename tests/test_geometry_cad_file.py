@@ -1,6 +1,5 @@
 """Bodies from CAD files, and the messages for files and keys that cannot be used."""
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -8,13 +7,7 @@ import numpy as np
 import pytest
 
 from geometry import CadFile, DesignError, MeshError
-from geometry.meshing.solid import session
-
-Draw = Callable[[Any], Any]
-
-
-def box(occ: Any, low: tuple[float, ...], high: tuple[float, ...]) -> tuple[int, int]:
-    return (3, occ.addBox(*low, *np.subtract(high, low)))
+from tests.step_bodies import Draw, box, save
 
 
 def finger(occ: Any, hole: bool = False, second: bool = False) -> list[tuple[int, int]]:
@@ -25,14 +18,6 @@ def finger(occ: Any, hole: bool = False, second: bool = False) -> list[tuple[int
     if hole:
         air.append((3, occ.addCylinder(-1, 6, 0, 10, 0, 0, 1)))
     return occ.cut(bar, air)[0]
-
-
-def save(path: Path, draw: Draw) -> Path:
-    with session() as gmsh:
-        draw(gmsh.model.occ)
-        gmsh.model.occ.synchronize()
-        gmsh.write(str(path))
-    return path
 
 
 @pytest.fixture(scope="module")

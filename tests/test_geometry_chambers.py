@@ -1,5 +1,6 @@
 """Where the chambers of a body from a file are along the arm, and over which length its curvature is averaged then."""
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -8,11 +9,11 @@ import pytest
 
 from geometry import CadFile, MeshFile, PneuNet, SurfaceFile
 from geometry.families.from_file import FileDesign, usual_pitch
-from geometry.foreign.chambers import chambers_of, distances, middles_of, sections
+from geometry.foreign.chambers import chambers_of, distances, has_gaps, middles_of, sections
 from geometry.foreign.frame import PITCHES
 from rod.identification.observed import FEWEST_PITCHES
 from tests.foreign_bodies import meshed, two_chambers, write_mesh, write_surface
-from tests.step_bodies import box, pneunet_as_step, save
+from tests.step_bodies import box, pneunet_as_step, pneunet_drawn, save
 
 AIR = {"far": (40.0, 6.0, 0.0), "near": (20.0, 6.0, 0.0)}
 NET = PneuNet(chambers=7)
@@ -58,6 +59,41 @@ def test_chambers_joined_by_a_channel(tmp_path: Path) -> None:
     assert [design.reason_for_pitch for design in designs] == ["this is the distance of its 7 chambers"] * 3
     given = CadFile(step, NET.curve_y, cell=5.0)
     assert (given.averages_within_cavities, given.reason_for_pitch) == (True, "")
+
+
+def test_gaps_on_the_outside_of_a_file_of_each_kind(tmp_path: Path) -> None:
+    net, two = str(pneunet_as_step(tmp_path / "net.step", NET)), str(save(tmp_path / "two.step", two_chambers))
+    solid = CadFile(net, NET.curve_y)
+    half = solid.body(6.0).mesh
+    gapped: list[FileDesign] = [
+        solid,
+        CadFile(net, NET.curve_y, clamp=NET.length, tip=0.0),
+        MeshFile(str(write_mesh(tmp_path / "net.vtu", half.points, half.tets)), NET.curve_y, symmetric=True),
+        SurfaceFile(str(write_surface(tmp_path / "net.stl", pneunet_drawn(NET), 50)), NET.curve_y),
+    ]
+    smooth: list[FileDesign] = [
+        CadFile(two, 1.5, air=AIR),
+        MeshFile(str(write_mesh(tmp_path / "two.vtu", *meshed(two_chambers, 6.0))), 1.5, air=AIR),
+        SurfaceFile(str(write_surface(tmp_path / "two.stl", two_chambers, 50)), 1.5, air=AIR),
+    ]
+    assert [design.outer_corners for design in gapped] == [True] * len(gapped)
+    assert [design.outer_corners for design in smooth] == [False] * len(smooth)
+
+
+@pytest.mark.parametrize(("heights", "is_gapped"), [((10, 7, 10), True), ((10, 9, 10), False), ((10, 7, 5), False)])
+def test_a_notch_is_a_gap_where_it_is_deep_and_both_sides_are_higher(
+    heights: tuple[float, ...], is_gapped: bool
+) -> None:
+    """Steps of a bar, its outside as rectangles in pairs of triangles; only those across x count."""
+    points, triangles = list[list[float]](), list[list[int]]()
+    for x, (before, after) in enumerate(pairwise((0.0, *heights, 0.0))):
+        low, high = sorted((before, after))
+        corners = [[float(x), y, z] for y, z in ((low, 0.0), (high, 0.0), (high, 4.0), (low, 4.0))]
+        first = len(points)
+        points += corners
+        turned = [[0, 1, 2], [0, 2, 3]] if after < before else [[0, 2, 1], [0, 3, 2]]
+        triangles += [[first + corner for corner in triangle] for triangle in turned]
+    assert has_gaps(np.array(points), np.array(triangles)) == is_gapped
 
 
 def _cone_and_steps(occ: Any) -> Any:

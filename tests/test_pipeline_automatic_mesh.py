@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from geometry import GRADINGS, BisectedCircle, PneuNet, Rectangular, Semicircular, SemicircularSingle
+from geometry import GRADINGS, BisectedCircle, CadFile, Design, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.design import expected_tets
 from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, ChosenMesh, GivenMesh, chosen_mesh
 from pipeline.config.load import load_config
@@ -15,7 +15,7 @@ from pipeline.report.results import read_results
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.scene import Scene
 from tests.foreign_bodies import two_chambers
-from tests.step_bodies import save
+from tests.step_bodies import pneunet_as_step, save
 
 NOTHING = GivenMesh(None, None, None)
 FAR, NEAR = "[40 mm, 6 mm, 0 mm]", "[20 mm, 6 mm, 0 mm]"
@@ -33,8 +33,8 @@ def written(tmp_path: Path) -> Path:
     return path
 
 
-def test_elements_follow_from_law_and_drawing() -> None:
-    def element(design: PneuNet | Semicircular, law: str, nu: float, against_locking: bool | None = None) -> str:
+def test_elements_follow_from_law_and_drawing(tmp_path: Path) -> None:
+    def element(design: Design, law: str, nu: float, against_locking: bool | None = None) -> str:
         return chosen_mesh(design, law, nu, against_locking, NOTHING).formulation
 
     assert element(Semicircular(), "svk", 0.495) == "mixed"
@@ -43,6 +43,8 @@ def test_elements_follow_from_law_and_drawing() -> None:
     assert element(PneuNet(), "svk", 0.3) == "p2"
     assert element(PneuNet(), "svk", 0.3, against_locking=True) == "p2p0"
     assert element(Semicircular(), "svk", 0.495, against_locking=False) == "p2"
+    net = PneuNet(chambers=3)
+    assert element(CadFile(str(pneunet_as_step(tmp_path / "net.step", net)), net.curve_y), "svk", 0.495) == "p2p0"
 
 
 def test_sizes_follow_from_the_walls() -> None:

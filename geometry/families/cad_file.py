@@ -21,7 +21,7 @@ from geometry.grading import OFF, Grading
 from geometry.manifold import check_manifold
 from geometry.mesh import Mesh
 from geometry.mesh_error import MeshError
-from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_thinnest_wall, mesh_cad
+from geometry.meshing.cad import CadMeasures, edges_of, measure, measure_gaps, measure_thinnest_wall, mesh_cad
 from geometry.meshing.cad_import import STEP, SUFFIXES, CadBody, CadSource, Point, defeatured, file_bounds
 from geometry.meshing.cells import (
     CellPlanes,
@@ -266,6 +266,10 @@ class CadFile(FileDesign):
     @cached_property
     def thinnest_wall(self) -> float:
         return measure_thinnest_wall(self._cad)
+
+    @cached_property
+    def outer_corners(self) -> bool:
+        return measure_gaps(self._cad)
 
     @property
     def repeats(self) -> bool:

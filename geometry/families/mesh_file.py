@@ -12,7 +12,7 @@ import numpy as np
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign
 from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
-from geometry.foreign.chambers import Range, chambers_of
+from geometry.foreign.chambers import Range, chambers_of, has_gaps
 from geometry.foreign.file import FileMesh, read_mesh_file
 from geometry.foreign.frame import SAME, Axes
 from geometry.foreign.shells import opens_at, parts_of
@@ -112,6 +112,12 @@ class MeshFile(FileDesign):
     def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
         mesh = self._placed.mesh
         return {name: chambers_of(mesh.points, mesh.faces[name]) for name in self._placed.cavities}
+
+    @cached_property
+    def outer_corners(self) -> bool:
+        mesh, cavities = self._placed.mesh, self._placed.cavities
+        walls = np.vstack([mesh.faces[name] for name in cavities])
+        return has_gaps(mesh.points, mesh.boundary[find_rows(mesh.boundary, walls, len(mesh.points)) < 0])
 
     @property
     def thinnest_wall(self) -> float:

@@ -12,7 +12,7 @@ from geometry.arrays import Index
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug
 from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
-from geometry.foreign.chambers import Range, chambers_of
+from geometry.foreign.chambers import Range, chambers_of, has_gaps
 from geometry.foreign.defeatured import defeatured
 from geometry.foreign.fill import fill
 from geometry.foreign.frame import SAME, Axes, rotation
@@ -126,14 +126,27 @@ class SurfaceFile(FileDesign):
         return {name: chambers_of(self.surface.points, walls) for name, walls in self._cavities.items()}
 
     @cached_property
+    def outer_corners(self) -> bool:
+        return has_gaps(self.surface.points, self._parts[0])
+
+    @cached_property
+    def _parts(self) -> tuple[Index, list[Index]]:
+        """Triangles of the outside, and those around the air of each cavity."""
+        clamp = ends_of(self.surface.points, self._placing)[0] if self.is_open_at_clamp else None
+        return parts_of(self.surface.points, self.surface.triangles, clamp, self._tolerance)
+
+    @property
+    def _tolerance(self) -> float:
+        return FLAT * float(np.ptp(self.surface.points, axis=0).max())
+
+    @cached_property
     def _cavities(self) -> Mapping[str, Index]:
         """Triangles (k, 3) around the air of each cavity, by its name. Raises `DesignError`."""
         points, triangles = self.surface.points, self.surface.triangles
         clamp, tip = ends_of(points, self._placing)
-        tolerance = FLAT * float(np.ptp(points, axis=0).max())
-        _, inner = parts_of(points, triangles, clamp if self.is_open_at_clamp else None, tolerance)
+        inner = self._parts[1]
         if not inner:
-            refuse_open(points, triangles, (clamp, tip), self.is_open_at_clamp, tolerance)
+            refuse_open(points, triangles, (clamp, tip), self.is_open_at_clamp, self._tolerance)
         mirrors = [(0, clamp)] if self.is_open_at_clamp else []
         return named_cavities(points, inner, triangles, self.air, mirrors)
 

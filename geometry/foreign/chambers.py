@@ -18,6 +18,8 @@ Range: TypeAlias = tuple[float, float]
 
 #: part of the section of the smaller of two neighbouring chambers below which what lies between them is a channel
 NARROW = 0.5
+#: part of the section within the outside of a body on either side below which what lies between them is a gap
+NOTCH = 0.8
 #: part of the largest section of a cavity that a chamber has at least; what is smaller widens a channel
 SMALLEST = 0.2
 #: planes along a cavity at which its section is compared
@@ -55,10 +57,9 @@ def chambers_of(points: Array, walls: Index) -> tuple[Range, ...]:
 
     A cavity without narrow channels is one chamber.
     """
-    low, high = (float(bound(points[walls, 0])) for bound in (np.min, np.max))
-    planes = np.linspace(low, high, 2 * PLANES + 1)[1::2]
+    low, high, planes = _along(points, walls)
     areas = sections(points, walls, planes)
-    peaks = _peaks(areas)
+    peaks = _peaks(areas, NARROW)
     if len(peaks) == 1:
         return ((low, high),)
     lowest = [p + int(np.argmin(areas[p:q])) for p, q in pairwise(peaks)]
@@ -73,19 +74,32 @@ def chambers_of(points: Array, walls: Index) -> tuple[Range, ...]:
     )
 
 
-def _peaks(areas: Array) -> list[int]:
-    """Where sections are largest between channels, each of which is narrow beside both of its neighbours."""
+def has_gaps(points: Array, outside: Index) -> bool:
+    """Whether the section within the outside (k, 3) of a body is smaller between two places than at both, as that of an
+    arm with gaps between its chambers is."""
+    _, _, planes = _along(points, outside)
+    return len(_peaks(sections(points, outside, planes), NOTCH)) > 1
+
+
+def _along(points: Array, walls: Index) -> tuple[float, float, Array]:
+    """Smallest and largest x of walls, and planes between them."""
+    low, high = (float(bound(points[walls, 0])) for bound in (np.min, np.max))
+    return low, high, np.linspace(low, high, 2 * PLANES + 1)[1::2]
+
+
+def _peaks(areas: Array, narrow: float) -> list[int]:
+    """Where sections are largest; what lies between two of them is less than the part `narrow` of both."""
     peaks, highest, lowest = list[int](), 0, 0
     is_rising = True
     for number, area in enumerate(areas):
         if is_rising:
             highest = number if area > areas[highest] else highest
-            if area < NARROW * areas[highest]:
+            if area < narrow * areas[highest]:
                 peaks.append(highest)
                 is_rising, lowest = False, number
         else:
             lowest = number if area < areas[lowest] else lowest
-            if NARROW * area > areas[lowest]:
+            if narrow * area > areas[lowest]:
                 is_rising, highest = True, number
     peaks += [highest] if is_rising else []
     return [peak for peak in peaks if areas[peak] > SMALLEST * areas.max()]

@@ -18,7 +18,7 @@ from geometry.foreign.chambers import Range
 from geometry.foreign.shells import NOTHING_OPEN
 from geometry.grading import Grading
 from geometry.mesh import Mesh
-from geometry.meshing.cad_chambers import chambers
+from geometry.meshing.cad_chambers import chambers, gaps
 from geometry.meshing.cad_curve import check_curve
 from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids, is_in_material
 from geometry.meshing.cad_parts import BODY, named_parts
@@ -66,6 +66,12 @@ def measure(body: CadBody) -> CadMeasures:
         del parts[BODY]
         of_cavity = chambers(gmsh, air, body.tip - body.clamp)
         return CadMeasures(low, high, solid_volume, volumes, of_cavity, parts, plug_depths)
+
+
+def measure_gaps(body: CadBody) -> bool:
+    """Whether the body has gaps on its outside, as between chambers."""
+    with cad_session(body) as (gmsh, blocks, air, _):
+        return gaps(gmsh, [*blocks, *air], body.tip - body.clamp)
 
 
 def edges_of(body: CadBody) -> tuple[tuple[float, str], ...]:

@@ -29,10 +29,10 @@ def of_law(config: Config) -> str:
     if config.material.law != "svk" or not config.design.outer_corners:
         return ""
     return (
-        "a requested accuracy takes mixed elements, with which a pneu-net of the St. Venant-Kirchhoff law (svk) ends "
-        "early in the corner at the clamp, with fillets too (experiment III of the arm of the paper at 22.8 kPa on a "
-        "mesh of 2 mm, between 28 and 31 kPa on one of 4 mm); give lower pressures, another law (material.law: hencky "
-        "for example), or leave accuracy out"
+        "a requested accuracy takes mixed elements, with which an arm with gaps of the St. Venant-Kirchhoff law (svk) "
+        "ends early in the corner at the clamp, with fillets too (experiment III of the arm of the paper at 22.8 kPa "
+        "on a mesh of 2 mm, between 28 and 31 kPa on one of 4 mm); give lower pressures, another law (material.law: "
+        "hencky for example), or leave accuracy out"
     )
 
 
