@@ -80,7 +80,16 @@ def test_gaps_on_the_outside_of_a_file_of_each_kind(tmp_path: Path) -> None:
     assert [design.outer_corners for design in smooth] == [False] * len(smooth)
 
 
-@pytest.mark.parametrize(("heights", "is_gapped"), [((10, 7, 10), True), ((10, 9, 10), False), ((10, 7, 5), False)])
+@pytest.mark.parametrize(
+    ("heights", "is_gapped"),
+    [
+        ((10, 7, 10), True),
+        ((10, 9, 10), False),
+        ((10, 7, 5), False),
+        ((90, 7, 7, 7, 7, 7), False),
+        ((90, 3, 10, 3, 10, 3), True),  # with a flange at the clamp
+    ],
+)
 def test_a_notch_is_a_gap_where_it_is_deep_and_both_sides_are_higher(
     heights: tuple[float, ...], is_gapped: bool
 ) -> None:
@@ -94,6 +103,24 @@ def test_a_notch_is_a_gap_where_it_is_deep_and_both_sides_are_higher(
         turned = [[0, 1, 2], [0, 2, 3]] if after < before else [[0, 2, 1], [0, 3, 2]]
         triangles += [[first + corner for corner in triangle] for triangle in turned]
     assert has_gaps(np.array(points), np.array(triangles)) == is_gapped
+
+
+@pytest.mark.parametrize("clamp", [0.0, 60.0])
+def test_a_surface_that_is_open_at_the_clamp_has_gaps_and_chambers_at_either_end(tmp_path: Path, clamp: float) -> None:
+    """Two chambers of 24 x 6 x 8 mm that a channel joins, a gap of 8 mm between them, and an inlet in one end."""
+
+    def drawn(occ: Any) -> Any:
+        blocks = [box(occ, (x, 0, -6), (x + 26, 12, 6)) for x in (0, 34)]
+        solid, _ = occ.fuse([box(occ, (0, 0, -6), (60, 4, 6))], blocks)
+        air = [box(occ, (x, 3, -4), (x + 24, 10, 4)) for x in (1, 35)] + [box(occ, (5, 1, -1), (55, 3, 1))]
+        inlet = box(occ, (clamp - 5, 5, -1), (clamp + 5, 7, 1))
+        return occ.cut(solid, [*air, inlet])
+
+    path = str(write_surface(tmp_path / "open.stl", drawn, 50))
+    design = SurfaceFile(path, 0.5, clamp=clamp, tip=60.0 - clamp, plug=True)
+    assert design.outer_corners
+    chambers = np.array(design.chamber_ranges["cavity"])
+    np.testing.assert_allclose(chambers, [[1.0, 25.0], [35.0, 59.0]], atol=1e-2)
 
 
 def _cone_and_steps(occ: Any) -> Any:

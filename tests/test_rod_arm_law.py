@@ -160,6 +160,23 @@ def test_a_force_leads_to_the_stable_equilibrium(force: tuple[float, float]) -> 
     assert own.end == pytest.approx(five.end, abs=2e-3)
 
 
+def test_between_states_of_the_clamped_end_its_values_are_smooth_or_do_not_go_beyond_them() -> None:
+    """Where walls meet, the slope of the rotation by the pressure jumps between two states close to each other."""
+    moment = np.array([-60.0, 0.0, 0.6, 60.0])
+    curve = straight_law(10.0)[1]
+    rows = np.zeros((4, 2, 2))
+    rows[:, 1, 1] = 1e-4 * moment**2
+    names = ("rotation", "rotation_by_moment", "offset", "offset_by_moment")
+    shorter = {name: getattr(curve, name)[:4] for name in names}
+    jumping = np.array([0.0, 0.0, 1.0, 1.0])
+    curve = replace(curve, moment=moment, rotation_by_pressure=jumping, beside=rows, **shorter)
+    at = np.linspace(-70.0, 70.0, 1401)
+    values = curve.rotation_by_pressure_at(at)
+    assert values.min() >= -1e-12
+    assert values.max() <= 1.0 + 1e-12
+    assert curve.beside_at(at)[:, 1, 1] == pytest.approx(1e-4 * np.clip(at, -60.0, 60.0) ** 2, abs=1e-9)
+
+
 def test_a_straight_rod_buckles_under_a_force_along_it() -> None:
     """Euler's load, pi^2 EI / (4 l^2)."""
     force = 1.5 * np.pi**2 * EI / (4.0 * LENGTH**2)

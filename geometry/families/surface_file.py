@@ -8,7 +8,7 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.arrays import Index
+from geometry.arrays import Array, Index
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug
 from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_planes
@@ -123,11 +123,23 @@ class SurfaceFile(FileDesign):
 
     @cached_property
     def chamber_ranges(self) -> Mapping[str, tuple[Range, ...]]:
-        return {name: chambers_of(self.surface.points, walls) for name, walls in self._cavities.items()}
+        direction, points = self._from_clamp
+        return {
+            name: tuple(sorted((min(direction * x), max(direction * x)) for x in np.array(chambers_of(points, walls))))
+            for name, walls in self._cavities.items()
+        }
 
     @cached_property
     def outer_corners(self) -> bool:
-        return has_gaps(self.surface.points, self._parts[0])
+        return has_gaps(self._from_clamp[1], self._parts[0])
+
+    @property
+    def _from_clamp(self) -> tuple[float, Array]:
+        """1, or -1 where the clamp is at the larger x, and the points with the clamp at the smaller one: where an inlet
+        is open in its plane walls are missing there, and sections are those of what lies at larger x."""
+        clamp, tip = ends_of(self.surface.points, self._placing)
+        direction = 1.0 if clamp < tip else -1.0
+        return direction, self.surface.points * [direction, 1.0, 1.0]
 
     @cached_property
     def _parts(self) -> tuple[Index, list[Index]]:

@@ -20,7 +20,8 @@ Range: TypeAlias = tuple[float, float]
 NARROW = 0.5
 #: part of the section within the outside of a body on either side below which what lies between them is a gap
 NOTCH = 0.8
-#: part of the largest section of a cavity that a chamber has at least; what is smaller widens a channel
+#: part of the largest section of a cavity that a chamber has at least, or of the median of the sections within an
+#: outside; what is smaller widens a channel
 SMALLEST = 0.2
 #: planes along a cavity at which its section is compared
 PLANES = 400
@@ -59,7 +60,7 @@ def chambers_of(points: Array, walls: Index) -> tuple[Range, ...]:
     """
     low, high, planes = _along(points, walls)
     areas = sections(points, walls, planes)
-    peaks = _peaks(areas, NARROW)
+    peaks = _peaks(areas, NARROW, SMALLEST * float(areas.max()))
     if len(peaks) == 1:
         return ((low, high),)
     lowest = [p + int(np.argmin(areas[p:q])) for p, q in pairwise(peaks)]
@@ -78,7 +79,8 @@ def has_gaps(points: Array, outside: Index) -> bool:
     """Whether the section within the outside (k, 3) of a body is smaller between two places than at both, as that of an
     arm with gaps between its chambers is."""
     _, _, planes = _along(points, outside)
-    return len(_peaks(sections(points, outside, planes), NOTCH)) > 1
+    areas = sections(points, outside, planes)
+    return len(_peaks(areas, NOTCH, SMALLEST * float(np.median(areas)))) > 1  # a flange may be many times as large
 
 
 def _along(points: Array, walls: Index) -> tuple[float, float, Array]:
@@ -87,8 +89,11 @@ def _along(points: Array, walls: Index) -> tuple[float, float, Array]:
     return low, high, np.linspace(low, high, 2 * PLANES + 1)[1::2]
 
 
-def _peaks(areas: Array, narrow: float) -> list[int]:
-    """Where sections are largest; what lies between two of them is less than the part `narrow` of both."""
+def _peaks(areas: Array, narrow: float, smallest: float) -> list[int]:
+    """Where sections are largest, and larger than `smallest`.
+
+    What lies between two of them is less than the part `narrow` of both.
+    """
     peaks, highest, lowest = list[int](), 0, 0
     is_rising = True
     for number, area in enumerate(areas):
@@ -102,7 +107,7 @@ def _peaks(areas: Array, narrow: float) -> list[int]:
             if narrow * area > areas[lowest]:
                 is_rising, highest = True, number
     peaks += [highest] if is_rising else []
-    return [peak for peak in peaks if areas[peak] > SMALLEST * areas.max()]
+    return [peak for peak in peaks if areas[peak] > smallest]
 
 
 def _crossings(points: Array, walls: Index, wide: Array, narrow: Array, levels: Array) -> Array:

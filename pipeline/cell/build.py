@@ -27,6 +27,8 @@ from rod.arm_law.law import ArmLaw
 BETWEEN = 3e-3
 #: how many pressures are added at most
 MOST_ADDED = 12
+#: pressures at which an end of the arm is measured by one worker, each from the state at the one before
+IN_TURN = 4
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
@@ -275,20 +277,26 @@ class _Builder:
         curves = [cell.curve for cell in cells]
         for name in (tasks.CLAMPED_END, tasks.TIP):
             self.context.progress.experiment(name, [curve.pressure for curve in curves])
-        pending = (
-            self.tasks.submit(tasks.clamps, curves, half_cells),
-            self.tasks.submit(tasks.tips, curves, half_cells),
-        )
-        clamps, tips = pending[0].result(), pending[1].result()
-        borne = min(len(clamps.measured), len(tips.measured))
-        self.failures += [end.failure for end in (clamps, tips) if end.failure and len(end.measured) == borne][:1]
-        for cell, clamp, tip in zip(cells[:borne], clamps.measured[:borne], tips.measured[:borne], strict=True):
-            self.error_along_clamp = max(self.error_along_clamp, clamp.error)
-            self.limits += [*cell.limits, *clamp.limits, *tip.limits]
-        for end in (clamps, tips):
-            for measured in end.measured:
-                self._count("ends", measured)
-        return [clamp.curve for clamp in clamps.measured[:borne]], [tip.curve for tip in tips.measured[:borne]]
+        groups = [curves[first : first + IN_TURN] for first in range(0, len(curves), IN_TURN)]
+        clamped_ends = [self.tasks.submit(tasks.clamps, group, half_cells) for group in groups]
+        free_ends = [self.tasks.submit(tasks.tips, group, half_cells) for group in groups]
+        clamps: list[ClampCurve] = []
+        tips: list[TipCurve] = []
+        for clamped_end, free_end in zip(clamped_ends, free_ends, strict=True):
+            clamped, free = clamped_end.result(), free_end.result()
+            for end in (clamped.measured, free.measured):
+                for measured in end:
+                    self._count("ends", measured)
+            for clamp, tip in zip(clamped.measured, free.measured, strict=False):  # one of them may go further
+                self.error_along_clamp = max(self.error_along_clamp, clamp.error)
+                self.limits += [*cells[len(clamps)].limits, *clamp.limits, *tip.limits]
+                clamps.append(clamp.curve)
+                tips.append(tip.curve)
+            if clamped.failure or free.failure:
+                clamp_fails = clamped.failure and len(clamped.measured) <= len(free.measured)
+                self.failures.append(clamped.failure if clamp_fails else free.failure)
+                break
+        return clamps, tips
 
     def _count(self, part: str, measured: Measured[Any]) -> None:
         self.factorizations[part] += measured.factorizations

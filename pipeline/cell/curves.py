@@ -1,13 +1,14 @@
 """The curves of the pieces of an arm, each measured once and kept in the result folder."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from types import MappingProxyType
 from typing import TypeAlias, TypeVar
 
 from fem.cell.boundary import Boundary
-from fem.cell.piece import BendingPiece, PieceState
+from fem.cell.piece import BendingPiece, PieceFailed, PieceState
 from pipeline.cell.deviation import DEVIATION_KEYS, Deviation, largest_deviation
 from pipeline.cell.kept import KeptCurves, Measured
 from pipeline.cell.measure import cell_without_moment, sweep_cell
@@ -119,8 +120,8 @@ class PieceCurves:
     ) -> Iterator[Measured[Curve]]:
         """Curves of an end at rising pressures, each from the state of the one before.
 
-        Those of an earlier run have left no states. If one is needed it is solved again with `state_of`, so that the
-        curves do not depend on where that run ended.
+        Those of an earlier run have left no states. If one is needed it is solved again with `state_of`, so that a run
+        that was interrupted has the same curves.
         """
         last: PieceState | None = None
         without_state: list[CellCurve] = []
@@ -129,7 +130,8 @@ class PieceCurves:
             nonlocal last
             piece = self.pieces.end(half_cells, BOUNDARIES[kind])
             for earlier in without_state:
-                last = state_of(piece, earlier, last)
+                with suppress(PieceFailed):
+                    last = state_of(piece, earlier, last)
             without_state.clear()
             before = piece.factorizations
             curve, last = measure(piece, cell, last)

@@ -239,7 +239,8 @@ def _point_between(piece: BendingPiece, cell: CellCurve, first: _ClampPoint, sec
     """
     step = second.moment - first.moment
     change = first.rotation_by_moment - second.rotation_by_moment
-    part = (second.rotation - first.rotation - second.rotation_by_moment * step) / (change * step)
+    met = second.rotation - first.rotation - second.rotation_by_moment * step
+    part = met / (change * step) if change else 0.0
     moment = first.moment + (float(np.clip(part, CLOSEST, 1.0 - CLOSEST)) if 0.0 < part < 1.0 else 0.5) * step
     rotation = float(_cubic(first, second, "rotation", "rotation_by_moment", moment))
     angle = rotation + cell.at(moment)[0] * piece.body.length

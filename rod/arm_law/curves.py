@@ -8,7 +8,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from geometry.arrays import Array, Mask
-from rod.cubics import cubic, parabola_slopes, periodic_slopes
+from rod.cubics import cubic, monotone_slopes, parabola_slopes, periodic_slopes
 from rod.errors import RodError
 
 
@@ -122,18 +122,19 @@ class ClampCurve:
 
     def beside_at(self, moment: Array) -> Array:
         """(n, m, 2) mm: the nodes of the material curve beside the axis at moments (n,); the ends outside."""
-        return self._smooth(self.beside, moment)
+        slopes = parabola_slopes(self.moment, self.beside)
+        return cubic(self.moment, self.beside, slopes, self._inside(moment))
 
     def rotation_by_pressure_at(self, moment: Array) -> Array:
-        """(n,) rad/kPa, at moments (n,); the ends outside."""
-        return self._smooth(self.rotation_by_pressure, moment)
+        """(n,) rad/kPa, at moments (n,); the ends outside.
+
+        It jumps where walls meet, so that smooth cubics would lie far beyond the values on both sides.
+        """
+        slopes = monotone_slopes(self.moment, self.rotation_by_pressure)
+        return cubic(self.moment, self.rotation_by_pressure, slopes, self._inside(moment))
 
     def _inside(self, moment: Array) -> Array:
         return np.clip(moment, self.moment[0], self.moment[-1])
-
-    def _smooth(self, values: Array, moment: Array) -> Array:
-        """Values (k, ...) whose slopes are not known, at moments (n,), by smooth cubics."""
-        return cubic(self.moment, values, parabola_slopes(self.moment, values), self._inside(moment))
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside
