@@ -111,14 +111,15 @@ class ClampCurve:
 
     def at(self, moment: float) -> tuple[float, Array]:
         """Rotation (rad) and offset (2,) mm at a moment, by the cubics of both; the ends outside."""
-        rotation, offset = self.on(np.array([moment]))
-        return float(rotation[0]), offset[0]
+        return float(self.rotation_at(moment)), self.offset_at(moment)
 
-    def on(self, moment: Array) -> tuple[Array, Array]:
-        """Rotations (n,) in rad and offsets (n, 2) in mm at moments (n,), as `at` has them."""
-        m = self._inside(moment)
-        rotation = cubic(self.moment, self.rotation, self.rotation_by_moment, m)
-        return rotation, cubic(self.moment, self.offset, self.offset_by_moment, m)
+    def rotation_at(self, moment: Array | float) -> Array:
+        """Rotations in rad, of the shape of the moments; the ends outside."""
+        return cubic(self.moment, self.rotation, self.rotation_by_moment, self._inside(moment))
+
+    def offset_at(self, moment: Array | float) -> Array:
+        """Offsets in mm, (n, 2) at moments (n,), (2,) at one; the ends outside."""
+        return cubic(self.moment, self.offset, self.offset_by_moment, self._inside(moment))
 
     def beside_at(self, moment: Array) -> Array:
         """(n, m, 2) mm: the nodes of the material curve beside the axis at moments (n,); the ends outside."""
@@ -133,8 +134,8 @@ class ClampCurve:
         slopes = monotone_slopes(self.moment, self.rotation_by_pressure)
         return cubic(self.moment, self.rotation_by_pressure, slopes, self._inside(moment))
 
-    def _inside(self, moment: Array) -> Array:
-        return np.clip(moment, self.moment[0], self.moment[-1])
+    def _inside(self, moment: Array | float) -> Array:
+        return np.asarray(np.clip(moment, self.moment[0], self.moment[-1]))
 
 
 @dataclass(frozen=True, eq=False)  # arrays inside

@@ -158,14 +158,14 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
         inside = np.clip(at, curve.moment[0], curve.moment[-1])
         by_moment = cubic_slope(curve.moment, curve.rotation, curve.rotation_by_moment, inside)
         by_pressure = curve.rotation_by_pressure_at(at)
-        return curve.on(at)[0], by_pressure * (second.pressure - first.pressure) + by_moment * slope
+        return curve.rotation_at(at), by_pressure * (second.pressure - first.pressure) + by_moment * slope
 
     (low, low_slope), (high, high_slope) = (
         rotations(first, pairs.first, pairs.first_slope),
         rotations(second, pairs.second, pairs.second_slope),
     )
     rotation = columns(moment, pairs.moment, hermite(pairs.t, low, high, low_slope, high_slope))
-    offset = straight(_offset_at) + _beyond_straight_at(around, _offset_at, pressure, moment)
+    offset = straight(ClampCurve.offset_at) + _beyond_straight_at(around, ClampCurve.offset_at, pressure, moment)
     return ClampCurve(
         pressure=pressure,
         moment=moment,
@@ -182,11 +182,6 @@ def clamp_at(clamps: Sequence[ClampCurve], cells: Sequence[CellCurve], pressure:
 def _ripple_at(curve: CellCurve, moment: Array) -> Array:
     """(n, m, 2) mm at moments (n,), joined by straight lines."""
     return columns(moment, curve.moment, curve.ripple)
-
-
-def _offset_at(curve: ClampCurve, moment: Array) -> Array:
-    """(n, 2) mm at moments (n,)."""
-    return curve.on(moment)[1]
 
 
 def tip_at(curves: Sequence[TipCurve], pressure: float) -> TipCurve:
