@@ -18,7 +18,7 @@ JOBS :=
 LAW := both
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy foreign scaling
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen nightly wheel examples lint types docs doctor bench-peers bench-run clean
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen unseen-again nightly wheel examples lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -103,6 +103,9 @@ kills: $(READY)  ## fifty runs killed at random times and continued, compared wi
 
 unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
 	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --page docs
+
+unseen-again: $(READY)  ## the designs of docs/unseen.md that did not end, with the present sources and ten times the CPU time
+	@$(BIN)/python -m benchmarks.unseen.again --page docs $(addprefix --jobs ,$(JOBS))
 
 nightly: $(READY)  ## for a scheduler: hard cases, slow tests, and 40 designs drawn with today's date as the seed
 	@status=0

@@ -17,6 +17,7 @@ from loads import Traction
 import fem
 from benchmarks.unseen.__main__ import campaign, sample
 from benchmarks.unseen.__main__ import main as campaigns_main
+from benchmarks.unseen.again import main as again_main
 from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_difference
 from benchmarks.unseen.confirm import BY_VOLUME, end_of, judged, judged_again, second_law, turned
 from benchmarks.unseen.designs import COMPRESSIBLE, LOAD, LOWER, Drawn, drawn
@@ -434,6 +435,40 @@ def test_the_page_says_which_designs_ran_with_which_sources() -> None:
     text = " ".join(pages(campaign(settings, records))["unseen.md"].split())
     assert "Of 40 designs those with the numbers 0 to 2, 4 and 7 to 8 of seed 9; sources of commit" in text
     assert "sources of commit abc1234 for 0 to 2 and 4; def5678 for 7 to 8; at most 400 s" in text
+
+
+def test_designs_that_did_not_end_are_run_again_beside_their_first_records(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    without = {"states": [], "checks": [], "rod": None, "five_at_kPa": [], "has_arm_law": False}
+    settings = Namespace(seed=9, count=40, limit=LIMIT_OF_CPU_TIME, law="both")
+    records = [record(), record(number=1, ended=SLOW, **without), record(number=2, ended=ERROR, **without)]
+    write_pages(tmp_path, campaign(settings, records))
+    page, given = tmp_path / "unseen.md", ["again", "--page", str(tmp_path), "--results", str(tmp_path / "results")]
+    assert "None of the 2 designs that did not end has been run again." in page.read_text()
+
+    def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
+        assert all(work.limit == 10 * LIMIT_OF_CPU_TIME for work in works)
+        return (record(seed=9, number=work.design.number, seconds={"run": 700.0}) for work in works[:1])
+
+    monkeypatch.setattr("benchmarks.unseen.again.outcomes_of", outcomes)
+    monkeypatch.setattr("sys.argv", given)
+    again_main()
+    text = " ".join(page.read_text().split())
+    assert "1 of the 2 designs that were too slow or met an error of the program have been run again" in text
+    assert "1 of them have numbers, 0 after at most 600 s." in text
+    assert "66.7 % of the states of all seeds would be solved or beyond a confirmed limit, and 2 of 3" in text
+    assert "| designs with numbers or an early refusal | all | 1 of 3 | **no** |" in text  # the first records count
+    again_main()  # the one that is left
+    content = json.loads((tmp_path / "unseen.json").read_text())
+    assert [r["number"] for r in content["again"]] == [1, 2]
+    assert [r["ended"] for r in content["records"]] == [RAN, SLOW, ERROR]
+    monkeypatch.setattr("sys.argv", [*given, "--designs", "9-1"])
+    again_main()
+    assert [r["number"] for r in json.loads((tmp_path / "unseen.json").read_text())["again"]] == [1, 2]
+    monkeypatch.setattr("sys.argv", [*given, "--designs", "9-0"])
+    with pytest.raises(SystemExit):
+        again_main()
 
 
 def test_designs_are_added_to_those_of_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -41,14 +41,14 @@ def _row(record: Record) -> list[str]:
         outcome(record),
         f"{states.solved} of {states.all}" if states.all else "",
         "" if turn is None else f"{degrees(turn):.1f}",
-        _five(record),
+        five_at(record),
         "yes" if record.get("has_arm_law") else "no",
         *(percent(errors[name][0]) if errors[name] else "" for name in ("shape", "force")),
         f"{sum(record['seconds'].values()):.0f}",
     ]
 
 
-def _five(record: Record) -> str:
+def five_at(record: Record) -> str:
     """At how many pressures there are five parameters; at others than those of the design where it bears none."""
     at, drawn = record.get("five_at_kPa", ()), record["pressures_kPa"]
     below = sum(pressure not in drawn for pressure in at)

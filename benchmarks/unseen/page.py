@@ -9,7 +9,7 @@ from string import Template
 from textwrap import fill
 from typing import Any
 
-from benchmarks.unseen import designs, details, summary
+from benchmarks.unseen import designs, details, second, summary
 from benchmarks.unseen.wording import WIDTH, Record, item
 
 #: what the pages are written from, beside them
@@ -38,7 +38,9 @@ def joined(contents: Sequence[Record]) -> dict[str, Any]:
         seed, number = order[twice[0][0]], twice[0][1]
         raise ValueError(f"design {seed}-{number} is in two of the folders and pages")
     by_name = dict(zip(names, records, strict=True))
-    return {"campaigns": campaigns, "records": [by_name[name] for name in sorted(names)]}
+    whole = {"campaigns": campaigns, "records": [by_name[name] for name in sorted(names)]}
+    again = [record for content in contents for record in content.get("again", [])]
+    return {**whole, "again": again} if again else whole
 
 
 def write_pages(folder: Path, content: Record) -> None:
@@ -50,7 +52,10 @@ def write_pages(folder: Path, content: Record) -> None:
 
 
 def pages(content: Record) -> dict[str, str]:
-    """The two pages of {campaigns: [{seed, drawn, limit, law}], records} by their file names."""
+    """The two pages of {campaigns: [{seed, drawn, limit, law}], records, again} by their file names.
+
+    again: records of designs that did not end and were run again (`again.py`); may be missing.
+    """
     records, campaigns = content["records"], content["campaigns"]
     values = {
         "commands": "\n".join(_command(campaign) for campaign in campaigns),
@@ -67,6 +72,7 @@ def pages(content: Record) -> dict[str, str]:
         "bend": fill(summary.bend(records), WIDTH),
         "outcomes": summary.outcomes(records),
         "sums": summary.sums(records),
+        "again": second.again(records, content.get("again", [])),
         "table": details.designs_table(records),
         "rods": fill(summary.rods(records), WIDTH),
         "confirmed": fill(summary.confirmed(records), WIDTH),

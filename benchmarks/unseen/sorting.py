@@ -46,6 +46,11 @@ def outcome(record: Record) -> str:
     return LIMIT if all(names_a_limit(reason) for reason in record["reasons"].values()) else NO_LIMIT
 
 
+def did_not_end(record: Record) -> bool:
+    """Whether a design was too slow or met an error of the program."""
+    return outcome(record) in (TOO_SLOW, TRACEBACK)
+
+
 @dataclass(frozen=True)
 class States:
     """How many states the configurations have, and what became of them."""

@@ -152,6 +152,7 @@ def _keep(folder: Path, record: Mapping[str, Any]) -> None:
 def _begun(design: Drawn) -> Record:
     return {
         "key": _key(design),
+        "seed": design.seed,
         "number": design.number,
         "family": design.family,
         "law": design.law,
