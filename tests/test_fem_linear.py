@@ -74,6 +74,27 @@ def test_solution_and_inertia(kind: Callable[[], LinearSolver], size: int, negat
 
 
 @WITH_PARDISO
+@pytest.mark.parametrize(
+    ("cells", "ordering"),
+    [((20, 20, 20), pardiso.NESTED_DISSECTION), ((2, 4, 1000), pardiso.MINIMUM_DEGREE)],
+    ids=["stocky", "slender"],
+)
+def test_the_ordering_follows_from_the_entries_of_the_factor(cells: tuple[int, int, int], ordering: int) -> None:
+    band = [sp.diags([-1.0, 2.1, -1.0], [-1, 0, 1], shape=(n, n)) for n in cells]
+    near = [sp.diags([1.0, 1.0, 1.0], [-1, 0, 1], shape=(n, n)) for n in cells]
+    matrix = sp.kron(sp.kron(band[0], near[1]), near[2]) + 30.0 * sp.eye(int(np.prod(cells)))
+    triangle = sp.triu(matrix, format="csr")
+    right = np.random.default_rng(0).normal(size=matrix.shape[0])
+    for _ in range(2):  # the second time with the analysis that was kept
+        solver = Pardiso()
+        solver.analyse(triangle.indptr, triangle.indices)
+        assert solver._solver.get_iparm(2) == ordering
+        solver.factorize(triangle.data)
+        assert np.linalg.norm(matrix @ solver.solve(right) - right) < 1e-9 * np.linalg.norm(right)
+        solver.close()
+
+
+@WITH_PARDISO
 def test_a_matrix_with_a_zero_diagonal_is_factorized_with_pairs_of_pivots() -> None:
     """Single pivots from the diagonal, the first choice, do not exist here."""
     swap = np.array([[0.0, 1.0], [1.0, 0.0]])

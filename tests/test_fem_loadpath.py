@@ -139,6 +139,21 @@ def test_a_neighbour_that_went_the_whole_way_at_once_changes_nothing() -> None:
     assert step.factorizations == own.factorizations
 
 
+def test_the_increments_of_a_neighbouring_path_are_tried_before_the_whole_way_on_request() -> None:
+    """Nothing fails then, also on the way to a later target; without any the whole way is tried."""
+    options = PathOptions(NewtonOptions(iterations=2))
+    own = follow(beam([WEIGHT]), [0.5, 1.0], options).steps
+    increments = {0.5: own[0].increments, 1.0: own[1].increments}
+    first = replace(options, neighbour=increments.__getitem__, neighbour_first=True)
+    steps = follow(beam([WEIGHT]), [0.5, 1.0], first).steps
+    assert [step.increments for step in steps] == list(increments.values())
+    assert own[0].cutbacks
+    assert not any(step.cutbacks for step in steps)
+    assert steps[0].factorizations < own[0].factorizations
+    np.testing.assert_allclose(steps[1].displacement, own[1].displacement, atol=1e-9)
+    assert follow(beam([WEIGHT]), [1.0], PathOptions(neighbour_first=True)).steps[0].increments == (1.0,)
+
+
 def test_increments_of_a_neighbour_that_fail_are_halved_as_others() -> None:
     options = PathOptions(NewtonOptions(iterations=2), neighbour=lambda target: (0.9, 1.0))
     own = follow(beam([WEIGHT]), [1.0], PathOptions(NewtonOptions(iterations=2))).steps[0]

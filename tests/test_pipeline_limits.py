@@ -278,8 +278,11 @@ def test_a_lower_limit_of_the_free_body_is_named(pressures: str, tmp_path: Path)
     assert failure.limit_kPa == pytest.approx(0.525, rel=3e-3)
 
 
-def test_the_others_take_the_increments_of_two_where_the_whole_way_fails(tmp_path: Path) -> None:
-    """The walls of two chambers meet in vacuum, in all three experiments at nearly the same pressures."""
+def test_the_others_take_the_increments_of_two(tmp_path: Path) -> None:
+    """The walls of two chambers meet in vacuum, in all three experiments at nearly the same pressures.
+
+    Only III tries the whole way before.
+    """
     settings = ["geometry.chambers=2", "mesh.size=6 mm", VACUUM, "pressures=[17 kPa, 45 kPa]"]
     config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
     scene, increments = Scene.meshed(config), {}
@@ -293,7 +296,7 @@ def test_the_others_take_the_increments_of_two_where_the_whole_way_fails(tmp_pat
     assert increments["II"][-1] == 1.0
     assert increments["I"] == increments["III"] == increments["II"]
     cutbacks = {name: outcomes[name].records[-1].summary.cutbacks for name in increments}
-    assert cutbacks == {"I": 1, "II": 3, "III": 1}
+    assert cutbacks == {"I": 0, "II": 3, "III": 1}
 
 
 def test_the_increments_of_two_are_waited_for() -> None:

@@ -18,10 +18,14 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from fem.equations.linear import SINGULAR, ZERO_PIVOT_EXPONENT, LinearSolver, LinearTimes, SingularMatrix, check_finite
 from geometry.arrays import Array
 
-#: orderings of PARDISO: minimum degree is faster for slender bodies, which have small separators, up to about 50 000
-#: unknowns (docs/performance.md)
+#: orderings of PARDISO: minimum degree is as fast as nested dissection or faster for slender bodies, which have small
+#: separators, of up to about 50 000 unknowns (docs/decisions.md)
 MINIMUM_DEGREE, NESTED_DISSECTION = 0, 3
 LARGE = 50_000
+#: entries of the factor by minimum degree over those of the matrix beyond which nested dissection is taken
+FILLED = 6.5
+#: index in PARDISO's iparm: -1 has the analysis count the entries of the factor, and it holds their number after that
+ENTRIES = 18
 #: index in PARDISO's iparm: 1 takes the two-level factorization, which is faster with nested dissection only
 TWO_LEVEL = 24
 #: index in PARDISO's iparm: 0 takes single pivots from the diagonal, 1 also pairs (Bunch and Kaufman). Single pivots
@@ -54,7 +58,8 @@ _unused: list[_Analysis] = []
 class Pardiso(LinearSolver):
     """PARDISO of the MKL for real symmetric indefinite matrices (mtype -2), phases 11, 22 and 33 apart.
 
-    The analysis of a solver that was closed serves the next one with a matrix of the same pattern.
+    The ordering follows from the number of unknowns and the entries of the factor (LARGE, FILLED). The analysis of a
+    solver that was closed serves the next one with a matrix of the same pattern.
 
     A factor that would not fit into `memory` (bytes; by default what the machine has to spare when the matrix is
     analysed) is made in single precision, half as large; solutions then come from GMRES in double precision with that
@@ -109,20 +114,28 @@ class Pardiso(LinearSolver):
     def analyse(self, indptr: NDArray[Any], indices: NDArray[Any]) -> None:
         start = perf_counter()
         self.close()
-        spare, size = self._spare, indptr.shape[0] - 1
-        is_large, self._failed = size >= self._large, False
+        spare = self._spare
+        is_large, self._failed = indptr.shape[0] > self._large, False
         if is_large or not self._take(indptr, indices, spare):
-            self._solver.set_iparm(2, NESTED_DISSECTION if is_large else MINIMUM_DEGREE)
-            self._solver.set_iparm(TWO_LEVEL, int(is_large))
-            for kind, precision in ((np.float64, 0), (np.float32, 1)):
-                self._solver.set_iparm(28, precision)
-                self._matrix = _ones(indptr, indices, kind)
-                self._call(ANALYSE, np.zeros(size))
-                if self.single or self._fits(spare):
-                    break
+            self._order(NESTED_DISSECTION if is_large else MINIMUM_DEGREE, indptr, indices, spare)
+            if not is_large and self._solver.get_iparm(ENTRIES) > FILLED * indices.shape[0]:
                 _release(self._solver)
+                self._order(NESTED_DISSECTION, indptr, indices, spare)
         self.times.analysis += perf_counter() - start
         self.times.analyses += 1
+
+    def _order(self, ordering: int, indptr: NDArray[Any], indices: NDArray[Any], spare: float) -> None:
+        """Analyse a pattern with an ordering, in single precision if its factor does not fit into `spare` bytes."""
+        self._solver.set_iparm(2, ordering)
+        self._solver.set_iparm(TWO_LEVEL, int(ordering == NESTED_DISSECTION))
+        for kind, precision in ((np.float64, 0), (np.float32, 1)):
+            self._solver.set_iparm(28, precision)
+            self._solver.set_iparm(ENTRIES, -1)
+            self._matrix = _ones(indptr, indices, kind)
+            self._call(ANALYSE, np.zeros(indptr.shape[0] - 1))
+            if self.single or self._fits(spare):
+                break
+            _release(self._solver)
 
     @property
     def _spare(self) -> float:

@@ -204,15 +204,15 @@ class PathFollower:
         self.solver.begin_target()
         give_up_checked = False
         while True:
+            follows = increments.tried == (0 if self.options.neighbour_first else 1)
+            if follows and not increments.reached:
+                increments.follow(load_step.fractions(self.options.neighbour(target.announced)))
             fraction = increments.next
             if not give_up_checked and (fraction < 1.0 or not target.is_first):
                 give_up_checked = True
                 if reason := self.options.give_up(target.announced):
                     last = load_step.control(self.control, increments.reached)
                     raise PathEnded(self._end(last, increments, before, reason))
-            if increments.tried == 1 and increments.cutbacks:
-                increments.follow(load_step.fractions(self.options.neighbour(target.announced)))
-                fraction = increments.next
             control = load_step.control(self.control, fraction)
             try:
                 converged = self.solver.solve(self._increment(control, increments, target.announced))

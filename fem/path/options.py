@@ -22,6 +22,9 @@ class PathOptions:
     #: load factors at which a neighbouring path has equilibria on the way to a target, ascending; asked for when the
     #: whole way to it has failed
     neighbour: Callable[[float], Sequence[float]] = lambda target: ()
+    #: whether they are asked for before the whole way is tried: where the other path could not go it at once, this one
+    #: hardly ever can
+    neighbour_first: bool = False
     solver: Callable[[], LinearSolver] | None = None  #: makes the linear solver; None: the best installed one
 
 

@@ -47,7 +47,10 @@ class CasePath:
     def _followed(self) -> tuple[fem.Solution, Failure | None]:
         options = fem.PathOptions(self.newton)
         if self.known is not None and not self._is_first:
-            options = fem.PathOptions(self.newton, give_up=self._why_not, neighbour=self._increments_of_II)
+            is_like_II = self.case.experiment == "I"  # no support changes on the way
+            options = fem.PathOptions(
+                self.newton, give_up=self._why_not, neighbour=self._increments_of_II, neighbour_first=is_like_II
+            )
         observer = fem.PathObserver(self._iteration, self._step_done)
         stored = self._stored_steps()
         factors, begin = self.case.schedule.factors, self._begin(len(stored))
