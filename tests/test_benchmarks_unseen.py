@@ -463,6 +463,7 @@ def test_designs_that_did_not_end_are_run_again_beside_their_first_records(
     content = json.loads((tmp_path / "unseen.json").read_text())
     assert [r["number"] for r in content["again"]] == [1, 2]
     assert [r["ended"] for r in content["records"]] == [RAN, SLOW, ERROR]
+    assert joined([content, campaign(settings, [record(number=3)])])["again"] == content["again"]
     monkeypatch.setattr("sys.argv", [*given, "--designs", "9-1"])
     again_main()
     assert [r["number"] for r in json.loads((tmp_path / "unseen.json").read_text())["again"]] == [1, 2]

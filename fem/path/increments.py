@@ -143,7 +143,8 @@ class Increments:
         self._follow_neighbour()
 
     def follow(self, fractions: Sequence[float]) -> None:
-        """Try the increments of a neighbouring path, which has equilibria at these fractions; the whole way has failed.
+        """Try the increments of a neighbouring path, which has equilibria at these fractions: at the beginning of the
+        way, or after the whole of it has failed.
 
         Where the other path went it in one increment there is nothing to follow.
         """
