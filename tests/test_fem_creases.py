@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem import SelfContact, Step, follow
+from fem import PathOptions, SelfContact, Step, follow
 from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
 from fem.effects.contact import BarrierTerm, crossings
-from fem.effects.effect import UnilateralTerm
+from fem.effects.effect import PenaltyTerm, UnilateralTerm
+from fem.path.newton import Converged
+from fem.path.solver import Increment, IncrementSolver
 from geometry.arrays import Array
 from tests.bodies import bricks, named, on_plane
 from tests.collapse import LAW, collapsing
@@ -136,6 +138,41 @@ def test_activation_distances_of_their_own_leave_the_barrier_consistent() -> Non
 
 def collapsed() -> Step:
     return follow(collapsing(LENGTH)[1], [0.4676, 1.0]).steps[-1]
+
+
+def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pair that an increment on the way leaves behind does not press at the target, where the walls do not cross."""
+    model = collapsing(LENGTH)[1]
+    on_the_way = {0.4676: (), 1.0: (0.9, 1.0)}
+    options = PathOptions(neighbour=on_the_way.__getitem__, neighbour_first=True)
+    plain = follow(model, [0.4676, 1.0], options).steps[-1]
+    solve, added = IncrementSolver.solve, list[int]()
+
+    def leaving_a_pair(self: IncrementSolver, increment: Increment) -> Converged:
+        converged = solve(self, increment)
+        if 0.5 < increment.control.value < 1.0 and not added:
+
+            def with_another(term: PenaltyTerm) -> UnilateralTerm:
+                assert isinstance(term, FacingTerm)
+                if not term.touching(self.positions(converged)):
+                    return term
+                other = term.pairs.taken(np.array([int(np.argmax(term.pairs.gaps(self.positions(converged))))]))
+                added.append(int(other.nodes[0]))
+                known = np.broadcast_to(term.dhat, term.pairs.nodes.shape)
+                dhat = np.append(known, 1.2 * other.gaps(self.positions(converged)))
+                return replace(term, pairs=term.pairs.joined(other), dhat=dhat, carried=None)
+
+            self.active_set = self.active_set._changed(with_another)
+        return converged
+
+    monkeypatch.setattr(IncrementSolver, "solve", leaving_a_pair)
+    settled = follow(model, [0.4676, 1.0], options).steps[-1]
+    assert len(added) == 1
+    assert np.abs(settled.displacement - plain.displacement).max() < 1e-9 * LENGTH
+    added.clear()
+    monkeypatch.setattr(IncrementSolver, "settled", lambda self, converged, increment: converged)
+    left = follow(model, [0.4676, 1.0], options).steps[-1]
+    assert np.abs(left.displacement - plain.displacement).max() > 1e-6 * LENGTH
 
 
 def test_a_corner_that_folds_needs_no_exact_distances(monkeypatch: pytest.MonkeyPatch) -> None:

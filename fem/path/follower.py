@@ -215,7 +215,9 @@ class PathFollower:
                     raise PathEnded(self._end(last, increments, before, reason))
             control = load_step.control(self.control, fraction)
             try:
-                converged = self.solver.solve(self._increment(control, increments, target.announced))
+                increment = self._increment(control, increments, target.announced)
+                converged = self.solver.solve(increment)
+                converged = self.solver.settled(converged, increment) if fraction == 1.0 else converged
                 point = self._point(control, converged)
                 arrival = self._check_continuation(control, converged, point, increments)
             except StepFailed as failure:

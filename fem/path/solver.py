@@ -46,6 +46,7 @@ class IncrementSolver:
         self.contact_is_kept = False  #: whether the contact of the last target is used on the way to the next one
         self.predictor_failed = False  #: whether an extrapolated start has failed on the way to the target
         self.iterations = 0  #: of all solutions of the last increment that converged
+        self.began_with_pairs = False  #: whether it began with pairs in creases, of earlier increments
 
     def begin_target(self) -> None:
         """Forget what held on the way to the last target alone."""
@@ -74,6 +75,7 @@ class IncrementSolver:
         fails has activated or made stiffer is as before.
         """
         self.iterations, self.active_set = 0, self.active_set.at_new_increment()
+        self.began_with_pairs = self.active_set.has_added_pairs
         known, foreseen = self.active_set, self._approach(increment)
         try:
             converged = self._admissible(increment)
@@ -84,6 +86,23 @@ class IncrementSolver:
             self.active_set = known
         return converged
 
+    def settled(self, converged: Converged, increment: Increment) -> Converged:
+        """The equilibrium whose pairs in creases are those of this load alone, not of increments on the way to it.
+
+        The pairs are searched again from the equilibrium without any. The given one where the last increment began
+        without pairs, or where no other is reached from it.
+        """
+        if not self.began_with_pairs:
+            return converged
+        before = self.active_set
+        self.active_set = before.restored().at_new_increment()
+        try:
+            without = self._solve(Start.at(converged.state, self.active_set.active), increment)
+            return self._checked(self._kept_apart(self._activate(without, increment), increment))
+        except StepFailed:
+            self.active_set = before
+            return converged
+
     def _admissible(self, increment: Increment) -> Converged:
         """An equilibrium without overlap and without an element that is turned inside out; raises `StepFailed`."""
         last = increment.points[-1].state
@@ -91,7 +110,20 @@ class IncrementSolver:
             converged = self._solve(Start.at(last, self.active_set.active), increment)
         else:
             converged = self._from_predictor(increment)
-        converged = self._activate(converged, increment)
+        return self._checked(self._kept_apart(self._activate(converged, increment), increment))
+
+    def _checked(self, converged: Converged) -> Converged:
+        """The same; raises `Inverted` where an element is turned inside out."""
+        if converged.assembly.jacobian.min() <= 0:
+            worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
+            raise Inverted(
+                f"an element is turned inside out at {position_text(worst.min_J_at)} (J = {worst.min_J:.3g})"
+            )
+        return converged
+
+    def _kept_apart(self, converged: Converged, increment: Increment) -> Converged:
+        """Equilibrium without walls that cross, with more or stiffer contact where needed; raises `StepFailed`."""
+        last = increment.points[-1].state
         while violations := self.active_set.violations(x := self.positions(converged)):
             tightened = self.active_set.tightened(x)
             if tightened is self.active_set:
@@ -102,11 +134,6 @@ class IncrementSolver:
                 converged = self._activate(self._solve(start, increment), increment)
             except StepFailed as failure:
                 raise type(failure)(f"{violations[0]}, and with more or stiffer contact {failure}") from None
-        if converged.assembly.jacobian.min() <= 0:
-            worst = extremes_of(self.system.space, converged.assembly.strain, converged.assembly.jacobian)
-            raise Inverted(
-                f"an element is turned inside out at {position_text(worst.min_J_at)} (J = {worst.min_J:.3g})"
-            )
         return converged
 
     def _approach(self, increment: Increment) -> bool:
