@@ -10,7 +10,7 @@ from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
 from fem.effects.contact import BarrierTerm, crossings
 from fem.effects.effect import PenaltyTerm, UnilateralTerm
-from fem.path.newton import Converged
+from fem.path.newton import Converged, Start, StepFailed
 from fem.path.solver import Increment, IncrementSolver
 from geometry.arrays import Array
 from tests.bodies import bricks, named, on_plane
@@ -141,7 +141,10 @@ def collapsed() -> Step:
 
 
 def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A pair that an increment on the way leaves behind does not press at the target, where the walls do not cross."""
+    """A pair that an increment on the way leaves behind does not press at the target, where the walls do not cross.
+
+    It does where the search without it finds no equilibrium.
+    """
     model = collapsing(LENGTH)[1]
     on_the_way = {0.4676: (), 1.0: (0.9, 1.0)}
     options = PathOptions(neighbour=on_the_way.__getitem__, neighbour_first=True)
@@ -170,7 +173,17 @@ def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyP
     assert len(added) == 1
     assert np.abs(settled.displacement - plain.displacement).max() < 1e-9 * LENGTH
     added.clear()
-    monkeypatch.setattr(IncrementSolver, "settled", lambda self, converged, increment: converged)
+    settle = IncrementSolver.settled
+
+    def fails(self: IncrementSolver, start: Start, increment: Increment) -> Converged:
+        raise StepFailed("no equilibrium")
+
+    def without_success(self: IncrementSolver, converged: Converged, increment: Increment) -> Converged:
+        with monkeypatch.context() as alone:
+            alone.setattr(IncrementSolver, "_solve", fails)
+            return settle(self, converged, increment)
+
+    monkeypatch.setattr(IncrementSolver, "settled", without_success)  # the state of the increments stays
     left = follow(model, [0.4676, 1.0], options).steps[-1]
     assert np.abs(left.displacement - plain.displacement).max() > 1e-6 * LENGTH
 

@@ -5,6 +5,7 @@ the target; beyond it only where an increment from there fails with the contact 
 """
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import final
 
@@ -90,18 +91,20 @@ class IncrementSolver:
         """The equilibrium whose pairs in creases are those of this load alone, not of increments on the way to it.
 
         The pairs are searched again from the equilibrium without any. The given one where the last increment began
-        without pairs, or where no other is reached from it.
+        without pairs, or where this leads to none that is as stable and needs no exact distances.
         """
         if not self.began_with_pairs:
             return converged
         before = self.active_set
         self.active_set = before.restored().at_new_increment()
-        try:
+        with suppress(StepFailed):
             without = self._solve(Start.at(converged.state, self.active_set.active), increment)
-            return self._checked(self._kept_apart(self._activate(without, increment), increment))
-        except StepFailed:
-            self.active_set = before
-            return converged
+            settled = self._checked(self._kept_apart(self._activate(without, increment), increment))
+            is_as_stable = settled.negative_pivots <= converged.negative_pivots
+            if is_as_stable and not self.active_set.needs_admissible_start:
+                return settled
+        self.active_set = before
+        return converged
 
     def _admissible(self, increment: Increment) -> Converged:
         """An equilibrium without overlap and without an element that is turned inside out; raises `StepFailed`."""
