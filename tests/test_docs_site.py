@@ -117,6 +117,10 @@ def test_yaml_blocks_of_the_guides_are_accepted(page: Path, tmp_path: Path) -> N
         assert load_config(path).name
 
 
+#: the runs of the tutorial take a minute; tests/test_examples.py makes such runs too
+ON_RESULTS_OF_THE_TUTORIAL = pytest.mark.slow
+
+
 @pytest.fixture(scope="module")
 def followed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder in which the tutorial was followed, with a coarser mesh and without loads that nothing is fitted to;
@@ -142,7 +146,7 @@ def run_in(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder, env=environment)
 
 
-@pytest.mark.slow  # the runs of the tutorial, a minute; tests/test_examples.py makes such runs too
+@ON_RESULTS_OF_THE_TUTORIAL
 def test_the_tutorial_can_be_followed(followed: Path) -> None:
     assert (followed / "results" / "first" / "report.html").is_file()
     assert (followed / "results" / "first" / "law.json").is_file()
@@ -150,7 +154,7 @@ def test_the_tutorial_can_be_followed(followed: Path) -> None:
     assert (followed / "results" / "my_arm" / "parameters.json").is_file()
 
 
-@pytest.mark.slow  # the runs of the tutorial, a minute; tests/test_examples.py makes such runs too
+@ON_RESULTS_OF_THE_TUTORIAL
 def test_the_python_guide_runs_on_the_results_of_the_tutorial(followed: Path) -> None:
     text = (DOCS / "how_to" / "python.md").read_text(encoding="utf-8")
     [block] = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
@@ -161,7 +165,7 @@ def test_the_python_guide_runs_on_the_results_of_the_tutorial(followed: Path) ->
     assert 0.0 < last[0] < 112.0
 
 
-@pytest.mark.slow  # the runs of the tutorial, a minute; tests/test_examples.py makes such runs too
+@ON_RESULTS_OF_THE_TUTORIAL
 def test_the_formats_of_the_guide_on_robots_are_those_of_the_program(followed: Path) -> None:
     from rod.export.formats import EXPORTS
 

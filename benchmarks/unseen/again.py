@@ -17,7 +17,7 @@ from typing import Any
 
 from benchmarks.unseen.designs import drawn
 from benchmarks.unseen.page import PAGES_DATA, write_pages
-from benchmarks.unseen.sorting import did_not_end, outcome
+from benchmarks.unseen.sorting import did_not_end, outcome, run_seconds
 from benchmarks.unseen.wording import name_of
 from benchmarks.unseen.work import LIMIT, Record, Work, outcomes_of
 from pipeline.processes import available_cores
@@ -64,7 +64,7 @@ def main() -> None:
     except (OSError, ValueError) as reason:
         parser.error(str(reason))
     for record in outcomes_of(works, given.jobs):
-        words = f"{name_of(record)} {outcome(record)}, {record['seconds'].get('run', 0.0):.0f} s: {record['words']}"
+        words = f"{name_of(record)} {outcome(record)}, {run_seconds(record):.0f} s: {record['words']}"
         sys.stdout.write(f"{words} {record['reason']}\n")
         sys.stdout.flush()
         # read again: a campaign may have added its designs since

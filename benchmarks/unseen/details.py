@@ -10,6 +10,8 @@ from benchmarks.unseen.wording import Record, item, name_of, percent
 
 #: why there is no law of the arm where a configuration asks for the five parameters alone
 SWITCHED_OFF = "switched off in the config"
+#: what a table says of the rod of a design
+ROD_HEAD = ("five parameters", "own law", "shape error", "force error")
 
 
 def designs_table(records: Sequence[Record]) -> str:
@@ -24,13 +26,12 @@ def designs_table(records: Sequence[Record]) -> str:
         "states",
         "κ₀(l/2) l at the lower pressure, degrees",
     ]
-    head += ["five parameters", "own law", "shape error", "force error", "CPU s"]
+    head += [*ROD_HEAD, "CPU s"]
     return table(head, [_row(record) for record in records])
 
 
 def _row(record: Record) -> list[str]:
     states = states_of(record)
-    errors = rod_errors([record])
     turn = record.get("turn_rad")
     return [
         name_of(record),
@@ -41,14 +42,22 @@ def _row(record: Record) -> list[str]:
         outcome(record),
         f"{states.solved} of {states.all}" if states.all else "",
         "" if turn is None else f"{degrees(turn):.1f}",
-        five_at(record),
-        "yes" if record.get("has_arm_law") else "no",
-        *(percent(errors[name][0]) if errors[name] else "" for name in ("shape", "force")),
+        *rod_cells(record),
         f"{sum(record['seconds'].values()):.0f}",
     ]
 
 
-def five_at(record: Record) -> str:
+def rod_cells(record: Record) -> list[str]:
+    """What there is of the rod, and its errors: the cells of ROD_HEAD."""
+    errors = rod_errors([record])
+    return [
+        _five(record),
+        "yes" if record.get("has_arm_law") else "no",
+        *(percent(errors[name][0]) if errors[name] else "" for name in ("shape", "force")),
+    ]
+
+
+def _five(record: Record) -> str:
     """At how many pressures there are five parameters; at others than those of the design where it bears none."""
     at, drawn = record.get("five_at_kPa", ()), record["pressures_kPa"]
     below = sum(pressure not in drawn for pressure in at)

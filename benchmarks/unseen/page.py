@@ -10,6 +10,7 @@ from textwrap import fill
 from typing import Any
 
 from benchmarks.unseen import designs, details, second, summary
+from benchmarks.unseen.sorting import run_seconds
 from benchmarks.unseen.wording import WIDTH, Record, item
 
 #: what the pages are written from, beside them
@@ -130,7 +131,7 @@ def _provenance(content: Record) -> str:
             f"{campaign['limit']:g} s of CPU time for each stage.{others}"
         )
     seconds = [sum(record["seconds"].values()) for record in content["records"]]
-    of_run = [record["seconds"].get("run", 0.0) for record in content["records"]]
+    of_run = [run_seconds(record) for record in content["records"]]
     time = (
         f"CPU time of a run on one thread: median {median(of_run):.0f} s, largest {max(of_run):.0f} s; with the checks "
         f"all {len(seconds)} designs together {sum(seconds) / 3600:.1f} hours."

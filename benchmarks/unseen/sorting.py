@@ -100,6 +100,11 @@ def states_of(record: Record) -> States:
     return States(reached, beyond, len(missed) - beyond, 0)
 
 
+def states_of_all(records: Sequence[Record]) -> States:
+    """The sum of the states of designs."""
+    return sum((states_of(record) for record in records), States(0, 0, 0, 0))
+
+
 def _covers(limit: Mapping[str, Any], state: Mapping[str, Any]) -> bool:
     """Whether a confirmed limit explains that a state was not reached."""
     if not limit["confirmed"]:
@@ -107,6 +112,11 @@ def _covers(limit: Mapping[str, Any], state: Mapping[str, Any]) -> bool:
     if limit["experiment"] == state["experiment"]:
         return True
     return bool(state["pressure_kPa"] >= 0.8 * limit["limit_kPa"] > 0.0)
+
+
+def run_seconds(record: Record) -> float:
+    """CPU seconds of the run; 0 where none is recorded."""
+    return float(record["seconds"].get("run", 0.0))
 
 
 def has_numbers(record: Record) -> bool:

@@ -23,13 +23,13 @@ from benchmarks.unseen.sorting import (
     TOO_SLOW,
     TRACEBACK,
     WRONG,
-    States,
     checks_in,
     has_numbers,
     limits_in,
     outcome,
     rod_errors,
-    states_of,
+    run_seconds,
+    states_of_all,
     within_mesh_error,
 )
 from benchmarks.unseen.wording import WIDTH, Record, item, name_of, percent, share
@@ -57,8 +57,7 @@ NUMBERS = {"kappa_0": "κ₀(l/2)", "alpha2": "α₂", "force": "F"}
 
 def targets(records: Sequence[Record]) -> str:
     """The goals beside what the seeds reached that were published last, and all of them."""
-    order = list(dict.fromkeys(record["seed"] for record in records))
-    last = [record for record in records if record["seed"] in order[-LAST_SEEDS:]]
+    last = of_last_seeds(records)
     goals = [
         ("designs that end wrong, with an error of the program, or not in time", "none"),
         ("states solved or beyond a limit that a second way confirms", percent(GOOD_STATES)),
@@ -70,7 +69,7 @@ def targets(records: Sequence[Record]) -> str:
         (f"the same, of arms that bend by {BENT:g} rad or more", ""),
     ]
     columns, met = {"result": last}, "met"
-    if len(order) > LAST_SEEDS:
+    if len(last) < len(records):
         columns = {
             f"last {LAST_SEEDS} seeds ({len(last)} designs)": last,
             f"all seeds ({len(records)} designs)": list(records),
@@ -84,10 +83,16 @@ def targets(records: Sequence[Record]) -> str:
     return table(["", "goal", *columns, met], rows)
 
 
+def of_last_seeds(records: Sequence[Record]) -> list[Record]:
+    """The designs of the seeds that were published last."""
+    order = list(dict.fromkeys(record["seed"] for record in records))
+    return [record for record in records if record["seed"] in order[-LAST_SEEDS:]]
+
+
 def _results(records: Sequence[Record]) -> list[tuple[str, bool | None]]:
     """For each goal the result, and whether it is met; None where it is no goal."""
     bad = sum(_is_bad(record) for record in records)
-    states = sum((states_of(record) for record in records), States(0, 0, 0, 0))
+    states = states_of_all(records)
     numbers = sum(has_numbers(record) for record in records)
     good, measured = _meshes(records)
     good_bent, bent = _meshes([record for record in records if _bends(record)])
@@ -121,7 +126,7 @@ def seeds(records: Sequence[Record]) -> str:
     for seed in dict.fromkeys(record["seed"] for record in records):
         of_seed = [record for record in records if record["seed"] == seed]
         bad = sum(_is_bad(record) for record in of_seed)
-        states = sum((states_of(record) for record in of_seed), States(0, 0, 0, 0))
+        states = states_of_all(of_seed)
         meshes = [_meshes(some) for some in (of_seed, [record for record in of_seed if _bends(record)])]
         rows.append(
             [
@@ -131,7 +136,7 @@ def seeds(records: Sequence[Record]) -> str:
                 share(states.good),
                 str(sum(has_numbers(record) for record in of_seed)),
                 *(f"{good} of {measured}" for good, measured in meshes),
-                f"{max(record['seconds'].get('run', 0.0) for record in of_seed):.0f}",
+                f"{max(map(run_seconds, of_seed)):.0f}",
             ]
         )
     head = [
@@ -182,7 +187,7 @@ def outcomes(records: Sequence[Record]) -> str:
 
 def sums(records: Sequence[Record]) -> str:
     """How many states were solved, and how many designs have numbers."""
-    states = sum((states_of(record) for record in records), States(0, 0, 0, 0))
+    states = states_of_all(records)
     numbers = sum(has_numbers(record) for record in records)
     early = sum(outcome(record) == EARLY for record in records)
     sentences = (

@@ -115,7 +115,7 @@ class Pardiso(LinearSolver):
         start = perf_counter()
         self.close()
         spare = self._spare
-        is_large, self._failed = indptr.shape[0] > self._large, False
+        is_large, self._failed = indptr.shape[0] - 1 >= self._large, False
         if is_large or not self._take(indptr, indices, spare):
             self._order(NESTED_DISSECTION if is_large else MINIMUM_DEGREE, indptr, indices, spare)
             if not is_large and self._solver.get_iparm(ENTRIES) > FILLED * indices.shape[0]:
