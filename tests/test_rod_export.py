@@ -5,6 +5,7 @@ import runpy
 import subprocess
 import sys
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -187,6 +188,20 @@ def test_tables_turn_the_end_as_the_rod() -> None:
     arms = Arm((17.0,), (rod,), None, None, smooth=(smooth,))
     both = arm_table(arms)
     assert np.trapezoid(both["kappa_0_smooth_per_mm"], both["s_mm"]) == pytest.approx(turned, rel=1e-9)
+
+
+def test_tables_have_both_sides_of_the_jump_at_d() -> None:
+    """A code that interpolates between the rows has the jump at d, which is no multiple of the spacing of a table."""
+    law = replace(LAW, d=13.7)
+    rod = Rod(112.0, -0.02, law)
+    turned = -0.02 * 112.0 - law.m01 / law.alpha1 * 13.7 - law.m02 / law.alpha2 * (112.0 - 13.7)
+    columns = table(rod)
+    assert np.trapezoid(columns["kappa_rest_per_mm"], columns["s_mm"]) == pytest.approx(turned, rel=1e-7)
+    without = table(rod, np.linspace(0.0, 112.0, 225))
+    jump = abs(law.m01 / law.alpha1 - law.m02 / law.alpha2)
+    assert abs(np.trapezoid(without["kappa_rest_per_mm"], without["s_mm"]) - turned) > 0.04 * jump
+    compliance = np.trapezoid(1.0 / columns["alpha_N_mm2"], columns["s_mm"])
+    assert compliance == pytest.approx(13.7 / law.alpha1 + (112.0 - 13.7) / law.alpha2, rel=1e-7)
 
 
 def test_the_smooth_curve_has_no_ripple_and_the_rotation_of_the_end() -> None:

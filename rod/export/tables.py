@@ -16,16 +16,21 @@ from rod.mechanics.equilibrium import Rod
 
 #: digits after the decimal point of a position in mm that is one of two that are the same
 DIGITS = 9
+#: distance before d, mm, of the last position with the first pair of parameters
+BEFORE_D = 1e-6
 
 
 def positions(rods: Sequence[Rod], points: int = 225) -> Array:
-    """Arc lengths of a table, mm: equally spaced ones, and those between which kappa_0 of a rod is linear.
+    """Arc lengths of a table, mm: equally spaced ones, those between which kappa_0 of a rod is linear, and both sides
+    of the jump of its parameters at d.
 
-    Without the latter the peaks of its ripple would be cut at the same side in every cell, and the rotation of the end
-    of a pneu-net would be 2 % too small.
+    Without the second kind the peaks of its ripple would be cut at the same side in every cell, and the rotation of the
+    end of a pneu-net would be 2 % too small. Without the third a code that interpolates between the rows would spread
+    the jump over the distance of two of them.
     """
     knots = [rod.kappa_0[:, 0] for rod in rods if isinstance(rod.kappa_0, np.ndarray) and rod.kappa_0.ndim == 2]
-    return np.unique(np.round(np.concatenate([np.linspace(0.0, rods[0].length, points), *knots]), DIGITS))
+    jumps = [[rod.five.d - BEFORE_D, rod.five.d] for rod in rods if 0.0 < rod.five.d < rod.length]
+    return np.unique(np.round(np.concatenate([np.linspace(0.0, rods[0].length, points), *knots, *jumps]), DIGITS))
 
 
 def table(rod: Rod, s: Array | None = None) -> dict[str, Array]:
