@@ -16,7 +16,7 @@ from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.record import parameters_record
 from pipeline.parallel.loading import loaded
 from pipeline.plausibility.after import Solved, after_solving
-from pipeline.plausibility.before import before_solving
+from pipeline.plausibility.before import Borne, before_solving
 from pipeline.plausibility.body import of_body
 from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Progress
@@ -118,8 +118,10 @@ def _solved(planned: Planned, context: RunContext) -> RunReport:
     with stages.timed("report"):
         other_rod = arm.law is not None
         not_identified, left_out = identified.failures(other_rod), beyond_end_of_II(config, outcomes)
-        of_design = (*before_solving(config, outcomes.lowest_end_kPa()), *of_units(config))
-        of_states = after_solving(Solved(config, outcomes, parameters))
+        borne = Borne(outcomes.lowest_end_kPa(), max(outcomes.reached_kPa, default=0.0))
+        of_design = (*before_solving(config, borne), *of_units(config))
+        regions = {name: scene.body.mesh.regions[name] for name in config.materials}
+        of_states = after_solving(Solved(config, outcomes, parameters, regions))
         remarks = (*of_design, *unusual, *identified.remarks(other_rod), *arm.remarks(outcomes), *of_states)
         remarks = tuple(dict.fromkeys(remarks))  # why there are no five parameters is known before and after
         reviewed = review(plan, outcomes, parameters, outcomes.largest_indicator) if plan else None

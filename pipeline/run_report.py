@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 
 from pipeline.accuracy.plan import Plan, Review
@@ -82,5 +83,6 @@ class RunReport:
             **({"indicator": indicator.record()} if indicator else {}),
             **({"accuracy": self.accuracy.plan.record(self.accuracy.review)} if self.accuracy else {}),
             **({"failure": self.failure, "failures": self.failures} if self.failures else {}),
+            **({"end_kPa": end} if isfinite(end := self.outcomes.lowest_end_kPa()) else {}),
             **({"remarks": self.remarks} if self.remarks else {}),
         }

@@ -6,13 +6,14 @@ from pathlib import Path
 from rich.table import Table
 from rich.text import Text
 
-from geometry import Body, Design
+from geometry import Body
 from pipeline.accuracy.record import ConvergenceStudy
 from pipeline.accuracy.table import COLUMNS as STUDY_COLUMNS
 from pipeline.accuracy.table import cells
 from pipeline.cell.build import MeasuredLaw
 from pipeline.cell.table import COLUMNS as CELL_COLUMNS
 from pipeline.cell.table import cell_rows
+from pipeline.config.config import Config
 from pipeline.effects_rows import BASE, COLUMNS, EffectRow
 from pipeline.material.fits import Fits
 from pipeline.material.law_fit import LawFit, Refused
@@ -21,9 +22,10 @@ from pipeline.report.numbers import NUMBERS
 from pipeline.report.verdict import Verdict
 
 
-def body_table(file: Path, design: Design, body: Body) -> Table:
-    """The meshed body: volumes beside those of the drawing, and the quality of the elements."""
-    quality, halves = body.mesh.quality, 2 if body.half else 1
+def body_table(file: Path, config: Config, body: Body) -> Table:
+    """The meshed body: volumes beside those of the drawing, what was chosen for its mesh and why, and the quality of
+    the elements."""
+    design, quality, halves = config.design, body.mesh.quality, 2 if body.half else 1
     table = Table.grid(padding=(0, 2))
     table.add_row("mesh", f"{file}, {'the half z >= 0' if body.half else 'the full body'}")
     table.add_row("length", f"{body.length:g} mm")
@@ -36,11 +38,20 @@ def body_table(file: Path, design: Design, body: Body) -> Table:
         table.add_row(name, f"{air:.7g} mm3 in the full body; from the drawing {drawn:.7g}")
     for name, depth in design.plug_depths.items():
         table.add_row(f"plug {name}", f"the inlet is filled with the material of the body, {depth:.4g} mm deep")
+    for name, value in _chosen_values(config).items():
+        table.add_row(name, f"{value}, because {config.mesh.chosen[name]}")
     table.add_row("tetrahedra", str(quality.count))
     at = ", ".join(f"{coordinate:.3g}" for coordinate in quality.position)
     table.add_row("radius ratio", f"smallest {quality.minimum:.3f} at ({at}) mm, mean {quality.mean:.3f}")
     table.add_row("edges", f"{quality.mean_edge:.3g} mm on average, at most {quality.longest_edge:.3g} mm")
     return table
+
+
+def _chosen_values(config: Config) -> dict[str, str]:
+    """What the program has chosen for the mesh, by the key of the section `mesh`."""
+    mesh = config.mesh
+    values = {"formulation": mesh.formulation, "grading": mesh.grading, "size": f"{mesh.element_size_mm:g} mm"}
+    return {name: value for name, value in values.items() if name in mesh.chosen}
 
 
 def verdict_table(verdict: Verdict) -> list[Table]:

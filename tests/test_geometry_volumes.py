@@ -4,8 +4,10 @@ import pickle
 from dataclasses import replace
 from itertools import pairwise
 from math import cos, pi, sin
+from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -13,6 +15,7 @@ from hypothesis import strategies as st
 
 from geometry import BisectedCircle, Design, DesignError, PneuNet, Rectangular, Semicircular, SemicircularSingle
 from geometry.curved import CurvedEdges
+from geometry.foreign.file import read_mesh_file
 
 
 def halves(design: Design, size: float) -> tuple[float, float]:
@@ -235,6 +238,20 @@ def test_edges_that_would_fold_an_element_stay_straight() -> None:
     through = CurvedEdges(np.array([[0, 1], [1, 4]]), np.array([[1.0, 0, 0.2], [2, 1, -0.52]]))
     usable = through.usable(points, tets)
     assert usable.ends.tolist() == [[1, 4]]
+
+
+def test_curved_edges_of_a_file_that_would_fold_an_element_are_known(tmp_path: Path) -> None:
+    points = np.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0], [0, 0, 1], [1, 0, 0.6], *[[0, 0, 0]] * 5])
+    pairs = [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)]
+    for row, (a, b) in list(enumerate(pairs, start=4))[1:]:
+        points[row] = points[[a, b]].mean(axis=0)
+    for middle, straightened in (([1, 0, 0.6], [[1, 0, 0.6]]), ([1, 0, 0.02], []), ([1, 0, 0], [])):
+        points[4] = middle
+        file = tmp_path / "one.vtu"
+        meshio.Mesh(points, [("tetra10", np.arange(10)[None])]).write(file)
+        content = read_mesh_file(file)
+        assert content.straightened.tolist() == straightened
+        assert len(content.curved) == (middle == [1, 0, 0.02])
 
 
 def test_round_wall_keeps_its_thickness() -> None:

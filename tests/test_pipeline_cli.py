@@ -250,11 +250,15 @@ def test_a_failed_run_ends_with_a_sentence(
 
 
 def test_mesh_writes_the_body_and_its_quality(coarse: str, tmp_path: Path) -> None:
-    result = call("mesh", coarse, "--out", str(tmp_path), "--set", "geometry.chambers=2", "--set", "mesh.size=5 mm")
+    settings = ("geometry.chambers=2", "mesh.size=5 mm", "mesh.formulation=auto")
+    result = call("mesh", coarse, "--out", str(tmp_path), *(word for given in settings for word in ("--set", given)))
     assert result.exit_code == 0, result.stderr
     assert (tmp_path / "mesh.vtu").stat().st_size > 1000
-    for text in ("22 mm", "from the drawing", "radius ratio", "tetrahedra"):
-        assert text in result.stdout
+    output = " ".join(result.stdout.split())
+    for text in ("22 mm", "from the drawing", "radius ratio", "tetrahedra", "no five parameters: five parameters need"):
+        assert text in output
+    assert "formulation p2p0, because mixed elements, though more accurate, end early" in output
+    assert "size 5 mm" not in output  # it was given
 
 
 def test_mesh_names_the_volume_of_every_cavity(configs: Path, tmp_path: Path) -> None:

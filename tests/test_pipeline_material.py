@@ -504,6 +504,8 @@ def test_the_command(configs: Path, tmp_path: Path) -> None:
         assert row["reason"] or row["fitted_to"] == ALL or row["yaml"] in result.stdout
         if not row["reason"] and row["fitted_to"] == WIDEST:
             low, high = row["fitted_stretches"]
+            low_end, high_end = row["holds_between_stretches"]
+            assert f"holds_between: [{min(low_end, high_end**-0.5):.3g}, {high_end:.3g}]" in row["yaml"]
             assert f"{row['yaml']}  # from {row['points']} points, stretches {low:.3g} to {high:.3g}\n" in result.stdout
         assert row["reason"] or f"\n{row['points']} points " in tables
     assert record["moduli"]["E_L_MPa"] == pytest.approx(0.72, abs=0.02)

@@ -142,7 +142,6 @@ def test_records_can_be_replaced_in_all_outcomes() -> None:
 @pytest.mark.parametrize(
     ("gaps", "reason"),
     [
-        ((), "no pressure was reached, so that no walls met"),
         ((0.8, 0.25), "no walls came within the activation distance of contact; the smallest gap was 0.25 mm"),
         ((float("inf"),), "no walls came within the activation distance of contact; no walls face each other"),
     ],
@@ -156,6 +155,15 @@ def test_a_smallest_gap_is_named_where_there_is_one(gaps: tuple[float, ...], rea
     scene = Scene(load_config(configs / "pneunet_coarse.yaml"), body)
     rows = {state.effect: state for state in effect_states(scene, Outcomes({"II": outcome("II", *states)}))}
     assert (rows["self_contact"].state, rows["self_contact"].reason) == ("off", reason)
+
+
+def test_contact_acts_on_the_way_to_a_pressure_that_is_not_reached(configs: Path) -> None:
+    scene = Scene(load_config(configs / "pneunet_coarse.yaml"), SimpleNamespace(half=True))  # type: ignore[arg-type]
+    rows = {state.effect: state for state in effect_states(scene, Outcomes({"II": outcome("II")}))}
+    assert (rows["self_contact"].state, rows["self_contact"].reason) == (
+        "on",
+        "no pressure was reached; on the way contact acts on walls that come near each other",
+    )
 
 
 def test_the_first_reason_is_not_that_another_experiment_has_ended() -> None:

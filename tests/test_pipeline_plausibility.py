@@ -12,15 +12,15 @@ import pytest
 from bodies import bricks, named, on_plane
 from typer.testing import CliRunner
 
-from geometry import Body, CadFile, Mesh, PneuNet, position_text
+from geometry import Body, CadFile, Mesh, MeshFile, PneuNet, position_text
 from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
 from pipeline.plausibility.after import Solved, after_solving
-from pipeline.plausibility.before import WELL_BELOW, before_solving
-from pipeline.plausibility.body import FLAT_ELEMENT, of_directions, of_half, of_mesh, of_volume
+from pipeline.plausibility.before import WELL_BELOW, Borne, before_solving
+from pipeline.plausibility.body import FLAT_ELEMENT, of_directions, of_half, of_mesh, of_straightened, of_volume
 from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
@@ -81,7 +81,7 @@ def test_what_is_unusual_is_said_before_anything_is_solved(setting: str, sentenc
 @pytest.mark.parametrize("end", [64.7, 3.0, 1e3])
 def test_pressures_that_are_suggested_lie_below_the_lowest_end_of_an_experiment(pressures: str, end: float) -> None:
     config = load_config(CONFIGS / "pneunet_coarse.yaml", [f"pressures={pressures}"])
-    without, sentences = before_solving(config), before_solving(config, end)
+    without, sentences = before_solving(config), before_solving(config, Borne(end))
     assert len(without) == len(sentences)
     suggested = re.findall(r"stay below ([\d.]+) kPa|([\d.]+) kPa(?=[,\]])", "; ".join(sentences))
     numbers = [float(number) for pair in suggested for number in pair if number]
@@ -91,9 +91,17 @@ def test_pressures_that_are_suggested_lie_below_the_lowest_end_of_an_experiment(
     assert (few == few_after) == (end == 1e3)
 
 
+def test_pressures_that_were_reached_are_suggested_though_they_are_near_the_end() -> None:
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", ["pressures=[20 kPa, 25 kPa]"])
+    (unknown,), (known,) = before_solving(config, Borne(21.59)), before_solving(config, Borne(21.59, 20.0))
+    assert unknown.endswith("pressures: [3.2 kPa, 6.5 kPa, 9.8 kPa, 13 kPa]")
+    assert known.endswith("pressures: [5 kPa, 10 kPa, 15 kPa, 20 kPa]")
+    assert Borne(20.8, 20.57).suggested(25.0) == 20.0
+
+
 def test_a_high_pressure_has_an_estimate_before_and_the_end_of_an_experiment_after() -> None:
     config = load_config(CONFIGS / "pneunet_coarse.yaml", ["pressures=[10 kPa, 30 kPa, 500 kPa]"])
-    (before,), (after,) = before_solving(config), before_solving(config, 29.36)
+    (before,), (after,) = before_solving(config), before_solving(config, Borne(29.36))
     common, _, estimate = before.partition(", or ")
     assert re.fullmatch(r"stay well below [\d.]+ kPa, an estimate from stiffness and volumes alone", estimate)
     assert after == f"{common}, or stay below 18 kPa, because an experiment ended at 29.4 kPa"
@@ -294,6 +302,74 @@ def test_an_arm_that_leaves_the_plane_of_the_rod_is_named() -> None:
 def test_unusual_states_are_named(states: tuple[Any, ...], settings: tuple[str, ...], sentence: str) -> None:
     (note,) = after_solving(solved(*states, *settings))
     assert sentence in note
+
+
+def test_curved_edges_of_a_mesh_file_that_are_taken_as_straight_are_named() -> None:
+    design = object.__new__(MeshFile)
+    for count, beginning in (
+        (1, "one curved edge of the mesh file is taken"),
+        (2, "2 curved edges of the mesh file are"),
+    ):
+        design.__dict__["_content"] = SimpleNamespace(straightened=np.tile([21.0, 11.5, 3.5], (count, 1)))
+        assert (note := of_straightened(design)).startswith(beginning)
+        assert "as straight, near (21.0, 11.5, 3.5) mm, because an element would fold" in note
+    design.__dict__["_content"] = SimpleNamespace(straightened=np.empty((0, 3)))
+    assert of_straightened(design) == ""
+
+
+def test_the_law_of_a_region_is_compared_with_the_stretches_in_it() -> None:
+    of_base = "materials={base: {law: svk, E: 0.3 MPa, nu: 0.49}}"
+    run = solved(
+        0.9, (0.5, 1.4), 0.01, "material={law: yeoh, c10: 0.15 MPa, c20: 0 MPa, c30: 0 MPa, nu: 0.49}", of_base
+    )
+    run.outcomes.records[0].fields = {
+        "smallest_stretch": np.array([0.5, 0.95, 0.57]),
+        "stretch": np.array([1.4, 1.05, 1.08]),
+    }
+    (note,) = after_solving(replace(run, regions={"base": np.array([1, 2])}))
+    assert note.startswith(
+        "stretches in the walls of the region base go from 0.57 (compressed) to 1.08 (at 20 kPa), and"
+    )
+    assert "where compressed below 0.58 it is not stable" in note
+    assert after_solving(replace(run, regions={"base": np.array([1])})) == ()
+
+
+def test_a_law_holds_between_the_stretches_of_its_test() -> None:
+    law = "material={law: yeoh, c10: 0.15 MPa, c20: 0 MPa, c30: 0 MPa, nu: 0.49%s}"
+    assert after_solving(solved(0.9, (0.7, 1.9), 0.01, law % "")) == ()
+    (note,) = after_solving(solved(0.9, (0.7, 1.9), 0.01, law % ", holds_between: [0.75, 1.8]"))
+    assert note.startswith(
+        "stretches in the walls go from 0.70 (compressed) to 1.90 (at 20 kPa), and the law yeoh holds from 0.75 to 1.8 "
+        "(holds_between in the configuration); fit another law"
+    )
+    assert after_solving(solved(0.9, (0.7, 1.9), 0.01, law % ", holds_between: [0.6, 2]")) == ()
+
+
+def test_an_arm_that_is_too_short_for_five_parameters_can_hardly_bend() -> None:
+    run = replace(solved(0.9, (0.95, 1.05), 0.01), parameters=())
+    (record,) = run.outcomes.records
+    record.experiment, record.pressure_kPa, record.kappa_middle = "II", 30.0, lambda pitch: -1e-5 * pitch
+    (note,) = after_solving(run)
+    assert (
+        f"at 30 kPa its curvature adds up to {1e-5 * run.config.design.pitch * run.config.design.length:.2g} rad"
+        in note
+    )
+    record.kappa_middle = lambda pitch: None
+    assert after_solving(run) == ()
+
+
+def test_few_pressures_that_are_left_of_several_are_named() -> None:
+    run = solved(0.9, (0.95, 1.05), 0.01, "pressures=[20 kPa, 60 kPa, 75 kPa]")
+    run.outcomes.lowest_end_kPa = lambda: 64.71
+    (note,) = after_solving(run)
+    assert note == (
+        "five parameters are known at one pressure alone, of 3 that were given, which cannot tell how they change in "
+        "the pressure; give more pressures below 64.7 kPa"
+    )
+    two = after_solving(replace(run, parameters=2 * run.parameters))
+    assert "at two pressures alone, of 3 that were given, which cannot tell whether they are linear" in two[0]
+    assert after_solving(replace(run, parameters=3 * run.parameters)) == ()
+    assert after_solving(replace(run, config=solved(0.9, (0.95, 1.05), 0.01, "pressures=[20 kPa]").config)) == ()
 
 
 @pytest.mark.parametrize(

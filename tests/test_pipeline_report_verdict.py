@@ -8,6 +8,7 @@ import pytest
 
 import pneurod
 from fem.path.diagnosis import EARLY_LIMITS
+from pipeline.report.mesh_error import mesh_besides
 from pipeline.report.next_steps import next_steps
 from pipeline.report.page import render_report
 from pipeline.report.results import Results, read_results
@@ -328,10 +329,41 @@ def test_a_terminal_shows_failures_in_short(folder: Path) -> None:
     assert not_reached(failures) == ["experiments I, II and III stopped before 150 kPa", "no law"]
 
 
-def test_a_place_at_the_end_of_a_reason_has_no_remark_on_the_elements() -> None:
+def test_a_reason_in_short_says_how_early_elements_reach_a_limit() -> None:
     remark = EARLY_LIMITS["p2p0"]
     (sentence,) = in_short([f"experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm{remark}"])
-    assert sentence == "experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm"
+    assert sentence == (
+        "experiment II stopped: first; a limit point near (1.0, 2.0, 3.0) mm; p2p0 elements reach limits up to 16 % "
+        "early"
+    )
+
+
+def test_mixed_elements_are_suggested_where_the_error_is_that_of_the_given_ones(folder: Path) -> None:
+    error = {"sizes_mm": [6.0, 9.0], "kappa_0_relative": [0.8], "alpha2_relative": [0.1], "force_relative": [0.9]}
+    for mixed_at, chosen, suggested in (
+        (17.0, {}, "mesh.formulation=mixed"),
+        (17.0, {"formulation": "ends early"}, "mesh.size='4 mm'"),
+        (None, {}, "mesh.size='4 mm'"),
+    ):
+        change(folder, "run", mesh={**MESH, "formulation": "p2p0", "chosen": chosen})
+        change(folder, "parameters", mesh_error={**error, "mixed_at_kPa": mixed_at})
+        (step,) = [step for step in next_steps(read_results(folder), "five") if "error of the mesh is about" in step]
+        assert suggested in step
+
+
+def test_a_pressure_below_the_end_is_suggested_where_none_was_reached(folder: Path) -> None:
+    change(folder, "run", failure="II stopped", failures=["II stopped"], end_kPa=13.52)
+    (folder / "experiments.json").write_text("[]", encoding="utf-8")
+    assert "Next: give pressures below 13.5 kPa, where an experiment ended," in next_steps(read_results(folder), "")[0]
+
+
+def test_the_verdict_on_a_mesh_from_a_file_has_the_indicator(folder: Path) -> None:
+    change(folder, "run", mesh={**MESH, "from_file": True}, indicator={"stress_error": 0.147})
+    change(folder, "parameters", mesh_error=None)
+    assert "It was not estimated, because the mesh is from a file; the stress of its elements differs" in (
+        sentence := mesh_besides(read_results(folder), "five")
+    )
+    assert "by up to 15 % in energy" in sentence
 
 
 def test_of_a_single_pressure_all_others_are_not_tested(folder: Path) -> None:

@@ -64,7 +64,7 @@ def test_the_closed_numbers_predict_the_force(phase):
 
 def test_what_cannot_close_is_refused():
     free, loaded, load = SyntheticArm(STEP).curves()
-    with pytest.raises(RodError, match="Without an end force"):
+    with pytest.raises(RodError, match="No force acts on the end"):
         end_displacement_closure(free, loaded, Load())
     with pytest.raises(RodError, match="has not moved"):
         end_displacement_closure(free, free, load)

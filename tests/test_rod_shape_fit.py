@@ -101,7 +101,7 @@ FREE, LOADED, LOAD = SyntheticArm(STEP).curves()
             lambda: LoadedShape(FREE, Centreline(2 * LOADED.s, LOADED.x, LOADED.y), LOAD, 10.0),
             r"of one material curve",
         ),
-        (lambda: LoadedShape(FREE, LOADED, Load(), 10.0), r"Without an end force"),
+        (lambda: LoadedShape(FREE, LOADED, Load(), 10.0), r"No force acts on the end"),
         (lambda: fit_rod(LoadedShape(FREE, LOADED, LOAD, 10.0), []), r"needs a law to start from"),
         (
             lambda: fit_rod(LoadedShape(FREE, LOADED, LOAD, 10.0), [STEP], breaks=(0.5, 0.2)),

@@ -11,7 +11,8 @@ from geometry.arrays import Array
 
 
 def element_fields(step: Step, material: Solid) -> dict[str, Array]:
-    """Largest principal stretch (e,), J (e,) and Cauchy stress (e, 6; xx, yy, zz, xy, yz, xz; MPa), element means."""
+    """Largest and smallest principal stretch in an element (e,), and means over it of J (e,) and of the Cauchy stress
+    (e, 6; xx, yy, zz, xy, yz, xz; MPa)."""
     space = step.space
     strain, jacobian = strain_at_stress_points(space, step.displacement)
     law = formulation_of(space, material)
@@ -23,8 +24,10 @@ def element_fields(step: Step, material: Solid) -> dict[str, Array]:
     for v, (i, j) in enumerate(VOIGT):
         matrix[:, i, j] = matrix[:, j, i] = second[:, v]
     cauchy = np.einsum("eij,ejk,elk->eil", gradient, matrix, gradient) / np.linalg.det(gradient)[:, None, None]
+    stretches = principal_stretches(strain)
     return {
-        "stretch": principal_stretches(strain)[..., 2].max(axis=1),
+        "stretch": stretches[..., 2].max(axis=1),
+        "smallest_stretch": stretches[..., 0].min(axis=1),
         "J": jacobian[:, space.shear_points].mean(axis=1),
         "cauchy_stress_MPa": np.stack([cauchy[:, i, j] for i, j in VOIGT], axis=1),
     }

@@ -9,6 +9,7 @@ from typing import ClassVar, Self, final
 
 import numpy as np
 
+from geometry.arrays import Array
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign
 from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
@@ -123,6 +124,14 @@ class MeshFile(FileDesign):
     def thinnest_wall(self) -> float:
         """The smallest side of the body, mm: a mesh does not tell its walls."""
         return min(self.extent)
+
+    @property
+    def straightened(self) -> Array:
+        """Middles (k, 3) of curved edges of the file that are taken as straight, in mm and the directions of the arm.
+
+        An element would fold, or nearly be flat, with them.
+        """
+        return self._content.straightened
 
     @property
     def _halves(self) -> int:

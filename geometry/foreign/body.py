@@ -61,7 +61,7 @@ def turned(content: FileMesh, placing: Placing) -> FileMesh:
     if (placing.half or "sym" in content.faces) and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
         turn = turn @ np.diag([1.0, 1.0, -1.0])
     curved = CurvedEdges(content.curved.ends, content.curved.middles @ turn)
-    return replace(content, points=content.points @ turn, curved=curved)
+    return replace(content, points=content.points @ turn, curved=curved, straightened=content.straightened @ turn)
 
 
 def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:

@@ -14,7 +14,7 @@ from geometry.foreign.abaqus import read_abaqus
 from geometry.mesh_content import named_rows, named_triangles, read_content
 from geometry.mesh_error import MeshError
 from geometry.meshing.solid import session
-from geometry.topology import EDGES
+from geometry.topology import EDGES, row_keys
 
 #: formats that Gmsh reads here: meshio has no UNV, and needs h5py for MED
 OF_GMSH = (".med", ".unv")
@@ -51,6 +51,8 @@ class FileMesh:
     faces: Mapping[str, Index]  #: name -> (k, 3) triangles; empty where the file names none
     curved: CurvedEdges  #: edges of quadratic elements whose middle is not halfway between their ends
     regions: Mapping[str, Index] = field(default_factory=dict)  #: name -> (k,) rows of tets; empty without named groups
+    #: (k, 3) middles of those edges that are taken as straight, because an element would fold or nearly be flat
+    straightened: Array = field(default_factory=lambda: np.empty((0, 3)))
 
 
 def read_mesh_file(path: Path) -> FileMesh:
@@ -144,7 +146,10 @@ def _collected(
     number = np.full(len(points), -1)  # reference points and middles belong to no element
     number[used] = np.arange(len(used))
     points, tets, faces = points[used], number[tets], {name: number[of_name] for name, of_name in faces.items()}
-    return FileMesh(points, tets, faces, curved.renumbered(number).usable(points, tets), regions)
+    given = curved.renumbered(number)
+    usable = given.usable(points, tets)
+    left_out = ~np.isin(row_keys(given.ends, len(points)), row_keys(usable.ends, len(points)))
+    return FileMesh(points, tets, faces, usable, regions, given.middles[left_out])
 
 
 def _curved(path: Path, points: Array, tets: Index) -> CurvedEdges:

@@ -82,6 +82,7 @@ def mesh(config: ConfigFile, out: OutOfMesh = None, settings: Settings = None) -
     with errors_as_sentences():
         design, folder = _design(config, settings, out, "_mesh")
 
+        from pipeline.identification.too_short import too_short
         from pipeline.plausibility.before import of_load
         from pipeline.plausibility.body import of_body, of_edges
         from pipeline.plausibility.units import of_contact, of_units
@@ -105,8 +106,8 @@ def mesh(config: ConfigFile, out: OutOfMesh = None, settings: Settings = None) -
         body, file = scene.body, results.path("mesh.vtu")
         with replacing(file) as part:
             body.mesh.write(part)
-        print_lines(body_table(file, design.design, body))
-        notes = (*of_load(design), *of_units(design), *of_body(body, design), of_contact(scene))
+        print_lines(body_table(file, design, body))
+        notes = (too_short(design), *of_load(design), *of_units(design), *of_body(body, design), of_contact(scene))
         print_sentences(*(f"Note: {sentence}." for sentence in notes if sentence))
 
 

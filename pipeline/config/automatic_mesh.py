@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import floor, log10, sqrt
 
 from fem.elements import MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
-from geometry import Design, MeshFile, SurfaceFile
+from geometry import CadFile, Design, MeshFile, SurfaceFile
 from geometry.design import expected_tets
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
@@ -89,11 +89,18 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need it"
     if suits > part * side:
         suits = part * side
-        reason = f"that is {part:g} times the smallest side, the most for {design.family}"
+        reason = f"that is {part:g} times the smallest side, the most for {_kind(design)}"
     size = not_too_many(design, suits)
     if size > suits:
         reason = f"{suits:.2g} mm would be right, but the body would then have more than {MOST_CHOSEN_TETS} elements"
     return _two_digits(size), reason
+
+
+def _kind(design: Design) -> str:
+    """What a configuration calls such a body."""
+    return (
+        "bodies from files" if isinstance(design, CadFile | MeshFile | SurfaceFile) else f"the family {design.family}"
+    )
 
 
 def not_too_many(design: Design, size: float) -> float:

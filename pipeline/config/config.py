@@ -43,15 +43,17 @@ class Material:
     law: str  #: as in the YAML: svk
     constants: Mapping[str, float | tuple[float, ...]]  #: stresses in MPa
     density_tonne_mm3: float | None  #: None where it is not given; only gravity and the mass of the arm need it
+    holds_between: tuple[float, float] | None = None  #: stretches between which the law describes the solid, if known
 
     def built(self) -> fem.materials.Material:
         """The law with its constants. Raises `fem.materials.MaterialError` where it cannot have them together."""
         return LAWS[self.law](**self.constants)
 
     def record(self) -> JsonObject:
-        """The law, its constants and the density, ready for JSON."""
+        """The law, its constants, the density and between which stretches it holds, ready for JSON."""
         constants = {name: _record(value) for name, value in self.constants.items()}
-        return {"law": self.law, **constants, "density_tonne_mm3": self.density_tonne_mm3}
+        known = {} if self.holds_between is None else {"holds_between": list(self.holds_between)}
+        return {"law": self.law, **constants, "density_tonne_mm3": self.density_tonne_mm3, **known}
 
 
 @dataclass(frozen=True)

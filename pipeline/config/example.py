@@ -42,7 +42,7 @@ def example(family: str) -> str:
         "",
         "material:",
         f"  {'law: svk':<{_WIDTH}}# {', '.join(others)} or {last}, each with its own constants",
-        *(_line(entry, "  ", live=True) for entry in material_keys("svk")),
+        *(_line(entry, "  ", live=entry.key != "holds_between") for entry in material_keys("svk")),
         "",
         *([_line(general[MATERIALS], "", live=False), ""] if _has_regions(family) else ()),
         _line(general.pop("pressures"), "", live=True),

@@ -44,6 +44,15 @@ def _number(value: Any) -> float:
         raise ValueError(f"{quoted(value)} is too large") from None
 
 
+def _around_one(values: tuple[float, ...]) -> tuple[float, ...]:
+    if len(values) != 2 or not 0.0 < values[0] <= 1.0 <= values[1] or values[0] == values[1]:
+        raise ValueError(
+            f"[{', '.join(f'{value:g}' for value in values)}] is not allowed; allowed: two stretches, the first above "
+            "0 and up to 1, the second 1 or more; for example [0.7, 1.9]"
+        )
+    return values
+
+
 def _count(value: Any) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueError(f"{quoted(value)} is not a whole number; write it without a unit, for example 11")
@@ -311,6 +320,13 @@ Exponents = Annotated[
     BeforeValidator(_listed),
     Field(strict=False, examples=["[2]"]),
     Written("1", "a list, one for each term; not 0"),
+]
+#: a range of stretches that contains 1
+Stretches = Annotated[
+    tuple[Annotated[float, BeforeValidator(_number)], ...],
+    AfterValidator(_around_one),
+    Field(strict=False, examples=["[0.7, 1.9]"]),
+    Written("1", "two stretches, 1 between them"),
 ]
 PositiveDensity = Annotated[
     float,

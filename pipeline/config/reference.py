@@ -22,6 +22,8 @@ from pipeline.config.kinds import Written
 MATERIAL = {
     "law": "law of the solid ([materials](materials.md))",
     "density": "mass per volume; for gravity, the mass of the arm and M/(m g l), which are left out without it",
+    "holds_between": "smallest and largest stretch for which the law describes the solid, as `pneurod material` writes "
+    "them; beyond them a run says so",
     "E": "Young's modulus",
     "nu": "Poisson's ratio; with a rubber law it can be given instead of `kappa`",
     "mu": "shear modulus",
@@ -122,7 +124,7 @@ def material_keys(law: str) -> list[KeyEntry]:
     entries = []
     for name in names:
         written = _written(kinds[name])
-        optional = name == "density" or (schema.BULK in names and name in ("nu", schema.BULK))
+        optional = name in ("density", "holds_between") or (schema.BULK in names and name in ("nu", schema.BULK))
         default = "none" if optional else REQUIRED
         meaning, example = MATERIAL_OF_LAW.get((law, name), MATERIAL[name]), _EXAMPLES[name]
         example = f"[{example}]" if "list" in written.allowed else example
@@ -138,6 +140,7 @@ _EXAMPLES = {
     "alpha": "2",
     "kappa": "20 MPa",
     "density": "1130 kg/m^3",
+    "holds_between": "[0.7, 1.9]",
     **schema.EXAMPLES,
 }
 _OWN_EXAMPLES = {

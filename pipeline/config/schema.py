@@ -50,6 +50,7 @@ from pipeline.config.kinds import (
     State,
     Stress,
     Stresses,
+    Stretches,
     Text,
     Tolerance,
     Unit,
@@ -264,7 +265,12 @@ def material_model(law: str) -> Any:
     if BULK in constants:
         constants |= {BULK: (PositiveStress | None, None), "nu": (PoissonRatio | None, None)}
     return pydantic.create_model(
-        "Material", __base__=_Section, law=(str, ...), **constants, density=(PositiveDensity | None, None)
+        "Material",
+        __base__=_Section,
+        law=(str, ...),
+        **constants,
+        density=(PositiveDensity | None, None),
+        holds_between=(Stretches | None, None),
     )
 
 

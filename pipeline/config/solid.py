@@ -35,7 +35,7 @@ def _solid(document: Document, content: Any, key: tuple[str, ...], law: str) -> 
     given = {name: getattr(section, name) for name in LAWS[law].constants()}
     if BULK in given:
         given[BULK] = _bulk_modulus(document, key, section, law, given)
-    material = Material(law, given, section.density)
+    material = Material(law, given, section.density, section.holds_between)
     initial_modulus(document, material, key)  # refuses constants that do not go together
     if content.effects.gravity.state == "on" and material.density_tonne_mm3 is None:
         raise document.wrong((*key, "density"), "is missing, and gravity needs it; for example 1130 kg/m^3")

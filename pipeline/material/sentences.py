@@ -23,10 +23,22 @@ def with_error(value: float, error: float) -> str:
 
 
 def yaml_block(fit: LawFit, density: str | None) -> str:
-    """The section `material` of a configuration with this law, and with the density where one is given."""
+    """The section `material` of a configuration with this law, the density where one is given, and the stretches
+    between which it holds."""
     entries = [f"{name}: {_value(fit, name, kind)}" for name, kind in LAWS[fit.law].constants().items()]
     entries += [] if density is None else [f"density: {density}"]
+    if fit.valid_range:
+        entries.append(f"holds_between: [{', '.join(f'{end:.3g}' for end in _between(fit.valid_range))}]")
     return f"material: {{law: {fit.law}, {', '.join(entries)}}}"
+
+
+def _between(valid_range: tuple[float, float]) -> tuple[float, float]:
+    """The smallest and the largest stretch in a bar that is stretched over this range, across the bar too.
+
+    A bar that keeps its volume and is stretched to s becomes s**-0.5 times as wide.
+    """
+    low, high = valid_range
+    return min(low, high**-0.5), max(high, low**-0.5)
 
 
 def configuration_line(fit: LawFit, density: str | None) -> str:

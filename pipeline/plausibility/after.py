@@ -1,15 +1,19 @@
 """Sentences on the states that a run has reached."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import isfinite
 from typing import NamedTuple
+
+import numpy as np
 
 from fem.elements import ELEMENTS, Volumetric
 from geometry import position_text
-from pipeline.config.config import Config
+from geometry.arrays import Index
+from pipeline.config.config import Config, Material
 from pipeline.identification.parameters import Parameters
 from pipeline.simulation.contact_check import BESIDE, NOTHING
-from pipeline.simulation.outcome import Outcomes, StateSummary
+from pipeline.simulation.outcome import Outcomes, Record
 from rod import Interval
 
 #: Poisson's ratio from which on a material keeps its volume, and the largest change of volume that is not mentioned
@@ -20,6 +24,8 @@ ROUNDING = 1e-9
 OUT_OF_PLANE = 1e-3
 #: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
 HARDLY_BENT = 0.05
+#: pressures from which on it can be tested whether parameters are linear in the pressure
+SEVERAL = 3
 #: largest ratio of the ends of the 95 % interval of a rigidity that counts as determined
 DETERMINED = 4.0
 
@@ -52,6 +58,7 @@ class Solved:
     config: Config
     outcomes: Outcomes
     parameters: tuple[Parameters, ...]
+    regions: Mapping[str, Index] = field(default_factory=dict)  #: rows of the elements of another material, by name
 
 
 def after_solving(solved: Solved) -> tuple[str, ...]:
@@ -80,23 +87,62 @@ def _volume_change(solved: Solved) -> str:
 
 
 def _large_strain(solved: Solved) -> str:
-    """Strains beyond those for which a law describes rubber."""
-    name = solved.config.material.law
-    if name not in VALID:
+    """Strains beyond those for which the laws of the solid and of its regions describe rubber."""
+    of_regions = [
+        _beyond_law(solved, material, f" of the region {name}", solved.regions.get(name))
+        for name, material in solved.config.materials.items()
+    ]
+    return "; ".join(filter(None, (_beyond_law(solved, solved.config.material, "", _others(solved)), *of_regions)))
+
+
+def _others(solved: Solved) -> Index | None:
+    """Rows of the elements outside of all regions; None where there are no regions."""
+    if not solved.regions:
+        return None
+    count = len(solved.outcomes.records[0].fields["stretch"])
+    return np.setdiff1d(np.arange(count), np.concatenate(list(solved.regions.values())))
+
+
+class _Range(NamedTuple):
+    """Stretches in a part of a body in one state."""
+
+    smallest: float
+    largest: float
+    pressure_kPa: float
+
+    @classmethod
+    def of(cls, record: Record, elements: Index | None) -> "_Range":
+        """Of some of the elements, or of all."""
+        extremes, pressure = record.summary.extremes, record.summary.pressure_kPa
+        if elements is None:
+            return cls(extremes.min_stretch, extremes.max_stretch, pressure)
+        low, high = (record.fields[name][elements] for name in ("smallest_stretch", "stretch"))
+        return cls(float(low.min()), float(high.max()), pressure)
+
+
+def _valid(material: Material) -> Valid | None:
+    """Up to where a law describes the solid: as its configuration says, else as is known of rubber."""
+    if (given := material.holds_between) is None:
+        return VALID.get(material.law)
+    low, high = given
+    return Valid(given, f"the law {material.law} holds from {low:g} to {high:g} (holds_between in the configuration)")
+
+
+def _beyond_law(solved: Solved, material: Material, of_part: str, elements: Index | None) -> str:
+    """The sentence on the stretches in a part of one material; empty where its law describes rubber up to them."""
+    valid = _valid(material)
+    if valid is None:
         return ""
-    states = [record.summary for record in solved.outcomes.records]
-    low, high = (choose(states, key=key) for choose, key in ((min, _smallest_stretch), (max, _largest_stretch)))
-    valid = VALID[name]
-    if low.extremes.min_stretch >= valid.stretches[0] and high.extremes.max_stretch <= valid.stretches[1]:
+    states = [_Range.of(record, elements) for record in solved.outcomes.records]
+    low, high = min(state.smallest for state in states), max(states, key=lambda state: state.largest)
+    if low >= valid.stretches[0] and high.largest <= valid.stretches[1]:
         return ""
-    stable = solved.config.material.built().stretch_limits[0]
-    unstable = (
-        f", and where compressed below {stable:.2f} it is not stable" if low.extremes.min_stretch < stable else ""
-    )
+    stable = material.built().stretch_limits[0]
+    unstable = f", and where compressed below {stable:.2f} it is not stable" if low < stable else ""
     return (
-        f"stretches in the walls go from {low.extremes.min_stretch:.2f} (compressed) to "
-        f"{high.extremes.max_stretch:.2f} (at {high.pressure_kPa:g} kPa), and {valid.sentence}{unstable}; fit another "
-        "law to a tensile test with pneurod material"
+        f"stretches in the walls{of_part} go from {low:.2f} (compressed) to {high.largest:.2f} (at "
+        f"{high.pressure_kPa:g} kPa), and {valid.sentence}{unstable}; fit another law to a tensile test with pneurod "
+        "material"
     )
 
 
@@ -114,12 +160,40 @@ def _out_of_plane(solved: Solved) -> str:
 
 
 def _hardly_bent(solved: Solved) -> str:
-    bent = [abs(p.kappa_0_middle) * p.kappa_0.length for p in solved.parameters]
-    if not bent or max(bent) >= HARDLY_BENT or not solved.config.effects.pressure.acts:
+    bent = _bends(solved)
+    if not bent or max(bent.values()) >= HARDLY_BENT or not solved.config.effects.pressure.acts:
         return ""
+    highest = max(bent)
     return (
-        f"the arm hardly bends: at {solved.parameters[-1].pressure_kPa:g} kPa its curvature adds up to {bent[-1]:.2g} "
-        "rad over the length, so that mesh and rounding matter more than usual; give higher pressures or thinner walls"
+        f"the arm hardly bends: at {highest:g} kPa its curvature adds up to {bent[highest]:.2g} rad over the length, "
+        "so that mesh and rounding matter more than usual; give higher pressures or thinner walls"
+    )
+
+
+def _bends(solved: Solved) -> dict[float, float]:
+    """Curvature in the middle of the length in II times the length, rad, by pressure; of arms that are too short for
+    five parameters too."""
+    if solved.parameters:
+        return {p.pressure_kPa: abs(p.kappa_0_middle) * p.kappa_0.length for p in solved.parameters}
+    design = solved.config.design
+    of_states = {
+        record.pressure_kPa: record.kappa_middle(design.pitch)
+        for record in solved.outcomes.records
+        if record.experiment == "II"
+    }
+    return {pressure: abs(kappa) * design.length for pressure, kappa in of_states.items() if kappa is not None}
+
+
+def _few_reached(solved: Solved) -> str:
+    """Fewer pressures with five parameters than were given, and too few to test how these change."""
+    count, given = len(solved.parameters), len(solved.config.pressures_kPa) + solved.config.added_pressures
+    if not 0 < count < SEVERAL <= given:
+        return ""
+    known, what = ("one pressure", "how they change") if count == 1 else ("two pressures", "whether they are linear")
+    end = solved.outcomes.lowest_end_kPa()
+    return (
+        f"five parameters are known at {known} alone, of {given} that were given, which cannot tell {what} in the "
+        f"pressure; give more pressures{f' below {end:.3g} kPa' if isfinite(end) else ''}"
     )
 
 
@@ -197,20 +271,13 @@ def _approximate_contact(solved: Solved) -> str:
     return f"{BESIDE}: {'; '.join(parts)}" if parts else ""
 
 
-def _smallest_stretch(summary: StateSummary) -> float:
-    return summary.extremes.min_stretch
-
-
-def _largest_stretch(summary: StateSummary) -> float:
-    return summary.extremes.max_stretch
-
-
 #: the rules
 AFTER: tuple[Callable[[Solved], str], ...] = (
     _volume_change,
     _large_strain,
     _out_of_plane,
     _hardly_bent,
+    _few_reached,
     _not_determined,
     _one_line_or_two,
     _approximate_contact,

@@ -1,7 +1,8 @@
 """Sentences on a design, known from its configuration alone."""
 
 from collections.abc import Callable
-from math import inf, isinf
+from dataclasses import dataclass
+from math import floor, inf, isinf, log10
 
 from geometry import PneuNet
 from pipeline.config.config import Config
@@ -22,13 +23,26 @@ RUBBERS = "rubbers have a Young's modulus of 0.05 to 10 MPa"
 WELL_BELOW = 0.6
 
 
-def before_solving(config: Config, end_kPa: float = inf) -> tuple[str, ...]:
-    """The sentences on a design, known from its configuration.
+@dataclass(frozen=True)
+class Borne:
+    """What is known of the pressures that an arm bears."""
 
-    end_kPa: after a run, the lowest pressure at which one of its experiments ended, kPa, infinite where none did; lower
-    ones are suggested.
-    """
-    of_pressures = (rule(config, end_kPa) for rule in ON_PRESSURES)
+    end_kPa: float = inf  #: the lowest pressure at which an experiment has ended; infinite where none has
+    reached_kPa: float = 0.0  #: the highest one that II and III have both reached
+
+    def suggested(self, pressure_kPa: float) -> float:
+        """A pressure to suggest, or a lower one where the arm may not bear it, kPa."""
+        likely = _two_digits(min(pressure_kPa, WELL_BELOW * self.end_kPa))
+        return max(likely, _two_digits_below(min(pressure_kPa, self.reached_kPa)))
+
+
+#: before a run
+UNKNOWN = Borne()
+
+
+def before_solving(config: Config, borne: Borne = UNKNOWN) -> tuple[str, ...]:
+    """The sentences on a design, known from its configuration; borne: what is known of it after a run."""
+    of_pressures = (rule(config, borne) for rule in ON_PRESSURES)
     return tuple(filter(None, (*of_pressures, *(rule(config) for rule in ON_DESIGN))))
 
 
@@ -43,15 +57,15 @@ def _load(config: Config) -> tuple[float, str]:
     return pressure / (1000.0 * modulus) * air, beginning
 
 
-def _strong_pressure(config: Config, end_kPa: float) -> str:
+def _strong_pressure(config: Config, borne: Borne) -> str:
     load, beginning = _load(config)
     if config.effects.pressure.off or load <= LARGEST_LOAD:
         return ""
     estimate = _two_digits(config.pressures_kPa[-1] * LARGEST_LOAD / load)
     limit = (
         f"stay well below {estimate:g} kPa, an estimate from stiffness and volumes alone"
-        if isinf(end_kPa)
-        else f"stay below {_two_digits(WELL_BELOW * end_kPa):g} kPa, because an experiment ended at {end_kPa:.3g} kPa"
+        if isinf(borne.end_kPa)
+        else f"stay below {borne.suggested(inf):g} kPa, because an experiment ended at {borne.end_kPa:.3g} kPa"
     )
     return (
         f"{beginning} are {load / LARGEST_LOAD:.2g} times what such an arm usually bears before its walls inflate like "
@@ -59,11 +73,11 @@ def _strong_pressure(config: Config, end_kPa: float) -> str:
     )
 
 
-def _weak_pressure(config: Config, end_kPa: float) -> str:
+def _weak_pressure(config: Config, borne: Borne) -> str:
     load, beginning = _load(config)
     if config.effects.pressure.off or load >= SMALLEST_LOAD:
         return ""
-    suggested = _suggested(config.pressures_kPa[-1] * USUAL_LOAD / load, end_kPa)
+    suggested = borne.suggested(config.pressures_kPa[-1] * USUAL_LOAD / load)
     remedy = (
         f"; check the units (kPa, MPa, GPa), or give pressures up to {suggested:g} kPa"
         if suggested <= HIGHEST_PRESSURE
@@ -111,7 +125,7 @@ def _pressure_of_run_unused(config: Config) -> str:
     )
 
 
-def _few_pressures(config: Config, end_kPa: float) -> str:
+def _few_pressures(config: Config, borne: Borne) -> str:
     count = len(config.pressures_kPa) + config.added_pressures
     if count > 2 or config.law == "cell" or too_short(config) or not config.effects.pressure.acts:
         return ""
@@ -121,7 +135,7 @@ def _few_pressures(config: Config, end_kPa: float) -> str:
     part = USUAL_LOAD / load if is_weak else min(1.0, LARGEST_LOAD / load)
     number = "one pressure" if count == 1 else "two pressures"
     sentence = f"{number} cannot tell {untested}; give three or more"
-    given, high = config.pressures_kPa, _suggested(config.pressures_kPa[-1] * part, end_kPa)
+    given, high = config.pressures_kPa, borne.suggested(config.pressures_kPa[-1] * part)
     if is_weak and high > HIGHEST_PRESSURE:
         return sentence
     values = [_two_digits(fraction * high) for fraction in (0.25, 0.5, 0.75, 1.0)]
@@ -138,23 +152,23 @@ def _between(low: float, high: float) -> float:
     return next(value for digits in range(2, 18) if low < (value := float(f"{middle:.{digits}g}")) < high)
 
 
-def _suggested(pressure_kPa: float, end_kPa: float) -> float:
-    """A pressure to suggest, or a lower one where the arm ends before it, kPa."""
-    return _two_digits(min(pressure_kPa, WELL_BELOW * end_kPa))
-
-
 def _two_digits(value: float) -> float:
     return float(f"{value:.2g}")
 
 
+def _two_digits_below(value: float) -> float:
+    rounded = _two_digits(value)
+    return rounded if rounded <= value else rounded - 10.0 ** (floor(log10(value)) - 1)
+
+
 def of_load(config: Config) -> tuple[str, ...]:
     """The sentences on pressures, known from the configuration, that hold without a run too."""
-    rules = (_strong_pressure(config, inf), _weak_pressure(config, inf), _pressure_of_run_unused(config))
+    rules = (_strong_pressure(config, UNKNOWN), _weak_pressure(config, UNKNOWN), _pressure_of_run_unused(config))
     return tuple(filter(None, rules))
 
 
 #: the rules on the pressures, given where an experiment has ended, and those on the rest of the configuration
-ON_PRESSURES: tuple[Callable[[Config, float], str], ...] = (_strong_pressure, _weak_pressure, _few_pressures)
+ON_PRESSURES: tuple[Callable[[Config, Borne], str], ...] = (_strong_pressure, _weak_pressure, _few_pressures)
 ON_DESIGN: tuple[Callable[[Config], str], ...] = (
     too_short,
     _unequal_cells,

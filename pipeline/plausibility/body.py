@@ -53,6 +53,18 @@ def of_directions(design: Design) -> str:
     )
 
 
+def of_straightened(design: Design) -> str:
+    """The sentence on curved edges of a mesh file with which elements would fold; else empty."""
+    if not isinstance(design, MeshFile) or not len(middles := design.straightened):
+        return ""
+    count = f"{len(middles)} curved edges" if len(middles) > 1 else "one curved edge"
+    verb, them = ("are", "them") if len(middles) > 1 else ("is", "it")
+    return (
+        f"{count} of the mesh file {verb} taken as straight, near {position_text(middles[0])}, because an element "
+        f"would fold or nearly be flat with {them}; check the middle nodes there, and the volume of the body"
+    )
+
+
 def of_edges(config: Config) -> str:
     """The sentence on edges of a CAD file that are short for the size of the elements, known before meshing; else
     empty."""
@@ -127,4 +139,4 @@ def of_body(body: Body, config: Config) -> tuple[str, ...]:
     """All sentences on the body that was meshed."""
     design = config.design
     of_solids = of_volume(body, config), of_half(body), of_parts(body, config), of_directions(design)
-    return tuple(filter(None, (*of_mesh(body.mesh, design), *of_solids)))
+    return tuple(filter(None, (*of_mesh(body.mesh, design), of_straightened(design), *of_solids)))

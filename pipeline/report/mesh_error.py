@@ -148,6 +148,18 @@ def _relative_of_law(results: Results) -> str:
     return f"about {listed(parts)}" if parts else ""
 
 
+def _indicator(results: Results) -> str:
+    """The only measure of the error of a mesh from a file; empty for other meshes, whose size can be changed."""
+    indicator = results.run.get("indicator")
+    if not indicator or not from_file(results):
+        return ""
+    return (
+        ", because the mesh is from a file; the stress of its elements differs from a smooth one recovered from it by "
+        f"up to {percent(indicator['stress_error'])} in energy, which is a measure of the mesh and not an error of the "
+        "rod"
+    )
+
+
 def mesh_besides(results: Results, rod: str) -> str:
     """The sentence on the error of the mesh beside that of the rods, which are compared on the same mesh.
 
@@ -160,7 +172,7 @@ def mesh_besides(results: Results, rod: str) -> str:
     if not largest and results.run.get("accuracy"):
         known = "It was estimated for the requested accuracy."
     elif not largest:
-        known = "It was not estimated."
+        known = f"It was not estimated{_indicator(results)}."
     else:
         known = f"One standard deviation: {largest}."
     return (

@@ -26,7 +26,7 @@ def _after_failure(results: Results) -> list[str]:
         return []
     reached = [row.pressure_kPa for row in results.experiments if row.reached]
     if not reached:
-        return ["Next: lower the pressures or change the design, because no pressure was reached."]
+        return [f"Next: {_lower(results)} or change the design, because no pressure was reached."]
     steps, failures = [], results.run.get("failures") or ()
     if short := why_at_no_pressure(results.run):
         steps.append(f"Next: whatever the pressures, {short}.")
@@ -36,6 +36,12 @@ def _after_failure(results: Results) -> list[str]:
             "long enough for them."
         )
     return steps if steps and len(steps) == len(failures) else [*steps, *_after_limit(results)]
+
+
+def _lower(results: Results) -> str:
+    """Lower pressures, below the one at which an experiment ended where that is known."""
+    end = results.run.get("end_kPa")
+    return "lower the pressures" if end is None else f"give pressures below {end:.3g} kPa, where an experiment ended,"
 
 
 def _after_limit(results: Results) -> list[str]:
@@ -93,6 +99,12 @@ def _smaller(results: Results, rod: str) -> list[str]:
     if error < LARGE_MESH_ERROR or not mesh:
         return []
     of_law = " in the arm's own law" if rod == ARM_LAW else ""
+    compared = (results.parameters.get("mesh_error") or {}).get("mixed_at_kPa") is not None
+    if compared and rod != ARM_LAW and "formulation" not in mesh.get("chosen", {}):
+        return [
+            f"Next: take mixed elements, in another --out, because the error of the mesh is about {percent(error)} and "
+            f"contains the difference between {mesh['formulation']} and mixed elements: --set mesh.formulation=mixed."
+        ]
     return [
         f"Next: take smaller elements, in another --out, because the error of the mesh{of_law} is about "
         f"{percent(error)}: for example --set mesh.size='{SMALLER * mesh['size_mm']:.2g} mm'."

@@ -10,8 +10,8 @@ from pipeline.report.results import Results, ValidationRow
 from pipeline.rods.without_parameters import why_no_parameters
 from pipeline.validation.rods import EXTENSIBLE, FIVE
 
-#: what a reason remarks on the elements, as `fem.path.diagnosis` writes it
-_REMARK = re.compile(r" \(p2p0 [^()]*\)")
+#: what a reason remarks on the elements, as `fem.path.diagnosis` writes it, and in it how early they reach a limit
+_REMARK, _EARLY = re.compile(r" \(p2p0 [^()]*\)"), re.compile(r"\(p2p0 [^()]*(up to \d+ % early)")
 #: the sentence on an experiment that stopped early: its name, and the rest
 _OF_EXPERIMENT = re.compile(r"experiment (\w+) (.*)")
 
@@ -44,7 +44,8 @@ def in_short(failures: Iterable[str]) -> list[str]:
 def _limit_and_position(failure: str) -> str:
     first, *others = _REMARK.sub("", failure).split("; ")
     position = next((clause for clause in others if ") mm" in clause), "")
-    return "; ".join(filter(None, (first, position)))
+    early = _EARLY.search(failure)
+    return "; ".join(filter(None, (first, position, f"p2p0 elements reach limits {early[1]}" if early else "")))
 
 
 def _together(sentences: Iterable[str]) -> list[str]:

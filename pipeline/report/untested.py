@@ -14,6 +14,8 @@ def untested(results: Results) -> list[str]:
 
 def _loads(results: Results) -> list[str]:
     """Loads that no parameter was fitted to and that were not solved: others than those of experiment III."""
+    if not results.identified_pressures and not results.arm_law:
+        return []
     rows = [row for row in results.validation if row.sample == "out" and (row.load or row.rod == FIVE)]
     of_run = {row.pressure_kPa for row in results.experiments}
     end = (results.run.get("config") or {}).get("end") or {}
@@ -49,8 +51,10 @@ def _slopes(results: Results) -> list[str]:
 
 
 def _reality(results: Results) -> str:
-    law = (results.run.get("config", {}).get("material") or {}).get("law", "")
-    named = f" (law {law})" if law else ""
+    config = results.run.get("config", {})
+    materials = (config.get("material") or {}, *(config.get("materials") or {}).values())
+    laws = list(dict.fromkeys(filter(None, (material.get("law", "") for material in materials))))
+    named = f" (law{'s' if len(laws) > 1 else ''} {listed(laws)})" if laws else ""
     return (
         "Not tested: a real arm. All numbers are those of a simulation of slow, elastic deformation in the plane; "
         f"material{named}, viscosity, inertia, friction and tolerances of manufacture are not checked in a laboratory."

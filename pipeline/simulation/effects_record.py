@@ -88,7 +88,7 @@ def _contact(config: Config, outcomes: Outcomes) -> tuple[str, str]:
     if touched:
         return "on", f"walls came within the activation distance of contact: {', '.join(touched)}"
     if not outcomes.records:
-        return "off", "no pressure was reached, so that no walls met"
+        return "on", "no pressure was reached; on the way contact acts on walls that come near each other"
     nearest = min(record.summary.min_gap_mm for record in outcomes.records)
     smallest = f"the smallest gap was {nearest:.2g} mm" if isfinite(nearest) else "no walls face each other"
     return "off", f"no walls came within the activation distance of contact; {smallest}"

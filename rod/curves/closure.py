@@ -45,7 +45,9 @@ def end_displacement_closure(free: Centreline, loaded: Centreline, load: Load) -
     """
     s, size = free.s - free.s[0], load.force_size
     if not size > 0.0:
-        raise RodError("Without an end force there is no direction for a closure.")
+        raise RodError(
+            "No force acts on the end in experiment III, so that its displacement says nothing about the rigidities."
+        )
     ex, ey = load.force[0] / size, load.force[1] / size
     before, after = free.angle, loaded.angle
     turn, mean = after - before, 0.5 * (before + after)

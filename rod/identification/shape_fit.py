@@ -64,7 +64,7 @@ class LoadedShape:
         if self.free.s.shape != self.loaded.s.shape or np.max(np.abs(self.free.s - self.loaded.s)) > 1e-6 * self.length:
             raise RodError("Both shapes must be of one material curve, with the same points s.")
         if not self.load.force_size > 0.0:
-            raise RodError("Without an end force there is no moment from which rigidities could be read.")
+            raise RodError("No force acts on the end in experiment III, so that no moment tells the rigidities.")
 
     @property
     def length(self) -> float:
