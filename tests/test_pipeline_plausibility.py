@@ -369,7 +369,8 @@ def test_few_pressures_that_are_left_of_several_are_named() -> None:
     two = after_solving(replace(run, parameters=2 * run.parameters))
     assert "at two pressures alone, of 3 that were given, which cannot tell whether they are linear" in two[0]
     assert after_solving(replace(run, parameters=3 * run.parameters)) == ()
-    assert after_solving(replace(run, config=solved(0.9, (0.95, 1.05), 0.01, "pressures=[20 kPa]").config)) == ()
+    for settings in (("pressures=[20 kPa]",), ("pressures=[20 kPa, 30 kPa]", "added_pressures=1")):
+        assert after_solving(replace(run, config=solved(0.9, (0.95, 1.05), 0.01, *settings).config)) == ()
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from math import floor, log10, sqrt
 
 from fem.elements import MOST_ACCURATE, NEARLY_INCOMPRESSIBLE
-from geometry import CadFile, Design, MeshFile, SurfaceFile
+from geometry import Design, MeshFile, SurfaceFile
 from geometry.design import expected_tets
+from geometry.families.from_file import FileDesign
 
 #: size without grading over that with it, because the walls are coarser there: the deflection of the finger of
 #: docs/how_to/own_bodies_tried.md from an STL file is off by 2.0 % with 0.9 and by 3.5 % with 1.2, its end force by 2.0
@@ -89,18 +90,12 @@ def _size(design: Design, grading: str) -> tuple[float, str]:
     reason = f"walls of {wall:.3g} mm in a body {side:.3g} mm across need it"
     if suits > part * side:
         suits = part * side
-        reason = f"that is {part:g} times the smallest side, the most for {_kind(design)}"
+        kind = "bodies from files" if isinstance(design, FileDesign) else design.family
+        reason = f"that is {part:g} times the smallest side, the most for {kind}"
     size = not_too_many(design, suits)
     if size > suits:
         reason = f"{suits:.2g} mm would be right, but the body would then have more than {MOST_CHOSEN_TETS} elements"
-    return _two_digits(size), reason
-
-
-def _kind(design: Design) -> str:
-    """What a configuration calls such a body."""
-    return (
-        "bodies from files" if isinstance(design, CadFile | MeshFile | SurfaceFile) else f"the family {design.family}"
-    )
+    return two_digits_down(size), reason
 
 
 def not_too_many(design: Design, size: float) -> float:
@@ -110,7 +105,7 @@ def not_too_many(design: Design, size: float) -> float:
     return size
 
 
-def _two_digits(value: float) -> float:
-    """Rounded down to two digits."""
+def two_digits_down(value: float) -> float:
+    """A positive number rounded down to two digits."""
     digits = 1 - floor(log10(value))
     return round(floor(value * 10**digits + 1e-9) / 10**digits, digits)

@@ -186,7 +186,7 @@ def _bends(solved: Solved) -> dict[float, float]:
 
 def _few_reached(solved: Solved) -> str:
     """Fewer pressures with five parameters than were given, and too few to test how these change."""
-    count, given = len(solved.parameters), len(solved.config.pressures_kPa) + solved.config.added_pressures
+    count, given = len(solved.parameters), len(solved.config.pressures_kPa)
     if not 0 < count < SEVERAL <= given:
         return ""
     known, what = ("one pressure", "how they change") if count == 1 else ("two pressures", "whether they are linear")

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import floor, inf, isinf, log10
+from math import inf, isinf
 
 from geometry import PneuNet
+from pipeline.config.automatic_mesh import two_digits_down
 from pipeline.config.config import Config
 from pipeline.identification.too_short import too_short
 from pipeline.plausibility.body import of_edges
@@ -33,7 +34,8 @@ class Borne:
     def suggested(self, pressure_kPa: float) -> float:
         """A pressure to suggest, or a lower one where the arm may not bear it, kPa."""
         likely = _two_digits(min(pressure_kPa, WELL_BELOW * self.end_kPa))
-        return max(likely, _two_digits_below(min(pressure_kPa, self.reached_kPa)))
+        solved = min(pressure_kPa, self.reached_kPa)
+        return max(likely, two_digits_down(solved)) if solved > 0.0 else likely
 
 
 #: before a run
@@ -154,11 +156,6 @@ def _between(low: float, high: float) -> float:
 
 def _two_digits(value: float) -> float:
     return float(f"{value:.2g}")
-
-
-def _two_digits_below(value: float) -> float:
-    rounded = _two_digits(value)
-    return rounded if rounded <= value else rounded - 10.0 ** (floor(log10(value)) - 1)
 
 
 def of_load(config: Config) -> tuple[str, ...]:

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from geometry import Body, CadFile, Design, Mesh, MeshFile, SurfaceFile, position_text
+from geometry import Body, CadFile, Design, Mesh, MeshFile, position_text
+from geometry.families.from_file import FileDesign
 from geometry.topology import OUTWARD, find_rows, normals
 from pipeline.config.config import AUTO, Config
 
@@ -39,7 +40,7 @@ def of_half(body: Body) -> str:
 
 def of_directions(design: Design) -> str:
     """The sentence on a body from a file that is shorter than it is high or wide; else empty."""
-    if not isinstance(design, CadFile | MeshFile | SurfaceFile):
+    if not isinstance(design, FileDesign):
         return ""
     length, height, width = design.extent
     if length > (1.0 - ROUNDING) * max(height, width):
