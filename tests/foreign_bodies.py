@@ -124,6 +124,13 @@ def finger(occ: Any) -> Any:
     return occ.cut(occ.fillet([block], upper, [3.0]), [box(occ, (3, 4, -4.5), (67, 10, 4.5))])[0]
 
 
+def finger_from_its_corner(occ: Any) -> Any:
+    """The finger with the origin at a corner, as programs draw boxes: z from 0 to 14 mm."""
+    solids = finger(occ)
+    occ.translate(solids, 0, 0, 7)
+    return solids
+
+
 def finger_in_two(occ: Any) -> Any:
     """The finger from two solids that touch in the plane y = 4 mm, as a cast upper part on a base plate."""
     whole = finger(occ)
@@ -174,6 +181,7 @@ def write_tried(folder: Path) -> list[Tried]:
     write_mesh(folder / "finger_right.mesh", *meshed(finger_from_the_right, 4.0))
     save(folder / "finger.step", finger)
     save(folder / "finger_in_two.step", finger_in_two)
+    save(folder / "finger_corner.step", finger_from_its_corner)
     save(folder / "finger_inlet.step", finger_with_inlet)
     save(folder / "finger_inlet_below.step", finger_with_inlet_below)
     save(folder / "half.brep", half_finger)
@@ -187,6 +195,7 @@ def write_tried(folder: Path) -> list[Tried]:
     write_surface(folder / "chambers.stl", two_chambers, 50)
     return [
         Tried("finger.step", "STEP, y up", "curve: 2 mm"),
+        Tried("finger_corner.step", "STEP, origin at a corner", "curve: 2 mm, middle: 7 mm"),
         Tried("finger_in_two.step", "STEP of two solids that touch", "curve: 2 mm, unite: true"),
         Tried(
             "finger_inlet.step",
@@ -198,7 +207,7 @@ def write_tried(folder: Path) -> list[Tried]:
             "STEP, open inlet in the base, filled",
             "curve: 2 mm, plug: {inlet: [35 mm, 0 mm, 0 mm]}",
         ),
-        Tried("half.brep", "BREP, half z ≥ 0", "curve: 2 mm"),
+        Tried("half.brep", "BREP, half z ≥ 0", "curve: 2 mm, symmetric: true"),
         Tried("finger.stl", "STL", "curve: 2 mm"),
         Tried(
             "finger_inlet_below.stl",

@@ -54,7 +54,7 @@ def test_cad_file_becomes_a_body(folder: Path, suffix: str, symmetric: bool) -> 
 
 def test_half_that_is_drawn_as_a_half(folder: Path) -> None:
     path = save(folder / "half.brep", lambda occ: occ.intersect(finger(occ), [box(occ, (-1, -1, 0), (61, 20, 8))]))
-    design = design_of(path)
+    design = design_of(path, symmetric=True)
     assert design.extent == pytest.approx((60, 16, 15))
     assert design.solid_volume == pytest.approx(SOLID, rel=1e-7)
     assert 2 * design.body(4).mesh.enclosed_volume("cavity") == pytest.approx(3780)
@@ -114,7 +114,7 @@ BAD_FILES: dict[str, tuple[Draw, str, str]] = {
     "aside": (
         lambda occ: occ.translate(finger(occ), 0, 0, 3),
         "symmetric",
-        "neither one half, with z = 0 at its side, nor symmetric about z = 0; move it",
+        r"neither one half, with z = 0 at its side, nor symmetric about z = 0; write middle: 3 mm",
     ),
 }
 

@@ -7,9 +7,10 @@ from typing import Any
 
 import pytest
 
-from geometry import CadFile, Design, DesignError, MeshFile, SurfaceFile
+from geometry import CadFile, Design, DesignError, Mesh, MeshError, MeshFile, SurfaceFile
 from geometry.curve_height import TRIED, height_advice
-from tests.foreign_bodies import meshed, write_mesh, write_surface
+from geometry.foreign.curve import with_curve
+from tests.foreign_bodies import bar, meshed, write_mesh, write_surface
 from tests.step_bodies import box, save
 
 
@@ -63,6 +64,30 @@ def test_an_end_without_a_flat_face_is_named_whatever_the_curve(suffix: str, tmp
     path = write(tmp_path / f"round.{suffix}", round_tip)
     with pytest.raises(DesignError, match=r"tip: the body has no (flat )?face .*cut a rounded end off"):
         kind(str(path), 1.0).body(4.0)
+
+
+def test_a_height_at_which_elements_would_be_flat_is_refused_with_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A failure of one of the trials is not what the user is told."""
+    path = str(write_mesh(tmp_path / "bar.vtk", *meshed(bar, 4.0)))
+
+    def fails_at(*heights: float) -> None:
+        def divided(mesh: Mesh, y: float, length: float, improved: bool = True) -> Mesh:
+            if y in heights:
+                raise MeshError("tetrahedron 7 of the mesh is flat")
+            return with_curve(mesh, y, length, improved)
+
+        monkeypatch.setattr("geometry.foreign.body.with_curve", divided)
+
+    fails_at()
+    first, *others = suggested(lambda y: MeshFile(path, y), 5.0)
+    fails_at(first)
+    assert set(others) < set(suggested(lambda y: MeshFile(path, y), 5.0)) - {first}
+    with pytest.raises(
+        DesignError, match=r"curve: the elements around the line y = .* because tetrahedron 7 .* give a"
+    ):
+        MeshFile(path, first)
 
 
 def test_heights_are_written_as_they_were_looked_at() -> None:

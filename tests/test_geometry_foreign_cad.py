@@ -114,6 +114,57 @@ def test_the_clamp_at_the_other_end(folder: Path) -> None:
         CadFile(str(one_half), 1.5, clamp=60, tip=0, symmetric=False)
 
 
+def knobbed_from_its_corner(occ: Any) -> Any:
+    """The bar with the knob, with z from 0 to 15 mm."""
+    solids = knobbed(occ)
+    occ.translate(solids, 0, 0, 7.5)
+    return solids
+
+
+def corner_of_the_file(folder: Path, kind: str) -> Path:
+    """The bar with z from 0 to 15 mm in a file of some kind."""
+
+    def draw(occ: Any) -> Any:
+        solids = bar(occ)
+        occ.translate(solids, 0, 0, 7.5)
+        return solids
+
+    if kind == "stl":
+        return write_surface(folder / "corner.stl", draw, 50)
+    if kind == "vtk":
+        return write_mesh(folder / "corner.vtk", *meshed(draw, 5.0))
+    return save(folder / f"corner.{kind}", draw)
+
+
+@pytest.mark.parametrize("kind", ["step", "brep", "stl", "vtk"])
+def test_a_body_with_its_origin_at_a_corner(kind: str, folder: Path) -> None:
+    """It is not taken as one half of an arm with twice the material and twice the air."""
+    path = str(corner_of_the_file(folder, kind))
+    family = {"stl": SurfaceFile, "vtk": MeshFile}.get(kind, CadFile)
+    with pytest.raises(DesignError, match=r"from z = 0 to 15 mm.* write middle: 7\.5 mm, the z of its middle"):
+        family(path, 1.5)
+    with pytest.raises(DesignError, match=r"middle: must be a length, not nan"):
+        family(path, 1.5, middle=float("nan"))
+    design = family(path, 1.5, middle=7.5, air={"cavity": (30, 5, 1)})
+    check_bar(design)
+    if family is CadFile:
+        for ends in ({}, {"clamp": 60, "tip": 0}):
+            with pytest.raises(DesignError, match=r"from z = -5 to 10 mm: it is neither .* write middle: 7\.5 mm"):
+                family(path, 1.5, middle=5.0, **ends)
+
+
+def test_the_middle_of_a_body_that_is_clamped_at_its_larger_x(folder: Path) -> None:
+    path = str(save(folder / "knob_corner.step", knobbed_from_its_corner))
+    keys: dict[str, Any] = {"clamp": 60, "tip": 0, "middle": 7.5}
+    with pytest.raises(DesignError, match="the halves of the body about z = 0 differ"):
+        CadFile(path, 1.5, **keys)
+    mesh = CadFile(path, 1.5, **keys, symmetric=False, air={"cavity": (50, 5, 1)}).body(4.0).mesh
+    top = mesh.points[mesh.points[:, 1] > 13]
+    assert (top[:, 2].min(), top[:, 2].max()) == pytest.approx((-6, -2)), "as without the shift of the file"
+    with pytest.raises(DesignError, match=r"air\.cavity: the point \(50, 1, 1\) mm lies in the material"):
+        CadFile(path, 1.5, **keys, symmetric=False, air={"cavity": (50, 1, 1)})
+
+
 def half_knobbed(occ: Any) -> Any:
     """The half z >= 0 of the bar with a knob at (50, 12, 0)."""
     return occ.fuse(half_bar(occ), [box(occ, (48, 12, 0), (52, 14, 6))])[0]
@@ -122,7 +173,7 @@ def half_knobbed(occ: Any) -> Any:
 def test_a_half_solid_may_be_clamped_at_the_other_end(folder: Path) -> None:
     path = save(folder / "half.step", half_knobbed)
     for air in ({}, {"cavity": (50, 5, 1)}):
-        design = CadFile(str(path), 1.5, clamp=60, tip=0, air=air)
+        design = CadFile(str(path), 1.5, clamp=60, tip=0, air=air, symmetric=True)
         assert design.solid_volume == pytest.approx(BAR_VOLUME + 2 * 4 * 2 * 6, rel=1e-6)
         assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-6)
     mesh = design.body(4.0).mesh
@@ -143,7 +194,11 @@ def half_knobbed_below(occ: Any) -> Any:
 def test_a_half_solid_below_is_the_same_arm(turned: bool, folder: Path) -> None:
     path = save(folder / "below.step", half_knobbed_below)
     clamp, tip = (60, 0) if turned else (0, 60)
-    design = CadFile(str(path), 1.5, clamp, tip, {"cavity": (50, 5, -1)})
+    with pytest.raises(
+        DesignError, match=r"from z = -7\.5 to 0 mm: write symmetric: true if .* write middle: -3\.75 mm"
+    ):
+        CadFile(str(path), 1.5, clamp, tip)
+    design = CadFile(str(path), 1.5, clamp, tip, {"cavity": (50, 5, -1)}, symmetric=True)
     assert design.solid_volume == pytest.approx(BAR_VOLUME + 2 * 4 * 2 * 6, rel=1e-6)
     mesh = design.body(4.0).mesh
     assert (mesh.points[:, 2].min(), mesh.points[:, 2].max()) == pytest.approx((0, 7.5))

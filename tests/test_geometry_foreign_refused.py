@@ -56,7 +56,7 @@ def test_a_half_of_splines_below_can_be_read(folder: Path) -> None:
     def half(occ: Any) -> Any:
         return occ.intersect(oval(occ), [box(occ, (-1, -9, -20), (51, 9, 0))])[0]
 
-    design = CadFile(str(save(folder / "half.step", half)), -6.0)
+    design = CadFile(str(save(folder / "half.step", half)), -6.0, symmetric=True)
     assert design.extent == pytest.approx((50, 14, 18.2), rel=5e-4)
 
 

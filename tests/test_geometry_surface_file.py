@@ -219,7 +219,10 @@ def test_position_and_names_are_checked_before_filling(stl: Path, folder: Path) 
     points, triangles = triangles_of(stl)
     for shift in (7.5, 20):
         path = written(folder / "aside.stl", np.add(points, [0, 0, shift]), triangles)
-        with pytest.raises(DesignError, match=r"file: the body reaches from z = .* save both halves"):
+        with pytest.raises(
+            DesignError,
+            match=r"middle, file: the body reaches from z = .* mm, the z of its middle, if the file holds both halves",
+        ):
             SurfaceFile(str(path), curve=1.5)
     for name in ("clamp", "tip", "sym", "outer"):
         with pytest.raises(DesignError, match=rf"air\.{name}: a cavity cannot be named {name}"):

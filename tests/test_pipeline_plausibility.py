@@ -30,7 +30,7 @@ from pipeline.simulation.scene import Scene
 from pipeline.simulation.waiting import remarks_while_waiting
 from rod import Interval
 from rod.identification.two_lines import CLEAR
-from tests.foreign_bodies import bar, two_chambers
+from tests.foreign_bodies import bar, meshed, two_chambers, write_mesh, write_surface
 from tests.step_bodies import save
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
@@ -75,6 +75,32 @@ def test_the_shipped_designs_are_plausible(config: str) -> None:
 )
 def test_what_is_unusual_is_said_before_anything_is_solved(setting: str, sentence: str) -> None:
     assert sentence in notes_before(PRESSURES, setting)
+
+
+@pytest.mark.parametrize("kind", ["step", "vtk", "stl"])
+def test_gravity_along_an_arm_that_is_turned(kind: str, tmp_path: Path) -> None:
+    """Its x runs from the clamp to the tip, and so against that of the file."""
+    write = {
+        "step": lambda path: save(path, bar),
+        "vtk": lambda path: write_mesh(path, *meshed(bar, 5.0)),
+        "stl": lambda path: write_surface(path, bar, 50),
+    }[kind]
+    write(tmp_path / f"bar.{kind}")
+    path = tmp_path / "hanging.yaml"
+    path.write_text(
+        f"name: hanging\ngeometry: {{family: own, file: bar.{kind}, curve: 1.5 mm}}\npressures: [10 kPa]\n"
+        "material: {law: neo_hooke, mu: 0.4 MPa, nu: 0.49, density: 1070 kg/m^3}\n"
+    )
+
+    def is_said(x: str, *settings: str) -> bool:
+        gravity = f"effects.gravity={{acceleration: [{x}, -1 m/s^2, 0 m/s^2]}}"
+        return any(
+            "against the x of the file" in note for note in before_solving(load_config(path, (gravity, *settings)))
+        )
+
+    assert is_said("9.81 m/s^2", "geometry.clamp=60 mm")
+    assert not is_said("9.81 m/s^2")
+    assert not is_said("0 m/s^2", "geometry.clamp=60 mm")
 
 
 @pytest.mark.parametrize("pressures", ["[150 kPa]", "[17 kPa, 150 kPa]", "[0.1 MPa, 0.4 MPa]"])

@@ -10,7 +10,6 @@ from typing import ClassVar, final
 
 import numpy as np
 
-from geometry.arrays import Array
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign, Plug, wrong_points
 from geometry.foreign.chambers import Range, runs_through
@@ -39,12 +38,12 @@ from geometry.meshing.mirror import Repetition
 class CadFile(FileDesign):
     """One solid from a STEP or BREP file, or several of which some are of another material; all lengths in mm.
 
-    In the frame of the arm (`axes`) x is along the length, y up, z across, and the body is symmetric about z = 0 (or
-    one half of such a body) unless `symmetric` is false. The constructor reads and checks the file; its `DesignError`
-    names the config key to change. Faces: clamp, tip, sym, the cavities by their names, outer. The body is meshed from
-    equal cells and its two ends where `cell` are two planes of mirror symmetry of the cells, or where it is not given
-    and such planes are in and between equal chambers (three or more), or anywhere in an arm with one section. Otherwise
-    the cells are nominal: equal parts of the length, about `cell` long.
+    In the frame of the arm (`axes`, `middle`) x is along the length, y up, z across, and the body is symmetric about
+    z = 0 unless `symmetric` is false; one half of such a body needs `symmetric` true. The constructor reads and checks
+    the file; its `DesignError` names the config key to change. Faces: clamp, tip, sym, the cavities by their names,
+    outer. The body is meshed from equal cells and its two ends where `cell` are two planes of mirror symmetry of the
+    cells, or where it is not given and such planes are in and between equal chambers (three or more), or anywhere in an
+    arm with one section. Otherwise the cells are nominal: equal parts of the length, about `cell` long.
     """
 
     family: ClassVar[str] = "cad_file"
@@ -54,10 +53,11 @@ class CadFile(FileDesign):
     clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
     tip: float | None = None  #: x of the other end face; without it the other end
     air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
-    symmetric: bool = True  #: whether only the half z >= 0 is meshed
+    symmetric: bool | None = None  #: `false`: both halves are meshed; `true` is needed for a file of one half alone
     cell: float | CellPlanes | None = None  #: its length or [planes](cell.md#own-bodies), sought if left out
     unit: float = 1.0  #: unit of length of a BREP file, which does not store it
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    middle: float = 0.0  #: z of the middle of the body in the file, which becomes z = 0 of all other positions
     unite: bool = False  #: whether several solids that touch become one
     parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
     plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
@@ -126,7 +126,7 @@ class CadFile(FileDesign):
         """x of clamp and tip, mm, before the body is turned."""
         if self.clamp is not None and self.tip is not None:
             return self.clamp, self.tip
-        low, high = file_bounds(self._source(rotation(self.axes)))
+        low, high = file_bounds(self._source())
         clamp = low[0] if self.clamp is None else self.clamp
         other = high[0] if clamp <= (low[0] + high[0]) / 2 else low[0]
         return clamp, other if self.tip is None else self.tip
@@ -192,11 +192,15 @@ class CadFile(FileDesign):
         except MeshError as failure:
             return None, f"{beginning} {failure}"
 
-    def _source(self, turn: Array) -> CadSource:
+    def _source(self, around: bool = False) -> CadSource:
+        """around: whether the arm is turned about y by half a turn."""
+        turn, shift = rotation(self.axes), -self.middle
+        if around:
+            turn, shift = np.diag([-1.0, 1.0, -1.0]) @ turn, self.middle
         first, second, third = (tuple(float(x) for x in row) for row in turn)
         turned = (first, second, third)
         path, apart = Path(self.file), bool(self.parts)
-        return CadSource(path, self.unit, turned, self.unite, apart, self._defeatured)  # type: ignore[arg-type]
+        return CadSource(path, self.unit, turned, self.unite, apart, self._defeatured, shift)  # type: ignore[arg-type]
 
     @cached_property
     def _defeatured(self) -> bytes | None:
@@ -213,19 +217,28 @@ class CadFile(FileDesign):
         An arm that is clamped at its larger x is turned about y by half a turn; a symmetric one has its halves
         exchanged by that, so that z keeps its sign; a half z <= 0 is mirrored when it is read.
         """
-        (clamp, tip), turn = self._ends, rotation(self.axes)
+        clamp, tip = self._ends
         air, parts, turned = dict(self.air), dict(self.parts), tip < clamp
         plugs = dict(self.plug) if isinstance(self.plug, Mapping) else {}
         if turned:
-            clamp, tip, turn = -clamp, -tip, np.diag([-1.0, 1.0, -1.0]) @ turn
-            side = 1.0 if self.symmetric else -1.0
+            clamp, tip = -clamp, -tip
+            side = 1.0 if self._half else -1.0
             air, parts, plugs = (
                 {name: (-x, y, side * z) for name, (x, y, z) in given.items()} for given in (air, parts, plugs)
             )
         return CadBody(
-            *(self._source(turn), clamp, tip, self.curve, self.symmetric, air, parts),
-            *(self.is_open_at_clamp, plugs, turned),
+            *(self._source(turned), clamp, tip, self.curve, self._half, air, parts),
+            *(self.is_open_at_clamp, plugs, turned, self.symmetric is True),
         )
+
+    @property
+    def _half(self) -> bool:
+        """Whether only the half z >= 0 is meshed."""
+        return self.symmetric is not False
+
+    @property
+    def is_turned(self) -> bool:
+        return self._cad.turned
 
     @property
     def length(self) -> float:
@@ -289,12 +302,12 @@ class CadFile(FileDesign):
 
     @property
     def meshed_volume(self) -> float:
-        return self.solid_volume / (2 if self.symmetric else 1)
+        return self.solid_volume / (2 if self._half else 1)
 
     def body(self, size: float, grading: Grading = OFF) -> Body:
         self.check_size(size)
         mesh = self._of_cells(size, grading) or self._checked(mesh_cad(self._cad, size, grading))
-        return self._body(mesh, self.length, self.symmetric)
+        return self._body(mesh, self.length, self._half)
 
     def _of_cells(self, size: float, grading: Grading) -> Mesh | None:
         """The mesh of equal cells; None where there are none, or where cells that nobody named cannot be meshed."""

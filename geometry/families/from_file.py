@@ -34,6 +34,7 @@ class FileDesign(Design):
     cell: float | CellPlanes | None
     unit: float
     axes: Axes
+    middle: float
     plug: Plug
 
     def _wrong_values(self) -> Iterator[DesignError]:
@@ -41,6 +42,8 @@ class FileDesign(Design):
         if not isinstance(self.cell, CellPlanes):
             yield from self._not_positive("cell", self.cell)
         yield from self._not_positive("unit", self.unit)
+        if not isfinite(self.middle):
+            yield DesignError("middle", f"must be a length, not {self.middle!r}")
         yield from wrong_points("air", self.air)
         if isinstance(self.plug, Mapping):
             yield from wrong_points("plug", self.plug)
@@ -77,6 +80,11 @@ class FileDesign(Design):
     @property
     def is_open_at_clamp(self) -> bool:
         return self.plug is True
+
+    @property
+    @abstractmethod
+    def is_turned(self) -> bool:
+        """Whether the arm is clamped at its larger x, so that x of the body runs against x of the file."""
 
     @property
     @abstractmethod

@@ -53,6 +53,7 @@ class MeshFile(FileDesign):
     cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    middle: float = 0.0  #: z of the middle of the body in the file, which becomes z = 0 of all other positions
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
@@ -79,7 +80,10 @@ class MeshFile(FileDesign):
 
     @property
     def _placing(self) -> Placing:
-        return Placing(self.curve, self.clamp, self.tip, self.air, self.symmetric, self.unit, self.axes, self.plug)
+        return Placing(
+            *(self.curve, self.clamp, self.tip, self.air, self.symmetric, self.unit, self.axes),
+            *(self.middle, self.plug),
+        )
 
     @cached_property
     def _content(self) -> FileMesh:
@@ -91,6 +95,10 @@ class MeshFile(FileDesign):
         """Whether a cavity is open in the plane of the clamp; the names of a file may say so too."""
         mesh, cavities = self.fixed_body.mesh, self.fixed_body.cavities
         return any(opens_at(mesh.points, mesh.faces[name], [(0, 0.0)]) for name in cavities)
+
+    @property
+    def is_turned(self) -> bool:
+        return self._placed.turned
 
     @property
     def length(self) -> float:

@@ -17,12 +17,12 @@ from geometry.foreign.defeatured import defeatured
 from geometry.foreign.fill import fill
 from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.shells import named_cavities, parts_of, refuse_open
-from geometry.foreign.surface import Surface, enclosed, read_surface, scaled, thinnest
+from geometry.foreign.surface import Surface, enclosed, moved, read_surface, thinnest
 from geometry.foreign.surface_plug import plugged
 from geometry.grading import OFF, Grading
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_position import check_dimensions
+from geometry.meshing.cad_position import check_dimensions, middle_advice
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
 LARGEST_ERROR = 0.01
@@ -50,6 +50,7 @@ class SurfaceFile(FileDesign):
     cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
+    middle: float = 0.0  #: z of the middle of the body in the file, which becomes z = 0 of all other positions
     plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
     defeature: float | None = None  #: edges shorter than this, and strips narrower than this, are removed
 
@@ -74,7 +75,8 @@ class SurfaceFile(FileDesign):
     def _plugged(self) -> tuple[Surface, Mapping[str, float]]:
         """The surface, and the depths of the plugs in its inlets, mm."""
         try:
-            surface = scaled(read_surface(Path(self.file)), self.unit * rotation(self.axes).T)
+            turn, shift = self.unit * rotation(self.axes).T, np.array([0.0, 0.0, -self.middle])
+            surface = moved(read_surface(Path(self.file)), turn, shift)
             check_dimensions(np.ptp(surface.points, axis=0), self.unit)
             if self.defeature is not None:
                 surface = _without_small_features(surface, self.defeature)
@@ -88,9 +90,9 @@ class SurfaceFile(FileDesign):
         if not low < 0 < high or min(-low, high) <= FLAT * max(self.extent):
             turned = "; if its height is along z, turn it with axes: [x, z, -y]" if self.axes == SAME else ""
             raise DesignError(
-                "file",
+                ("middle", "file"),
                 f"the body reaches from z = {round(low, 6) + 0.0:.4g} to {high:.4g} mm, and the material curve runs at "
-                f"z = 0; move it in its file so that its middle is at z = 0, and save both halves{turned}",
+                f"z = 0; {middle_advice(low, high, self.middle)}, if the file holds both halves, as it must{turned}",
             )
 
     @property
@@ -98,9 +100,17 @@ class SurfaceFile(FileDesign):
         return Placing(self.curve, self.clamp, self.tip, self.air, False, 1.0, plug=self.is_open_at_clamp)
 
     @cached_property
+    def _ends(self) -> tuple[float, float]:
+        """x of clamp and tip, mm."""
+        return ends_of(self.surface.points, self._placing)
+
+    @property
+    def is_turned(self) -> bool:
+        return self._ends[1] < self._ends[0]
+
+    @property
     def length(self) -> float:
-        clamp, tip = ends_of(self.surface.points, self._placing)
-        return abs(tip - clamp)
+        return abs(self._ends[1] - self._ends[0])
 
     @property
     def extent(self) -> tuple[float, float, float]:
@@ -117,8 +127,7 @@ class SurfaceFile(FileDesign):
 
     @cached_property
     def cavity_volumes(self) -> Mapping[str, float]:
-        clamp, _ = ends_of(self.surface.points, self._placing)
-        points = self.surface.points - [clamp, 0.0, 0.0]
+        points = self.surface.points - [self._ends[0], 0.0, 0.0]
         return {name: -enclosed(points, walls) for name, walls in self._cavities.items()}
 
     @cached_property
@@ -137,14 +146,13 @@ class SurfaceFile(FileDesign):
     def _from_clamp(self) -> tuple[float, Array]:
         """1, or -1 where the clamp is at the larger x, and the points with the clamp at the smaller one: where an inlet
         is open in its plane walls are missing there, and sections are those of what lies at larger x."""
-        clamp, tip = ends_of(self.surface.points, self._placing)
-        direction = 1.0 if clamp < tip else -1.0
+        direction = -1.0 if self.is_turned else 1.0
         return direction, self.surface.points * [direction, 1.0, 1.0]
 
     @cached_property
     def _parts(self) -> tuple[Index, list[Index]]:
         """Triangles of the outside, and those around the air of each cavity."""
-        clamp = ends_of(self.surface.points, self._placing)[0] if self.is_open_at_clamp else None
+        clamp = self._ends[0] if self.is_open_at_clamp else None
         return parts_of(self.surface.points, self.surface.triangles, clamp, self._tolerance)
 
     @property
@@ -155,7 +163,7 @@ class SurfaceFile(FileDesign):
     def _cavities(self) -> Mapping[str, Index]:
         """Triangles (k, 3) around the air of each cavity, by its name. Raises `DesignError`."""
         points, triangles = self.surface.points, self.surface.triangles
-        clamp, tip = ends_of(points, self._placing)
+        clamp, tip = self._ends
         inner = self._parts[1]
         if not inner:
             refuse_open(points, triangles, (clamp, tip), self.is_open_at_clamp, self._tolerance)

@@ -19,8 +19,9 @@ from geometry.foreign.frame import SAME, Axes, rotation
 from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
+from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_position import check_dimensions, doubt_of_unit, goes_on
+from geometry.meshing.cad_position import check_dimensions, doubt_of_unit, goes_on, middle_advice
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
@@ -38,6 +39,7 @@ class Placing:
     half: bool  #: the file holds one half alone, z >= 0 or z <= 0
     unit: float  #: mm per unit of length of the file
     axes: Axes = SAME
+    middle: float = 0.0  #: z of the plane of the file that becomes z = 0, in the directions of the arm, mm
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
 
@@ -48,6 +50,7 @@ class Placed:
     mesh: Mesh
     length: float  #: mm
     cavities: tuple[str, ...]
+    turned: bool = False  #: whether it is clamped at the larger x of its file
 
 
 def turned(content: FileMesh, placing: Placing) -> FileMesh:
@@ -55,13 +58,18 @@ def turned(content: FileMesh, placing: Placing) -> FileMesh:
 
     Raises `DesignError`.
     """
-    turn = placing.unit * rotation(placing.axes).T
-    points = content.points @ turn
+    turn, shift = placing.unit * rotation(placing.axes).T, np.array([0.0, 0.0, -placing.middle])
+    points = content.points @ turn + shift
     check_dimensions(np.ptp(points, axis=0), placing.unit)
+    mirrored = np.ones(3)
     if (placing.half or "sym" in content.faces) and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
-        turn = turn @ np.diag([1.0, 1.0, -1.0])
-    curved = CurvedEdges(content.curved.ends, content.curved.middles @ turn)
-    return replace(content, points=content.points @ turn, curved=curved, straightened=content.straightened @ turn)
+        mirrored[2] = -1.0
+
+    def there(positions: Array) -> Array:
+        return (positions @ turn + shift) * mirrored
+
+    curved = CurvedEdges(content.curved.ends, there(content.curved.middles))
+    return replace(content, points=there(content.points), curved=curved, straightened=there(content.straightened))
 
 
 def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
@@ -85,7 +93,7 @@ def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
     check_beyond(original, before.boundary, ends, placing)
     mesh = divided(mesh, placing.curve, length)
     cavities, named = _named(mesh, placing, move)
-    return Placed(replace(mesh, faces=named), length, cavities)
+    return Placed(replace(mesh, faces=named), length, cavities, ends[1] < ends[0])
 
 
 def joined(content: FileMesh) -> tuple[Array, Index, CurvedEdges]:
@@ -184,13 +192,13 @@ def _check_across(points: Array, placing: Placing) -> None:
         raise DesignError(
             "symmetric",
             f"{reach}; true is for a file that holds one half alone, with z = 0 at its side: leave it out, or "
-            "move the body",
+            f"write middle: {placing.middle + low:.6g} mm, the z of that side",
         )
     if not placing.half and not low < -tolerance < tolerance < high:
         raise DesignError(
             "symmetric",
             f"{reach}, and the material curve runs at z = 0; write true if the file holds one half of an arm, "
-            "else move the body so that its middle is at z = 0",
+            f"else {middle_advice(low, high, placing.middle)}",
         )
 
 
@@ -208,11 +216,18 @@ def divided(mesh: Mesh, curve_y: float, length: float) -> Mesh:
     """The mesh, with faces and regions, with the material curve along element edges; itself where it runs along edges
     already.
 
-    Raises `DesignError` where the curve leaves the material.
+    Raises `DesignError` where the curve leaves the material, or elements would become flat.
     """
     if curve_gap(mesh, curve_y, length) is None:
         return mesh
-    result = with_curve(mesh, curve_y, length)
+    try:
+        result = with_curve(mesh, curve_y, length)
+    except MeshError as error:
+        raise DesignError(
+            "curve",
+            f"the elements around the line y = {curve_y:g} mm, z = 0 cannot be divided along it, because "
+            f"{error}; {_heights(mesh, length)}",
+        ) from error
     gap = curve_gap(result, curve_y, length)
     if gap is not None:
         raise DesignError(
@@ -235,7 +250,10 @@ def _heights(mesh: Mesh, length: float) -> str:
         return all(windings(np.array([x, y, z]), corners) > 0.5 for x in along)
 
     def accepted(y: float) -> bool:
-        return curve_gap(with_curve(mesh, y, length, improved=False), y, length) is None
+        try:
+            return curve_gap(with_curve(mesh, y, length, improved=False), y, length) is None
+        except MeshError:  # an element would become flat
+            return False
 
     return height_advice(float(low[1]), float(high[1]), fits, accepted)
 

@@ -220,6 +220,6 @@ def _through(start: Array, direction: Array, corners: Array) -> float:
     return float(distance[met].min(initial=np.inf))
 
 
-def scaled(surface: Surface, turn: Array) -> Surface:
-    """The surface with its points multiplied by the rotation and scale turn (3, 3)."""
-    return Surface(surface.points @ turn, surface.parts)
+def moved(surface: Surface, turn: Array, shift: Array) -> Surface:
+    """The surface with its points multiplied by the rotation and scale turn (3, 3), and then moved by shift (3,)."""
+    return Surface(surface.points @ turn + shift, surface.parts)

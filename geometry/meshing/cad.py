@@ -154,12 +154,12 @@ def cad_session(
     with session() as gmsh:
         solids = import_solids(gmsh, body.source)
         low, high = bounds(gmsh, solids)
+        check_position(body, low, high)
         rounding = 1e-6 * (high[0] - low[0])
-        if body.half and high[2] <= rounding and (body.turned or high[2] >= -rounding):
+        if body.half and abs(high[2]) <= rounding:
             gmsh.model.occ.mirror(solids, 0, 0, 1, 0)  # the half z <= 0, of the file or turned to there
             gmsh.model.occ.synchronize()
             low, high = bounds(gmsh, solids)
-        check_position(body, low, high)
         solids, plug_depths = plugged(gmsh, body, solids)
         holes = hole_advice(gmsh, body, solids)
         check_ends(gmsh, body, solids)

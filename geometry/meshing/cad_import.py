@@ -42,6 +42,7 @@ class CadSource:
         False  #: whether they stay several that have their faces in common, because they are of other materials
     )
     defeatured: bytes | None = None  #: its one solid in mm, as BREP, where narrow faces were removed
+    shift: float = 0.0  #: along z, after the rotation, mm
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,12 @@ class CadBody:
     plug_at_clamp: bool  #: whether what is open in the plane of the clamp is closed there
     plugs: Mapping[str, Point]  #: name of an inlet that is filled -> a point in its mouth
     turned: bool  #: whether x and z have the other sign than in the file, because the arm is clamped at its larger x
+    says_half: bool  #: whether the user has written that the half z >= 0 is to be meshed
+
+    @property
+    def middle(self) -> float:
+        """z of the plane of the file that becomes z = 0, in the directions of the arm, mm."""
+        return self.source.shift if self.turned else -self.source.shift
 
     @property
     def cavities(self) -> list[str]:
@@ -82,6 +89,8 @@ def import_solids(gmsh: Any, source: CadSource) -> list[Volume]:
     axis, angle = _axis_and_angle(np.array(source.turn))
     if angle:
         occ.rotate(solids, 0, 0, 0, *axis, angle)
+    if source.shift:
+        occ.translate(solids, 0, 0, source.shift)
     occ.synchronize()
     return solids
 

@@ -394,6 +394,9 @@ PoissonRatio = Annotated[
 ]
 Count = Annotated[int, BeforeValidator(_count), Field(examples=["11"]), Written("", "1 to 10000")]
 YesNo = Annotated[bool, BeforeValidator(_yes_or_no), Field(examples=["true"]), Written("", "`true` or `false`")]
+OptionalYesNo = Annotated[
+    bool | None, BeforeValidator(_yes_or_no), Field(examples=["true"]), Written("", "`true` or `false`")
+]
 Name = Annotated[
     str,
     Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", examples=["pneunet"]),

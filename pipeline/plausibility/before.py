@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from math import inf, isinf
 
 from geometry import PneuNet
+from geometry.families.from_file import FileDesign
 from pipeline.config.automatic_mesh import two_digits_down
 from pipeline.config.config import Config
 from pipeline.identification.too_short import too_short
@@ -154,6 +155,17 @@ def _between(low: float, high: float) -> float:
     return next(value for digits in range(2, 18) if low < (value := float(f"{middle:.{digits}g}")) < high)
 
 
+def _turned_gravity(config: Config) -> str:
+    gravity, design = config.effects.gravity, config.design
+    x, _, z = gravity.acceleration_mm_s2
+    if not gravity.on or (x == 0.0 and z == 0.0) or not (isinstance(design, FileDesign) and design.is_turned):
+        return ""
+    return (
+        "gravity is in the frame of the arm, whose x runs from the clamp to the tip and so against the x of the file, "
+        "and whose z does the same; give effects.gravity.acceleration in this frame"
+    )
+
+
 def _two_digits(value: float) -> float:
     return float(f"{value:.2g}")
 
@@ -171,5 +183,6 @@ ON_DESIGN: tuple[Callable[[Config], str], ...] = (
     _unequal_cells,
     _long_cells,
     _pressure_of_run_unused,
+    _turned_gravity,
     of_edges,
 )
