@@ -633,3 +633,16 @@ def test_the_key_against_small_faces_says_for_which_bodies_it_is() -> None:
     path = Path(__file__).resolve().parent.parent / "configs" / "pneunet_coarse.yaml"
     sentence = refusal(path, "geometry.defeature=0.2 mm")
     assert "it removes small faces and edges of a body from a CAD file or a surface (STL, OBJ)" in sentence
+
+
+@pytest.mark.parametrize(
+    ("setting", "hint"),
+    [
+        ("fillet=0.5 mm", "it rounds the edges of a pneunet; draw another body with them in a CAD program"),
+        ("chamber_heights=[9 mm, 10 mm]", "it is for the chambers of a pneunet; draw another body with them in a CAD"),
+        ("symmetric=true", "bodies of the other families are symmetric, and surfaces are meshed as a whole"),
+    ],
+)
+def test_keys_of_other_families_are_explained(setting: str, hint: str) -> None:
+    path = Path(__file__).resolve().parent.parent / "configs" / "bisected_circle.yaml"
+    assert hint in refusal(path, f"geometry.{setting}")

@@ -14,12 +14,23 @@ Key = tuple[str | int, ...]
 _NAME = "[key]"
 #: the second half of a value that was written with a decimal comma in { } or [ ]
 _AFTER_COMMA = re.compile(r"\d+(\s*[A-Za-z%].*)?")
+_OTHERS = "draw another body with them in a CAD program, and give its STEP file (family: own); "
 #: what to write instead of a key that belongs to other laws or is a common mistake
 _INSTEAD: dict[tuple[str, ...], str] = {
     ("material", "E"): "the law has no E; its initial shear modulus is E / (2 (1 + nu)); ",
     ("material", "mu"): "the law has no mu; E = 2 mu (1 + nu); ",
     ("geometry", "defeature"): "it removes small faces and edges of a body from a CAD file or a surface (STL, OBJ); "
     "a mesh of tetrahedra has to be made again without them; ",
+    (
+        "geometry",
+        "symmetric",
+    ): "it is for bodies from CAD files and meshes: bodies of the other families are symmetric, and "
+    "surfaces are meshed as a whole; ",
+    ("geometry", "fillet"): f"it rounds the edges of a pneunet; {_OTHERS}",
+    **{
+        ("geometry", key): f"it is for the chambers of a pneunet; {_OTHERS}"
+        for key in ("chamber_lengths", "chamber_heights", "gaps")
+    },
 }
 
 
