@@ -253,15 +253,15 @@ def _stopped(count: int) -> str:
 
 
 def checks(records: Sequence[Record]) -> str:
-    """The largest difference that each check has found."""
+    """The largest difference that each check has given, and the designs of which it could not be made."""
     rows = []
     for name, allowed in ALLOWED.items():
         results = [check for record in records for check in checks_in(record) if check.name == name]
         made = [check.value for check in results if check.made]
         numbers = [f"{median(made):.1e}", f"{max(made):.1e}"] if made else ["", ""]
         failed = sum(check.failed for check in results)
-        rows.append([name, str(len(made)), *numbers, f"{allowed:g}", str(failed)])
-    return table(["check", "designs", "median difference", "largest", "allowed", "failed"], rows)
+        rows.append([name, str(len(made)), *numbers, f"{allowed:g}", str(failed), str(len(results) - len(made))])
+    return table(["check", "designs", "median difference", "largest", "allowed", "failed", "not made"], rows)
 
 
 def mesh(records: Sequence[Record]) -> str:
