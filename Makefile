@@ -10,12 +10,13 @@ PEERS := .venv-peers
 # those with the longest points first
 paper_sweeps := lengths cells heights arms pneunet contact forces
 # designs drawn at random: their seed, how many in all, on a finer mesh too, at the same time (all cores unless given),
-# and the law of the rod
+# the law of the rod, and the sizes of their elements over those that the program chooses
 SEED := 7
 N := 40
 FINER := 8
 JOBS :=
 LAW := both
+LARGER := 1
 
 all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy foreign scaling
 .PHONY: help setup $(all_targets) test slow hard fuzz kills unseen unseen-again nightly wheel examples lint types docs doctor bench-peers bench-run clean
@@ -102,7 +103,7 @@ kills: $(READY)  ## fifty runs killed at random times and continued, compared wi
 	@$(BIN)/python benchmarks/kills.py
 
 unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
-	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --page docs
+	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --larger $(LARGER) --page docs
 
 unseen-again: $(READY)  ## the designs of docs/unseen.md that did not end, with the present sources and ten times the CPU time
 	@$(BIN)/python -m benchmarks.unseen.again --page docs $(addprefix --jobs ,$(JOBS))

@@ -2,7 +2,7 @@
 
     make unseen SEED=1 N=4
     python -m benchmarks.unseen --seed 1 --count 4 [--first 2] [--jobs 2] [--finer 8] [--limit 600] [--law both] \\
-        [--page docs] [--with FOLDER ...]
+        [--larger 1.5] [--page docs] [--with FOLDER ...]
 
 Each design has a folder below results/unseen with its configuration, its results and outcome.json; what is finished
 is kept, so that the same command continues an interrupted campaign. As many designs are worked on at the same time as
@@ -13,8 +13,9 @@ there are not replaced: designs of this campaign that they contain are not run a
 they are run with the present sources, and their pages are in the folder of the campaign alone. Several campaigns may
 run at the same time: the page is read again before it is written. --with adds the designs of other campaigns, given
 by their folders, or those of this one that were run elsewhere; --stored solves nothing and writes the pages from what
-is there. Seeds 1 to 3, 10, 23, 31, 37, 47 and 73 are for finding and mending defects, so they are not reported: --page
-is not for them.
+is there. --larger multiplies the sizes of elements that the program chooses, for a quick check of the program whose
+results are not published. Seeds 1 to 3, 10, 23, 31, 37, 47 and 73 are for finding and mending defects, so they are not
+reported: --page is not for them.
 """
 
 import argparse
@@ -23,14 +24,16 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
-from benchmarks.unseen.designs import Drawn, drawn
+from benchmarks.unseen.designs import Drawn, drawn, three_digits
 from benchmarks.unseen.histogram import draw
 from benchmarks.unseen.page import PAGES_DATA, joined, write_pages
-from benchmarks.unseen.sorting import ERROR, NO_LIMIT, TRACEBACK, WRONG, outcome, rod_errors
+from benchmarks.unseen.sorting import EARLY, ERROR, NO_LIMIT, TRACEBACK, WRONG, outcome, rod_errors
 from benchmarks.unseen.work import LIMIT, Record, Work, kept, outcomes_of
 from pipeline.config.config import LAW_CHOICES
+from pipeline.config.load import load_config
 from pipeline.processes import available_cores
 
 #: seeds with which the program was mended
@@ -50,6 +53,20 @@ def with_law(designs: Sequence[Drawn], law: str) -> list[Drawn]:
     return [replace(design, document={**design.document, "law": law}) for design in designs]
 
 
+def with_larger_elements(designs: Sequence[Drawn], factor: float) -> list[Drawn]:
+    """The designs with elements larger by a factor than those that the program chooses."""
+    if factor == 1.0:
+        return list(designs)
+    changed = []
+    with TemporaryDirectory() as folder:
+        for design in designs:
+            path = Path(folder) / f"{design.name}.yaml"
+            path.write_text(json.dumps(design.document), encoding="utf-8")
+            size = three_digits(factor * load_config(path).mesh.element_size_mm)
+            changed.append(replace(design, document={**design.document, "mesh": {"size": f"{size:g} mm"}}))
+    return changed
+
+
 def campaign(given: argparse.Namespace, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """What the pages are written from."""
     settings = {"seed": given.seed, "drawn": given.count, "limit": given.limit, "law": given.law}
@@ -57,7 +74,7 @@ def campaign(given: argparse.Namespace, records: Sequence[Mapping[str, Any]]) ->
 
 
 def main() -> int:
-    """0 where no design is wrong and none met an error of the program."""
+    """0 where no design is wrong, none met an error of the program or an end without a limit, and one was run."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--count", type=int, required=True, help="designs to draw")
@@ -67,13 +84,15 @@ def main() -> int:
     parser.add_argument("--limit", type=float, default=LIMIT, help="CPU seconds of a stage of a design")
     parser.add_argument("--finer", type=int, default=8, help="how many designs are solved on a finer mesh too")
     parser.add_argument("--law", choices=LAW_CHOICES, default="both", help="law of the rod, as in a configuration")
+    parser.add_argument("--larger", type=float, default=1.0, help="sizes of elements over those of the program")
     parser.add_argument("--page", type=Path, help="folder into which the pages and unseen.json are written as well")
     parser.add_argument("--with", dest="others", type=Path, nargs="+", default=[], help="folders of other campaigns")
     parser.add_argument("--stored", action="store_true", help="solve nothing; write the page from what is stored")
     given = parser.parse_args()
     if given.others and not given.page:
         parser.error("--with joins campaigns on a page: give --page too")
-    folder = given.results / f"{given.seed}_of_{given.count}_{given.law}"
+    larger = "" if given.larger == 1.0 else f"_{given.larger:g}_times_larger"
+    folder = given.results / f"{given.seed}_of_{given.count}_{given.law}{larger}"
     try:
         published = _stored(given.page) if given.page and (given.page / PAGES_DATA).exists() else None
         if given.page and (why := _why_not_published(given, published)):
@@ -88,10 +107,8 @@ def main() -> int:
         parser.error(f"--page and --with: {reason}")
     finer = sample(given.first or given.count, given.finer)
     elsewhere = {record["number"] for other in known for record in other["records"] if record["seed"] == given.seed}
-    all_works = [
-        Work(design, folder / design.name, given.limit, design.number in finer)
-        for design in with_law(drawn(given.seed, given.count)[: given.first], given.law)
-    ]
+    designs = with_larger_elements(with_law(drawn(given.seed, given.count)[: given.first], given.law), given.larger)
+    all_works = [Work(design, folder / design.name, given.limit, design.number in finer) for design in designs]
     works = [work for work in all_works if work.design.number not in elsewhere]
     earlier = _stored_records([work for work in all_works if work.design.number in elsewhere])
     records: list[Record] = []
@@ -104,13 +121,16 @@ def main() -> int:
     if given.page and (records or elsewhere):
         _publish(given.page, [*others, campaign(given, records)])
     results = {outcome(record) for record in records}
-    return int(bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records))
+    bad = bool(results & {WRONG, TRACEBACK, NO_LIMIT}) or any(record["ended"] == ERROR for record in records)
+    return int(bad or results == {EARLY})
 
 
 def _why_not_published(given: argparse.Namespace, published: Mapping[str, Any] | None) -> str:
     """Why --page is not for this campaign; empty where it is. published: what its pages were written from, if any."""
     if given.seed in MENDING:
         return f"seed {given.seed} is for mending the program"
+    if given.larger != 1.0:
+        return "the elements are not those that the program chooses"
     if given.stored or published is None:
         return ""
     if any(entry["law"] != given.law for entry in published["campaigns"]):
