@@ -15,7 +15,7 @@ from bodies import box
 from loads import Traction
 
 import fem
-from benchmarks.unseen.__main__ import campaign, sample
+from benchmarks.unseen.__main__ import campaign, sample, with_larger_elements
 from benchmarks.unseen.__main__ import main as campaigns_main
 from benchmarks.unseen.again import main as again_main
 from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_difference
@@ -503,6 +503,34 @@ def test_designs_are_added_to_those_of_a_page(tmp_path: Path, monkeypatch: pytes
     assert sources("--seed", "2") == both
     assert sources("--seed", "11", "--law", "five") == both
     assert sources("--seed", "7", "--stored") == both
+    assert sources("--seed", "13", "--larger", "2") == both
+
+
+def test_larger_elements_are_those_of_the_program_times_a_factor(tmp_path: Path) -> None:
+    """And nothing else of a design changes; only a campaign with the sizes of the program is published (above)."""
+    usual = drawn(2, 4)[3]
+    (larger,) = with_larger_elements([usual], 1.5)
+    sizes = []
+    for design in (usual, larger):
+        path = tmp_path / "design.yaml"
+        path.write_text(json.dumps(design.document))
+        sizes.append(load_config(path).mesh.element_size_mm)
+    assert sizes[1] == pytest.approx(1.5 * sizes[0], rel=0.01)
+    assert {**larger.document, "mesh": None} == {**usual.document, "mesh": None}
+    assert with_larger_elements([usual], 1.0) == [usual]
+
+
+def test_a_campaign_of_which_every_design_is_refused_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def status(*ended: str) -> int:
+        def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
+            return (record(number=number, ended=end, states=[]) for number, end in enumerate(ended))
+
+        monkeypatch.setattr("benchmarks.unseen.__main__.outcomes_of", outcomes)
+        monkeypatch.setattr("sys.argv", ["unseen", "--seed", "2", "--count", "2", "--results", str(tmp_path)])
+        return campaigns_main()
+
+    assert status("refused", "refused") == 1
+    assert status("refused", "ran") == 0
 
 
 def test_campaigns_that_run_at_the_same_time_are_both_on_the_page(

@@ -191,8 +191,8 @@ def _check_across(points: Array, placing: Placing) -> None:
     if placing.half and abs(low) > tolerance:
         raise DesignError(
             "symmetric",
-            f"{reach}; true is for a file that holds one half alone, with z = 0 at its side: leave it out, or "
-            f"write middle: {placing.middle + low:.6g} mm, the z of that side",
+            f"{reach}; true is for a file that holds one half alone, with z = 0 at its side: leave it out, or write "
+            f"the z of the plane of symmetry, middle: {placing.middle + low:.6g} mm or {placing.middle + high:.6g} mm",
         )
     if not placing.half and not low < -tolerance < tolerance < high:
         raise DesignError(
