@@ -166,7 +166,7 @@ class SurfaceFile(FileDesign):
         clamp, tip = self._ends
         inner = self._parts[1]
         if not inner:
-            refuse_open(points, triangles, (clamp, tip), self.is_open_at_clamp, self._tolerance)
+            refuse_open(points, triangles, (clamp, tip), self.is_open_at_clamp, self._tolerance, fills=True)
         mirrors = [(0, clamp)] if self.is_open_at_clamp else []
         return named_cavities(points, inner, triangles, self.air, mirrors)
 

@@ -45,20 +45,27 @@ def parts_of(points: Array, surface: Index, plug: float | None, tolerance: float
     return outside, inner
 
 
-def refuse_open(points: Array, surface: Index, ends: tuple[float, float], plug: bool, tolerance: float) -> None:
+def refuse_open(
+    points: Array, surface: Index, ends: tuple[float, float], plug: bool, tolerance: float, fills: bool = False
+) -> None:
     """Raise `DesignError` for a surface without cavities, with the place of its inlet where that is in the plane of an
-    end; ends: x of clamp and tip, mm."""
+    end; ends: x of clamp and tip, mm; fills: whether points in the key `plug` fill inlets."""
     for name, x in zip(("clamp", "tip"), ends, strict=True):
         _, inner = parts_of(points, surface, x, tolerance)
         if inner and not (plug and name == "clamp"):
             rim = points[open_edges(inner[0], len(points))].reshape(-1, 3).mean(axis=0)
-            where = ", ".join(f"{round(coordinate, 3) + 0.0:g}" for coordinate in rim[1:])
-            remedy = "write plug: true, and it is closed there" if name == "clamp" else "close it in the file"
-            raise DesignError(("air", "file"), f"the air is open at the {name}, around (y, z) = ({where}) mm; {remedy}")
+            y, z = (f"{round(coordinate, 3) + 0.0:g}" for coordinate in rim[1:])
+            filled = f"write plug: {{inlet: [{x + 0.0:g} mm, {y} mm, {z} mm]}}, and it is filled with the material"
+            elsewhere = filled if fills else "close it in the file"
+            remedy = "write plug: true, and it is closed there" if name == "clamp" else elsewhere
+            raise DesignError(
+                ("air", "file"), f"the air is open at the {name}, around (y, z) = ({y}, {z}) mm; {remedy}"
+            )
+    remedy = "give a point in its mouth in plug: {inlet: [x, y, z]}" if fills else "close that"
     raise DesignError(
         ("air", "file"),
         "the body has no closed cavity: all of its surface is connected, and it has no inlet in the plane of the clamp "
-        "or of the tip; it is solid, or has an inlet elsewhere: close that, or save the walls of its air as well",
+        f"or of the tip; it is solid, or has an inlet elsewhere: {remedy}, or save the walls of its air as well",
     )
 
 
