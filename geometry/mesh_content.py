@@ -34,12 +34,12 @@ def read_content(path: Path) -> Any:
             "save the mesh as VTU"
         ) from error
     except (Exception, SystemExit) as error:
-        reason = " ".join(str(error).split())
-        if isinstance(error, KeyError) or not reason:
-            reason = (
-                f"it is not of the format of its suffix, or has an entry that meshio does not know {reason}".strip()
-            )
-        raise MeshError(f"the mesh file {path} cannot be read: {reason}") from error
+        reason = "" if isinstance(error, SystemExit) else " ".join(str(error).split())  # its number tells nothing
+        said = f" (meshio: {reason})" if reason else ""
+        raise MeshError(
+            f"the file {path} cannot be read: it is empty, cut off or not of the format of its suffix, or has an entry "
+            f"that meshio does not know{said}; save it again"
+        ) from error
 
 
 def read_mesh(path: Path) -> tuple[Array, Index, dict[str, Index]]:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from geometry import BisectedCircle, Mesh, MeshError
+from geometry.foreign.file import read_mesh_file
 
 REFERENCE = Path(__file__).parent / "data" / "t2_coarse.msh"
 REGULAR = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
@@ -169,6 +170,20 @@ def test_missing_and_foreign_files_are_refused(tmp_path: Path, capfd: pytest.Cap
     with pytest.raises(MeshError, match="cannot be read"):
         Mesh.read(tmp_path / "text.what")
     assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("part", [0.0, 0.5])
+@pytest.mark.parametrize("suffix", [".vtk", ".vtu", ".su2", ".mesh", ".msh"])
+def test_a_file_that_is_cut_off_is_refused_in_words(suffix: str, part: float, tmp_path: Path) -> None:
+    """Also where meshio gives up with a number or an error of its own code."""
+    content, path = meshio.read(REFERENCE), tmp_path / f"cut{suffix}"
+    tets = [block for block in content.cells if block.type == "tetra"]
+    meshio.Mesh(content.points, tets).write(path, **({"file_format": "gmsh22"} if suffix == ".msh" else {}))
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(part * len(whole))])
+    cut = r"cannot be read: it is empty, cut off or not of the format of its suffix.*; save it again$"
+    with pytest.raises(MeshError, match=cut):
+        read_mesh_file(path)
 
 
 @pytest.mark.parametrize(
