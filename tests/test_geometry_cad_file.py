@@ -160,13 +160,18 @@ def test_a_body_along_another_direction_is_refused_with_advice(angle: float, fol
         occ.rotate(finger(occ), 0, 0, 0, 0, 1, 0, angle)
 
     path = save(folder / "along_z.brep", along_z)
-    with pytest.raises(DesignError, match=r"symmetric: .*longest along z: give axes if that is the arm's length"):
+    with pytest.raises(
+        DesignError,
+        match=r"longest along z: if that is the arm's length, and its height is along y, write axes: \[z, y, -x\]",
+    ):
         CadFile(str(path), 1.0)
 
 
 def test_a_whole_body_beside_its_middle_is_refused(folder: Path) -> None:
     path = save(folder / "beside.brep", lambda occ: occ.translate(finger(occ), 0, 0, 7.5))
-    with pytest.raises(DesignError, match=r"symmetric: the body reaches from z = 0 to 15 mm, and the material curve"):
+    with pytest.raises(
+        DesignError, match=r"symmetric, middle: the body reaches from z = 0 to 15 mm, and the material curve"
+    ):
         design_of(path, symmetric=False, air={})
 
 

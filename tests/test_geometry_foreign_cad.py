@@ -110,7 +110,9 @@ def test_the_clamp_at_the_other_end(folder: Path) -> None:
         CadFile(str(path), 1.5, clamp=60, tip=0, symmetric=False, air={"cavity": (50, 1, 1)})
     assert (design.meshed_volume, half.meshed_volume) == (design.solid_volume, half.solid_volume / 2)
     one_half = save(folder / "one_half.step", half_bar)
-    with pytest.raises(DesignError, match=r"symmetric: the body reaches from z = 0 to 7.5 mm, and the material curve"):
+    with pytest.raises(
+        DesignError, match=r"symmetric, middle: the body reaches from z = 0 to 7.5 mm, and the material curve"
+    ):
         CadFile(str(one_half), 1.5, clamp=60, tip=0, symmetric=False)
 
 
@@ -195,7 +197,7 @@ def test_a_half_solid_below_is_the_same_arm(turned: bool, folder: Path) -> None:
     path = save(folder / "below.step", half_knobbed_below)
     clamp, tip = (60, 0) if turned else (0, 60)
     with pytest.raises(
-        DesignError, match=r"from z = -7\.5 to 0 mm: write symmetric: true if .* write middle: -3\.75 mm"
+        DesignError, match=r"from z = -7\.5 to 0 mm, .* write symmetric: true if .* write middle: -3\.75 mm"
     ):
         CadFile(str(path), 1.5, clamp, tip)
     design = CadFile(str(path), 1.5, clamp, tip, {"cavity": (50, 5, -1)}, symmetric=True)

@@ -104,7 +104,7 @@ def test_half_of_an_arm(folder: Path) -> None:
     assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-9)
     assert design.fixed_body.half
     assert design.extent == pytest.approx((60, 12, 15))
-    with pytest.raises(DesignError, match=r"symmetric: .* write true if the file holds one half"):
+    with pytest.raises(DesignError, match=r"symmetric, middle: .* write symmetric: true if the file holds one half"):
         MeshFile(str(path), curve=1.5)
 
 
@@ -124,7 +124,9 @@ def test_a_half_below_is_the_same_arm(order: int, folder: Path) -> None:
         assert {name: len(faces) for name, faces in body.mesh.faces.items()} == {
             name: len(faces) for name, faces in expected.mesh.faces.items()
         }
-    with pytest.raises(DesignError, match=r"symmetric: .* write true if the file holds one half of an arm"):
+    with pytest.raises(
+        DesignError, match=r"symmetric, middle: .* write symmetric: true if the file holds one half of an arm"
+    ):
         MeshFile(str(below), curve=1.5)
     beside = write_mesh(folder / "beside.vtu", points * [1, 1, -1] - [0, 0, 2], tets)
     with pytest.raises(

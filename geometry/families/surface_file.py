@@ -22,7 +22,8 @@ from geometry.foreign.surface_plug import plugged
 from geometry.grading import OFF, Grading
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_position import check_dimensions, middle_advice
+from geometry.meshing.cad_position import check_dimensions
+from geometry.orientation import likely_first, middle_advice, reach, turn_advice
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
 LARGEST_ERROR = 0.01
@@ -86,13 +87,13 @@ class SurfaceFile(FileDesign):
 
     def _check_middle(self) -> None:
         """Raise `DesignError` unless z = 0 lies within the body."""
-        low, high = self.surface.points[:, 2].min(), self.surface.points[:, 2].max()
-        if not low < 0 < high or min(-low, high) <= FLAT * max(self.extent):
-            turned = "; if its height is along z, turn it with axes: [x, z, -y]" if self.axes == SAME else ""
+        low, high = self.surface.points.min(axis=0), self.surface.points.max(axis=0)
+        if not low[2] < 0 < high[2] or min(-low[2], high[2]) <= FLAT * max(self.extent):
+            whole = f"{middle_advice(low[2], high[2], self.middle)}; a file of one half alone cannot be used"
             raise DesignError(
                 ("middle", "file"),
-                f"the body reaches from z = {round(low, 6) + 0.0:.4g} to {high:.4g} mm, and the material curve runs at "
-                f"z = 0; {middle_advice(low, high, self.middle)}, if the file holds both halves, as it must{turned}",
+                f"{reach(low[2], high[2])}, and the material curve runs at z = 0; "
+                + likely_first(turn_advice(low, high, self.axes != SAME), whole),
             )
 
     @property

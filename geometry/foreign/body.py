@@ -21,7 +21,8 @@ from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
-from geometry.meshing.cad_position import check_dimensions, doubt_of_unit, goes_on, middle_advice
+from geometry.meshing.cad_position import check_dimensions, doubt_of_unit, goes_on
+from geometry.orientation import likely_first, middle_advice, reach, turn_advice
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
@@ -185,20 +186,25 @@ class Move:
 
 def _check_across(points: Array, placing: Placing) -> None:
     """Raise `DesignError` unless z = 0 is within a whole body, and at the side of a half."""
-    low, high = float(points[:, 2].min()), float(points[:, 2].max())
+    corners = points.min(axis=0), points.max(axis=0)
+    low, high = float(corners[0][2]), float(corners[1][2])
     tolerance = FLAT * float(np.ptp(points, axis=0).max())
-    reach = f"the body reaches from z = {low:.4g} to {high:.4g} mm"
     if placing.half and abs(low) > tolerance:
         raise DesignError(
-            "symmetric",
-            f"{reach}; true is for a file that holds one half alone, with z = 0 at its side: leave it out, or write "
-            f"the z of the plane of symmetry, middle: {placing.middle + low:.6g} mm or {placing.middle + high:.6g} mm",
+            ("symmetric", "middle"),
+            f"{reach(low, high)}; true is for a file that holds one half alone, with z = 0 at its side: leave it out, "
+            f"or write the z of the plane of symmetry, middle: {placing.middle + low:.6g} mm or "
+            f"{placing.middle + high:.6g} mm",
         )
     if not placing.half and not low < -tolerance < tolerance < high:
         raise DesignError(
-            "symmetric",
-            f"{reach}, and the material curve runs at z = 0; write true if the file holds one half of an arm, "
-            f"else {middle_advice(low, high, placing.middle)}",
+            ("symmetric", "middle"),
+            f"{reach(low, high)}, and the material curve runs at z = 0; "
+            + likely_first(
+                turn_advice(*corners, placing.axes != SAME),
+                "write symmetric: true if the file holds one half of an arm; if it holds the whole arm, "
+                + middle_advice(low, high, placing.middle),
+            ),
         )
 
 

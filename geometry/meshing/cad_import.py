@@ -44,6 +44,11 @@ class CadSource:
     defeatured: bytes | None = None  #: its one solid in mm, as BREP, where narrow faces were removed
     shift: float = 0.0  #: along z, after the rotation, mm
 
+    @property
+    def has_axes(self) -> bool:
+        """Whether other directions of the file are x, y and z of the arm."""
+        return not np.array_equal(np.abs(self.turn), np.eye(3))
+
 
 @dataclass(frozen=True)
 class CadBody:

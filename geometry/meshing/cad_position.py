@@ -9,6 +9,7 @@ from geometry.design import DesignError
 from geometry.meshing.cad_import import STEP, CadBody, Point
 from geometry.meshing.cad_mirror import difference
 from geometry.meshing.shapes import Volume
+from geometry.orientation import likely_first, middle_advice, reach, turn_advice
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
@@ -17,8 +18,6 @@ USUAL = 10.0
 #: The two sides of a symmetric body reach equally far but for this part of its size, because the bounds of splines are
 #: those of triangles; `check_symmetric` compares the halves themselves.
 UNEQUAL = 1e-3
-#: A middle is given with two decimals where that moves it by at most this part of the width; see `UNEQUAL`.
-ROUNDED = 1e-4
 #: Part of the volume of a symmetric body in which both halves together may differ.
 DIFFERENT = 2e-6
 #: A face all of which is nearer to the plane of an end than this, over the length, may lie in it: the CAD kernel draws
@@ -49,16 +48,6 @@ def doubt_of_unit(sides: Array, remedy: str = "give the unit of its file, geomet
     return f"; the body measures {measures} mm: if that is too small, {remedy}"
 
 
-def middle_advice(low: float, high: float, middle: float) -> str:
-    """What brings a body that reaches from z = low to high (mm), with the key `middle` as it is, to both sides of
-    z = 0: the second half of a sentence."""
-    position = middle + (low + high) / 2
-    short = round(position, 2) + 0.0
-    if abs(short - position) <= ROUNDED * (high - low):
-        position = short
-    return f"write middle: {position:.6g} mm, the z of its middle"
-
-
 def _stores_unit(body: CadBody) -> bool:
     return body.source.path.suffix.lower() in STEP
 
@@ -85,29 +74,28 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
                 f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm{_doubt(body, sides)}",
             )
     across = (0.0 - high[2], 0.0 - low[2]) if body.turned else (low[2], high[2])  # as in the file
-    reach = f"the body reaches from z = {across[0]:.4g} to {across[1]:.4g} mm"
-    longest = "xyz"[int(np.argmax(sides))]
-    turned = "" if longest == "x" else f"; the body is longest along {longest}: give axes if that is the arm's length"
+    beginning, whole = reach(*across), middle_advice(*across, body.middle)
+    turn = turn_advice(np.array(low), np.array(high), body.source.has_axes)
+    half = "write symmetric: true if the file holds one half of an arm"
     at_side = min(abs(low[2]), abs(high[2])) <= tolerance
-    if body.half and longest == "z" and at_side:
-        raise DesignError("symmetric", f"the body would be one half of an arm that is wider than it is long{turned}")
-    if not body.half and not low[2] < -tolerance < tolerance < high[2]:
+    if body.half and np.argmax(sides) == 2 and at_side:
         raise DesignError(
-            "symmetric",
-            f"{reach}, and the material curve runs at z = 0; write true if the file holds one half of an arm, else "
-            f"{middle_advice(*across, body.middle)}{turned}",
+            ("symmetric", "axes"), f"the body would be one half of an arm that is wider than it is long; {turn}"
         )
-    if body.half and at_side and not body.says_half:
+    if (body.half and at_side and not body.says_half) or (
+        not body.half and not low[2] < -tolerance < tolerance < high[2]
+    ):
         raise DesignError(
             ("symmetric", "middle"),
-            f"{reach}: write symmetric: true if the file holds one half of an arm; if it holds the whole arm, "
-            f"{middle_advice(*across, body.middle)}{turned}",
+            f"{beginning}, and the material curve runs at z = 0; "
+            + likely_first(turn, f"{half}; if it holds the whole arm, {whole}"),
         )
     if body.half and not at_side and abs(low[2] + high[2]) > UNEQUAL * sides.max():
+        aside = f"{whole}, or symmetric: false for a whole body that is not symmetric"
         raise DesignError(
-            "symmetric",
-            f"{reach}: it is neither one half, with z = 0 at its side, nor symmetric about z = 0; "
-            f"{middle_advice(*across, body.middle)}, or write false for a whole body that is not symmetric{turned}",
+            ("symmetric", "middle"),
+            f"{beginning}: it is neither one half, with z = 0 at its side, nor symmetric about z = 0; "
+            + likely_first(turn, aside),
         )
 
 
