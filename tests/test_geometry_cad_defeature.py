@@ -87,7 +87,7 @@ def test_of_one_half_the_other_has_no_details_either(tmp_path: Path) -> None:
     def half(occ: Any) -> Any:
         return occ.intersect(with_details(occ), [box(occ, (-1, -1, 0), (61, 20, 9))])[0]
 
-    design = CadFile(str(save(tmp_path / "body.step", half)), 1.5, defeature=0.8)
+    design = CadFile(str(save(tmp_path / "body.step", half)), 1.5, defeature=0.8, symmetric=True)
     assert design.extent == pytest.approx((60, 12, 15))
     assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
 

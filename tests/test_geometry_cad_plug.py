@@ -41,8 +41,8 @@ THROUGH_A_WALL = {
     "a point beside the middle": (BELOW, (30.5, 0, 0.3), {}),
     "the whole body": (BELOW, (30, 0, 0), {"symmetric": False}),
     "clamped at the larger x": (BELOW, (30, 0, 0), {"clamp": 60, "tip": 0}),
-    "half": (half(BELOW, 1), (30, 0, 0), {}),
-    "other half": (half(BELOW, -1), (30, 0, 0), {}),
+    "half": (half(BELOW, 1), (30, 0, 0), {"symmetric": True}),
+    "other half": (half(BELOW, -1), (30, 0, 0), {"symmetric": True}),
     "at the clamp": (drilled(cylinder(-1, 6, 0, 5, 0, 0, 1.5)), (0, 6, 0), {}),
     "in one side": (drilled(cylinder(30, 6, 0, 0, 0, 9, 1.5)), (30, 6, 7.5), {}),
     "square": (drilled(lambda occ: box(occ, (28, -1, -2), (32, 4, 2))), (30, 0, 0), {}),
@@ -161,7 +161,7 @@ IN_A_ROUND_FACE = {
     "clamped at the larger x": (drilled(ABOVE, draw=tube), (20, 7, 0), {"clamp": 50, "tip": 0}, 1.5),
     "across the seam": (drilled(cylinder(20, 0, 0, 0, 0, 10, 1.5), draw=tube), (20, 0, 7), {"symmetric": False}, 2.04),
     "on both sides": (drilled(cylinder(20, 0, -10, 0, 0, 20, 1.5), draw=tube), (20, 0, 7), {}, 2.04),
-    "half": (half(drilled(ABOVE, draw=tube), 1), (20, 7, 0), {}, 1.5),
+    "half": (half(drilled(ABOVE, draw=tube), 1), (20, 7, 0), {"symmetric": True}, 1.5),
     "oblique": (drilled(cylinder(20, 0, 0, 4, 10, 0, 1.2), draw=tube), (22.8, 7, 0), {}, 1.5),
     "square": (drilled(lambda occ: box(occ, (19, 0, -1), (21, 9, 1)), draw=tube), (20, 7, 0), {}, 1.92),
     "stepped": (
@@ -191,7 +191,7 @@ def test_an_inlet_with_its_mouth_in_a_round_face_is_filled_up_to_both_faces(tmp_
 
 def test_inlets_of_a_half_that_is_mirrored_and_splines_then(tmp_path: Path) -> None:
     path = str(save(tmp_path / "tube.step", half(drilled(ABOVE, draw=tube), -1)))
-    design = CadFile(path, -6.5, plug={"inlet": (20, 7, 0)})
+    design = CadFile(path, -6.5, plug={"inlet": (20, 7, 0)}, symmetric=True)
     assert design.solid_volume == pytest.approx(TUBE_VOLUME, rel=1e-5)
     assert design.plug_depths["inlet"] == pytest.approx(1.5, abs=0.02)
 
