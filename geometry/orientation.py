@@ -6,8 +6,7 @@ from geometry.arrays import Array
 
 #: two sides reach equally far from zero but for this part of the size
 EQUAL = 1e-3
-#: a middle is given with two decimals where that moves it by at most this part of the width, because the bounds of
-#: splines are those of triangles
+#: a middle that is not known exactly is given with two decimals where that moves it by at most this part of the width
 ROUNDED = 1e-4
 #: the value of `axes`, by the direction along which a body is longest and the one in which it is high
 _TURNS = {
@@ -19,22 +18,27 @@ _TURNS = {
 }
 
 
-def reach(low: float, high: float) -> str:
-    """The beginning of a sentence: from where to where the body reaches across, mm."""
+def reach(low: float, high: float, middle: float) -> str:
+    """The beginning of a sentence: from where to where the body reaches across, mm; middle: the key as it is."""
     low, high = (round(position, 6) + 0.0 for position in (low, high))
-    return f"the body reaches from z = {low:.4g} to {high:.4g} mm"
+    return f"the body reaches from z = {low:.4g} to {high:.4g} mm" + (" from middle" if middle else "")
 
 
-def middle_advice(low: float, high: float, middle: float) -> str:
+def middle_advice(low: float, high: float, middle: float, is_exact: bool = True) -> str:
     """What brings a body that reaches from z = low to high (mm) to both sides of z = 0, the second half of a sentence.
 
-    middle: the key as it is, mm.
+    middle: the key as it is, mm; is_exact: not so for splines, whose bounds are those of triangles.
     """
-    position = middle + (low + high) / 2
+    position = round(middle + (low + high) / 2, 9) + 0.0
     short = round(position, 2) + 0.0
-    if abs(short - position) <= ROUNDED * (high - low):
+    if not is_exact and abs(short - position) <= ROUNDED * (high - low):
         position = short
-    return f"write middle: {position:.6g} mm, the z of its middle"
+    return f"write middle: {position:.9g} mm, the z of its middle"
+
+
+def sides(low: float, high: float, middle: float) -> str:
+    """Both values of the key `middle` with which z = 0 is at a side of the body."""
+    return " or ".join(f"{round(middle + side, 9) + 0.0:.9g} mm" for side in (low, high))
 
 
 def turn_advice(low: Array, high: Array, turned: bool) -> str:

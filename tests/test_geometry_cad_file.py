@@ -114,7 +114,7 @@ BAD_FILES: dict[str, tuple[Draw, str, str]] = {
     "aside": (
         lambda occ: occ.translate(finger(occ), 0, 0, 3),
         "symmetric",
-        r"neither one half, with z = 0 at its side, nor symmetric about z = 0; write middle: 3 mm",
+        r"z = 0 is neither in the middle of the body nor at its side; write middle: 3 mm, the z of its middle",
     ),
 }
 

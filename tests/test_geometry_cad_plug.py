@@ -45,6 +45,11 @@ THROUGH_A_WALL = {
     "other half": (half(BELOW, -1), (30, 0, 0), {"symmetric": True}),
     "at the clamp": (drilled(cylinder(-1, 6, 0, 5, 0, 0, 1.5)), (0, 6, 0), {}),
     "in one side": (drilled(cylinder(30, 6, 0, 0, 0, 9, 1.5)), (30, 6, 7.5), {}),
+    "in one side of an arm clamped at its larger x": (
+        drilled(cylinder(30, 6, 0, 0, 0, 9, 1.5)),
+        (30, 6, 7.5),
+        {"clamp": 60, "tip": 0},
+    ),
     "square": (drilled(lambda occ: box(occ, (28, -1, -2), (32, 4, 2))), (30, 0, 0), {}),
     "in the shape of an L": (
         drilled(lambda occ: box(occ, (28, -1, -3), (33, 4, 3)), lambda occ: box(occ, (26, -1, -3), (28, 4, -1))),

@@ -151,7 +151,10 @@ def test_a_body_with_its_origin_at_a_corner(kind: str, folder: Path) -> None:
     check_bar(design)
     if family is CadFile:
         for ends in ({}, {"clamp": 60, "tip": 0}):
-            with pytest.raises(DesignError, match=r"from z = -5 to 10 mm: it is neither .* write middle: 7\.5 mm"):
+            with pytest.raises(
+                DesignError,
+                match=r"from z = -5 to 10 mm from middle: z = 0 is neither .* write middle: 7\.5 mm, .* 0 mm or 15 mm",
+            ):
                 family(path, 1.5, middle=5.0, **ends)
 
 
@@ -240,10 +243,18 @@ def test_an_inlet_at_the_clamp_of_a_mesh_is_closed(folder: Path, kind: str) -> N
         path, reader = write_mesh(folder / "inlet.vtu", *meshed(bar_with_inlet, 4.0)), MeshFile
     with pytest.raises(DesignError, match=r"the air is open at the clamp, around \(y, z\) = \(6, .*write plug: true"):
         reader(str(path), 1.5)
-    remedy = r"write plug: {inlet: \[0 mm, 6 mm, 0 mm\]}, and it is filled" if kind == "stl" else "close it in the file"
+    remedy = (
+        r"give a point in each inlet in plug instead of true, here \[0 mm, 6 mm, 0 mm\]"
+        if kind == "stl"
+        else "close it in the file"
+    )
     with pytest.raises(DesignError, match=rf"the air is open at the tip, around .*; {remedy}"):
         reader(str(path), 1.5, clamp=60, tip=0, plug=True)
     if kind == "stl":  # what is written is accepted
+        with pytest.raises(
+            DesignError, match=r"open at the tip, .*; write plug: {inlet: \[0 mm, 6 mm, 0 mm\]}, and it is"
+        ):
+            SurfaceFile(str(path), 1.5, clamp=60, tip=0)
         filled = SurfaceFile(str(path), 1.5, clamp=60, tip=0, plug={"inlet": (0, 6, 0)})
         assert filled.cavity_volume == pytest.approx(BAR_AIR, rel=1e-3)
     design = reader(str(path), 1.5, plug=True)
@@ -255,6 +266,26 @@ def test_an_inlet_at_the_clamp_of_a_mesh_is_closed(folder: Path, kind: str) -> N
     assert named.cavity_volume == pytest.approx(design.cavity_volume, rel=1e-9)
     with pytest.raises(DesignError, match=r"the point \(-1, 6, 0\) mm lies behind the plane of the clamp, x = 0 mm"):
         reader(str(path), 1.5, plug=True, air={"cavity": (-1, 6, 0)})
+
+
+def test_inlets_at_both_ends_of_a_surface_are_filled(folder: Path) -> None:
+    """One after the other, as the refusals say."""
+
+    def open_at_both_ends(occ: Any) -> Any:
+        return occ.cut(bar_with_inlet(occ), [(3, occ.addCylinder(55, 6, 0, 10, 0, 0, 1.5))])[0]
+
+    path = str(write_surface(folder / "both.stl", open_at_both_ends, 50, around=48))
+    with pytest.raises(
+        DesignError, match=r"solid, or has other or several inlets: give a point in each of their mouths"
+    ):
+        SurfaceFile(path, 1.5)
+    ends = {"clamp": (0.0, 6.0, 0.0), "tip": (60.0, 6.0, 0.0)}
+    for given, other, at in (("clamp", "tip", 60), ("tip", "clamp", 0)):
+        with pytest.raises(
+            DesignError, match=rf"open at the {other}, .* add a point in it to plug, \[{at} mm, 6 mm, 0 mm\]"
+        ):
+            SurfaceFile(path, 1.5, plug={given: ends[given]})
+    assert SurfaceFile(path, 1.5, plug=ends).cavity_volume == pytest.approx(BAR_AIR, rel=1e-3)
 
 
 def test_axis_and_angle_of_all_turns() -> None:

@@ -82,7 +82,8 @@ def with_narrow_sym(mesh: Mesh) -> Mesh:
 
 
 def with_sym_elsewhere(mesh: Mesh) -> Mesh:
-    return Mesh(np.add(mesh.points, [0, 0, 0.5]), mesh.tets, mesh.faces)
+    """Not in one plane."""
+    return Mesh(mesh.points + np.outer(mesh.points[:, 0], [0, 0, 0.01]), mesh.tets, mesh.faces)
 
 
 def half_below(mesh: Mesh) -> Mesh:
@@ -142,6 +143,21 @@ def test_meshes_that_cannot_be_used(case: str, pneunet: Path, tmp_path: Path) ->
     with pytest.raises(DesignError, match=sentence) as caught:
         MeshFile(str(tmp_path / "bad.msh"), curve=1)
     assert caught.value.keys[0] == "file"
+
+
+def test_a_mesh_with_names_whose_middle_is_elsewhere(pneunet: Path, tmp_path: Path) -> None:
+    """A half whose face sym lies in another plane, and a whole body with its origin at a corner."""
+    half = Mesh.read(pneunet)
+    Mesh(np.add(half.points, [0, 0, 0.5]), half.tets, half.faces).write(tmp_path / "half.msh")
+    with pytest.raises(DesignError, match=r"the face sym lies in the plane z = 0\.5 mm; write middle: 0\.5 mm"):
+        MeshFile(str(tmp_path / "half.msh"), curve=1)
+    volume = MeshFile(str(tmp_path / "half.msh"), curve=1, middle=0.5).solid_volume
+    assert volume == pytest.approx(2 * half.volume)
+    whole = half.mirrored()
+    Mesh(np.add(whole.points, [0, 0, 7.5]), whole.tets, whole.faces).write(tmp_path / "whole.msh")
+    with pytest.raises(DesignError, match=r"from z = 0 to 15 mm, .* if it holds the whole arm, write middle: 7\.5 mm"):
+        MeshFile(str(tmp_path / "whole.msh"), curve=1)
+    assert MeshFile(str(tmp_path / "whole.msh"), curve=1, middle=7.5).solid_volume == pytest.approx(volume)
 
 
 def test_positions_in_sentences_are_those_of_the_file(pneunet: Path, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from geometry import CadFile, Design, DesignError, MeshFile, SurfaceFile
 from geometry.foreign.frame import rotation
 from geometry.orientation import turn_advice
 from tests.foreign_bodies import bar, meshed, write_mesh, write_surface
-from tests.step_bodies import Draw, save
+from tests.step_bodies import Draw, box, save
 
 #: rotations by a quarter of a turn about x, and then about another axis, of the bar with its base at y = 0
 LYING: dict[str, tuple[tuple[float, float, float], ...]] = {
@@ -75,3 +75,41 @@ def test_every_turn_that_is_suggested_is_one() -> None:
     assert turn_advice(np.zeros(3), np.array([10.0, 60.0, 12.0]), turned=True).endswith(
         "check axes if that is the arm's length"
     )
+
+
+@pytest.mark.parametrize("width", [28.575, 15.00003, 14.0])
+def test_the_middle_that_is_suggested_is_that_of_the_body(width: float, tmp_path: Path) -> None:
+    """To the rounding of the file, so that both halves are equal."""
+
+    def at_its_corner(occ):
+        block, air = box(occ, (0, 0, 100), (60, 12, 100 + width)), box(occ, (3, 3, 103), (57, 10, 97 + width))
+        return occ.cut([block], [air])[0]
+
+    path = str(save(tmp_path / "bar.step", at_its_corner))
+    with pytest.raises(DesignError, match="z = 0 is neither in the middle of the body nor at its side") as refused:
+        CadFile(path, 1.5)
+    middle = float(re.search(r"write middle: (\S+) mm", refused.value.sentence)[1])
+    assert CadFile(path, 1.5, middle=middle).extent == pytest.approx((60, 12, width))
+
+
+@pytest.mark.parametrize("symmetric", [True, None])
+def test_a_half_away_from_its_plane_is_told_where_that_is(symmetric: bool | None, tmp_path: Path) -> None:
+    def half(occ):
+        solids = occ.intersect(bar(occ), [box(occ, (-1, -1, 0), (61, 20, 8))])[0]
+        occ.translate(solids, 0, 0, 2)
+        return solids
+
+    path = str(save(tmp_path / "half.step", half))
+    with pytest.raises(DesignError, match=r"write symmetric: true and the z .* middle: 2 mm or 9\.5 mm"):
+        CadFile(path, 1.5, symmetric=symmetric)
+    assert CadFile(path, 1.5, symmetric=True, middle=2.0).extent == pytest.approx((60, 12, 15))
+    mesh = str(write_mesh(tmp_path / "half.vtk", *meshed(half, 5.0)))
+    with pytest.raises(DesignError, match=r"leave it out, or write the z .* middle: 2 mm or 9\.5 mm"):
+        MeshFile(mesh, 1.5, symmetric=True)
+    assert MeshFile(mesh, 1.5, symmetric=True, middle=2.0).extent == pytest.approx((60, 12, 15))
+
+
+def test_a_whole_mesh_that_is_called_a_half_is_not_told_to_move(tmp_path: Path) -> None:
+    path = str(write_mesh(tmp_path / "bar.vtk", *meshed(bar, 5.0)))
+    with pytest.raises(DesignError, match=r"with z = 0 at its side: leave it out$"):
+        MeshFile(path, 1.5, symmetric=True)

@@ -95,7 +95,8 @@ def test_gravity_along_an_arm_that_is_turned(kind: str, tmp_path: Path) -> None:
     def is_said(x: str, *settings: str) -> bool:
         gravity = f"effects.gravity={{acceleration: [{x}, -1 m/s^2, 0 m/s^2]}}"
         return any(
-            "against the x of the file" in note for note in before_solving(load_config(path, (gravity, *settings)))
+            "against the x in which geometry.clamp" in note
+            for note in before_solving(load_config(path, (gravity, *settings)))
         )
 
     assert is_said("9.81 m/s^2", "geometry.clamp=60 mm")
@@ -584,11 +585,11 @@ def test_a_body_that_is_not_longest_along_x_is_named(tmp_path: Path) -> None:
     path = str(save(tmp_path / "upright.step", upright))
     note = of_directions(CadFile(path, 1.5))
     assert note.startswith("the body is 12 mm long along x, ")
-    assert "and 60 mm along y; if that is its length, turn it with geometry.axes: [y, -x, z]; curve, clamp" in note
+    assert "and 60 mm along y; if that is its length, turn it with geometry.axes: [y, x, -z]; all positions" in note
     assert of_directions(CadFile(path, 1.5, axes=("y", "-x", "z"))) == ""
     middle = str(save(tmp_path / "middle.step", lambda occ: occ.translate(upright(occ), 0, -30, 0)))
     sideways = of_directions(CadFile(middle, -6.0, axes=("x", "z", "-y"), symmetric=False))
-    assert "60 mm along z; if that is its length, turn it with geometry.axes; curve" in sideways
+    assert "60 mm along z; if that is its length, turn it with geometry.axes; all" in sideways
     assert of_directions(PneuNet(chambers=1, chamber_height=50.0)) == ""
 
 

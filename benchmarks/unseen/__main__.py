@@ -34,6 +34,7 @@ from benchmarks.unseen.sorting import EARLY, ERROR, NO_LIMIT, TRACEBACK, WRONG, 
 from benchmarks.unseen.work import LIMIT, Record, Work, kept, outcomes_of
 from pipeline.config.config import LAW_CHOICES
 from pipeline.config.load import load_config
+from pipeline.errors import InputError
 from pipeline.processes import available_cores
 
 #: seeds with which the program was mended
@@ -54,7 +55,7 @@ def with_law(designs: Sequence[Drawn], law: str) -> list[Drawn]:
 
 
 def with_larger_elements(designs: Sequence[Drawn], factor: float) -> list[Drawn]:
-    """The designs with elements larger by a factor than those that the program chooses."""
+    """The designs with elements larger by a factor than those that the program chooses; refused ones as they are."""
     if factor == 1.0:
         return list(designs)
     changed = []
@@ -62,7 +63,11 @@ def with_larger_elements(designs: Sequence[Drawn], factor: float) -> list[Drawn]
         for design in designs:
             path = Path(folder) / f"{design.name}.yaml"
             path.write_text(json.dumps(design.document), encoding="utf-8")
-            size = three_digits(factor * load_config(path).mesh.element_size_mm)
+            try:
+                size = three_digits(factor * load_config(path).mesh.element_size_mm)
+            except InputError:
+                changed.append(design)
+                continue
             changed.append(replace(design, document={**design.document, "mesh": {"size": f"{size:g} mm"}}))
     return changed
 

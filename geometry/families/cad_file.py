@@ -53,11 +53,11 @@ class CadFile(FileDesign):
     clamp: float | None = None  #: x of the clamped end face; without it the end with the smallest x
     tip: float | None = None  #: x of the other end face; without it the other end
     air: Mapping[str, Point] = field(default_factory=dict)  #: a point in each cavity; needed with several cavities
-    symmetric: bool | None = None  #: `false`: both halves are meshed; `true` is needed for a file of one half alone
+    symmetric: bool | None = None  #: `true` if the file holds one half alone, `false` for halves that differ
     cell: float | CellPlanes | None = None  #: its length or [planes](cell.md#own-bodies), sought if left out
     unit: float = 1.0  #: unit of length of a BREP file, which does not store it
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
-    middle: float = 0.0  #: z of the middle of the body in the file, which becomes z = 0 of all other positions
+    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
     unite: bool = False  #: whether several solids that touch become one
     parts: Mapping[str, Point] = field(default_factory=dict)  #: a point in each solid of another material
     plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them

@@ -12,7 +12,7 @@ import numpy as np
 from geometry.arrays import Array
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign
-from geometry.foreign.body import Placed, Placing, divided, placed_by_planes, turned
+from geometry.foreign.body import FLAT, Placed, Placing, check_across, divided, placed_by_planes, turned
 from geometry.foreign.chambers import Range, chambers_of, has_gaps
 from geometry.foreign.file import FileMesh, read_mesh_file
 from geometry.foreign.frame import SAME, Axes
@@ -53,7 +53,7 @@ class MeshFile(FileDesign):
     cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
-    middle: float = 0.0  #: z of the middle of the body in the file, which becomes z = 0 of all other positions
+    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
     plug: bool = False  #: whether an inlet in the plane of the clamp is closed there
 
     def __post_init__(self) -> None:
@@ -72,9 +72,7 @@ class MeshFile(FileDesign):
         try:
             placing, content = self._placing, self._content
             content = replace(content, regions={name: content.regions[name] for name in self.regions})
-            given = self.clamp is not None or self.tip is not None or self.air or self.plug
-            by_planes = given or not _has_names(content)
-            return placed_by_planes(content, placing) if by_planes else _placed_by_names(content, placing)
+            return (_placed_by_names if self._by_names(content) else placed_by_planes)(content, placing)
         except MeshError as error:
             raise DesignError("file", str(error)) from error
 
@@ -88,7 +86,14 @@ class MeshFile(FileDesign):
     @cached_property
     def _content(self) -> FileMesh:
         """What the file says, in mm and in the directions of the arm."""
-        return turned(read_mesh_file(Path(self.file)), self._placing)
+        content = read_mesh_file(Path(self.file))
+        half = self.symmetric or (self._by_names(content) and "sym" in content.faces)
+        return turned(content, self._placing, half)
+
+    def _by_names(self, content: FileMesh) -> bool:
+        """Whether the names that the file has for its faces are used."""
+        given = self.clamp is not None or self.tip is not None or self.air or self.plug
+        return not given and _has_names(content)
 
     @cached_property
     def is_open_at_clamp(self) -> bool:
@@ -186,6 +191,7 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
     check_manifold(mesh)
     check_untangled(mesh)
     if "sym" in mesh.faces:
+        _refuse_shifted(mesh, placing)
         check_half(mesh)
     elif placing.half:
         raise DesignError(
@@ -202,12 +208,24 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
         if "sym" not in mesh.faces:
             _refuse_half(mesh, name, clamp)
         mesh.check_closed(name, clamp)
+    if "sym" not in mesh.faces:
+        check_across(mesh.points, placing)
     length = tip - clamp
     mesh = divided(_moved(mesh, clamp), placing.curve, length)
     for name in names:
         if not mesh.enclosed_volume(name) > 0:
             raise MeshError(f"the face {name} encloses material, not air")
     return Placed(mesh, length, names)
+
+
+def _refuse_shifted(mesh: Mesh, placing: Placing) -> None:
+    """Raise `DesignError` where the face sym is flat, but in another plane than z = 0."""
+    z, tolerance = mesh.points[np.unique(mesh.faces["sym"]), 2], FLAT * float(np.ptp(mesh.points, axis=0).max())
+    if np.ptp(z) <= tolerance and abs(z.mean()) > tolerance:
+        raise DesignError(
+            "middle",
+            f"the face sym lies in the plane z = {z.mean():.6g} mm; write middle: {placing.middle + z.mean():.9g} mm",
+        )
 
 
 def _refuse_nameless(mesh: Mesh, names: Iterable[str]) -> None:

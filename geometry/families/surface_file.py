@@ -51,7 +51,7 @@ class SurfaceFile(FileDesign):
     cell: float | None = None  #: length over which curvature is averaged; that of equal chambers, or up to 10 mm
     unit: float = 1.0  #: unit of length of the file
     axes: Axes = SAME  #: which directions of the file are x, y and z of the arm
-    middle: float = 0.0  #: z of the middle of the body in the file, which becomes z = 0 of all other positions
+    middle: float = 0.0  #: z of the plane of symmetry in the file; all other z are measured from it
     plug: Plug = False  #: `true` closes an inlet in the plane of the clamp; points in the mouths of inlets fill them
     defeature: float | None = None  #: edges shorter than this, and strips narrower than this, are removed
 
@@ -92,7 +92,7 @@ class SurfaceFile(FileDesign):
             whole = f"{middle_advice(low[2], high[2], self.middle)}; a file of one half alone cannot be used"
             raise DesignError(
                 ("middle", "file"),
-                f"{reach(low[2], high[2])}, and the material curve runs at z = 0; "
+                f"{reach(low[2], high[2], self.middle)}, and the material curve runs at z = 0; "
                 + likely_first(turn_advice(low, high, self.axes != SAME), whole),
             )
 
@@ -167,7 +167,7 @@ class SurfaceFile(FileDesign):
         clamp, tip = self._ends
         inner = self._parts[1]
         if not inner:
-            refuse_open(points, triangles, (clamp, tip), self.is_open_at_clamp, self._tolerance, fills=True)
+            refuse_open(points, triangles, (clamp, tip), self.plug, self._tolerance, fills=True)
         mirrors = [(0, clamp)] if self.is_open_at_clamp else []
         return named_cavities(points, inner, triangles, self.air, mirrors)
 

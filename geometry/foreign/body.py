@@ -22,7 +22,7 @@ from geometry.mesh import Mesh
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
 from geometry.meshing.cad_position import check_dimensions, doubt_of_unit, goes_on
-from geometry.orientation import likely_first, middle_advice, reach, turn_advice
+from geometry.orientation import likely_first, middle_advice, reach, sides, turn_advice
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
@@ -54,16 +54,16 @@ class Placed:
     turned: bool = False  #: whether it is clamped at the larger x of its file
 
 
-def turned(content: FileMesh, placing: Placing) -> FileMesh:
+def turned(content: FileMesh, placing: Placing, half: bool) -> FileMesh:
     """The content of a file in mm and in the directions of the arm; of a half z <= 0 its mirror image, the other half.
 
-    Raises `DesignError`.
+    half: whether the file holds one half alone. Raises `DesignError`.
     """
     turn, shift = placing.unit * rotation(placing.axes).T, np.array([0.0, 0.0, -placing.middle])
     points = content.points @ turn + shift
     check_dimensions(np.ptp(points, axis=0), placing.unit)
     mirrored = np.ones(3)
-    if (placing.half or "sym" in content.faces) and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
+    if half and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
         mirrored[2] = -1.0
 
     def there(positions: Array) -> Array:
@@ -81,7 +81,7 @@ def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
     """
     points, tets, curved = joined(content)
     ends = ends_of(points, placing)
-    _check_across(points, placing)
+    check_across(points, placing)
     before = Mesh(points, tets, {})  # its positions are those that a user knows
     check_manifold(before)
     check_untangled(before)
@@ -184,22 +184,23 @@ class Move:
         return points * self._signs + [self.ends[0], 0.0, 0.0]
 
 
-def _check_across(points: Array, placing: Placing) -> None:
+def check_across(points: Array, placing: Placing) -> None:
     """Raise `DesignError` unless z = 0 is within a whole body, and at the side of a half."""
     corners = points.min(axis=0), points.max(axis=0)
     low, high = float(corners[0][2]), float(corners[1][2])
     tolerance = FLAT * float(np.ptp(points, axis=0).max())
+    beginning, is_inside = reach(low, high, placing.middle), low < -tolerance < tolerance < high
     if placing.half and abs(low) > tolerance:
+        of_half = f", or write the z of the plane of symmetry, middle: {sides(low, high, placing.middle)}"
         raise DesignError(
             ("symmetric", "middle"),
-            f"{reach(low, high)}; true is for a file that holds one half alone, with z = 0 at its side: leave it out, "
-            f"or write the z of the plane of symmetry, middle: {placing.middle + low:.6g} mm or "
-            f"{placing.middle + high:.6g} mm",
+            f"{beginning}; true is for a file that holds one half alone, with z = 0 at its side: leave it out"
+            f"{'' if is_inside else of_half}",
         )
-    if not placing.half and not low < -tolerance < tolerance < high:
+    if not placing.half and not is_inside:
         raise DesignError(
             ("symmetric", "middle"),
-            f"{reach(low, high)}, and the material curve runs at z = 0; "
+            f"{beginning}, and the material curve runs at z = 0; "
             + likely_first(
                 turn_advice(*corners, placing.axes != SAME),
                 "write symmetric: true if the file holds one half of an arm; if it holds the whole arm, "

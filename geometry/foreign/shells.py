@@ -46,26 +46,40 @@ def parts_of(points: Array, surface: Index, plug: float | None, tolerance: float
 
 
 def refuse_open(
-    points: Array, surface: Index, ends: tuple[float, float], plug: bool, tolerance: float, fills: bool = False
+    points: Array,
+    surface: Index,
+    ends: tuple[float, float],
+    plug: bool | Mapping[str, object],
+    tolerance: float,
+    fills: bool = False,
 ) -> None:
     """Raise `DesignError` for a surface without cavities, with the place of its inlet where that is in the plane of an
-    end; ends: x of clamp and tip, mm; fills: whether points in the key `plug` fill inlets."""
+    end; ends: x of clamp and tip, mm; plug: the key as it is; fills: whether points in it fill inlets."""
     for name, x in zip(("clamp", "tip"), ends, strict=True):
         _, inner = parts_of(points, surface, x, tolerance)
-        if inner and not (plug and name == "clamp"):
+        if inner and not (plug is True and name == "clamp"):
             rim = points[open_edges(inner[0], len(points))].reshape(-1, 3).mean(axis=0)
             y, z = (f"{round(coordinate, 3) + 0.0:g}" for coordinate in rim[1:])
-            filled = f"write plug: {{inlet: [{x + 0.0:g} mm, {y} mm, {z} mm]}}, and it is filled with the material"
-            elsewhere = filled if fills else "close it in the file"
-            remedy = "write plug: true, and it is closed there" if name == "clamp" else elsewhere
+            point = f"[{x + 0.0:g} mm, {y} mm, {z} mm]"
+            if fills and isinstance(plug, Mapping):
+                remedy = f"add a point in it to plug, {point}, and it is filled with the material"
+            elif name == "clamp":
+                remedy = "write plug: true, and it is closed there"
+            elif not fills:
+                remedy = "close it in the file"
+            elif plug:
+                remedy = f"give a point in each inlet in plug instead of true, here {point}"
+            else:
+                remedy = f"write plug: {{inlet: {point}}}, and it is filled with the material"
             raise DesignError(
                 ("air", "file"), f"the air is open at the {name}, around (y, z) = ({y}, {z}) mm; {remedy}"
             )
-    remedy = "give a point in its mouth in plug: {inlet: [x, y, z]}" if fills else "close that"
+    remedy = "give a point in each of their mouths in plug: {inlet: [x, y, z]}" if fills else "close them"
     raise DesignError(
         ("air", "file"),
-        "the body has no closed cavity: all of its surface is connected, and it has no inlet in the plane of the clamp "
-        f"or of the tip; it is solid, or has an inlet elsewhere: {remedy}, or save the walls of its air as well",
+        "the body has no closed cavity: all of its surface is connected, and this is not because of one inlet in the "
+        f"plane of the clamp or of the tip alone; it is solid, or has other or several inlets: {remedy}, or save the "
+        "walls of its air as well",
     )
 
 

@@ -45,6 +45,10 @@ def plugged(gmsh: Any, body: CadBody, solids: list[Volume]) -> tuple[list[Volume
             depths[name] = depths[known]
             continue
         channel = _channel(gmsh, extent, solids, point)
+        if channel is None and extent.has_image and not _around(filled, point):
+            # of an arm that is turned to its larger x the inlet may lie on the other side of z = 0
+            channel = _channel(gmsh, extent, solids, _mirrored(point))
+            point = point if channel is None else _mirrored(point)
         if channel is None:
             if known := _around(filled, point):
                 raise _refusal(body, name, f"lies in the inlet that plug.{known} has filled; leave it out")

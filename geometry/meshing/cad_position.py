@@ -10,6 +10,7 @@ from geometry.meshing.cad_import import STEP, CadBody, Point
 from geometry.meshing.cad_mirror import difference
 from geometry.meshing.shapes import Volume
 from geometry.orientation import likely_first, middle_advice, reach, turn_advice
+from geometry.orientation import sides as sides_of
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
@@ -58,8 +59,11 @@ def _doubt(body: CadBody, sides: Array) -> str:
     return doubt_of_unit(sides)
 
 
-def check_position(body: CadBody, low: Point, high: Point) -> None:
-    """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm)."""
+def check_position(body: CadBody, low: Point, high: Point, is_exact: bool) -> None:
+    """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm).
+
+    is_exact: whether the bounds are those of the body itself, not of triangles on it.
+    """
     sides = np.subtract(high, low)
     check_dimensions(sides, None if _stores_unit(body) else body.source.unit)
     tolerance = 1e-6 * sides.max()
@@ -74,7 +78,7 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
                 f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm{_doubt(body, sides)}",
             )
     across = (0.0 - high[2], 0.0 - low[2]) if body.turned else (low[2], high[2])  # as in the file
-    beginning, whole = reach(*across), middle_advice(*across, body.middle)
+    beginning, whole = reach(*across, body.middle), middle_advice(*across, body.middle, is_exact)
     turn = turn_advice(np.array(low), np.array(high), body.source.has_axes)
     half = "write symmetric: true if the file holds one half of an arm"
     at_side = min(abs(low[2]), abs(high[2])) <= tolerance
@@ -91,11 +95,14 @@ def check_position(body: CadBody, low: Point, high: Point) -> None:
             + likely_first(turn, f"{half}; if it holds the whole arm, {whole}"),
         )
     if body.half and not at_side and abs(low[2] + high[2]) > UNEQUAL * sides.max():
-        aside = f"{whole}, or symmetric: false for a whole body that is not symmetric"
+        aside = (
+            f"{whole}, if the file holds the whole arm; for one half write symmetric: true and the z of its plane of "
+            f"symmetry, middle: {sides_of(*across, body.middle)}; for a whole arm that is not symmetric write "
+            "symmetric: false"
+        )
         raise DesignError(
             ("symmetric", "middle"),
-            f"{beginning}: it is neither one half, with z = 0 at its side, nor symmetric about z = 0; "
-            + likely_first(turn, aside),
+            f"{beginning}: z = 0 is neither in the middle of the body nor at its side; {likely_first(turn, aside)}",
         )
 
 

@@ -161,8 +161,8 @@ def _turned_gravity(config: Config) -> str:
     if not gravity.on or (x == 0.0 and z == 0.0) or not (isinstance(design, FileDesign) and design.is_turned):
         return ""
     return (
-        "gravity is in the frame of the arm, whose x runs from the clamp to the tip and so against the x of the file, "
-        "and whose z does the same; give effects.gravity.acceleration in this frame"
+        "gravity is in the frame of the arm, whose x runs from the clamp to the tip, and so against the x in which "
+        "geometry.clamp is given, as does its z; give effects.gravity.acceleration in this frame"
     )
 
 

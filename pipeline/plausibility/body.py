@@ -34,7 +34,8 @@ def of_half(body: Body) -> str:
     names, verb, them = ", ".join(away), "does" if len(away) == 1 else "do", "it" if len(away) == 1 else "them"
     return (
         f"of the half z >= 0 of the body, {names} {verb} not reach the plane z = 0: the whole body has a mirror image "
-        f"of {them} at z < 0, with the same pressure; write geometry.symmetric: false if it has not"
+        f"of {them} at z < 0, with the same pressure; if it has not, leave geometry.symmetric out where the file holds "
+        "the whole arm on one side of z = 0, and write false otherwise"
     )
 
 
@@ -45,12 +46,12 @@ def of_directions(design: Design) -> str:
     length, height, width = design.extent
     if length > (1.0 - ROUNDING) * max(height, width):
         return ""
-    axis, turned = ("y", "[y, -x, z]") if height > width else ("z", "[z, y, -x]")
+    axis, turned = ("y", "[y, x, -z]") if height > width else ("z", "[z, y, -x]")
     example = f": {turned}" if design.axes == ("x", "y", "z") else ""
     return (
         f"the body is {length:.3g} mm long along x, which is the direction of the arm from its clamp, and "
         f"{max(height, width):.3g} mm along {axis}; if that is its length, turn it with geometry.axes{example}; "
-        "curve, clamp, tip and air are in the new directions then"
+        "all positions are in the new directions then"
     )
 
 
