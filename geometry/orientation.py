@@ -1,15 +1,18 @@
 """Sentences for a body from a file that does not lie where an arm lies: x along it, y up, its middle at z = 0."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from geometry.arrays import Array
 
-#: two sides reach equally far from zero but for this part of the size
-EQUAL = 1e-3
+#: the two sides of a symmetric body reach equally far but for this part of its size, because the bounds of splines are
+#: those of triangles
+UNEQUAL = 1e-3
 #: a middle that is not known exactly is given with two decimals where that moves it by at most this part of the width
 ROUNDED = 1e-4
 #: the value of `axes`, by the direction along which a body is longest and the one in which it is high
-_TURNS = {
+TURNS = {
     ("x", "z"): "[x, z, -y]",
     ("y", "x"): "[y, x, -z]",
     ("y", "z"): "[y, z, x]",
@@ -18,55 +21,89 @@ _TURNS = {
 }
 
 
-def reach(low: float, high: float, middle: float) -> str:
-    """The beginning of a sentence: from where to where the body reaches across, mm; middle: the key as it is."""
-    low, high = (round(position, 6) + 0.0 for position in (low, high))
-    return f"the body reaches from z = {low:.4g} to {high:.4g} mm" + (" from middle" if middle else "")
+@dataclass(frozen=True, eq=False)  # arrays inside
+class Lying:
+    """Where a body lies in its file, and what a user writes if it should lie elsewhere: parts of sentences."""
+
+    low: Array  #: (3,) in the directions of the arm, measured from `middle`, mm
+    high: Array  #: (3,)
+    middle: float  #: the key, mm
+    has_axes: bool  #: whether it was turned with the key `axes`, so that no example can be given
+    is_exact: bool = True  #: whether the bounds are those of the body, not of triangles on it
+
+    def beside(self, halves: bool) -> str:
+        """The sentence for a body that does not have z = 0 within; halves: whether a file of one half may be given."""
+        advice = (
+            f"write symmetric: true if the file holds one half of an arm; if it holds the whole arm, {self.whole}"
+            if halves
+            else f"{self.whole}; a file of one half alone cannot be used"
+        )
+        return f"{self.reach}, and the material curve runs at z = 0; {self.turned_or(advice)}"
+
+    @property
+    def reach(self) -> str:
+        """From where to where it reaches across."""
+        low, high = (round(float(position), 6) + 0.0 for position in (self.low[2], self.high[2]))
+        return f"the body reaches from z = {low:.4g} to {high:.4g} mm" + (" from middle" if self.middle else "")
+
+    @property
+    def whole(self) -> str:
+        """What brings its middle to z = 0."""
+        low, high = float(self.low[2]), float(self.high[2])
+        position = self.middle + (low + high) / 2
+        short = round(position, 2)
+        if not self.is_exact and abs(short - position) <= ROUNDED * (high - low):
+            position = short
+        return f"write middle: {position_of(position)}, the z of its middle"
+
+    @property
+    def sides(self) -> str:
+        """Both values of the key `middle` with which z = 0 is at a side of it."""
+        return " or ".join(position_of(self.middle + float(side)) for side in (self.low[2], self.high[2]))
+
+    @property
+    def turn(self) -> str:
+        """What turns it if it lies along another axis, or its height does; empty where it likely lies along x."""
+        if self._longest == "x":
+            if self.has_axes or self._up != "z":
+                return ""
+            reason = "the body reaches equally far to both sides of y = 0: " if self._must_turn else ""
+            return f"{reason}if its height is along z, write axes: {TURNS['x', 'z']}"
+        along = f"the body is longest along {self._longest}"
+        if self.has_axes:
+            return f"{along}: check axes if that is the arm's length"
+        return (
+            f"{along}: if that is the arm's length, and its height is along {self._up}, write axes: "
+            f"{TURNS[self._longest, self._up]}"
+        )
+
+    def turned_or(self, advice: str) -> str:
+        """What turns it and other advice, the likelier of them first."""
+        if not self.turn:
+            return advice
+        return f"{self.turn}; otherwise {advice}" if self._must_turn else f"{advice}; {self.turn}"
+
+    @property
+    def _must_turn(self) -> bool:
+        """Whether something tells that it lies along other axes."""
+        return self._longest != "x" or not self._is_aside("y")
+
+    @property
+    def _longest(self) -> str:
+        return "xyz"[int(np.argmax(self.high - self.low))]
+
+    @property
+    def _up(self) -> str:
+        """The direction of its height: its width is likely on both sides of zero, and most programs have z up."""
+        others = [axis for axis in "zyx" if axis != self._longest]
+        return next(filter(self._is_aside, others), others[0])
+
+    def _is_aside(self, axis: str) -> bool:
+        """Whether it reaches farther to one side of zero."""
+        low, high = self.low["xyz".index(axis)], self.high["xyz".index(axis)]
+        return bool(abs(high + low) > UNEQUAL * (self.high - self.low).max())
 
 
-def middle_advice(low: float, high: float, middle: float, is_exact: bool = True) -> str:
-    """What brings a body that reaches from z = low to high (mm) to both sides of z = 0, the second half of a sentence.
-
-    middle: the key as it is, mm; is_exact: not so for splines, whose bounds are those of triangles.
-    """
-    position = round(middle + (low + high) / 2, 9) + 0.0
-    short = round(position, 2) + 0.0
-    if not is_exact and abs(short - position) <= ROUNDED * (high - low):
-        position = short
-    return f"write middle: {position:.9g} mm, the z of its middle"
-
-
-def sides(low: float, high: float, middle: float) -> str:
-    """Both values of the key `middle` with which z = 0 is at a side of the body."""
-    return " or ".join(f"{round(middle + side, 9) + 0.0:.9g} mm" for side in (low, high))
-
-
-def turn_advice(low: Array, high: Array, turned: bool) -> str:
-    """How a body with the bounds low and high (3,), mm, is turned if it lies along another axis, or its height does; a
-    part of a sentence.
-
-    turned: whether it was turned with `axes`, so that no example can be given.
-    """
-    longest = int(np.argmax(high - low))
-    others = [axis for axis in (2, 1, 0) if axis != longest]  # most programs have z up
-    aside = np.abs(high + low) > EQUAL * float((high - low).max())
-    up = next((axis for axis in others if aside[axis]), others[0])  # the width is likely on both sides of zero
-    if longest == 0:
-        if turned or up != 2:
-            return ""
-        reason = "" if aside[1] else "the body reaches equally far to both sides of y = 0: "
-        return f"{reason}if its height is along z, write axes: {_TURNS['x', 'z']}"
-    along = f"the body is longest along {'xyz'[longest]}"
-    if turned:
-        return f"{along}: check axes if that is the arm's length"
-    return (
-        f"{along}: if that is the arm's length, and its height is along {'xyz'[up]}, write axes: "
-        f"{_TURNS['xyz'[longest], 'xyz'[up]]}"
-    )
-
-
-def likely_first(turn: str, others: str) -> str:
-    """Two parts of a sentence; that on the turn stands first where something tells that the body has to be turned."""
-    if not turn:
-        return others
-    return f"{turn}; otherwise {others}" if turn.startswith("the body") else f"{others}; {turn}"
+def position_of(position: float) -> str:
+    """A position as the value of a key, mm."""
+    return f"{round(position, 9) + 0.0:.9g} mm"

@@ -10,7 +10,7 @@ import pytest
 
 from geometry import CadFile, Design, DesignError, MeshFile, SurfaceFile
 from geometry.foreign.frame import rotation
-from geometry.orientation import turn_advice
+from geometry.orientation import Lying
 from tests.foreign_bodies import bar, meshed, write_mesh, write_surface
 from tests.step_bodies import Draw, box, save
 
@@ -65,16 +65,15 @@ def test_every_turn_that_is_suggested_is_one() -> None:
     seen = set()
     for sides, aside in product(permutations((60.0, 15.0, 12.0)), product((0.0, 6.0), repeat=3)):
         low = np.array(aside) - np.array(sides) / 2
-        sentence = turn_advice(low, low + sides, turned=False)
+        sentence = Lying(low, low + sides, 0.0, has_axes=False).turn
         if match := re.search(r"axes: \[(.*?)\]", sentence):
             turn = rotation(match[1].split(", "))
             assert (np.abs(turn) @ sides)[0] == 60.0, "x of the arm is along its longest side"
             assert np.abs(turn[1]) @ aside == max(aside * (np.array(sides) < 60.0)) or not any(aside)
             seen.add(match[1])
     assert len(seen) == 5
-    assert turn_advice(np.zeros(3), np.array([10.0, 60.0, 12.0]), turned=True).endswith(
-        "check axes if that is the arm's length"
-    )
+    standing = Lying(np.zeros(3), np.array([10.0, 60.0, 12.0]), 0.0, has_axes=True)
+    assert standing.turn.endswith("check axes if that is the arm's length")
 
 
 @pytest.mark.parametrize("width", [28.575, 15.00003, 14.0])

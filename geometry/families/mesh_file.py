@@ -22,6 +22,7 @@ from geometry.manifold import check_half, check_manifold, check_untangled
 from geometry.mesh import Mesh
 from geometry.mesh_error import MeshError, position_text
 from geometry.meshing.cad_import import Point
+from geometry.orientation import position_of
 from geometry.topology import find_rows, open_edges
 
 #: what to do with a mesh that names some of its faces only
@@ -224,7 +225,8 @@ def _refuse_shifted(mesh: Mesh, placing: Placing) -> None:
     if np.ptp(z) <= tolerance and abs(z.mean()) > tolerance:
         raise DesignError(
             "middle",
-            f"the face sym lies in the plane z = {z.mean():.6g} mm; write middle: {placing.middle + z.mean():.9g} mm",
+            f"the face sym lies in the plane z = {z.mean():.6g} mm; "
+            f"write middle: {position_of(placing.middle + z.mean())}",
         )
 
 

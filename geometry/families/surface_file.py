@@ -1,7 +1,7 @@
 """A body from the closed surface in a file, filled with elements."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import ClassVar, final
@@ -15,15 +15,15 @@ from geometry.foreign.body import FLAT, Placed, Placing, ends_of, placed_by_plan
 from geometry.foreign.chambers import Range, chambers_of, has_gaps
 from geometry.foreign.defeatured import defeatured
 from geometry.foreign.fill import fill
-from geometry.foreign.frame import SAME, Axes, rotation
+from geometry.foreign.frame import SAME, Axes, in_frame
 from geometry.foreign.shells import named_cavities, parts_of, refuse_open
-from geometry.foreign.surface import Surface, enclosed, moved, read_surface, thinnest
+from geometry.foreign.surface import Surface, enclosed, read_surface, thinnest
 from geometry.foreign.surface_plug import plugged
 from geometry.grading import OFF, Grading
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
 from geometry.meshing.cad_position import check_dimensions
-from geometry.orientation import likely_first, middle_advice, reach, turn_advice
+from geometry.orientation import Lying
 
 #: largest difference between the volumes of the mesh (or its air) and of the surface, over that of the surface
 LARGEST_ERROR = 0.01
@@ -76,8 +76,8 @@ class SurfaceFile(FileDesign):
     def _plugged(self) -> tuple[Surface, Mapping[str, float]]:
         """The surface, and the depths of the plugs in its inlets, mm."""
         try:
-            turn, shift = self.unit * rotation(self.axes).T, np.array([0.0, 0.0, -self.middle])
-            surface = moved(read_surface(Path(self.file)), turn, shift)
+            surface = read_surface(Path(self.file))
+            surface = replace(surface, points=in_frame(surface.points, self.unit, self.axes, self.middle))
             check_dimensions(np.ptp(surface.points, axis=0), self.unit)
             if self.defeature is not None:
                 surface = _without_small_features(surface, self.defeature)
@@ -89,12 +89,8 @@ class SurfaceFile(FileDesign):
         """Raise `DesignError` unless z = 0 lies within the body."""
         low, high = self.surface.points.min(axis=0), self.surface.points.max(axis=0)
         if not low[2] < 0 < high[2] or min(-low[2], high[2]) <= FLAT * max(self.extent):
-            whole = f"{middle_advice(low[2], high[2], self.middle)}; a file of one half alone cannot be used"
-            raise DesignError(
-                ("middle", "file"),
-                f"{reach(low[2], high[2], self.middle)}, and the material curve runs at z = 0; "
-                + likely_first(turn_advice(low, high, self.axes != SAME), whole),
-            )
+            lying = Lying(low, high, self.middle, self.axes != SAME)
+            raise DesignError(("middle", "file"), lying.beside(halves=False))
 
     @property
     def _placing(self) -> Placing:

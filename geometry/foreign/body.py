@@ -15,14 +15,14 @@ from geometry.curved import CurvedEdges
 from geometry.design import DesignError
 from geometry.foreign.curve import with_curve
 from geometry.foreign.file import FileMesh
-from geometry.foreign.frame import SAME, Axes, rotation
+from geometry.foreign.frame import SAME, Axes, in_frame
 from geometry.foreign.shells import lies_in, named_cavities, parts_of, refuse_open, windings
 from geometry.manifold import check_manifold, check_untangled, count_components
 from geometry.mesh import Mesh
 from geometry.mesh_error import MeshError
 from geometry.meshing.cad_import import Point
 from geometry.meshing.cad_position import check_dimensions, doubt_of_unit, goes_on
-from geometry.orientation import likely_first, middle_advice, reach, sides, turn_advice
+from geometry.orientation import Lying
 from geometry.topology import find_rows
 
 #: how far the vertices of a flat face may lie from their plane, over the size of the body: files have six digits
@@ -59,18 +59,17 @@ def turned(content: FileMesh, placing: Placing, half: bool) -> FileMesh:
 
     half: whether the file holds one half alone. Raises `DesignError`.
     """
-    turn, shift = placing.unit * rotation(placing.axes).T, np.array([0.0, 0.0, -placing.middle])
-    points = content.points @ turn + shift
+    points = in_frame(content.points, placing.unit, placing.axes, placing.middle)
     check_dimensions(np.ptp(points, axis=0), placing.unit)
-    mirrored = np.ones(3)
+    signs = np.ones(3)
     if half and abs(points[:, 2].max()) <= FLAT * np.ptp(points, axis=0).max():
-        mirrored[2] = -1.0
+        signs[2] = -1.0
 
     def there(positions: Array) -> Array:
-        return (positions @ turn + shift) * mirrored
+        return in_frame(positions, placing.unit, placing.axes, placing.middle) * signs
 
     curved = CurvedEdges(content.curved.ends, there(content.curved.middles))
-    return replace(content, points=there(content.points), curved=curved, straightened=there(content.straightened))
+    return replace(content, points=points * signs, curved=curved, straightened=there(content.straightened))
 
 
 def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
@@ -94,7 +93,7 @@ def placed_by_planes(content: FileMesh, placing: Placing) -> Placed:
     check_beyond(original, before.boundary, ends, placing)
     mesh = divided(mesh, placing.curve, length)
     cavities, named = _named(mesh, placing, move)
-    return Placed(replace(mesh, faces=named), length, cavities, ends[1] < ends[0])
+    return Placed(replace(mesh, faces=named), length, cavities, move.is_turned)
 
 
 def joined(content: FileMesh) -> tuple[Array, Index, CurvedEdges]:
@@ -171,9 +170,13 @@ class Move:
         return abs(self.ends[1] - self.ends[0])
 
     @property
+    def is_turned(self) -> bool:
+        """Whether the arm is clamped at its larger x."""
+        return self.ends[1] < self.ends[0]
+
+    @property
     def _signs(self) -> Array:
-        forward = self.ends[1] > self.ends[0]
-        return np.array([1.0, 1.0, 1.0]) if forward else np.array([-1.0, 1.0, 1.0 if self.half else -1.0])
+        return np.array([-1.0, 1.0, 1.0 if self.half else -1.0]) if self.is_turned else np.ones(3)
 
     def there(self, points: Array) -> Array:
         """Points (n, 3) after the motion."""
@@ -186,27 +189,19 @@ class Move:
 
 def check_across(points: Array, placing: Placing) -> None:
     """Raise `DesignError` unless z = 0 is within a whole body, and at the side of a half."""
-    corners = points.min(axis=0), points.max(axis=0)
-    low, high = float(corners[0][2]), float(corners[1][2])
+    lying = Lying(points.min(axis=0), points.max(axis=0), placing.middle, placing.axes != SAME)
+    low, high = float(lying.low[2]), float(lying.high[2])
     tolerance = FLAT * float(np.ptp(points, axis=0).max())
-    beginning, is_inside = reach(low, high, placing.middle), low < -tolerance < tolerance < high
+    is_within = low < -tolerance < tolerance < high
     if placing.half and abs(low) > tolerance:
-        of_half = f", or write the z of the plane of symmetry, middle: {sides(low, high, placing.middle)}"
+        of_half = "" if is_within else f", or write the z of the plane of symmetry, middle: {lying.sides}"
         raise DesignError(
             ("symmetric", "middle"),
-            f"{beginning}; true is for a file that holds one half alone, with z = 0 at its side: leave it out"
-            f"{'' if is_inside else of_half}",
+            f"{lying.reach}; true is for a file that holds one half alone, with z = 0 at its side: leave it out"
+            f"{of_half}",
         )
-    if not placing.half and not is_inside:
-        raise DesignError(
-            ("symmetric", "middle"),
-            f"{beginning}, and the material curve runs at z = 0; "
-            + likely_first(
-                turn_advice(*corners, placing.axes != SAME),
-                "write symmetric: true if the file holds one half of an arm; if it holds the whole arm, "
-                + middle_advice(low, high, placing.middle),
-            ),
-        )
+    if not placing.half and not is_within:
+        raise DesignError(("symmetric", "middle"), lying.beside(halves=True))
 
 
 def _in_planes(points: Array, length: float, placing: Placing) -> Array:

@@ -60,17 +60,7 @@ def refuse_open(
         if inner and not (plug is True and name == "clamp"):
             rim = points[open_edges(inner[0], len(points))].reshape(-1, 3).mean(axis=0)
             y, z = (f"{round(coordinate, 3) + 0.0:g}" for coordinate in rim[1:])
-            point = f"[{x + 0.0:g} mm, {y} mm, {z} mm]"
-            if fills and isinstance(plug, Mapping):
-                remedy = f"add a point in it to plug, {point}, and it is filled with the material"
-            elif name == "clamp":
-                remedy = "write plug: true, and it is closed there"
-            elif not fills:
-                remedy = "close it in the file"
-            elif plug:
-                remedy = f"give a point in each inlet in plug instead of true, here {point}"
-            else:
-                remedy = f"write plug: {{inlet: {point}}}, and it is filled with the material"
+            remedy = _closing(name, plug, fills, f"[{x + 0.0:g} mm, {y} mm, {z} mm]")
             raise DesignError(
                 ("air", "file"), f"the air is open at the {name}, around (y, z) = ({y}, {z}) mm; {remedy}"
             )
@@ -81,6 +71,20 @@ def refuse_open(
         f"plane of the clamp or of the tip alone; it is solid, or has other or several inlets: {remedy}, or save the "
         "walls of its air as well",
     )
+
+
+def _closing(end: str, plug: bool | Mapping[str, object], fills: bool, point: str) -> str:
+    """What closes an inlet at `point` in the plane of an end, as in `refuse_open`."""
+    filled = "and it is filled with the material"
+    if fills and isinstance(plug, Mapping):
+        return f"add a point in it to plug, {point}, {filled}"
+    if end == "clamp":
+        return "write plug: true, and it is closed there"
+    if not fills:
+        return "close it in the file"
+    if plug:
+        return f"give a point in each inlet in plug instead of true, here {point}"
+    return f"write plug: {{inlet: {point}}}, {filled}"
 
 
 def windings(at: Array, corners: Array) -> float:

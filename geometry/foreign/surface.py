@@ -218,8 +218,3 @@ def _through(start: Array, direction: Array, corners: Array) -> float:
         distance = np.einsum("ij,ij->i", aside, second) / determinant
         met = (u >= 0) & (v >= 0) & (u + v <= 1) & (distance > 1e-6 * size)
     return float(distance[met].min(initial=np.inf))
-
-
-def moved(surface: Surface, turn: Array, shift: Array) -> Surface:
-    """The surface with its points multiplied by the rotation and scale turn (3, 3), and then moved by shift (3,)."""
-    return Surface(surface.points @ turn + shift, surface.parts)

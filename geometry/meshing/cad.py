@@ -20,7 +20,7 @@ from geometry.grading import Grading
 from geometry.mesh import Mesh
 from geometry.meshing.cad_chambers import chambers, gaps
 from geometry.meshing.cad_curve import check_curve
-from geometry.meshing.cad_import import CadBody, Point, bounds, has_splines, import_solids, is_in_material
+from geometry.meshing.cad_import import CadBody, Point, bounds, import_solids, is_in_material
 from geometry.meshing.cad_parts import BODY, named_parts
 from geometry.meshing.cad_plug import hole_advice, plugged
 from geometry.meshing.cad_position import check_ends, check_position, check_symmetric, no_end_face
@@ -154,7 +154,7 @@ def cad_session(
     with session() as gmsh:
         solids = import_solids(gmsh, body.source)
         low, high = bounds(gmsh, solids)
-        check_position(body, low, high, not has_splines(gmsh, solids))
+        check_position(gmsh, body, solids, low, high)
         rounding = 1e-6 * (high[0] - low[0])
         if body.half and abs(high[2]) <= rounding:
             gmsh.model.occ.mirror(solids, 0, 0, 1, 0)  # the half z <= 0, of the file or turned to there

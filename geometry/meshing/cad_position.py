@@ -6,19 +6,15 @@ import numpy as np
 
 from geometry.arrays import Array
 from geometry.design import DesignError
-from geometry.meshing.cad_import import STEP, CadBody, Point
+from geometry.meshing.cad_import import STEP, CadBody, Point, has_splines
 from geometry.meshing.cad_mirror import difference
 from geometry.meshing.shapes import Volume
-from geometry.orientation import likely_first, middle_advice, reach, turn_advice
-from geometry.orientation import sides as sides_of
+from geometry.orientation import UNEQUAL, Lying
 
 #: A body smaller or larger than this (mm) is refused: its file is likely in another unit.
 SMALLEST, LARGEST = 1.0, 3000.0
 #: A body smaller than this (mm) may be in inches or cm.
 USUAL = 10.0
-#: The two sides of a symmetric body reach equally far but for this part of its size, because the bounds of splines are
-#: those of triangles; `check_symmetric` compares the halves themselves.
-UNEQUAL = 1e-3
 #: Part of the volume of a symmetric body in which both halves together may differ.
 DIFFERENT = 2e-6
 #: A face all of which is nearer to the plane of an end than this, over the length, may lie in it: the CAD kernel draws
@@ -59,50 +55,44 @@ def _doubt(body: CadBody, sides: Array) -> str:
     return doubt_of_unit(sides)
 
 
-def check_position(body: CadBody, low: Point, high: Point, is_exact: bool) -> None:
-    """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm).
-
-    is_exact: whether the bounds are those of the body itself, not of triangles on it.
-    """
-    sides = np.subtract(high, low)
+def check_position(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> None:
+    """Raise `DesignError` unless the unit is plausible and clamp, tip, curve and symmetry fit the bounds (mm)."""
+    signs = np.array([-1.0, 1.0, -1.0]) if body.turned else np.ones(3)
+    corners = np.sort(np.array([low, high]) * signs, axis=0) + 0.0  # as in the file, which has no -0
+    sides = corners[1] - corners[0]
     check_dimensions(sides, None if _stores_unit(body) else body.source.unit)
     tolerance = 1e-6 * sides.max()
     for key, axis in (("clamp", 0), ("tip", 0), ("curve", 1)):
-        position, ends = getattr(body, key), (low[axis], high[axis])
-        if not ends[0] - tolerance <= position <= ends[1] + tolerance:
-            if axis == 0 and body.turned:
-                position, ends = -position, (0.0 - ends[1], 0.0 - ends[0])
+        position, (first, last) = getattr(body, key) * signs[axis] + 0.0, corners[:, axis]
+        if not first - tolerance <= position <= last + tolerance:
             raise DesignError(
                 key,
                 f"{'xyz'[axis]} = {position:g} mm lies outside the body, "
-                f"which reaches from {ends[0]:.4g} to {ends[1]:.4g} mm{_doubt(body, sides)}",
+                f"which reaches from {first:.4g} to {last:.4g} mm{_doubt(body, sides)}",
             )
-    across = (0.0 - high[2], 0.0 - low[2]) if body.turned else (low[2], high[2])  # as in the file
-    beginning, whole = reach(*across, body.middle), middle_advice(*across, body.middle, is_exact)
-    turn = turn_advice(np.array(low), np.array(high), body.source.has_axes)
-    half = "write symmetric: true if the file holds one half of an arm"
-    at_side = min(abs(low[2]), abs(high[2])) <= tolerance
+
+    def lying() -> Lying:
+        return Lying(corners[0], corners[1], body.middle, body.source.has_axes, not has_splines(gmsh, solids))
+
+    near, far = corners[:, 2]
+    at_side = min(abs(near), abs(far)) <= tolerance
     if body.half and np.argmax(sides) == 2 and at_side:
         raise DesignError(
-            ("symmetric", "axes"), f"the body would be one half of an arm that is wider than it is long; {turn}"
+            ("symmetric", "axes"),
+            f"the body would be one half of an arm that is wider than it is long; {lying().turn}",
         )
-    if (body.half and at_side and not body.says_half) or (
-        not body.half and not low[2] < -tolerance < tolerance < high[2]
-    ):
-        raise DesignError(
-            ("symmetric", "middle"),
-            f"{beginning}, and the material curve runs at z = 0; "
-            + likely_first(turn, f"{half}; if it holds the whole arm, {whole}"),
-        )
-    if body.half and not at_side and abs(low[2] + high[2]) > UNEQUAL * sides.max():
-        aside = (
-            f"{whole}, if the file holds the whole arm; for one half write symmetric: true and the z of its plane of "
-            f"symmetry, middle: {sides_of(*across, body.middle)}; for a whole arm that is not symmetric write "
-            "symmetric: false"
+    is_beside = at_side and not body.says_half if body.half else not near < -tolerance < tolerance < far
+    if is_beside:
+        raise DesignError(("symmetric", "middle"), lying().beside(halves=True))
+    if body.half and not at_side and abs(near + far) > UNEQUAL * sides.max():
+        lies = lying()
+        advice = (
+            f"{lies.whole}, if the file holds the whole arm; for one half write symmetric: true and the z of its plane "
+            f"of symmetry, middle: {lies.sides}; for a whole arm that is not symmetric write symmetric: false"
         )
         raise DesignError(
             ("symmetric", "middle"),
-            f"{beginning}: z = 0 is neither in the middle of the body nor at its side; {likely_first(turn, aside)}",
+            f"{lies.reach}: z = 0 is neither in the middle of the body nor at its side; {lies.turned_or(advice)}",
         )
 
 

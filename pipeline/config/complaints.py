@@ -21,11 +21,8 @@ _INSTEAD: dict[tuple[str, ...], str] = {
     ("material", "mu"): "the law has no mu; E = 2 mu (1 + nu); ",
     ("geometry", "defeature"): "it removes small faces and edges of a body from a CAD file or a surface (STL, OBJ); "
     "a mesh of tetrahedra has to be made again without them; ",
-    (
-        "geometry",
-        "symmetric",
-    ): "it is for bodies from CAD files and meshes: bodies of the other families are symmetric, and "
-    "surfaces are meshed as a whole; ",
+    ("geometry", "symmetric"): "it is for bodies from CAD files and meshes: "
+    "bodies of the other families are symmetric, and surfaces are meshed as a whole; ",
     ("geometry", "fillet"): f"it rounds the edges of a pneunet; {_OTHERS}",
     **{
         ("geometry", key): f"it is for the chambers of a pneunet; {_OTHERS}"

@@ -149,7 +149,6 @@ _OWN_EXAMPLES = {
     "tip": "80 mm",
     "curve": "1 mm",
     "symmetric": "true",
-    "middle": "0 mm",
     "air": "{cavity: [40 mm, 7 mm, 0 mm]}",
     "parts": "{base: [20 mm, 1 mm, 0 mm]}",
     "cell": "8 mm",

@@ -4,6 +4,7 @@ import numpy as np
 
 from geometry import Body, CadFile, Design, Mesh, MeshFile, position_text
 from geometry.families.from_file import FileDesign
+from geometry.orientation import TURNS
 from geometry.topology import OUTWARD, find_rows, normals
 from pipeline.config.config import AUTO, Config
 
@@ -46,8 +47,8 @@ def of_directions(design: Design) -> str:
     length, height, width = design.extent
     if length > (1.0 - ROUNDING) * max(height, width):
         return ""
-    axis, turned = ("y", "[y, x, -z]") if height > width else ("z", "[z, y, -x]")
-    example = f": {turned}" if design.axes == ("x", "y", "z") else ""
+    axis, up = ("y", "x") if height > width else ("z", "y")
+    example = f": {TURNS[axis, up]}" if design.axes == ("x", "y", "z") else ""
     return (
         f"the body is {length:.3g} mm long along x, which is the direction of the arm from its clamp, and "
         f"{max(height, width):.3g} mm along {axis}; if that is its length, turn it with geometry.axes{example}; "
