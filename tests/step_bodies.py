@@ -28,6 +28,17 @@ def save(path: Path, draw: Draw) -> Path:
     return path
 
 
+def in_inches(draw: Draw, path: Path) -> Path:
+    """Write what is drawn in mm with its lengths in inches, into a BREP file, or a STEP file that says they are mm."""
+    drawn = save(path.with_name(f"{path.name}.mm.step"), draw)
+    with session() as gmsh:
+        gmsh.option.setNumber("Geometry.OCCScaling", 1 / 25.4)  # dilated planes would be splines
+        gmsh.model.occ.importShapes(str(drawn))
+        gmsh.model.occ.synchronize()
+        gmsh.write(str(path))
+    return path
+
+
 def pneunet_as_step(path: Path, net: PneuNet, knob: tuple[Corner, Corner] | None = None) -> Path:
     """Write a whole pneu-net, with a block between two corners (mm) fused to it."""
     return save(path, pneunet_drawn(net, knob))

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from geometry import CadFile, DesignError
-from geometry.meshing.solid import session
 from pipeline.config.load import load_config
 from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, INLET, bar, bar_with_inlet, two_solids
-from tests.step_bodies import box, save
+from tests.step_bodies import box, in_inches, save
 
 #: volumes (mm3) of the letters, of the step on one side, and of a dimple
 LETTER, STEP, DIMPLE = 1.5 * 2 * 0.1, 20 * 6 * 0.05, np.pi * 0.25**2 * 0.3
@@ -44,13 +43,7 @@ def standing_in_inches(folder: Path) -> Path:
         occ.rotate(solids, 0, 0, 0, 0, 1, 0, -np.pi / 2)
         return solids
 
-    path = save(folder / "standing.step", standing)
-    with session() as gmsh:
-        gmsh.option.setNumber("Geometry.OCCScaling", 1 / 25.4)
-        gmsh.model.occ.importShapes(str(path))
-        gmsh.model.occ.synchronize()
-        gmsh.write(str(folder / "inches.brep"))
-    return folder / "inches.brep"
+    return in_inches(standing, folder / "inches.brep")
 
 
 @pytest.mark.parametrize("draw", [with_details, rounded])
@@ -60,10 +53,18 @@ def test_without_its_details_the_bar_is_left(tmp_path: Path, draw: Any) -> None:
     assert (design.extent, len(design.edges)) == (pytest.approx((60, 12, 15)), 24)
     assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
     assert design.cavity_volumes == pytest.approx({"cavity": BAR_AIR}, rel=1e-9)
-    quality = CadFile(str(path), 1.5, defeature=0.8, cell=6.0).body(5.0).mesh.quality
-    given = CadFile(str(path), 1.5, symmetric=draw is rounded, cell=6.0)
+    given = CadFile(str(path), 1.5, symmetric=draw is rounded)
     assert given.solid_volume != pytest.approx(BAR_VOLUME, rel=1e-6)
-    assert quality.count < given.body(5.0).mesh.quality.count / 2
+    assert given.edges[0][0] < 0.6 < 5.0 < design.edges[0][0]
+
+
+def test_without_its_details_the_bar_has_fewer_and_better_elements(tmp_path: Path) -> None:
+    path = str(save(tmp_path / "body.step", with_details))
+    without, given = (
+        CadFile(path, 1.5, symmetric=False, cell=6.0, defeature=length).body(5.0).mesh.quality for length in (0.8, None)
+    )
+    assert without.count < 0.85 * given.count
+    assert without.minimum > 2.0 * given.minimum
 
 
 def test_only_what_is_narrower_is_removed(tmp_path: Path) -> None:

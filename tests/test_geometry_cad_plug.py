@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from geometry import CadFile, DesignError
-from geometry.meshing.solid import session
 from pipeline.config.load import load_config
 from pipeline.errors import InputError
 from pipeline.simulation.simulate import experiments_of
 from tests.foreign_bodies import BAR_AIR, BAR_VOLUME, Draw, bar, tube
-from tests.step_bodies import box, save
+from tests.step_bodies import box, in_inches, save
 
 Cut = Callable[[Any], Any]
 
@@ -117,13 +116,8 @@ def test_a_plug_in_a_round_wall_has_a_flat_end(tmp_path: Path) -> None:
 
 def test_a_brep_file_in_inches(tmp_path: Path) -> None:
     """Its flat faces are splines once it is in mm."""
-    save(tmp_path / "inlet.step", BELOW)
-    with session() as gmsh:
-        gmsh.option.setNumber("Geometry.OCCScaling", 1 / 25.4)
-        gmsh.model.occ.importShapes(str(tmp_path / "inlet.step"))
-        gmsh.model.occ.synchronize()
-        gmsh.write(str(tmp_path / "inches.brep"))
-    design = CadFile(str(tmp_path / "inches.brep"), 1.5, unit=25.4, plug={"inlet": (30, 0, 0)})
+    path = in_inches(BELOW, tmp_path / "inches.brep")
+    design = CadFile(str(path), 1.5, unit=25.4, plug={"inlet": (30, 0, 0)})
     assert design.cavity_volume == pytest.approx(BAR_AIR, rel=1e-5)
 
 

@@ -23,7 +23,7 @@ from tests.foreign_bodies import (
     write_mesh,
     write_surface,
 )
-from tests.step_bodies import box, save
+from tests.step_bodies import box, in_inches, save
 
 
 @pytest.fixture(scope="module")
@@ -64,17 +64,12 @@ def test_brp_is_a_brep_file(folder: Path) -> None:
 
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_a_small_body_may_be_in_another_unit(folder: Path, symmetric: bool) -> None:
-    def in_inches(occ: Any) -> Any:
-        solids = bar(occ)
-        occ.dilate(solids, 0, 0, 0, 1 / 25.4, 1 / 25.4, 1 / 25.4)
-        return solids
-
-    path = save(folder / "inches.brep", in_inches)
+    path, as_step = (in_inches(bar, folder / f"inches{suffix}") for suffix in (".brep", ".step"))
     small = r"curve: y = 1.5 mm lies outside the body, .*; the body measures 2.362 x 0.4724 x 0.5906 mm: if that is "
     with pytest.raises(DesignError, match=f"{small}too small, give the unit of its file, geometry.unit"):
         CadFile(str(path), 1.5, symmetric=symmetric)
     with pytest.raises(DesignError, match=f"{small}too small, scale it in the CAD program, because STEP files store"):
-        CadFile(str(save(folder / "inches.step", in_inches)), 1.5, symmetric=symmetric)
+        CadFile(str(as_step), 1.5, symmetric=symmetric)
     check_bar(CadFile(str(path), 1.5, unit=25.4, symmetric=symmetric))
     with pytest.raises(DesignError, match=r"curve: y = 15 mm lies outside the body, .* to 12 mm$"):
         CadFile(str(path), 15.0, unit=25.4, symmetric=symmetric)
@@ -189,10 +184,9 @@ def test_a_half_solid_may_be_clamped_at_the_other_end(folder: Path) -> None:
 
 
 def half_knobbed_below(occ: Any) -> Any:
-    """Its mirror image, the half z <= 0."""
-    solids = half_knobbed(occ)
-    occ.mirror(solids, 0, 0, 1, 0)
-    return solids
+    """The half z <= 0 of the same."""
+    half = occ.intersect(bar(occ), [box(occ, (-1, -1, -8), (61, 20, 0))])[0]
+    return occ.fuse(half, [box(occ, (48, 12, -6), (52, 14, 0))])[0]
 
 
 @pytest.mark.parametrize("turned", [False, True])

@@ -55,7 +55,7 @@ material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [10 kPa]
 law: five
 validation: off
-mesh: {size: 8 mm, formulation: p2p0, grading: off}
+mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
 """
 
 

@@ -35,7 +35,7 @@ name: five
 geometry: {family: pneunet, chambers: 5}
 material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [6 kPa, 12 kPa]
-mesh: {size: 8 mm, formulation: p2p0, grading: off}
+mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
 """
 
 

@@ -25,7 +25,7 @@ pressures: [8 kPa, 16 kPa]
 law: five
 validation: off
 end: {y: 0 mm}
-mesh: {size: 6 mm, formulation: p2p0}
+mesh: {size: 6 mm, formulation: p2p0, coarser: off}
 effects: {self_contact: auto, symmetry: auto}
 """
 

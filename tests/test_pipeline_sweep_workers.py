@@ -29,7 +29,7 @@ name: tiny
 geometry: {family: pneunet, chambers: 3}
 material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
 pressures: [2 kPa, 4 kPa]
-mesh: {size: 8 mm, formulation: p2p0, grading: off}
+mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
 """
 SWEEP = """
 name: tiny_walls

@@ -34,7 +34,7 @@ pressures: [6 kPa, 12 kPa, 24 kPa]
 added_pressures: 1
 law: five
 validation: {pressures: [12 kPa, 15 kPa], end_y: [3 mm], forces: [[0 N, 0.01 N]]}
-mesh: {size: 6 mm, formulation: p2p0, grading: off}
+mesh: {size: 6 mm, formulation: p2p0, grading: off, coarser: off}
 """
 
 

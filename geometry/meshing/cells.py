@@ -19,7 +19,7 @@ from geometry.design import DesignError
 from geometry.grading import Grading
 from geometry.meshing.cad import cad_session, keep_material, mesh_session
 from geometry.meshing.cad_import import CadBody
-from geometry.meshing.cad_mirror import Difference, box, difference, moments
+from geometry.meshing.cad_mirror import Difference, box, difference, have_equal_boundaries, moments
 from geometry.meshing.mirror import Repetition
 from geometry.meshing.shapes import Volume
 from geometry.meshing.solid import SolidMesh, collect_mesh, walls_between
@@ -140,8 +140,12 @@ def _as_drawn(
         for is_start in (True, False)
         if abs(round(pitch, k) - pitch) < ROUNDED and (not is_start or abs(round(start, k) - start) < ROUNDED)
     ]
-    for middle, distance in dict.fromkeys([(start, pitch), *rounded]):
-        planes = CellPlanes(middle, middle + distance / 2)
+    pairs = dict.fromkeys([(start, pitch), *rounded])
+    candidates = [CellPlanes(middle, middle + distance / 2) for middle, distance in pairs]
+    for planes in candidates:
+        if _have_equal_neighbours(gmsh, body, blocks, planes):
+            return planes, 0.0
+    for planes in candidates:
         differs = _largest_difference(gmsh, body, blocks, planes)
         if differs < least:
             best, least = planes, differs
@@ -150,10 +154,17 @@ def _as_drawn(
     return best, least
 
 
+def _have_equal_neighbours(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> bool:
+    """Whether the edges and faces of both neighbours of half a cell are mirror images of its own."""
+    slots = _Slots.around(gmsh, body, blocks, planes)
+    are_equal = all(slots.has_equal_boundaries(side) for side in (-1, 1))
+    slots.remove()
+    return are_equal
+
+
 def _largest_difference(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> float:
     """The larger fraction in which one of both neighbours of half a cell is not its mirror image."""
-    copies = gmsh.model.occ.copy(list(blocks))
-    slots = _Slots(gmsh, body, copies, planes.start, planes.half_pitch, neighbours_alone=True)
+    slots = _Slots.around(gmsh, body, blocks, planes)
     largest = max(slots.difference(side).fraction for side in (-1, 1))
     slots.remove()
     return largest
@@ -281,6 +292,12 @@ class _Slots:
             x = gmsh.model.occ.getCenterOfMass(*volume)[0]
             self.slots.setdefault(floor((x - start) / half_pitch), []).append(volume)
 
+    @staticmethod
+    def around(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> "_Slots":
+        """Number 0 and both neighbours alone, of copies of the blocks."""
+        copies = gmsh.model.occ.copy(list(blocks))
+        return _Slots(gmsh, body, copies, planes.start, planes.half_pitch, neighbours_alone=True)
+
     def equal_to_the_first(self, *, is_compared: bool) -> tuple[int, int]:
         """Numbers of the first and the last plane between which all slots equal number 0.
 
@@ -304,10 +321,19 @@ class _Slots:
 
     def difference(self, number: int) -> Difference:
         """Between a neighbour of slot 0 and its mirror image."""
-        slot = self.slots.get(number, [])
-        if not slot or not self._is_within(number):
+        slot = self._neighbour(number)
+        if not slot:
             return Difference(1.0)
         return difference(self.gmsh, slot, self.slots[0], 0, self._position(max(number, 0)), SAME)
+
+    def has_equal_boundaries(self, number: int) -> bool:
+        """Whether the edges and faces of a neighbour of slot 0 are mirror images of its own."""
+        slot = self._neighbour(number)
+        return bool(slot) and have_equal_boundaries(self.gmsh, slot, self.slots[0], 0, self._position(max(number, 0)))
+
+    def _neighbour(self, number: int) -> list[Volume]:
+        """The volumes of a slot; none of one beyond an end of the arm."""
+        return self.slots.get(number, []) if self._is_within(number) else []
 
     def remove(self) -> None:
         """Take its volumes out of the session."""
