@@ -28,7 +28,7 @@ from rod import RodError
 from rod.arm_law.record import law_from_record
 
 CONFIGS = Path(__file__).resolve().parent.parent / "configs"
-ARM = ["geometry.chambers=4", "pressures=[6 kPa, 9 kPa]"]
+ARM = ["geometry.chambers=4", "pressures=[6 kPa, 9 kPa]", "mesh.size=6 mm"]
 
 
 def arm(*settings: str, name: str = "pneunet_coarse") -> Config:
@@ -73,7 +73,7 @@ def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport) ->
     keys = {"pressure_kPa", "kappa_per_mm", "moment_N_mm", "stretch", "rigidity_N_mm2", "contact", "min_J"}
     assert all(keys <= set(curve) for curve in content["curves"])
     error = content["mesh_error"]
-    assert (error["size_mm"], error["second_mm"], error["reason"]) == (4.0, 2.0, "")
+    assert (error["size_mm"], error["second_mm"], error["reason"]) == (6.0, 3.0, "")
     assert all(len(error[f"{name}_std"]) == len(error["pressures_kPa"]) for name in NUMBERS)
     assert all(value > 0.0 for name in NUMBERS for value in error[f"{name}_std"])
     for name in ("law.html", "law.svg", "run.json"):
@@ -88,7 +88,7 @@ def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
     with open_store(tmp_path, config, fresh=False) as store:
         cells = report.measured.law.cells
         error = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, 2000, RunContext.alone(store, Silent()))
-    assert error.second_mm == 6.0
+    assert error.second_mm == 9.0
     assert error.pressures_kPa == (6.0, 9.0)
     assert error.reason.endswith("because a mesh of half the size has more than 1000 unknowns")
 
@@ -112,13 +112,13 @@ def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
         context = RunContext.alone(store, Silent())
         error = mesh_error.mesh_error(pieces, report.measured.law.cells, unknowns, context)
     assert error.pressures_kPa == whole.pressures_kPa
-    assert error.second_mm == whole.second_mm == 2.0
+    assert error.second_mm == whole.second_mm == 3.0
     for name in NUMBERS:
         assert error.deviations[name][1:] == whole.deviations[name][1:]
         assert error.deviations[name][0] != whole.deviations[name][0] > 0.0
     assert error.reason == (
         "the error of the mesh at 6 kPa is estimated from a coarser one, which is less certain, because on the mesh of "
-        "2 mm: the walls buckle"
+        "3 mm: the walls buckle"
     )
 
 
