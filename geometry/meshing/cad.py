@@ -149,7 +149,7 @@ def cad_session(
     """A session with the body: its blocks, cut at the planes of the material curve, with the names of their parts, its
     named cavities, and the depths (mm) of the plugs in its inlets.
 
-    checked: whether `measure` has compared its halves before, which takes seconds where their faces are not the same.
+    checked: whether `measure` has compared its halves before, which may take seconds.
     """
     with session() as gmsh:
         solids = import_solids(gmsh, body.source)

@@ -128,7 +128,7 @@ def _middle_and_pitch(gmsh: Any, air: Collection[Volume], middles: Sequence[floa
 def _as_drawn(
     gmsh: Any, body: CadBody, blocks: Collection[Volume], start: float, pitch: float
 ) -> tuple[CellPlanes, float]:
-    """The planes of a cell, and the fraction in which its neighbours are no mirror images.
+    """The planes of a cell, and the fraction in which its neighbours are no mirror images, 0 where all faces are.
 
     The planes are those of rounded lengths, as they may have been drawn, if these are better ones. Centres of air with
     round walls are off by up to 1e-2 mm, others by 1e-6 mm.
@@ -155,8 +155,8 @@ def _as_drawn(
 
 
 def _have_equal_neighbours(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> bool:
-    """Whether the edges and faces of both neighbours of half a cell are mirror images of its own."""
-    slots = _Slots.around(gmsh, body, blocks, planes)
+    """Whether the faces of both neighbours of half a cell are mirror images of its own."""
+    slots = _Slots.of_copies(gmsh, body, blocks, planes)
     are_equal = all(slots.has_equal_boundaries(side) for side in (-1, 1))
     slots.remove()
     return are_equal
@@ -164,7 +164,7 @@ def _have_equal_neighbours(gmsh: Any, body: CadBody, blocks: Collection[Volume],
 
 def _largest_difference(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> float:
     """The larger fraction in which one of both neighbours of half a cell is not its mirror image."""
-    slots = _Slots.around(gmsh, body, blocks, planes)
+    slots = _Slots.of_copies(gmsh, body, blocks, planes)
     largest = max(slots.difference(side).fraction for side in (-1, 1))
     slots.remove()
     return largest
@@ -293,8 +293,8 @@ class _Slots:
             self.slots.setdefault(floor((x - start) / half_pitch), []).append(volume)
 
     @staticmethod
-    def around(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> "_Slots":
-        """Number 0 and both neighbours alone, of copies of the blocks."""
+    def of_copies(gmsh: Any, body: CadBody, blocks: Collection[Volume], planes: CellPlanes) -> "_Slots":
+        """Number 0 and both neighbours alone, of copies of the blocks; `remove` takes them away."""
         copies = gmsh.model.occ.copy(list(blocks))
         return _Slots(gmsh, body, copies, planes.start, planes.half_pitch, neighbours_alone=True)
 
@@ -327,7 +327,7 @@ class _Slots:
         return difference(self.gmsh, slot, self.slots[0], 0, self._position(max(number, 0)), SAME)
 
     def has_equal_boundaries(self, number: int) -> bool:
-        """Whether the edges and faces of a neighbour of slot 0 are mirror images of its own."""
+        """Whether the faces of a neighbour of slot 0 are mirror images of its own."""
         slot = self._neighbour(number)
         return bool(slot) and have_equal_boundaries(self.gmsh, slot, self.slots[0], 0, self._position(max(number, 0)))
 
@@ -407,4 +407,6 @@ def _cut_at(gmsh: Any, blocks: Collection[Volume], positions: list[float]) -> li
         occ.translate([(2, sheet)], x, (y + top) / 2, (z + far) / 2)
         planes.append((2, sheet))
     _, children = occ.fragment(list(blocks), planes)
+    # what lies around the blocks; parts of a sheet that have become faces of a block stay
+    occ.remove([part for parts in children[len(blocks) :] for part in parts if part[0] == 2], recursive=True)
     return [part for parts in children[: len(blocks)] for part in parts if part[0] == 3]
