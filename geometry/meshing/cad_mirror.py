@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from geometry.arrays import Array
 from geometry.meshing.shapes import Volume
@@ -203,6 +202,8 @@ def _have_equal_rows(first: Array, second: Array) -> bool:
     """Whether the rows are the same but for their order."""
     if len(first) == 0 or len(second) == 0:
         return len(first) == len(second)
+    from scipy.spatial import cKDTree  # here: what reads no CAD file does not wait for its import
+
     trees = cKDTree(first), cKDTree(second)
     near = [tree.query_ball_point(np.vstack([first, second]), EQUAL, p=np.inf, return_length=True) for tree in trees]
     return np.array_equal(*near)
