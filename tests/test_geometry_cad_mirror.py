@@ -1,6 +1,5 @@
 """Whether a CAD body is its own mirror image at z = 0: from its edges and faces, or from the difference of solids."""
 
-from collections.abc import Callable
 from math import pi
 from typing import Any
 
@@ -11,9 +10,7 @@ from geometry.meshing import cad_mirror
 from geometry.meshing.cad_mirror import difference
 from geometry.meshing.shapes import Volume
 from geometry.meshing.solid import session
-from tests.step_bodies import box
-
-Drawn = Callable[[Any], list[Volume]]
+from tests.step_bodies import Draw, box
 
 
 def bar(occ: Any, *holes: Volume) -> list[Volume]:
@@ -28,7 +25,7 @@ def hole(occ: Any, x: float, z: float, r: float = 1.0, top: float | None = None)
     return (3, occ.addCone(x, -1, z, 0, 12, 0, r, top))
 
 
-EQUAL: dict[str, Drawn] = {
+EQUAL: dict[str, Draw] = {
     "a bar": bar,
     "two holes": lambda occ: bar(occ, hole(occ, 9, 3), hole(occ, 9, -3)),
     "a hole along x": lambda occ: bar(occ, (3, occ.addCylinder(-1, 5, 0, 42, 0, 0, 2))),
@@ -96,7 +93,7 @@ def filled(occ: Any) -> list[Volume]:
         (lambda occ: [(3, occ.addTorus(20, 5, 0, 3, 1))], True),
     ],
 )
-def test_splines_and_ellipses_are_compared_point_by_point(draw: Drawn, expected: bool) -> None:
+def test_splines_and_ellipses_are_compared_point_by_point(draw: Draw, expected: bool) -> None:
     """Centres, sizes and moments of all faces and edges are those of the mirror image in most of these."""
     with session() as gmsh:
         solids = draw(gmsh.model.occ)
@@ -114,7 +111,7 @@ def test_a_wavy_top_that_the_kernel_finds_no_difference_in() -> None:
 
 
 #: what is drawn, and the volume (mm3) of what it has and its mirror image has not
-DIFFERENT: dict[str, tuple[Drawn, float]] = {
+DIFFERENT: dict[str, tuple[Draw, float]] = {
     "a hole 2 um away": (lambda occ: bar(occ, hole(occ, 9, 3), hole(occ, 9, -3.002)), 2 * 2 * 0.002 * 10),
     "a wider hole": (lambda occ: bar(occ, hole(occ, 9, 3), hole(occ, 9, -3, 1.01)), pi * 0.0201 * 10),
     "one hole": (lambda occ: bar(occ, hole(occ, 9, 3)), pi * 10),

@@ -10,7 +10,7 @@ whose volume is off by 1e-3 and more, so that volumes are those of the parts the
 from collections import Counter
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -35,8 +35,8 @@ SAMPLED = 9
 #: points in the box around a part; they show a difference of about a hundredth of its volume or more
 POINTS = 1000
 
-
-Entity = tuple[int, int]  # dimension and number of an edge or a face
+#: dimension and number of an edge or a face
+Entity: TypeAlias = tuple[int, int]
 
 
 @dataclass(frozen=True)
@@ -158,8 +158,7 @@ def have_equal_boundaries(
 def _faces_and_edges(gmsh: Any, volumes: Collection[Volume], shortest: float) -> tuple[list[Entity], list[Entity]]:
     """The faces around a group of volumes and their edges, without those shorter than a length (mm), such as the pole
     of a sphere, and without seams of round faces, which may lie anywhere on them."""
-    counts = Counter(gmsh.model.getBoundary(list(volumes), combined=False, oriented=False))
-    faces = sorted(face for face, count in counts.items() if count == 1)
+    faces = sorted(gmsh.model.getBoundary(list(volumes), combined=True, oriented=False))
     edges: set[Entity] = set()
     for face in faces:
         around = Counter(gmsh.model.getBoundary([face], combined=False, oriented=False))
@@ -211,12 +210,11 @@ def _have_equal_rows(first: Array, second: Array) -> bool:
 
 def _lies_on(gmsh: Any, first: Entity, second: Entity, axis: int, at: float, tolerance: float) -> bool:
     """Whether points of an edge or face lie on the mirror image of another, to a tolerance in mm."""
-    points = _points_of(gmsh, first)
-    if not len(points):
+    images = _mirrored(_points_of(gmsh, first), axis, at)
+    if not len(images):
         return False
-    points[:, axis] = 2.0 * at - points[:, axis]
-    closest = np.reshape(gmsh.model.getClosestPoint(*second, points.ravel())[0], (-1, 3))
-    return bool(np.linalg.norm(closest - points, axis=1).max() < tolerance)
+    closest = np.reshape(gmsh.model.getClosestPoint(*second, images.ravel())[0], (-1, 3))
+    return bool(np.linalg.norm(closest - images, axis=1).max() < tolerance)
 
 
 def _points_of(gmsh: Any, entity: Entity) -> Array:
@@ -239,12 +237,17 @@ def _signs_of_image(axis: int) -> Array:
     return np.array([*signs, *signs, *np.ones(4), *np.outer(signs, signs)[np.triu_indices(3, 1)]])
 
 
+def _mirrored(points: Array, axis: int, at: float) -> Array:
+    images = points.copy()
+    images[:, axis] = 2.0 * at - images[:, axis]
+    return images
+
+
 def _by_points(gmsh: Any, first: Collection[Volume], second: Collection[Volume], axis: int, at: float) -> float:
     """Fraction of the points in first that are not in the mirror image of second, or the other way round."""
     low, high = box(gmsh, first)
     points = low + (high - low) * np.random.default_rng(0).random((POINTS, 3))
-    images = points.copy()
-    images[:, axis] = 2.0 * at - images[:, axis]
+    images = _mirrored(points, axis, at)
     inside = [
         np.array([any(gmsh.model.isInside(*volume, point) for volume in volumes) for point in placed])
         for placed, volumes in ((points, first), (images, second))
