@@ -61,6 +61,7 @@ class Design(ABC):
     """
 
     family: ClassVar[str]  #: the name of the family in a config
+    lists: ClassVar[Mapping[str, str]] = {}  #: dimensions that are lists, and those that they are given instead of
     #: the regions that are parts of the mesh; no dimension, and given by `with_regions`
     regions = ()  # type: tuple[str, ...]
 

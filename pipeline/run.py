@@ -15,7 +15,7 @@ from pipeline.identification.added_pressures import identify_run
 from pipeline.identification.mesh_error import with_mesh_error
 from pipeline.identification.record import parameters_record
 from pipeline.parallel.loading import loaded
-from pipeline.plausibility.after import Solved, after_solving
+from pipeline.plausibility.after import Solved, after_solving, largest_bend_rad
 from pipeline.plausibility.before import Borne, before_solving
 from pipeline.plausibility.body import of_body
 from pipeline.plausibility.units import of_contact, of_units
@@ -118,10 +118,12 @@ def _solved(planned: Planned, context: RunContext) -> RunReport:
     with stages.timed("report"):
         other_rod = arm.law is not None
         not_identified, left_out = identified.failures(other_rod), beyond_end_of_II(config, outcomes)
-        borne = Borne(outcomes.lowest_end_kPa(), max(outcomes.reached_kPa, default=0.0))
-        of_design = (*before_solving(config, borne), *of_units(config))
         regions = {name: scene.body.mesh.regions[name] for name in config.materials}
-        of_states = after_solving(Solved(config, outcomes, parameters, regions))
+        solved = Solved(config, outcomes, parameters, regions)
+        reached = max(outcomes.reached_kPa, default=0.0)
+        borne = Borne(outcomes.lowest_end_kPa(), reached, largest_bend_rad(solved))
+        of_design = (*before_solving(config, borne), *of_units(config))
+        of_states = after_solving(solved)
         remarks = (*of_design, *unusual, *identified.remarks(other_rod), *arm.remarks(outcomes), *of_states)
         remarks = tuple(dict.fromkeys(remarks))  # why there are no five parameters is known before and after
         reviewed = review(plan, outcomes, parameters, outcomes.largest_indicator) if plan else None

@@ -48,6 +48,28 @@ def beam(effects: list) -> Model:
     return Model(box((4, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.3), [Fixed("left")], effects)
 
 
+@pytest.mark.parametrize(("part", "is_taken"), [(0.01, True), (0.2, False)])
+def test_an_equilibrium_with_the_contact_of_its_load_alone_is_no_jump(
+    part: float, is_taken: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It differs from that on the way by a part that does not depend on the last increment, here 0.8 % of the load; the
+    path ended there. One that is far away is another equilibrium."""
+
+    def settled(self: IncrementSolver, converged: Converged, increment: Increment) -> Converged:
+        if increment.control.value < 1.0:
+            return converged
+        state, grown = converged.state, 1.0 + part
+        state = replace(state, displacement=grown * state.displacement, strain=grown * state.strain)
+        return replace(converged, state=state)
+
+    plain = follow(beam([WEIGHT]), [0.992, 1.0]).steps[-1]
+    monkeypatch.setattr(IncrementSolver, "settled", settled)
+    step = follow(beam([WEIGHT]), [0.992, 1.0]).steps[-1]
+    assert step.factor == 1.0
+    expected = (1.0 + part if is_taken else 1.0) * plain.displacement
+    np.testing.assert_allclose(step.displacement, expected, atol=1e-9)
+
+
 def test_steps_are_at_the_targets_in_their_order() -> None:
     steps: list[Step] = []
     solution = follow(beam([WEIGHT]), [0.3, 1.0, 0.3], observer=PathObserver(step_done=steps.append))

@@ -190,7 +190,7 @@ def test_faces_that_are_splines_are_removed_too(tmp_path: Path) -> None:
         (
             {"defeature": 1.6},
             ("defeature",),
-            "1.6 mm is more than half of 1.88 mm, the thickness of the thinnest",
+            "1.6 mm is more than half of 2.01 mm, the thickness of the thinnest",
         ),
         ({"defeature": 0.1, "parts": {"base": (1, 1, 1)}}, ("parts", "defeature"), "narrow faces are removed from one"),
     ],

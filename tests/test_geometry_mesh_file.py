@@ -103,7 +103,11 @@ def with_more_than_a_half(mesh: Mesh) -> Mesh:
 
 BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
     "no clamp": (lambda mesh: renamed(mesh, clamp="foot"), "no face named clamp"),
-    "no cavity": (lambda mesh: renamed(mesh, cavity="air"), "no face named cavity"),
+    "no cavity": (lambda mesh: renamed(mesh, cavity="air"), "no face whose name begins with cavity"),
+    "cavity twice": (
+        lambda mesh: Mesh(mesh.points, mesh.tets, {**mesh.faces, "cavity_all": mesh.faces["cavity"]}),
+        r"\d+ triangles belong to cavity and to cavity_all, one of them at \(",
+    ),
     "round clamp": (lambda mesh: renamed(mesh, clamp="foot", outer="clamp"), "clamp must be flat"),
     "backwards": (lambda mesh: renamed(mesh, clamp="tip", tip="clamp"), "tip must lie at a greater x"),
     "open cavity": (with_open_cavity, "cavity encloses no volume: it has an open edge near"),
@@ -119,6 +123,22 @@ BAD_MESHES: dict[str, tuple[Callable[[Mesh], Mesh], str]] = {
     ),
     "more than a half": (with_more_than_a_half, "must be one half, but it reaches to .* other side of z = 0"),
 }
+
+
+def test_a_cavity_may_have_any_name_that_begins_so(pneunet: Path, tmp_path: Path) -> None:
+    mesh = Mesh.read(pneunet)
+    renamed(mesh, cavity="cavity_a").write(tmp_path / "named.msh")
+    design, usual = (MeshFile(str(path), curve=1) for path in (tmp_path / "named.msh", pneunet))
+    assert design.cavities == ("cavity_a",)
+    assert design.cavity_volumes["cavity_a"] == pytest.approx(usual.cavity_volumes["cavity"], rel=1e-12)
+
+
+def test_a_triangle_that_a_face_lists_twice_counts_once(pneunet: Path, tmp_path: Path) -> None:
+    mesh = Mesh.read(pneunet)
+    twice = np.vstack([mesh.faces["cavity"], mesh.faces["cavity"]])
+    Mesh(mesh.points, mesh.tets, {**mesh.faces, "cavity": twice}).write(tmp_path / "twice.msh")
+    design, usual = (MeshFile(str(path), curve=1) for path in (tmp_path / "twice.msh", pneunet))
+    assert design.cavity_volume == pytest.approx(usual.cavity_volume, rel=1e-12)
 
 
 def test_the_order_of_vertices_alone_does_not_tangle_a_mesh(pneunet: Path, tmp_path: Path) -> None:

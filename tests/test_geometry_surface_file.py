@@ -385,6 +385,7 @@ INLETS: dict[str, tuple[Draw, tuple[float, float, float], float]] = {
     "narrower behind a step": (lambda occ: below(occ, (4.0, 1.0), (1.0, 1.6)), (30, 0, 0), 3.0),
     "with a bottom": (lambda occ: below(occ, (1.5, 1.2)), (30, 0, 0), 1.5),
     "at the clamp": (bar_with_inlet, (0, 6, 0), 3.0),
+    "square": (lambda occ: occ.cut(bar(occ), [box(occ, (28.8, -1, -1.2), (31.2, 4, 1.2))])[0], (30, 0, 0), 3.0),
     "oblique": (
         lambda occ: occ.cut(bar(occ), [(3, occ.addCylinder(29, -1, 0, 2.5, 5, 0, 1.0))])[0],
         (29.5, 0, 0),
@@ -418,6 +419,70 @@ def test_an_inlet_into_a_round_cavity_and_a_second_one(folder: Path) -> None:
     assert design.cavity_volume == pytest.approx(np.pi * 9 * 54, rel=0.02)
     assert design.plug_depths == pytest.approx({"one": 3.0, "two": 3.0}, abs=0.2)
     assert design.body(4.0).volume == pytest.approx(60 * 12 * 15 - np.pi * 9 * 54, rel=0.01)
+
+
+def prism(occ: Any, corners: int, radius: float, start: tuple[float, float, float], way: tuple[float, ...]) -> Any:
+    """A regular polygon of this radius around a point, with a corner along z, extruded along x or y by a vector."""
+    across = np.array([way[1] != 0.0, way[0] != 0.0, False])
+    angles = 2 * np.pi * np.arange(corners) / corners
+    rim = [np.array(start) + radius * (np.sin(a) * across + np.cos(a) * np.array([0, 0, 1])) for a in angles]
+    points = [occ.addPoint(*point) for point in rim]
+    lines = [occ.addLine(points[k - 1], points[k]) for k in range(corners)]
+    face = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+    return [entity for entity in occ.extrude([(2, face)], *way) if entity[0] == 3]
+
+
+@pytest.mark.parametrize("sides", [3, 6, 12])
+def test_an_inlet_with_flat_sides_is_filled(sides: int, folder: Path) -> None:
+    """A round one of which the file has a coarse polygon."""
+    path = write_surface(
+        folder / "coarse.stl", lambda occ: occ.cut(bar(occ), prism(occ, sides, 1.2, (30, -1, 0), (0, 5, 0)))[0], 50
+    )
+    design = SurfaceFile(str(path), 1.5, plug={"inlet": (30, 0, 0)})
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
+    assert design.plug_depths == pytest.approx({"inlet": 3.0}, rel=1e-6)
+
+
+def bevelled(occ: Any, corners: int, depth: float) -> Any:
+    """A hole of `prism` in the base of the bar, with its rim wider by a bevel of 45 degrees."""
+    hole, wide = prism(occ, corners, 1.2, (30, -1, 0), (0, 5, 0)), 1.2 + depth
+    rim = [occ.addPoint(30 + wide * np.sin(a), 0, wide * np.cos(a)) for a in 2 * np.pi * np.arange(corners) / corners]
+    apex = occ.addPoint(30, wide, 0)
+    lines = [occ.addLine(rim[k - 1], rim[k]) for k in range(corners)]
+    slopes = [occ.addLine(point, apex) for point in rim]
+    sides = [occ.addPlaneSurface([occ.addCurveLoop([slopes[k - 1], lines[k], slopes[k]])]) for k in range(corners)]
+    base = occ.addPlaneSurface([occ.addCurveLoop(lines)])
+    pyramid = (3, occ.addVolume([occ.addSurfaceLoop([base, *sides])]))
+    return occ.cut(bar(occ), [*hole, pyramid])[0]
+
+
+@pytest.mark.parametrize(("corners", "depth"), [(4, 0.2), (4, 1.0), (6, 1.0), (24, 0.5)])
+def test_an_inlet_with_a_bevelled_rim_is_filled_behind_the_bevel(corners: int, depth: float, folder: Path) -> None:
+    """The bevel alone was filled, and the channel behind it was left in the material."""
+    path = write_surface(folder / "bevel.stl", lambda occ: bevelled(occ, corners, depth), 50)
+    design = SurfaceFile(str(path), 1.5, plug={"inlet": (30, 0, 0)})
+    assert design.solid_volume == pytest.approx(BAR_VOLUME, rel=1e-9)
+    assert design.plug_depths == pytest.approx({"inlet": 3.0}, rel=1e-6)
+
+
+def test_a_channel_whose_floor_goes_on_as_that_of_the_cavity_is_refused(folder: Path) -> None:
+    path = write_surface(folder / "flush.stl", lambda occ: occ.cut(bar(occ), [box(occ, (-1, 3, -1), (4, 5, 1))])[0], 50)
+    with pytest.raises(DesignError, match="lies in no hole of a flat face behind which"):
+        SurfaceFile(str(path), 1.5, plug={"inlet": (0, 4, 0)})
+
+
+@pytest.mark.parametrize("around", [24, 32])
+def test_a_flat_face_with_a_hole_of_which_gmsh_makes_no_patch_is_filled(around: int, folder: Path) -> None:
+    """With one of these numbers of triangles around the opening Gmsh needs both sides of the face apart."""
+    path = write_surface(
+        folder / "open.stl",
+        lambda occ: occ.cut(bar(occ), [(3, occ.addCylinder(-1, 7, 0, 6, 0, 0, 1.5))])[0],
+        50,
+        around,
+    )
+    design = SurfaceFile(str(path), 2.0, plug=True)
+    assert design.is_open_at_clamp
+    assert design.body(6.0).volume == pytest.approx(design.solid_volume, rel=1e-3)
 
 
 @pytest.mark.parametrize("point", [(20.0, 0.0, 0.0), (30.0, 1.5, 0.0), (30.0, 12.0, 0.0)])

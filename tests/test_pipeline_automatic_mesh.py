@@ -1,12 +1,23 @@
 """Elements, grading and size where a configuration leaves them to the program, and what the report says of them."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from geometry import GRADINGS, BisectedCircle, CadFile, Design, PneuNet, Rectangular, Semicircular, SemicircularSingle
+from geometry import (
+    GRADINGS,
+    BisectedCircle,
+    CadFile,
+    Design,
+    DesignError,
+    PneuNet,
+    Rectangular,
+    Semicircular,
+    SemicircularSingle,
+)
 from geometry.design import expected_tets
 from pipeline.config.automatic_mesh import MOST_CHOSEN_TETS, ChosenMesh, GivenMesh, chosen_mesh
 from pipeline.config.load import load_config
@@ -15,7 +26,7 @@ from pipeline.report.results import read_results
 from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.scene import Scene
 from tests.foreign_bodies import two_chambers
-from tests.step_bodies import pneunet_as_step, save
+from tests.step_bodies import box, pneunet_as_step, save
 
 NOTHING = GivenMesh(None, None, None)
 FAR, NEAR = "[40 mm, 6 mm, 0 mm]", "[20 mm, 6 mm, 0 mm]"
@@ -141,6 +152,19 @@ def test_the_report_tells_over_which_length_curvature_is_averaged(tmp_path: Path
         "Chosen by the program: curvatures are means over 6 mm, because five parameters need 6.5 times the distance of "
         "its chambers, 28 mm."
     ) in mesh_sentences(read_results(tmp_path))
+
+
+@pytest.mark.parametrize("symmetric", [None, False])
+def test_the_thinnest_wall_of_a_half_is_that_of_the_whole(symmetric: bool | None, tmp_path: Path) -> None:
+    """A wall of 2 mm: less than a quarter of the smallest side, 12 mm, and more than one of half of the width, 7 mm."""
+
+    def draw(occ: Any) -> None:
+        occ.cut([box(occ, (0, 0, -7), (40, 12, 7))], [box(occ, (2, 3, -5), (38, 10, 5))])
+
+    design = CadFile(str(save(tmp_path / "box.step", draw)), curve=1.5, symmetric=symmetric)
+    assert design.thinnest_wall == pytest.approx(2.0, rel=0.04)
+    with pytest.raises(DesignError, match=r"1\.2 mm is more than half of 2\.0\d* mm"):
+        replace(design, defeature=1.2)
 
 
 def test_the_thinnest_wall_of_a_drawing_is_measured_in_a_cad_file(configs: Path) -> None:

@@ -439,6 +439,22 @@ def test_chambers_that_are_not_equal(configs: Path) -> None:
         assert sentence in refusal(coarse, chambers, setting)
 
 
+def test_a_dimension_beside_the_list_that_replaces_it_is_refused(configs: Path, tmp_path: Path) -> None:
+    """The dimension was ignored, also where an override of the command line gave it."""
+    heights, three = "geometry.chamber_heights=[12 mm, 11 mm, 8 mm]", "geometry.chambers=3"
+    coarse, both = configs / "pneunet_coarse.yaml", tmp_path / "both.yaml"
+    text = coarse.read_text(encoding="utf-8")
+    both.write_text(text.replace("geometry:\n", "geometry:\n  gaps: [2 mm, 2 mm, 2 mm, 2 mm]\n"), encoding="utf-8")
+    assert "gap:" in text
+    wrong = "exclude each other; give one of them"
+    assert refusal(both, three) == f"{both}: geometry.gap: gap and gaps {wrong}"
+    assert refusal(coarse, three, heights, "geometry.chamber_height=9 mm") == (
+        f"--set geometry.chamber_height: chamber_height and chamber_heights {wrong}"
+    )
+    # the list on the command line replaces the dimension in the file
+    assert load_config(coarse, [three, heights]).design.chamber_height == 12.0
+
+
 def test_a_region_has_a_material_of_its_own(configs: Path) -> None:
     coarse = configs / "pneunet_coarse.yaml"
     base = "materials.base={law: neo_hooke, mu: 0.6 MPa, nu: 0.49, density: 2000 kg/m^3}"
@@ -610,7 +626,10 @@ def test_validation_loads_are_read(configs: Path) -> None:
         ("validation.pressures=[50 kPa]", "50 kPa lies outside the pressures of the run; allowed: 17 to 37 kPa"),
         ("validation.pressures=[17 kPa]", "are all pressures of the run; give one between them"),
         ("validation.end_y=[0 mm]", "0 mm is what the numbers are identified with"),
+        ("validation.end_y=[1 mm, 0.1 cm]", "has an entry twice; list every load once"),
         ("validation.end_y=[10]", "write a length with its unit"),
+        ("validation.forces=[[0 N, 0 N]]", "[0 N, 0 N] is experiment II, with which the numbers are identified"),
+        ("validation.forces=[[0 N, 0.05 N], [0 N, 0.05 N]]", "has an entry twice; list every load once"),
         ("validation.forces=[[0.05 N]]", "has 1 numbers instead of the force along x and y"),
         ("validation.loads=[1 N]", "unknown key"),
         ("added_pressures=-1", "allowed: 0 or more"),
@@ -618,6 +637,21 @@ def test_validation_loads_are_read(configs: Path) -> None:
 )
 def test_validation_loads_that_make_no_sense_are_refused(configs: Path, override: str, reason: str) -> None:
     assert reason in refusal(configs / "pneunet_coarse.yaml", override)
+
+
+def test_the_force_of_experiment_III_is_no_validation_load(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    end, forces = "end={x: 0 N, y: -0.01 N}", "validation.forces=[[0 N, -0.01 N]]"
+    assert refusal(coarse, end, forces) == (
+        "--set validation.forces: [0 N, -0.01 N] is what the numbers are identified with; give others"
+    )
+    assert load_config(coarse, [forces]).validation.forces_N == ((0.0, -0.01),)
+
+
+@pytest.mark.parametrize("faces", ["[]", "{}", "true", "1", "[1]", "[null]", "[[]]", "{a: 1}"])
+def test_faces_that_are_no_names_are_refused(configs: Path, faces: str) -> None:
+    sentence = refusal(configs / "pneunet_coarse.yaml", f"effects.self_contact.faces={faces}")
+    assert "is not a text; for example '[gap, cavity]'" in sentence
 
 
 @pytest.mark.parametrize("number", ["1e-6", "1.0e-6", "0.000001", "1E-6"])

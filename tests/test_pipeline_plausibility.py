@@ -18,6 +18,7 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
+from pipeline.identification.too_short import too_coarse
 from pipeline.plausibility.after import Solved, after_solving
 from pipeline.plausibility.before import WELL_BELOW, Borne, before_solving
 from pipeline.plausibility.body import FLAT_ELEMENT, of_directions, of_half, of_mesh, of_straightened, of_volume
@@ -75,6 +76,22 @@ def test_the_shipped_designs_are_plausible(config: str) -> None:
 )
 def test_what_is_unusual_is_said_before_anything_is_solved(setting: str, sentence: str) -> None:
     assert sentence in notes_before(PRESSURES, setting)
+
+
+@pytest.mark.parametrize(
+    ("pressures", "bend_rad", "example"),
+    [
+        ("[2 kPa, 4 kPa]", 0.02, "for example pressures: [5 kPa, 10 kPa, 15 kPa, 20 kPa]"),  # 0.1 rad at 20 kPa
+        ("[2 kPa, 4 kPa]", 0.0, "for example pressures: [9.2 kPa, 18 kPa, 28 kPa, 37 kPa]"),  # as much as an arm bears
+        ("[2 kPa, 4 kPa]", 0.06, "for example pressures: [2 kPa, 3 kPa, 4 kPa]"),
+        ("[40 kPa, 80 kPa]", 0.02, ""),  # more is no example
+    ],
+)
+def test_pressures_for_an_arm_that_hardly_bends_are_higher(pressures: str, bend_rad: float, example: str) -> None:
+    """Two notes contradicted each other: to give higher pressures, and, for example, as high ones as before."""
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", [f"pressures={pressures}"])
+    (note,) = (n for n in before_solving(config, Borne(bend_rad=bend_rad)) if "give three or more" in n)
+    assert note.endswith(example or "give three or more")
 
 
 @pytest.mark.parametrize("kind", ["step", "vtk", "stl"])
@@ -257,6 +274,37 @@ def test_more_or_higher_pressures_are_not_suggested_where_they_change_nothing() 
     assert before_solving(one) == ()
 
 
+@pytest.mark.parametrize(
+    ("settings", "spacing", "sentence"),
+    [
+        ((), 10.0, ""),
+        (
+            ("mesh.formulation=p1",),
+            10.0,
+            "are up to 10 mm apart, more than half of the 10 mm over which",
+        ),
+        (
+            (),
+            12.0,
+            "more than half of the 10 mm over which curvatures are averaged; give a smaller mesh.size",
+        ),
+        (("law=cell",), 12.0, ""),
+        (("geometry.chambers=2",), 12.0, ""),  # too short, which is said alone
+    ],
+)
+def test_a_mesh_too_coarse_for_means_over_a_cell_is_named_before_solving(
+    settings: tuple[str, ...], spacing: float, sentence: str
+) -> None:
+    """Nodes are at the vertices of the mesh and, of quadratic elements, in the middles between them."""
+    config = load_config(CONFIGS / "pneunet_coarse.yaml", settings)
+    points = np.zeros((9, 3))
+    points[:, 0] = spacing * np.arange(9)
+    body = SimpleNamespace(mesh=SimpleNamespace(points=points), curve_vertices=np.arange(9))
+    said = too_coarse(config, body)  # type: ignore[arg-type]
+    assert sentence in said
+    assert bool(said) == bool(sentence)
+
+
 def test_nothing_is_said_of_a_usual_design() -> None:
     assert notes_before(PRESSURES) == ""
     assert notes_before(PRESSURES, "geometry.chambers=6", "law=cell") == ""
@@ -323,6 +371,16 @@ def test_an_arm_that_leaves_the_plane_of_the_rod_is_named() -> None:
         ),
         ((0.9, (0.95, 1.3), 0.01), (), "from 0.95 (compressed) to 1.30 (at 20 kPa), and St. Venant-Kirchhoff"),
         ((0.9, (0.8, 1.05), 0.01), (), "from 0.80 (compressed) to 1.05"),
+        (
+            (0.9, (0.9, 1.65), 0.01),
+            ("material={law: mooney_rivlin, c10: -0.05 MPa, c01: 0.1 MPa, nu: 0.49}",),
+            "to 1.65 (at 20 kPa), and the law mooney_rivlin with these constants is not stable beyond 1.35",
+        ),
+        (
+            (0.9, (0.9, 1.75), 0.01),
+            ("material={law: mooney_rivlin, c10: -0.05 MPa, c01: 0.1 MPa, nu: 0.49}",),
+            "describes rubber up to a stretch of about 1.7, and it is not stable beyond 1.35; fit another",
+        ),
         ((0.9, (0.95, 1.05), 1e-4), (), "hardly bends: at 20 kPa its curvature adds up to 0.01 rad"),
     ],
 )
@@ -357,7 +415,7 @@ def test_the_law_of_a_region_is_compared_with_the_stretches_in_it() -> None:
     assert note.startswith(
         "stretches in the walls of the region base go from 0.57 (compressed) to 1.08 (at 20 kPa), and"
     )
-    assert "where compressed below 0.58 it is not stable" in note
+    assert "it is not stable below 0.58 (compressed)" in note
     assert after_solving(replace(run, regions={"base": np.array([1])})) == ()
 
 
@@ -493,7 +551,8 @@ def test_usual_states_are_not_named() -> None:
 def arm(monkeypatch: pytest.MonkeyPatch) -> Scene:
     """A scene of the right length whose identification refuses the lowest pressure."""
     config = load_config(CONFIGS / "pneunet_coarse.yaml", [PRESSURES])
-    body: Any = SimpleNamespace(length=112.0, pitch=10.0)
+    mesh = SimpleNamespace(points=np.linspace([0.0] * 3, [112.0, 0.0, 0.0], 57))
+    body: Any = SimpleNamespace(length=112.0, pitch=10.0, mesh=mesh, curve_vertices=np.arange(57))
     return Scene(config, body)
 
 

@@ -78,6 +78,8 @@ def test_init_writes_a_configuration_that_is_meshed(family: str, tmp_path: Path,
 def test_every_key_of_the_written_file_can_be_used(family: str, tmp_path: Path, configs: Path) -> None:
     (tmp_path / "finger.step").write_bytes((configs / "finger.step").read_bytes())
     text = re.sub(r"^# (?=\s*\w+:(\s|$))", "", example(family), flags=re.MULTILINE)
+    if family == "pneunet":  # the lists are given instead of these
+        text = re.sub(r"^  (chamber_length|chamber_height|gap): .*$", "", text, flags=re.MULTILINE)
     if family == OWN:  # the file of this test is a single solid
         text = re.sub(r"^(  parts|materials): .*$", "", text, flags=re.MULTILINE)
     content = yaml.safe_load(text)

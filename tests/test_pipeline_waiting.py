@@ -48,6 +48,6 @@ def test_meshing_says_how_far_it_is_and_names_small_edges(tmp_path: Path) -> Non
     assert re.fullmatch(r"note: the surface is meshed: [1-9]\d+ triangles", surface)
     assert volume == "note: the volume is being filled with tetrahedra"
     assert of_edges(load_config(path, ["mesh.size=2 mm"])) == ""
-    save(tmp_path / "fillets.step", lambda occ: small_fillets(occ, 0.8))  # too wide to be removed at these walls
+    save(tmp_path / "fillets.step", lambda occ: small_fillets(occ, 1.0))  # too wide to be removed at these walls
     assert of_edges(load_config(path)).endswith("do not matter, remove them in the CAD program")
     assert of_edges(load_config(HERE / "configs" / "pneunet.yaml")) == ""

@@ -33,7 +33,7 @@ PITCH = 108.0 / 11  #: mm
 
 
 def thinned(curve: Centreline, every: int) -> Centreline:
-    """Every so-manieth node, and the last one."""
+    """Every second, third, ... node, and the last one."""
     kept = np.union1d(np.arange(0, len(curve.s), every), len(curve.s) - 1)
     return Centreline(curve.s[kept], curve.x[kept], curve.y[kept])
 

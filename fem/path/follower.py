@@ -25,7 +25,7 @@ from fem.path.diagnosis import (
 from fem.path.effort import effort_of
 from fem.path.exact_contact import with_exact_distances
 from fem.path.increments import LIMIT_ACCURACY, MAX_NEAR_FAILURES, Increments
-from fem.path.limit import announced_limit, way_between
+from fem.path.limit import announced_limit, difference, way_between
 from fem.path.move import MoveControl
 from fem.path.newton import Converged, Inverted, NotAdmissible, StepFailed, Unstable, Watch
 from fem.path.options import PathEnded, PathObserver, PathOptions
@@ -40,6 +40,9 @@ CONSTANTS_FIRST = 1e-3
 #: way back under the driven load takes more than that of both together (54 instead of 15 factorizations for `pneunet`
 #: with a force of 0.05 N on its end, strain 0.18); on the half discs whose limits were jumped it is 0.002 and 0.004
 CONSTANTS_STRAIN = 0.1
+#: largest difference of an equilibrium whose contact is that of its load alone from the one to which the path leads;
+#: where a divider folds onto its wall (design 131-73 of docs/unseen.md) it was 0.011
+NEAR_SETTLED = 0.05
 #: smallest increment that is tried there, as a part of it; where it takes more the loads grow together
 CONSTANTS_INCREMENT = 1 / 16
 
@@ -217,9 +220,10 @@ class PathFollower:
             try:
                 increment = self._increment(control, increments, target.announced)
                 converged = self.solver.solve(increment)
-                converged = self.solver.settled(converged, increment) if fraction == 1.0 else converged
                 point = self._point(control, converged)
                 arrival = self._check_continuation(control, converged, point, increments)
+                if fraction == 1.0:
+                    converged, point = self._settled(converged, point, increment)
             except StepFailed as failure:
                 # an equilibrium that no body can have tells more than none
                 cause = cause if isinstance(cause, NotAdmissible) > isinstance(failure, NotAdmissible) else failure
@@ -287,6 +291,18 @@ class PathFollower:
         if increments.passes_limit and way and not (way.is_smooth and increments.may_pass_limit):
             raise Unstable("beyond the limit that the path announces there is another equilibrium only")
         return arrival
+
+    def _settled(self, converged: Converged, point: PathPoint, increment: Increment) -> tuple[Converged, PathPoint]:
+        """An equilibrium at a target with its point, or the one near it whose contact does not depend on the way.
+
+        That has other pairs in creases than the last equilibrium on the way, so that the rates there do not tell how
+        far away it is.
+        """
+        before = self.solver.active_set
+        settled = self.solver.settled(converged, increment)
+        if settled is not converged and difference(converged.state, settled.state) > NEAR_SETTLED:
+            self.solver.active_set, settled = before, converged
+        return (converged, point) if settled is converged else (settled, self._point(increment.control, settled))
 
     def _announced_limit(self, before: PathPoint, last: PathPoint) -> float | None:
         """The load at which the path announces a limit; None where it announces none."""

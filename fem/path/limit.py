@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fem.equations.state import State
 from fem.path.predictor import PathPoint
 from geometry.arrays import Array
 
@@ -73,6 +74,16 @@ def _compared(before: PathPoint, last: PathPoint, increment: float, name: str) -
     if not length or not longest:
         return None
     return Way(length / longest, float(np.linalg.norm(change - (first + second) / 2)) / length)
+
+
+def difference(first: State, second: State) -> float:
+    """Of two states over the first, in displacement or strain, whichever is larger (norms); 0 where that is at rest."""
+    parts = [
+        float(np.linalg.norm(getattr(second, name) - value) / size)
+        for name in ("displacement", "strain")
+        if (size := np.linalg.norm(value := getattr(first, name)))
+    ]
+    return max(parts, default=0.0)
 
 
 def announced_limit(before: PathPoint, last: PathPoint) -> float | None:

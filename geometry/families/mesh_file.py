@@ -9,7 +9,7 @@ from typing import ClassVar, Self, final
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, Index
 from geometry.design import Body, DesignError, raise_together
 from geometry.families.from_file import FileDesign
 from geometry.foreign.body import FLAT, Placed, Placing, check_across, divided, placed_by_planes, turned
@@ -23,7 +23,8 @@ from geometry.mesh import Mesh
 from geometry.mesh_error import MeshError, position_text
 from geometry.meshing.cad_import import Point
 from geometry.orientation import position_of
-from geometry.topology import find_rows, open_edges
+from geometry.quality import radius_ratios
+from geometry.topology import find_rows, open_edges, row_keys
 
 #: what to do with a mesh that names some of its faces only
 BY_NAMES = "name clamp, tip and cavity, or give geometry.clamp and tip, and no name of a face is used"
@@ -140,6 +141,19 @@ class MeshFile(FileDesign):
         return min(self.extent)
 
     @property
+    def against_flat_elements(self) -> str:
+        of_file = radius_ratios(self._content.points, self._content.tets).min()
+        if self.fixed_body.mesh.quality.minimum > of_file / 2:
+            return super().against_flat_elements
+        other = "another geometry.curve, at which vertices of the file lie"
+        if self.regions:
+            other += " (best in a flat boundary between two materials, or away from it)"
+        return (
+            f"the flattest of the file has {of_file:.2g}, so that the cause is the division of elements along the "
+            f"material curve; give {other}, or a mesh with edges along the curve"
+        )
+
+    @property
     def straightened(self) -> Array:
         """Middles (k, 3) of curved edges of the file that are taken as straight, in mm and the directions of the arm.
 
@@ -188,7 +202,8 @@ def _has_names(content: FileMesh) -> bool:
 
 def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
     """The body with the faces of the file. Raises `MeshError` where they do not fit."""
-    mesh = Mesh(content.points, content.tets, content.faces, content.curved, content.regions)
+    faces = {name: _once(triangles, len(content.points)) for name, triangles in content.faces.items()}
+    mesh = Mesh(content.points, content.tets, faces, content.curved, content.regions)
     check_manifold(mesh)
     check_untangled(mesh)
     if "sym" in mesh.faces:
@@ -202,8 +217,11 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
         )
     clamp, tip = _ends(mesh)
     names = tuple(sorted(name for name in mesh.faces if name.startswith("cavity")))
-    if "cavity" not in names:
-        raise MeshError(f"the mesh has no face named cavity; it has {', '.join(mesh.faces)}: {BY_NAMES}")
+    if not names:
+        raise MeshError(
+            f"the mesh has no face whose name begins with cavity; it has {', '.join(mesh.faces)}: {BY_NAMES}"
+        )
+    _refuse_named_twice(mesh, [name for name in (*names, "clamp", "tip", "sym") if name in mesh.faces])
     _refuse_nameless(mesh, names)
     for name in names:  # before the body is moved: positions in sentences are those that a user knows
         if "sym" not in mesh.faces:
@@ -228,6 +246,25 @@ def _refuse_shifted(mesh: Mesh, placing: Placing) -> None:
             f"the face sym lies in the plane z = {z.mean():.6g} mm; "
             f"write middle: {position_of(placing.middle + z.mean())}",
         )
+
+
+def _once(triangles: Index, count: int) -> Index:
+    """The triangles of a face without those that the file lists again."""
+    first = np.unique(row_keys(triangles, count), return_index=True)[1]
+    return triangles[np.sort(first)]
+
+
+def _refuse_named_twice(mesh: Mesh, names: Iterable[str]) -> None:
+    """Raise `MeshError` where a triangle belongs to two of these faces: both pressures would act on it."""
+    for first, second in combinations(names, 2):
+        common = find_rows(mesh.faces[first], mesh.faces[second], len(mesh.points)) >= 0
+        if common.any():
+            where = position_text(mesh.points[mesh.faces[first][common][0]].mean(axis=0))
+            raise MeshError(
+                f"{np.count_nonzero(common)} triangles belong to {first} and to {second}, one of them at {where}; "
+                "a triangle may belong to only one of clamp, tip, sym and the faces whose names begin with cavity; "
+                "rename the group that means something else"
+            )
 
 
 def _refuse_nameless(mesh: Mesh, names: Iterable[str]) -> None:

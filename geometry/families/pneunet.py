@@ -44,6 +44,11 @@ class PneuNet(SymmetricDesign):
     """
 
     family: ClassVar[str] = "pneunet"
+    lists: ClassVar[Mapping[str, str]] = {
+        "chamber_lengths": "chamber_length",
+        "chamber_heights": "chamber_height",
+        "gaps": "gap",
+    }
 
     chambers: int = 11  #: number of chambers
     width: float = 15.0  #: of the arm across z, w
@@ -65,12 +70,13 @@ class PneuNet(SymmetricDesign):
         check_design(self, self._impossible, counts=["chambers"], or_zero=["fillet"])
 
     def _impossible(self) -> Iterator[DesignError]:
-        for name, usual, count in self._lists:
-            if getattr(self, name) and len(getattr(self, name)) != count:
+        for name, usual in self.lists.items():
+            given, count = len(getattr(self, name)), self._count(usual)
+            if given not in (0, count):
                 yield DesignError(
                     (name, "chambers"),
-                    f"must have {count} entries for {self.chambers} chambers, not {len(getattr(self, name))}; "
-                    f"give all of them, or {usual} alone for equal ones",
+                    f"must have {count} entries for {self.chambers} chambers, not {given}; give all of them, or "
+                    f"{usual} alone for equal ones",
                 )
         yield from not_less(self, "wall", self._name("chamber_length"), 0.5, "the two walls leave no cavity")
         yield from not_less(self, "side_wall", "width", 0.5, "the two side walls leave no cavity")
@@ -93,14 +99,9 @@ class PneuNet(SymmetricDesign):
                 f"width - 2 side_wall = {across:g} mm",
             )
 
-    @property
-    def _lists(self) -> tuple[tuple[str, str, int], ...]:
-        """The lists, what stands for equal entries instead, and how many entries there are."""
-        return (
-            ("chamber_lengths", "chamber_length", self.chambers),
-            ("chamber_heights", "chamber_height", self.chambers),
-            ("gaps", "gap", self.chambers + 1),
-        )
+    def _count(self, dimension: str) -> int:
+        """How many chambers or gaps have this dimension."""
+        return self.chambers + 1 if dimension == "gap" else self.chambers
 
     def _name(self, dimension: str) -> str:
         """The name of the list that is given instead of a dimension, or of the dimension."""
@@ -108,7 +109,7 @@ class PneuNet(SymmetricDesign):
 
     def _each(self, dimension: str) -> list[float]:
         """Every entry of a dimension of the chambers or gaps, mm."""
-        return next(list(getattr(self, n) or [getattr(self, d)] * c) for n, d, c in self._lists if d == dimension)
+        return list(getattr(self, f"{dimension}s") or [getattr(self, dimension)] * self._count(dimension))
 
     def _mean(self, dimension: str) -> float:
         """The mean of all entries of a dimension, mm."""
@@ -129,7 +130,7 @@ class PneuNet(SymmetricDesign):
     @property
     def equal(self) -> bool:
         """Whether all chambers and all gaps are equal."""
-        return all(len(set(self._each(dimension))) == 1 for _, dimension, _ in self._lists)
+        return all(len(set(self._each(dimension))) == 1 for dimension in self.lists.values())
 
     @property
     def cell_count(self) -> int:
@@ -233,7 +234,7 @@ class PneuNet(SymmetricDesign):
 
     def repetition(self, size: float, grading: Grading) -> Repetition:
         if not self.equal:
-            raise DesignError(next(name for name, _, _ in self._lists if getattr(self, name)), self.why_no_cell)
+            raise DesignError(next(name for name in self.lists if getattr(self, name)), self.why_no_cell)
         gap, chamber_length = self._each("gap")[0], self._each("chamber_length")[0]
         middle = gap + chamber_length / 2
         edge = 1.5 * gap + chamber_length

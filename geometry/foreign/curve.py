@@ -37,7 +37,7 @@ def with_curve(mesh: Mesh, curve_y: float, length: float, improved: bool = True)
     for k, rows in enumerate(mesh.regions.values(), start=1):
         parts[rows] = k
     near = _around(points, tets, line)
-    fixed = np.union1d(np.unique(tets[~near]), _between(tets, parts, len(points)))
+    fixed = np.unique(tets[~near])
     triangles, walls = np.vstack(list(faces.values())), _boundary(tets, len(points))
     part = DividedMesh(points, tets[near], parts[near], triangles, names, walls, mesh.curved, fixed)
     if _divide(part, line, 1, curve_y) + _divide(part, line, 2, 0.0) and improved:
@@ -49,12 +49,12 @@ def with_curve(mesh: Mesh, curve_y: float, length: float, improved: bool = True)
 
 
 def _between(tets: Index, parts: Index, count: int) -> Index:
-    """The vertices that several parts of the body have."""
-    low, high = np.full(count, parts.max()), np.zeros(count, dtype=np.int64)
-    for corner in tets.T:
-        np.minimum.at(low, corner, parts)
-        np.maximum.at(high, corner, parts)
-    return np.flatnonzero(low < high)
+    """The triangles (k, 3) between elements of different parts of the body."""
+    triangles, part = tets[:, OUTWARD].reshape(-1, 3), np.repeat(parts, len(OUTWARD))
+    keys = row_keys(triangles, count)
+    order = np.argsort(keys, kind="stable")
+    first, second = order[:-1], order[1:]
+    return np.asarray(triangles[first[(keys[first] == keys[second]) & (part[first] != part[second])]])
 
 
 def _around(points: Array, tets: Index, line: Line) -> Mask:
@@ -107,10 +107,12 @@ def _move_into_plane(mesh: DividedMesh, line: Line, axis: int, position: float) 
 
 
 def _movable(mesh: DividedMesh, vertices: Index, axis: int) -> Mask:
-    """Whether vertices (k,) may be moved along the axis: inside the body, or within flat walls along it, (k,)."""
-    across = normals(mesh.points[mesh.walls])
+    """Whether vertices (k,) may be moved along the axis: inside the body, or within flat walls, or flat boundaries
+    between its parts, along it, (k,)."""
+    walls = np.vstack([mesh.walls, _between(mesh.tets, mesh.parts, len(mesh.points))])
+    across = normals(mesh.points[walls])
     slanted = np.abs(across[:, axis]) > 1e-6 * np.linalg.norm(across, axis=1)
-    fixed = np.union1d(np.union1d(mesh.walls[slanted], mesh.curved.ends), mesh.fixed)
+    fixed = np.union1d(np.union1d(walls[slanted], mesh.curved.ends), mesh.fixed)
     return ~np.isin(vertices, fixed)
 
 

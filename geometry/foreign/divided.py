@@ -26,7 +26,7 @@ class DividedMesh:
     names: Index  #: (k,) number of the name of each
     walls: Index  #: (b, 3) triangles of the boundary, outward
     curved: CurvedEdges
-    fixed: Index  #: vertices of elements outside of these, and those between parts of the body
+    fixed: Index  #: vertices of elements outside of these
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,20 @@ def fill(surface: Surface, size: float) -> FileMesh:
 
     Raises `MeshError` where Gmsh cannot.
     """
+    try:
+        return _filled(surface, size, cut=False)
+    except _NoPatches:
+        return _filled(surface, size, cut=True)
+
+
+class _NoPatches(MeshError):
+    """Gmsh could not make patches of the triangles."""
+
+
+def _filled(surface: Surface, size: float, *, cut: bool) -> FileMesh:
+    """The mesh; cut: whether no patch goes through the middle of the body across z."""
     with session() as gmsh:
-        _draw(gmsh, surface)
+        _draw(gmsh, surface, cut)
         volume = _volume(gmsh, surface)
         gmsh.option.setNumber("Mesh.MeshSizeMax", size)
         gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
@@ -47,14 +59,27 @@ def fill(surface: Surface, size: float) -> FileMesh:
     return FileMesh(mesh.points, tets, {}, _without_rounding(mesh.points, mesh.curved))
 
 
-def _draw(gmsh: Any, surface: Surface) -> None:
-    """Put the triangles into the session, and patches over them."""
-    entity = gmsh.model.addDiscreteEntity(2)
-    count = len(surface.points)
-    gmsh.model.mesh.addNodes(2, entity, np.arange(1, count + 1), surface.points.ravel())
-    gmsh.model.mesh.addElementsByType(entity, 2, [], (surface.triangles + 1).ravel())
-    gmsh.model.mesh.classifySurfaces(EDGE, True, True, pi)
-    gmsh.model.mesh.createGeometry()
+def _draw(gmsh: Any, surface: Surface, cut: bool) -> None:
+    """Put the triangles into the session, and patches over them.
+
+    Gmsh fails at some flat faces with a hole, depending on how the rim is divided. `cut` gives it the triangles of both
+    sides of the middle apart, so that it makes two patches of each such face.
+    """
+    z = surface.points[surface.triangles, 2].mean(axis=1)
+    side = (z > (surface.points[:, 2].min() + surface.points[:, 2].max()) / 2) & cut
+    nodes = np.arange(1, len(surface.points) + 1)
+    for k, part in enumerate(filter(len, (surface.triangles[~side], surface.triangles[side]))):
+        entity = gmsh.model.addDiscreteEntity(2)
+        if k == 0:
+            gmsh.model.mesh.addNodes(2, entity, nodes, surface.points.ravel())
+        gmsh.model.mesh.addElementsByType(entity, 2, [], (part + 1).ravel())
+    try:
+        gmsh.model.mesh.classifySurfaces(EDGE, True, True, pi)
+        gmsh.model.mesh.createGeometry()
+    except Exception as error:
+        if type(error) is not Exception:  # Gmsh raises nothing more special than that
+            raise
+        raise _NoPatches(f"Gmsh could not sort the triangles into smooth patches ({error}); {MAY_TOUCH}") from error
 
 
 def _volume(gmsh: Any, surface: Surface) -> int:

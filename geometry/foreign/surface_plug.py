@@ -1,17 +1,18 @@
 """Inlets of a surface that are filled with the material of the body.
 
-The mouth of an inlet is a hole in a flat face of the surface. Its channel is the smooth wall behind the rim of the
-hole. Where that ends at a flat ring the channel goes on with the wall behind the ring, and at a bottom it has ended.
-Where all these are left out and the ends are closed, the channel is filled up to where it becomes wider.
+The mouth of an inlet is a hole in a flat face of the surface. Its channel is the wall behind the rim of the hole, a
+smooth one or all flat sides there. Where that ends at a flat ring the channel goes on with the wall behind the ring,
+where the next wall does not lead outward with that, and at a bottom it has ended. Where all these are left out and the
+ends are closed, the channel is filled up to where it becomes wider.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, pi
 
 import numpy as np
 
-from geometry.arrays import Array, Index
+from geometry.arrays import Array, Index, Mask
 from geometry.design import DesignError
 from geometry.foreign.fill import EDGE
 from geometry.foreign.surface import Surface, of_parts
@@ -21,6 +22,9 @@ from geometry.topology import normals, parts_of_graph, row_keys, triangle_edges
 
 #: cosine of the angle between triangles of one patch
 SMOOTH = cos(EDGE)
+#: cosine of the largest angle between the surface behind the end of a channel and the way outward from its middle at
+#: which it becomes wider
+OPENS = 0.3
 
 
 def plugged(surface: Surface, plugs: Mapping[str, Point]) -> tuple[Surface, dict[str, float]]:
@@ -36,8 +40,9 @@ def plugged(surface: Surface, plugs: Mapping[str, Point]) -> tuple[Surface, dict
             coordinates = "(" + ", ".join(f"{x:g}" for x in point) + ") mm"
             raise DesignError(
                 f"plug.{name}",
-                f"the point {coordinates} lies in no hole of a flat face behind which one smooth wall begins; give a "
-                "point in the mouth of the inlet, or close it in the CAD program",
+                f"the point {coordinates} lies in no hole of a flat face behind which a channel (of smooth walls or "
+                "flat sides) goes to a bottom or to where all of it becomes wider; give a point in the mouth of the "
+                "inlet, or close it in the CAD program",
             )
         points, triangles, depths[name] = filled
         surface = of_parts(points, triangles)
@@ -51,13 +56,21 @@ def _filled(points: Array, triangles: Index, at: Array) -> tuple[Array, Index, f
         channel = patches.channel(rim)
         if channel is None:
             continue
-        walls, ends, depth_at = channel
-        centres = np.array([points[patches.edges[end, 0]].mean(axis=0) for end in ends])
-        kept = [triangles[~np.isin(patches.number, walls)]]
-        for k, end in enumerate(ends):  # in the direction of the edges of the wall, which they replace
+        centres = np.array([points[patches.edges[end, 0]].mean(axis=0) for end in channel.ends])
+        kept = [triangles[~channel.walls]]
+        for k, end in enumerate(channel.ends):  # in the direction of the edges of the wall, which they replace
             kept.append(np.column_stack([patches.edges[end], np.full(len(end), len(points) + k)]))
-        return np.vstack([points, centres]), np.vstack(kept), abs(float((depth_at - centres[0]) @ normal))
+        return np.vstack([points, centres]), np.vstack(kept), abs(float((channel.middle - centres[0]) @ normal))
     return None
+
+
+@dataclass(frozen=True, eq=False)
+class _Channel:
+    """What is left out of a surface where an inlet is filled."""
+
+    walls: Mask  #: (k,) of the triangles, whether they are left out
+    ends: list[Index]  #: the rims of its walls that are to be closed
+    middle: Array  #: (3,) of its end
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,32 +121,55 @@ class _Patches:
                 if self._turn(rim, at, normal) < -pi:  # the rim of a hole runs clockwise
                     yield normal, rim
 
-    def channel(self, rim: Index) -> tuple[list[int], list[Index], Array] | None:
-        """The patches of the channel behind the rim of a mouth, the rims of its walls that are to be closed, and the
-        middle (3,) of its end; None where it is not one wall after the other."""
-        walls: list[int] = []
-        ends: list[Index] = []
+    def channel(self, rim: Index) -> _Channel | None:
+        """The channel behind the rim of a mouth; None where it is not one wall after the other, each smooth or of flat
+        sides, up to a bottom or to where all of it becomes wider."""
+        patches, walls, ends = self, np.zeros(len(self.number), dtype=bool), list[Index]()
+        mouth = self.points[self.edges[rim, 0]].mean(axis=0)
         while True:
-            wall = self._behind(rim)
-            if wall is None or wall in walls:
+            patches, wall = patches._with_one_wall(rim)
+            if walls[patches.number == wall].any():
                 return None
-            here, others = self._parted(wall, rim)
+            here, others = patches._parted(wall, rim)
             if len(others) != 1:
                 return None
-            walls.append(wall)
+            walls = walls | (patches.number == wall)
             ends = ends or [here]
-            (exit_rim,) = others
-            ring = self._behind(exit_rim)
-            middle = self.points[self.edges[exit_rim, 0]].mean(axis=0)
-            if ring is None or not self._narrows(ring, exit_rim, middle):
-                return walls, [*ends, exit_rim], middle
-            walls.append(ring)
-            _, holes = self._parted(ring, exit_rim)
-            if not holes:  # a bottom
-                return walls, ends, middle
-            if len(holes) > 1:
+            (rim,) = others
+            middle = self.points[self.edges[rim, 0]].mean(axis=0)
+            ring = patches._behind(rim)
+            if ring is not None and patches._narrows(ring, rim, middle):
+                walls = walls | (patches.number == ring)
+                _, holes = patches._parted(ring, rim)
+                if not holes:  # a bottom
+                    return _Channel(walls, ends, middle)
+                if len(holes) > 1:
+                    return None
+                (rim,) = holes
+                continue
+            opens = self._opens(rim, middle, middle - mouth)
+            if opens.all():
+                return _Channel(walls, [*ends, rim], middle)
+            if opens.any():  # one of its sides goes on as a wall of the cavity
                 return None
-            (rim,) = holes
+
+    def _with_one_wall(self, rim: Index) -> "tuple[_Patches, int]":
+        """The same with the patches behind a rim as one, and its number."""
+        sides = np.unique(self.number[self.across[rim]])
+        number = np.where(np.isin(self.number, sides), sides[0], self.number)
+        return (self if len(sides) == 1 else replace(self, number=number)), int(sides[0])
+
+    def _opens(self, rim: Index, middle: Array, axis: Array) -> Mask:
+        """Whether the surface behind each edge of a rim around a point (3,) turns away from the axis (3,), (e,)."""
+        start, stop = (self.points[self.edges[rim, k]] for k in (0, 1))
+        triangles = self.edges.reshape(-1, 3, 2)[self.across[rim], :, 0]
+        third = self.points[triangles].sum(axis=1) - start - stop
+        along = stop - start
+        outward, behind = (start + stop) / 2 - middle, third - start
+        outward = _without_part(outward, np.broadcast_to(axis, outward.shape))
+        outward, behind = _without_part(outward, along), _without_part(behind, along)
+        size = np.linalg.norm(outward, axis=1) * np.linalg.norm(behind, axis=1)
+        return np.asarray(np.einsum("ij,ij->i", outward, behind) > OPENS * size)
 
     def _behind(self, rim: Index) -> int | None:
         """The patch on the other side of a rim; None where there are several."""
@@ -165,3 +201,9 @@ class _Patches:
         start, stop = self.points[self.edges[rim, 0]] - at, self.points[self.edges[rim, 1]] - at
         sine, cosine = np.cross(start, stop) @ normal, np.einsum("ij,ij->i", start, stop)
         return float(np.arctan2(sine, cosine).sum())
+
+
+def _without_part(vectors: Array, directions: Array) -> Array:
+    """Vectors (n, 3) without their parts along directions (n, 3)."""
+    part = np.einsum("ij,ij->i", vectors, directions) / np.einsum("ij,ij->i", directions, directions)
+    return np.asarray(vectors - part[:, None] * directions)

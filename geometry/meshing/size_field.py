@@ -109,21 +109,27 @@ def thinnest_wall(gmsh: Any, half: bool = True) -> float:
     """Thickness of the thinnest wall of the solid in the session, mm; walls thicker than `DEEPEST` are as thick as
     that."""
     model = gmsh.model
-    box = np.array(model.getBoundingBox(-1, -1))
-    thickness = _thicknesses(model, *_material_test(model, half, mirrored=False))
-    return min(thickness.values(), default=DEEPEST * float((box[3:] - box[:3]).min()))
+    deepest = DEEPEST * float((_sides(model) * [1.0, 1.0, 2.0 if half else 1.0]).min())
+    thickness = _thicknesses(model, *_material_test(model, half, mirrored=False), deepest)
+    return min(thickness.values(), default=deepest)
 
 
 def _thin_walls(model: Any, inside: Inside, near: float) -> list[int]:
     """Tags of the faces behind which the material is at most THIN times as thick as where it is thinnest."""
-    thickness = _thicknesses(model, inside, near)
+    thickness = _thicknesses(model, inside, near, DEEPEST * float(_sides(model).min()))
     return [face for face, depth in thickness.items() if depth <= THIN * min(thickness.values())]
 
 
-def _thicknesses(model: Any, inside: Inside, near: float) -> dict[int, float]:
-    """Thickness (mm) of the material behind the middle of each face, by tag; deeper walls are left out."""
+def _sides(model: Any) -> Array:
+    """(3,) mm, of the box around the solid that is meshed."""
     box = np.array(model.getBoundingBox(-1, -1))
-    depths = np.linspace(near, DEEPEST * float((box[3:] - box[:3]).min()), STEPS)
+    return box[3:] - box[:3]
+
+
+def _thicknesses(model: Any, inside: Inside, near: float, deepest: float) -> dict[int, float]:
+    """Thickness (mm) of the material behind the middle of each face, by tag; those above `deepest` are left out."""
+    step = (DEEPEST * float(_sides(model).min()) - near) / (STEPS - 1)
+    depths = near + step * np.arange(round((deepest - near) / step) + 1)
     thickness = {}
     for _, face in model.getEntities(2):
         low, high = model.getParametrizationBounds(2, face)

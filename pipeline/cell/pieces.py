@@ -12,7 +12,6 @@ from geometry import GRADINGS, Body, Design, DesignError, MeshError
 from geometry.meshing.mirror import Repetition
 from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.config import Config
-from pipeline.errors import InputError
 from pipeline.simulation.scene import GAP, Scene, layer_in, material_of
 
 
@@ -67,7 +66,7 @@ class ArmPieces:
         try:
             return self.design.repetition(mesh.element_size_mm, GRADINGS[mesh.grading])
         except (DesignError, MeshError) as failure:
-            raise InputError(f"{self.config.source}: {failure}") from None
+            raise self.config.unmeshable(failure) from None
 
     @property
     def cell(self) -> BendingPiece:
@@ -107,7 +106,7 @@ class ArmPieces:
         try:
             return self._meshed(half_cells, start)
         except (DesignError, MeshError) as failure:
-            raise InputError(f"{self.config.source}: {failure}") from None
+            raise self.config.unmeshable(failure) from None
 
     def _meshed(self, half_cells: int, start: Boundary) -> Body:
         size, grading = self.config.mesh.element_size_mm, GRADINGS[self.config.mesh.grading]

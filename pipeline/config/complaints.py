@@ -108,7 +108,8 @@ def keys_below(model: Any, key: Key) -> Mapping[str, Any]:
     """The fields allowed below `key`."""
     keys: Mapping[str, Any] = model.model_fields
     for name in key:
-        keys = getattr(_section(keys[str(name)].annotation), "model_fields", {})
+        field = keys.get(str(name))  # an entry of a list has none
+        keys = getattr(_section(field.annotation), "model_fields", {}) if field else {}
     return keys
 
 
@@ -123,15 +124,25 @@ def _list_example(model: Any, key: Key) -> str:
     """That of the key, or of the one that it is an entry of."""
     for length in range(len(key), 0, -1):
         field = keys_below(model, key[: length - 1]).get(str(key[length - 1]))
-        if field is not None and field.examples and "[" in str(field.examples[0]):
-            return str(field.examples[0])
+        if (examples := _examples(field)) and "[" in examples[0]:
+            return examples[0]
     return "[17 kPa, 37 kPa]"
 
 
+def _examples(field: Any) -> list[str]:
+    """Of a field; where it may be left out, those of the kind that it has otherwise."""
+    if field is None:
+        return []
+    kinds = [part for kind in get_args(field.annotation) for part in getattr(kind, "__metadata__", ())]
+    return [str(example) for part in (field, *kinds) for example in getattr(part, "examples", None) or ()]
+
+
 def _example(model: Any, key: Key) -> str:
+    while isinstance(key[-1], int):  # of an entry of a list that of the list
+        key = key[:-1]
     field = keys_below(model, key[:-1])[str(key[-1])]
-    if field.examples:
-        return str(field.examples[0])
+    if examples := _examples(field):
+        return examples[0]
     if hasattr(field.annotation, "model_fields"):
         return "{" + ", ".join(f"{name}: ..." for name in field.annotation.model_fields) + "}"
     return "..."

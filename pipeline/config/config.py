@@ -15,8 +15,9 @@ from typing import Any, Literal, get_args
 import fem.materials
 from fem.elements import automatic_element
 from fem.materials import LAWS
-from geometry import CellPlanes, Design, FileDesign
+from geometry import CellPlanes, Design, DesignError, FileDesign, MeshError
 from pipeline.config.effects import Effects, State
+from pipeline.errors import InputError
 from pipeline.store.json_values import Json, JsonObject
 
 #: the laws of the rod: five parameters and the law from one cell, or one of them
@@ -206,6 +207,16 @@ class Config:
         if given is not None:
             return given, self.identification.weight_of or "a reference arm"
         return None if mass is None else (mass * STANDARD_GRAVITY, "this arm")
+
+    def unmeshable(self, failure: DesignError | MeshError) -> InputError:
+        """The refusal of a body that cannot be meshed, with the keys of the configuration."""
+        if isinstance(failure, MeshError):
+            return InputError(f"{self.source}: {failure}")
+        sentences, dimensions = [], vars(self.design)
+        for error in (failure, *failure.others):
+            keys = (f"geometry.{key}" if key.split(".")[0] in dimensions else key for key in error.keys)
+            sentences.append(f"{self.source}: {', '.join(keys)}: {error.sentence}")
+        return InputError(*sentences)
 
     @property
     def hash(self) -> str:

@@ -160,6 +160,12 @@ def _pair(values: tuple[float, ...]) -> tuple[float, ...]:
     return values
 
 
+def _distinct(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    if len(set(values)) < len(values):
+        raise ValueError("has an entry twice; list every load once")
+    return values
+
+
 def _not_below_zero(value: int) -> int:
     if value < 0:
         raise ValueError(f"{quoted(value)} is not allowed; allowed: 0 or more")
@@ -360,9 +366,17 @@ PositiveForce = Annotated[
 Force = Annotated[tuple[Annotated[float, _in(FORCE)], ...], AfterValidator(_pair), Field(strict=False)]
 #: of the validation loads
 PressuresBetween = Annotated[Pressures, Field(strict=False, examples=["[24 kPa]"])]
-Ends = Annotated[tuple[Length, ...], Field(strict=False, examples=["[10 mm, -10 mm]"]), Written("mm", "list")]
+Ends = Annotated[
+    tuple[Length, ...],
+    AfterValidator(_distinct),
+    Field(strict=False, examples=["[10 mm, -10 mm]"]),
+    Written("mm", "list"),
+]
 Forces = Annotated[
-    tuple[Force, ...], Field(strict=False, examples=["[[0 N, 0.05 N]]"]), Written("N", "list of pairs of x and y")
+    tuple[Force, ...],
+    AfterValidator(_distinct),
+    Field(strict=False, examples=["[[0 N, 0.05 N]]"]),
+    Written("N", "list of pairs of x and y"),
 ]
 Cell = Annotated[
     Any, BeforeValidator(_cell), Field(examples=["8 mm"]), Written("mm", "a length, or two planes `{from, to}`")

@@ -137,6 +137,7 @@ def _design(document: Document, content: Any, family: str, regions: Sequence[str
             values["file"] = str(document.path.parent / values["file"])
             design: Design = own_design(values["file"])(**values)
         else:
+            _check_lists(document, FAMILIES[family].lists)
             design = FAMILIES[family](**values)
         design = design.with_regions(regions)
     except DesignError as refused:
@@ -144,6 +145,16 @@ def _design(document: Document, content: Any, family: str, regions: Sequence[str
     if isinstance(design, MeshFile) and content.accuracy is not None:
         raise document.wrong(("accuracy",), "a ready mesh cannot be made finer; leave it out, or give a drawing")
     return design
+
+
+def _check_lists(document: Document, lists: Mapping[str, str]) -> None:
+    """Refuse a dimension beside the list that is given instead of it; an override with the list replaces it."""
+    for several, usual in lists.items():
+        keys = (("geometry", usual), ("geometry", several))
+        if {several, usual} <= document.content["geometry"].keys() and (
+            keys[0] in document.overridden or keys[1] not in document.overridden
+        ):
+            raise document.wrong_together(keys, f"{usual} and {several} exclude each other; give one of them")
 
 
 def _refused(document: Document, refused: DesignError, dimensions: Iterable[str] = ()) -> InputError:
@@ -194,6 +205,15 @@ def _validation(document: Document, content: Any, length: float) -> Validation:
     if end == End(y_mm=end.y_mm) and end.y_mm in loads.end_y:
         raise document.wrong(
             ("validation", "end_y"), f"{end.y_mm:g} mm is what the numbers are identified with; give others"
+        )
+    if end.force_N in loads.forces and end == End(None, None, end.force_N):
+        x, y = end.force_N
+        raise document.wrong(
+            ("validation", "forces"), f"[{x:g} N, {y:g} N] is what the numbers are identified with; give others"
+        )
+    if (0.0, 0.0) in loads.forces:
+        raise document.wrong(
+            ("validation", "forces"), "[0 N, 0 N] is experiment II, with which the numbers are identified; give others"
         )
     pressures = tuple(as_known(of_run, pressure) for pressure in loads.pressures or ())
     for pressure in pressures:

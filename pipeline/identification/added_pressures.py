@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pipeline.context import RunContext
 from pipeline.identification.lines import counts_as_equal_cells
 from pipeline.identification.parameters import Parameters, decided_together, identify_in_tasks
-from pipeline.identification.too_short import too_short
+from pipeline.identification.too_short import too_coarse, too_short
 from pipeline.simulation.loadcase import up_to
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
@@ -39,7 +39,7 @@ def identify_run(scene: Scene, context: RunContext, outcomes: Outcomes) -> Ident
     """
     if scene.config.law == "cell":
         return Identified(outcomes, ())
-    if sentence := too_short(scene.config):
+    if sentence := too_short(scene.config) or too_coarse(scene.config, scene.body):
         return Identified(outcomes, (), (sentence,))
     parameters, refused = _identified(scene, context, outcomes)
     outcomes, parameters, not_added = with_added_pressures(scene, context, outcomes, parameters)

@@ -1,10 +1,16 @@
-"""Arms that are too short for five parameters, known from the configuration."""
+"""Arms that are too short for five parameters, and meshes that are too coarse, known before anything is solved."""
 
-from geometry import CellPlanes, Design
+import numpy as np
+
+from fem.elements import ELEMENTS
+from geometry import Body, CellPlanes, Design, MeshFile
 from geometry.families.from_file import FileDesign
 from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.config import Config
 from rod import too_few_pitches
+
+#: smallest length of a cell over the distance of nodes (`rod.cell_averaged`)
+NODES_PER_CELL, ROUNDING = 2.0, 1e-9
 
 
 def too_short(config: Config) -> str:
@@ -21,6 +27,25 @@ def why_too_short(config: Config) -> str:
         return ""
     reason = sentence[0].lower() + sentence[1:].removesuffix(".")
     return f"no five parameters: {reason}; give {_remedy(config.design)}"
+
+
+def too_coarse(config: Config, body: Body) -> str:
+    """The same where nodes along the material curve are too far apart for means over a cell."""
+    design, spacing = config.design, float(np.diff(body.mesh.points[body.curve_vertices, 0]).max())
+    if ELEMENTS[config.mesh.formulation].quadratic:
+        spacing /= 2
+    largest = (1.0 + ROUNDING) * design.pitch / NODES_PER_CELL
+    if config.law == "cell" or too_short(config) or spacing <= largest:
+        return ""
+    finer = "a mesh with smaller elements there" if isinstance(design, MeshFile) else "a smaller mesh.size"
+    longer = float(f"{1.1 * NODES_PER_CELL * spacing:.2g}")
+    may_be_longer = isinstance(design, FileDesign) and not isinstance(design.cell, CellPlanes)
+    if may_be_longer and not too_few_pitches(design.length, longer):
+        finer = f"geometry.cell, for example {longer:g} mm, or {finer}"
+    return (
+        f"no five parameters: nodes along the material curve are up to {spacing:.3g} mm apart, more than half of the "
+        f"{design.pitch:.3g} mm over which curvatures are averaged; give {finer}"
+    )
 
 
 def _remedy(design: Design) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import isfinite
+from math import inf, isfinite
 from typing import NamedTuple
 
 import numpy as np
@@ -12,6 +12,7 @@ from geometry import position_text
 from geometry.arrays import Index
 from pipeline.config.config import Config, Material
 from pipeline.identification.parameters import Parameters
+from pipeline.plausibility.before import HARDLY_BENT
 from pipeline.simulation.contact_check import BESIDE, NOTHING
 from pipeline.simulation.outcome import Outcomes, Record
 from rod import Interval
@@ -22,8 +23,6 @@ KEEPS_ITS_VOLUME, VOLUME_CHANGE = 0.49, 0.3
 ROUNDING = 1e-9
 #: distance of the material curve from its plane over the length that is not mentioned: as much as a rod is wrong
 OUT_OF_PLANE = 1e-3
-#: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, rad
-HARDLY_BENT = 0.05
 #: pressures from which on it can be tested whether parameters are linear in the pressure
 SEVERAL = 3
 #: largest ratio of the ends of the 95 % interval of a rigidity that counts as determined
@@ -130,18 +129,21 @@ def _valid(material: Material) -> Valid | None:
 
 def _beyond_law(solved: Solved, material: Material, of_part: str, elements: Index | None) -> str:
     """The sentence on the stretches in a part of one material; empty where its law describes rubber up to them."""
-    valid = _valid(material)
-    if valid is None:
-        return ""
     states = [_Range.of(record, elements) for record in solved.outcomes.records]
     low, high = min(state.smallest for state in states), max(states, key=lambda state: state.largest)
-    if low >= valid.stretches[0] and high.largest <= valid.stretches[1]:
+    valid, (least, most) = _valid(material), material.built().stretch_limits
+    is_valid = valid is None or (low >= valid.stretches[0] and high.largest <= valid.stretches[1])
+    clauses = [] if valid is None or is_valid else [valid.sentence]
+    ends = [f"below {least:.2f} (compressed)"] if low < least else []
+    ends += [f"beyond {most:.2f}"] if high.largest > most else []
+    if ends:
+        law = "it" if clauses else f"the law {material.law} with these constants"
+        clauses.append(f"{law} is not stable {' and '.join(ends)}")
+    if not clauses:
         return ""
-    stable = material.built().stretch_limits[0]
-    unstable = f", and where compressed below {stable:.2f} it is not stable" if low < stable else ""
     return (
         f"stretches in the walls{of_part} go from {low:.2f} (compressed) to {high.largest:.2f} (at "
-        f"{high.pressure_kPa:g} kPa), and {valid.sentence}{unstable}; fit another law to a tensile test with pneurod "
+        f"{high.pressure_kPa:g} kPa), and {', and '.join(clauses)}; fit another law to a tensile test with pneurod "
         "material"
     )
 
@@ -166,8 +168,14 @@ def _hardly_bent(solved: Solved) -> str:
     highest = max(bent)
     return (
         f"the arm hardly bends: at {highest:g} kPa its curvature adds up to {bent[highest]:.2g} rad over the length, "
-        "so that mesh and rounding matter more than usual; give higher pressures or thinner walls"
+        "so that the mesh, rounding and what the pressure does to the cross-section of its end matter more than usual; "
+        "give higher pressures or thinner walls, or displace the end farther in experiment III (end.y)"
     )
+
+
+def largest_bend_rad(solved: Solved) -> float:
+    """Of II at the pressures that were reached; infinite where it is not known."""
+    return max(_bends(solved).values(), default=inf)
 
 
 def _bends(solved: Solved) -> dict[float, float]:

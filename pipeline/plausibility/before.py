@@ -13,8 +13,9 @@ from pipeline.plausibility.body import of_edges
 from rod import too_few_pitches
 
 #: p V_air / (E V_solid), about half the strain of a wall under the pressure p: the arms of the paper have 0.003 to
-#: 0.03, arms in the hard cases reach a limit between 0.02 and 0.06
-LARGEST_LOAD, SMALLEST_LOAD = 0.1, 3e-4
+#: 0.03, arms in the hard cases reach a limit between 0.02 and 0.06. BORNE_LOAD: the largest that is suggested for an
+#: arm that hardly bends
+LARGEST_LOAD, BORNE_LOAD, SMALLEST_LOAD = 0.1, 0.02, 3e-4
 #: the same at the highest pressure that is suggested where the given ones hardly bend the arm
 USUAL_LOAD = 30.0 * SMALLEST_LOAD
 #: kPa; no higher pressure is suggested, because no arm of rubber needs it
@@ -23,14 +24,19 @@ RUBBERS = "rubbers have a Young's modulus of 0.05 to 10 MPa"
 #: the highest pressure that is suggested, over the one at which an experiment has ended: the others may end earlier
 #: (III of the coarse pneu-net at 0.69 times the limit of II), and I is not followed beyond the end of II
 WELL_BELOW = 0.6
+#: rotation of the end in II (kappa_0 at half of the length times the length) below which an arm hardly bends, and the
+#: one for which pressures are suggested then, rad
+HARDLY_BENT, BENT = 0.05, 0.1
+SMALLEST_BEND = 1e-9
 
 
 @dataclass(frozen=True)
 class Borne:
-    """What is known of the pressures that an arm bears."""
+    """What is known of an arm after a run: the pressures that it bears, and how far it bends."""
 
     end_kPa: float = inf  #: the lowest pressure at which an experiment has ended; infinite where none has
     reached_kPa: float = 0.0  #: the highest one that II and III have both reached
+    bend_rad: float = inf  #: the largest rotation of the end in II; infinite where it is not known
 
     def suggested(self, pressure_kPa: float) -> float:
         """A pressure to suggest, or a lower one where the arm may not bear it, kPa."""
@@ -134,12 +140,15 @@ def _few_pressures(config: Config, borne: Borne) -> str:
         return ""
     untested = "how the parameters change" if count == 1 else "whether the parameters are linear in the pressure"
     load, _ = _load(config)
-    is_weak = load < SMALLEST_LOAD
-    part = USUAL_LOAD / load if is_weak else min(1.0, LARGEST_LOAD / load)
+    part = USUAL_LOAD / load if load < SMALLEST_LOAD else min(1.0, LARGEST_LOAD / load)
+    if hardly_bends := load >= SMALLEST_LOAD and borne.bend_rad < HARDLY_BENT:
+        part = max(part, min(BENT / max(borne.bend_rad, SMALLEST_BEND), BORNE_LOAD / load))
     number = "one pressure" if count == 1 else "two pressures"
     sentence = f"{number} cannot tell {untested}; give three or more"
     given, high = config.pressures_kPa, borne.suggested(config.pressures_kPa[-1] * part)
-    if is_weak and high > HIGHEST_PRESSURE:
+    if (load < SMALLEST_LOAD and high > HIGHEST_PRESSURE) or (
+        hardly_bends and not given[-1] < high <= HIGHEST_PRESSURE
+    ):
         return sentence
     values = [_two_digits(fraction * high) for fraction in (0.25, 0.5, 0.75, 1.0)]
     if high == _two_digits(given[-1]):  # the given ones stay

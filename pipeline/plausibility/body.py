@@ -7,6 +7,7 @@ from geometry.families.from_file import FileDesign
 from geometry.orientation import TURNS
 from geometry.topology import OUTWARD, find_rows, normals
 from pipeline.config.config import AUTO, Config
+from pipeline.identification.too_short import too_coarse
 
 #: smallest radius ratio of an element that is not mentioned: meshes of the families have 0.1 to 0.3, and below this one
 #: a mesh of a CAD file is optimized once more
@@ -142,4 +143,5 @@ def of_body(body: Body, config: Config) -> tuple[str, ...]:
     """All sentences on the body that was meshed."""
     design = config.design
     of_solids = of_volume(body, config), of_half(body), of_parts(body, config), of_directions(design)
-    return tuple(filter(None, (*of_mesh(body.mesh, design), of_straightened(design), *of_solids)))
+    of_elements = *of_mesh(body.mesh, design), of_straightened(design), too_coarse(config, body)
+    return tuple(filter(None, (*of_elements, *of_solids)))

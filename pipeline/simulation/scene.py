@@ -40,7 +40,7 @@ class Scene:
         try:
             body = config.design.body(config.mesh.element_size_mm, GRADINGS[config.mesh.grading])
         except (DesignError, MeshError) as failure:
-            raise InputError(f"{config.source}: {failure}") from None
+            raise config.unmeshable(failure) from None
         _check_boundary(config, body)
         _check_faces(config, body)
         whole = config.effects.symmetry.off or config.effects.gravity.breaks_symmetry
