@@ -221,7 +221,7 @@ def _placed_by_names(content: FileMesh, placing: Placing) -> Placed:
         raise MeshError(
             f"the mesh has no face whose name begins with cavity; it has {', '.join(mesh.faces)}: {BY_NAMES}"
         )
-    _refuse_named_twice(mesh, [name for name in (*names, "clamp", "tip", "sym") if name in mesh.faces])
+    _refuse_named_twice(mesh, [name for name in (*names, "clamp", "tip", "sym") if len(mesh.faces.get(name, ()))])
     _refuse_nameless(mesh, names)
     for name in names:  # before the body is moved: positions in sentences are those that a user knows
         if "sym" not in mesh.faces:
