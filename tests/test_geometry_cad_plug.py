@@ -58,6 +58,7 @@ THROUGH_A_WALL = {
     "conical": (drilled(lambda occ: (3, occ.addCone(30, -0.1, 0, 0, 4, 0, 2, 1))), (30, 0, 0), {}),
     "with a draft": (drilled(lambda occ: (3, occ.addCone(30, -0.1, 0, 0, 4, 0, 1.2, 1.5))), (30, 0, 0), {}),
     "oblique": (drilled(cylinder(30 - np.tan(0.2), -1, 0, 5 * np.tan(0.2), 5, 0, 1.2)), (30, 0, 0), {}),
+    "away from its mouth": (drilled(cylinder(29, -1, 0, 2.5, 5, 0, 1.0)), (29.5, 0, 0), {}),
     "with a counterbore wider than the rest": (
         drilled(cylinder(30, -1, 0, 0, 2, 0, 6), cylinder(30, -1, 0, 0, 5, 0, 1)),
         (34, 0, 0),

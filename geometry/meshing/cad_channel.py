@@ -3,7 +3,7 @@
 The channel is followed by its sections with planes parallel to the hole, in a cylinder around it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import pi, sqrt
 from typing import Any, TypeAlias
@@ -27,6 +27,8 @@ WIDER = 3.0
 REACH = 1.6
 #: radius of the cylinder in which it is followed, over that reach
 AROUND = 2.0
+#: way of the middle of the sections aside, over the reach of the mouth, from which a channel may run obliquely
+ASIDE = 0.3
 #: accuracy of the depth, and distance from a plane parallel to the mouth within which a plug ends there, over the width
 ACCURACY, AT_PLANE = 1e-4, 1e-3
 #: smallest depth of a plug, over the width
@@ -60,6 +62,7 @@ class _Section:
     faces: list[Face]  #: one, or several where the channel divides
     area: float  #: mm2, of half of it where the mouth is a half
     is_wide: bool  #: whether it reaches far beyond the mouth
+    centre: Array  #: of its area, (3,)
 
 
 @dataclass(frozen=True)
@@ -70,16 +73,23 @@ class Channel:
     solids: list[Volume]
     mouth: Mouth
     inward: Array  #: unit vector (3,), across the mouth
+    #: way of its middle along the mouth, over the depth, (3,)
+    aside: Array = field(default_factory=lambda: np.zeros(3))
+
+    @cached_property
+    def followed(self) -> "Channel":
+        """The same, followed obliquely where it leads farther so."""
+        _, _, _, aside = self._ends
+        if self.aside.any() or not aside.any():
+            return self
+        oblique = replace(self, aside=aside)
+        return oblique if oblique.depth > self.depth else self
 
     @cached_property
     def depth(self) -> float:
         """Of the plug, mm: up to where the channel becomes wider or has its bottom, or as deep as wide in a long one; 0
         where it is wider at once."""
-        occ, width = self.gmsh.model.occ, self.mouth.width
-        around = self._around()
-        inside, outside, has_bottom = self._end(around)
-        occ.remove(around, recursive=True)
-        occ.synchronize()
+        width, (inside, outside, has_bottom, _) = self.mouth.width, self._ends
         if outside is None or (has_bottom and outside > LONG_WITH_BOTTOM * width):
             return width
         near = self._planes[np.abs(self._planes - inside) < AT_PLANE * width]
@@ -111,9 +121,26 @@ class Channel:
         planes = [plane for face in faces if (plane := plane_of(self.gmsh, face)) is not None]
         return np.array([(on - self.mouth.at) @ self.inward for on, n in planes if abs(n @ self.inward) > 1 - FLAT])
 
+    @cached_property
+    def _ends(self) -> tuple[float, float | None, bool, Array]:
+        """As `_end`."""
+        occ, around = self.gmsh.model.occ, self._around()
+        ends = self._end(around)
+        occ.remove(around, recursive=True)
+        occ.synchronize()
+        return ends
+
+    @property
+    def _way(self) -> Array:
+        """(3,) of its middle, over the depth."""
+        return self.inward + self.aside
+
     def _cylinder(self, depth: float) -> Volume:
-        along = depth * self.inward
-        return (3, self.gmsh.model.occ.addCylinder(*self.mouth.middle, *along, AROUND * self.mouth.reach))
+        occ, along, radius = self.gmsh.model.occ, depth * self._way, AROUND * self.mouth.reach
+        if not self.aside.any():
+            return (3, occ.addCylinder(*self.mouth.middle, *along, radius))
+        disk = occ.addDisk(*self.mouth.middle, radius, radius, zAxis=list(self.inward))
+        return next(part for part in occ.extrude([(2, disk)], *along) if part[0] == 3)
 
     def _around(self) -> list[Volume]:
         """What of the solids lies around the channel: fewer faces to be cut than all of theirs."""
@@ -127,14 +154,16 @@ class Channel:
             return entities
         return in_front(self.gmsh, entities, self.mouth.middle, 4 * (LONG + AROUND) * self.mouth.reach)
 
-    def _end(self, around: list[Volume]) -> tuple[float, float | None, bool]:
+    def _end(self, around: list[Volume]) -> tuple[float, float | None, bool, Array]:
         """The last depth (mm) at which the channel is open and not wider, the first at which it is wider or closed, and
-        whether it is closed there; None for a long channel."""
+        whether it is closed there; None for a long channel. And the way of its middle aside, over the depth, (3,), zero
+        where that is small."""
         width, planes = self.mouth.width, self._planes
         last, smallest = self._section(around, AT_PLANE * width, None), self.mouth.area
         if last is None or self._is_wider(last, smallest):
             self._remove(last)
-            return 0.0, 0.0, False
+            return 0.0, 0.0, False, np.zeros(3)
+        first = last
         steps = width * (np.arange(LONG * SECTIONS) + 0.637) / SECTIONS  # not in planes of the drawing
         beyond = planes[planes > AT_PLANE * width] + 2 * AT_PLANE * width
         outside, has_bottom = None, False
@@ -156,7 +185,17 @@ class Channel:
                 self._remove(last)
                 last = section
         self._remove(last)
-        return last.depth, outside, has_bottom
+        return last.depth, outside, has_bottom, self._aside(first, last)
+
+    def _aside(self, first: _Section, last: _Section) -> Array:
+        """The way of the middle from one section to another along the mouth, over the depth between them, (3,); zero
+        where that is small."""
+        way = last.centre - first.centre
+        way = way - (way @ self.inward) * self.inward
+        if self.mouth.is_half:
+            way[2] = 0.0
+        is_small = np.linalg.norm(way) < ASIDE * self.mouth.reach
+        return np.zeros(3) if is_small else np.asarray(way / (last.depth - first.depth))
 
     def _whole(self, section: _Section) -> float:
         """Its area on both sides of z = 0, mm2."""
@@ -171,16 +210,16 @@ class Channel:
     def _section(self, around: list[Volume], depth: float, before: _Section | None) -> _Section | None:
         """The section at a depth that continues the one before, or the mouth; None where the channel is closed."""
         occ, mouth = self.gmsh.model.occ, self.mouth
-        middle, radius = mouth.middle + depth * self.inward, AROUND * mouth.reach
+        middle, radius = mouth.middle + depth * self._way, AROUND * mouth.reach
         pieces = self._half([(2, occ.addDisk(*middle, radius, radius, zAxis=list(self.inward)))])
         if around:
             pieces = list(occ.cut(pieces, around, removeObject=True, removeTool=False)[0])
         if before is None:
-            at = mouth.at + depth * self.inward
+            at = mouth.at + depth * self._way
             faces = list(occ.getClosestEntities(*at, pieces, 1)[0]) if pieces else []
         else:
             moved = occ.copy(before.faces)
-            occ.translate(moved, *((depth - before.depth) * self.inward))
+            occ.translate(moved, *((depth - before.depth) * self._way))
             faces = [piece for piece in pieces if any(self._touch(piece, face) for face in moved)]
             occ.remove(moved, recursive=True)
         occ.remove([piece for piece in pieces if piece not in faces], recursive=True)
@@ -190,7 +229,9 @@ class Channel:
         corners = np.maximum(np.abs(boxes[:, 0]).max(axis=0), np.abs(boxes[:, 1]).max(axis=0))
         across = corners - (corners @ np.abs(self.inward)) * np.abs(self.inward)
         is_wide = bool(np.linalg.norm(across) > REACH * mouth.reach)
-        return _Section(depth, faces, sum(float(occ.getMass(*face)) for face in faces), is_wide)
+        areas = np.array([float(occ.getMass(*face)) for face in faces])
+        centre = areas @ np.array([occ.getCenterOfMass(*face) for face in faces]) / areas.sum()
+        return _Section(depth, faces, float(areas.sum()), is_wide, centre)
 
     def _touch(self, first: Face, second: Face) -> bool:
         return float(self.gmsh.model.occ.getDistance(*first, *second)[0]) < ACCURACY * self.mouth.width

@@ -154,7 +154,7 @@ def hole_advice(gmsh: Any, body: CadBody, solids: list[Volume]) -> str:
 def _channel(gmsh: Any, extent: _Extent, solids: list[Volume], point: Point) -> Channel | None:
     """The deepest channel behind a mouth in which a point lies; None where it lies in none."""
     channels = [
-        Channel(gmsh, solids, mouth, side * mouth.normal)
+        Channel(gmsh, solids, mouth, side * mouth.normal).followed
         for mouth in _mouths(gmsh, extent, solids, point)
         for side in (1, -1)
     ]
