@@ -73,13 +73,9 @@ def _draw(gmsh: Any, surface: Surface, cut: bool) -> None:
         if k == 0:
             gmsh.model.mesh.addNodes(2, entity, nodes, surface.points.ravel())
         gmsh.model.mesh.addElementsByType(entity, 2, [], (part + 1).ravel())
-    try:
+    with told("Gmsh could not sort the triangles into smooth patches", MAY_TOUCH, _NoPatches):
         gmsh.model.mesh.classifySurfaces(EDGE, True, True, pi)
         gmsh.model.mesh.createGeometry()
-    except Exception as error:
-        if type(error) is not Exception:  # Gmsh raises nothing more special than that
-            raise
-        raise _NoPatches(f"Gmsh could not sort the triangles into smooth patches ({error}); {MAY_TOUCH}") from error
 
 
 def _volume(gmsh: Any, surface: Surface) -> int:

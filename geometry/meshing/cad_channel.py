@@ -80,7 +80,7 @@ class Channel:
     def followed(self) -> "Channel":
         """The same, followed obliquely where it leads farther so."""
         _, _, _, aside = self._ends
-        if self.aside.any() or not aside.any():
+        if not aside.any():
             return self
         oblique = replace(self, aside=aside)
         return oblique if oblique.depth > self.depth else self

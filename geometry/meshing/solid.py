@@ -75,14 +75,14 @@ def session() -> Iterator[Any]:
 
 
 @contextmanager
-def told(failure: str, remedy: str) -> Iterator[None]:
-    """Raise `MeshError` with a sentence for an error of Gmsh in the block."""
+def told(failure: str, remedy: str, kind: type[MeshError] = MeshError) -> Iterator[None]:
+    """Raise `MeshError`, or a kind of it, with a sentence for an error of Gmsh in the block."""
     try:
         yield
     except Exception as error:
         if type(error) is not Exception:  # Gmsh raises nothing more special than that
             raise
-        raise MeshError(f"{failure} ({error}); {remedy}") from error
+        raise kind(f"{failure} ({error}); {remedy}") from error
 
 
 @contextmanager
