@@ -49,7 +49,8 @@ if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
     "$python" -m venv --clear .venv
 fi
 echo "installing the pinned packages into .venv"
-install=(.venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock)
+# Python compiles a module when it is first imported; to compile all of them takes a minute
+install=(.venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint requirements.lock)
 "${install[@]}" setuptools
 "${install[@]}" --no-build-isolation --editable '.[dev]'
 

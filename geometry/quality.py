@@ -6,6 +6,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.topology import EDGES, OUTWARD, normals, signed_volumes
+from geometry.vectors import cross
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ def radius_ratios(points: Array, tets: Index) -> Array:
     a, b, c = (corners[:, i] - corners[:, 0] for i in (1, 2, 3))
     aa, bb, cc = (np.einsum("ij,ij->i", v, v)[:, None] for v in (a, b, c))
     # centre of the circumscribed sphere from the first corner, times 12 V
-    centre = aa * np.cross(b, c) + bb * np.cross(c, a) + cc * np.cross(a, b)
+    centre = aa * cross(b, c) + bb * cross(c, a) + cc * cross(a, b)
     radius = np.linalg.norm(centre, axis=1) / (12 * volumes)
     return np.asarray(9 * volumes / areas.sum(axis=1) / radius)
 

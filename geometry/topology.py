@@ -4,6 +4,7 @@ import numpy as np
 
 from geometry.arrays import Array, Index
 from geometry.mesh_error import MeshError
+from geometry.vectors import cross
 
 #: Local vertices of the four faces of a positively oriented tetrahedron, each with its normal pointing out of it.
 OUTWARD: Index = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
@@ -44,12 +45,12 @@ def row_keys(rows: Index, count: int) -> Index:
 def signed_volumes(points: Array, tets: Index) -> Array:
     """Volumes of tetrahedra (m, 4) on points (n, 3), negative for inverted ones, (m,)."""
     a, b, c = (points[tets[:, i]] - points[tets[:, 0]] for i in (1, 2, 3))
-    return np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    return np.einsum("ij,ij->i", a, cross(b, c)) / 6
 
 
 def normals(corners: Array) -> Array:
     """Normals (k, 3) of triangles with the corners (k, 3, 3); their length is twice the area."""
-    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def triangle_edges(triangles: Index) -> Index:

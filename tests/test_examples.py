@@ -41,6 +41,7 @@ def test_every_example_is_tested() -> None:
     assert all(name in makefile for name in names)
 
 
+@pytest.mark.slow  # a whole run, as `.ci/run` makes one of the coarse arm
 def test_own_arm_prints_its_parameters_and_draws_them(own_arm: str, folder: Path) -> None:
     table = re.findall(r"^(\d+\.\d) +(\d+\.\d+) +(\d+\.\d+) +(\d+\.\d+)", own_arm, flags=re.MULTILINE)
     assert [row[0] for row in table] == ["10.0", "20.0"]
@@ -63,6 +64,7 @@ def test_own_material_meets_its_closed_form(folder: Path) -> None:
     assert abs(float(rest)) < 1e-6
 
 
+@pytest.mark.slow  # it needs the run of the example before
 def test_the_rod_alone_bends_in_milliseconds(own_arm: str, folder: Path) -> None:
     assert own_arm
     printed = output_of("rod_alone", "arm", cwd=folder)

@@ -307,7 +307,7 @@ def test_the_next_angle_of_a_plane_needs_no_analysis() -> None:
     mesh = box((2, 4, 2), (1.0, 1.0, 1.0))
     supports = [Fixed("left", "x"), Fixed(np.zeros(3), "y"), Fixed("back", "z")]
     system = Model(mesh, LAW, supports, []).system()
-    analyses, state = system.solver.times.analyses, system.rest_state()
+    state = system.rest_state()
     for angle in (0.0, 0.1, 0.2):
         plane = SharedPlane("right", tilted(angle))
         system.replace_constraints(Constraints.of([*supports, plane], system.space))
@@ -315,7 +315,7 @@ def test_the_next_angle_of_a_plane_needs_no_analysis() -> None:
         state = newton.solve(newton.Start(state, ()), control, EXACT.newton, lambda *now: None).state
         direct = solved(mesh, [*supports, plane], [])
         np.testing.assert_allclose(state.displacement, direct.displacement, atol=1e-9)
-    assert system.solver.times.analyses == analyses + 1
+    assert system.solver.times.analyses == 1
     assert np.abs(state.displacement).max() > 0.05
 
 

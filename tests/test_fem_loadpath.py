@@ -309,7 +309,7 @@ def test_a_finished_path_that_is_resumed_solves_nothing() -> None:
     steps = follow(model, [0.5, 1.0]).steps
     again = follow(model, [0.5, 1.0], resume=steps)
     assert again.steps == steps
-    assert again.factorizations == 0
+    assert again.factorizations == again.analyses == 0
 
 
 def test_two_loads_of_one_kind_add_up() -> None:

@@ -20,7 +20,7 @@ SHORT = """
 name: short
 geometry: {family: pneunet, chambers: 8}
 material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
-pressures: [4 kPa, 6 kPa, 8 kPa, 10 kPa]
+pressures: [4 kPa, 7 kPa, 10 kPa]
 law: five
 validation: off
 mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
@@ -128,13 +128,13 @@ def test_without_room_for_the_report_all_else_is_there(folder: Path) -> None:
     assert status == 1
     assert f"{folder / 'out' / 'report.html'}: File too large" in message
     assert message.count("\n") == 1
-    assert len(list(states(folder))) == 12
+    assert len(list(states(folder))) == 9
     for path in states(folder):
         with np.load(path, allow_pickle=False) as arrays:
             assert np.isfinite(arrays["displacement"]).all()
     store = ResultFolder(folder / "out")
-    assert len(store.read_json("experiments.json")) == 12
-    assert store.read_json("parameters.json")["pressures_kPa"] == [4.0, 6.0, 8.0, 10.0]
+    assert len(store.read_json("experiments.json")) == 9
+    assert store.read_json("parameters.json")["pressures_kPa"] == [4.0, 7.0, 10.0]
     left = {path.name for path in (folder / "out").rglob("*") if path.is_file()}
     assert "report.html" not in left
     assert not [name for name in left if name.startswith(".")]

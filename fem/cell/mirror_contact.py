@@ -13,6 +13,7 @@ from fem.effects.facing_pairs import FacingPairs
 from fem.materials.material import Material
 from fem.path.newton import StepFailed
 from geometry.arrays import Array, Index
+from geometry.vectors import cross
 
 #: cosine of the largest angle between the normals of a wall and of the plane it faces
 FACING = 0.9
@@ -98,7 +99,7 @@ def _large_triangle(plane: Faces, points: Array) -> Index:
     x = points[nodes]
     first = int(np.argmax(np.linalg.norm(x - x.mean(axis=0), axis=1)))
     second = int(np.argmax(np.linalg.norm(x - x[first], axis=1)))
-    height = np.linalg.norm(np.cross(x - x[first], x[second] - x[first]), axis=1)
+    height = np.linalg.norm(cross(x - x[first], x[second] - x[first]), axis=1)
     corner = nodes[[first, second, int(np.argmax(height))]]
     outward = _area_vectors(points, plane.triangles).sum(axis=0)
     return corner if _area_vectors(points, corner[None])[0] @ outward < 0.0 else corner[[0, 2, 1]]
@@ -107,4 +108,4 @@ def _large_triangle(plane: Faces, points: Array) -> Index:
 def _area_vectors(points: Array, triangles: Index) -> Array:
     """Normals (f, 3) of triangles (f, 3) with their areas as lengths."""
     a, b, c = (points[triangles[:, k]] for k in range(3))
-    return np.asarray(np.cross(b - a, c - a) / 2.0)
+    return np.asarray(cross(b - a, c - a) / 2.0)

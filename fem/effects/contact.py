@@ -22,6 +22,7 @@ from fem.effects.tightening import Tightening
 from fem.materials.material import Material
 from geometry import position_text
 from geometry.arrays import Array, Index, Mask
+from geometry.vectors import cross
 
 #: stiffness of the barrier over Young's modulus, for which 3 mu stands (near incompressibility): with an overlap, and
 #: without one. A soft barrier costs fewer factorizations; a table of both is in docs/decisions.md
@@ -167,7 +168,7 @@ def _passes_through(edges: Array, triangles: Array) -> Mask:
     """
     way, first, second = (pair[:, 1] - pair[:, 0] for pair in (edges, triangles[:, :2], triangles[:, ::2]))
     start = edges[:, 0] - triangles[:, 0]
-    across, around = np.cross(way, second), np.cross(start, first)
+    across, around = cross(way, second), cross(start, first)
     volume = np.einsum("mi,mi->m", first, across)
     with np.errstate(divide="ignore", invalid="ignore"):  # an edge along the plane of the triangle
         a, b, part = (

@@ -8,6 +8,7 @@ import numpy as np
 
 from fem.discretisation import Faces
 from geometry.arrays import Array, Index, Mask
+from geometry.vectors import cross
 
 #: difference of two distances, over the size of a triangle, that is rounding
 EQUALLY_NEAR = 1e-6
@@ -277,13 +278,13 @@ def _edges(x: Array, triangles: Index) -> tuple[Array, Array]:
 
 
 def _normals(x: Array, triangles: Index) -> Array:
-    normal = np.cross(*_edges(x, triangles))
+    normal = cross(*_edges(x, triangles))
     return np.asarray(normal / np.linalg.norm(normal, axis=1, keepdims=True))
 
 
 def _doubled_areas(x: Array, triangles: Index) -> Array:
     """(m,), mm2; its root is about the length of the edges."""
-    return np.asarray(np.linalg.norm(np.cross(*_edges(x, triangles)), axis=1))
+    return np.asarray(np.linalg.norm(cross(*_edges(x, triangles)), axis=1))
 
 
 def _node_areas(x: Array, triangles: Index) -> Array:
@@ -298,5 +299,5 @@ def _angles(x: Array, triangles: Index) -> Array:
     """The angle of each triangle at its corners, (m, 3)."""
     corners = x[triangles]
     ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    area = np.linalg.norm(np.cross(ahead, behind), axis=2)
+    area = np.linalg.norm(cross(ahead, behind), axis=2)
     return np.asarray(np.arctan2(area, np.einsum("mki,mki->mk", ahead, behind)))

@@ -28,13 +28,14 @@ class TangentStorage:
 
     Where the constraints select components the tangent is assembled over these alone. For others it is assembled over
     all components and reduced, T^T K T. The pattern is enlarged by new contact pairs and does not shrink along a path,
-    so that re-analysis is rare.
+    so that re-analysis is rare. It is made and analysed when it is used, so that a path of which every state is stored
+    analyses nothing, and one that goes on from a state with contact analyses the pattern of that state alone.
     """
 
-    pattern: Pattern  #: of the assembled tangent
     added: Index  #: (k,) the node pairs of the pattern that no element has, as `Pattern.keys` are, sorted
-    element_starts: NDArray[np.int32]  #: (e, pairs, 3) of the node pairs a <= b of each element (`Pattern.starts_of`)
-    pressure_offsets: PressureOffsets
+    _pattern: Pattern
+    _element_starts: NDArray[np.int32]
+    _pressure_offsets: PressureOffsets
 
     def __init__(
         self, space: Discretisation, formulation: Formulation, constraints: Constraints, solver: LinearSolver
@@ -51,22 +52,43 @@ class TangentStorage:
         nodes = space.points.shape[0] + formulation.unknowns
         self._of_elements = element_keys(formulation.element_unknowns, nodes)
         self.added = np.empty(0, dtype=np.int64)
-        self._use(self._of_elements)
+        self._is_current = False  #: whether the pattern is that of `added`, and analysed
+
+    @property
+    def pattern(self) -> Pattern:
+        """Of the assembled tangent."""
+        self._bring_up_to_date()
+        return self._pattern
+
+    @property
+    def element_starts(self) -> NDArray[np.int32]:
+        """(e, pairs, 3) of the node pairs a <= b of each element, see `Pattern.starts_of`."""
+        self._bring_up_to_date()
+        return self._element_starts
+
+    @property
+    def pressure_offsets(self) -> PressureOffsets:
+        """Where the pressures stand."""
+        self._bring_up_to_date()
+        return self._pressure_offsets
 
     def hold(self, added: Index) -> None:
         """Take the pattern of the elements and of these further node pairs, as `added` gives them."""
         if not np.array_equal(added, self.added):
-            self.added = added
-            self._use(sorted_unique(np.concatenate([self._of_elements, added])))
+            self.added, self._is_current = added, False
+
+    def _bring_up_to_date(self) -> None:
+        if not self._is_current:
+            self._use(sorted_unique(np.concatenate([self._of_elements, self.added])))
 
     def constrain(self, constraints: Constraints) -> None:
         """Take other constraints; analyse again only if the pattern of the factorized matrix is another one."""
         self._constraints = constraints
         transformation = with_identity(constraints.transformation, self._formulation.unknowns)
-        if self._reduction is not None and self._reduction.applies_to(transformation):
+        if self._is_current and self._reduction is not None and self._reduction.applies_to(transformation):
             self._reduction = self._reduction.with_values(transformation)
         else:
-            self._use(self.pattern.keys)
+            self._is_current = False
 
     def reduced(self, data: Array) -> Array:
         """Values of the factorized matrix from those of the assembled tangent (nnz,)."""
@@ -84,6 +106,7 @@ class TangentStorage:
 
         Where it does not hold them it is enlarged, by them and by the node pairs that `near` gives.
         """
+        self._bring_up_to_date()
         try:
             starts = [self._starts(block) for block in blocks]
         except MissingPairs:
@@ -99,19 +122,19 @@ class TangentStorage:
         """From the last call where an effect gives the same array of rows again; raises `MissingPairs`."""
         if id(blocks.rows) in self._last:
             return self._last[id(blocks.rows)][1]
-        return self.pattern.starts_of(blocks.rows, blocks.columns)
+        return self._pattern.starts_of(blocks.rows, blocks.columns)
 
     def _use(self, keys: Index) -> None:
-        """Take the pattern of node pairs with these keys."""
+        """Take the pattern of node pairs with these keys, and analyse it if it is another one."""
         space, selects, count = self._space, self._constraints.selects, self._space.points.shape[0]
         prescribed = np.ones((count + self._formulation.unknowns, 3), dtype=bool)
         prescribed[:count] = self._constraints.constrained if selects else False
         prescribed[count:, 0] = False  # a pressure stands in the pattern as a node with one component
-        self.pattern = pattern = Pattern.of(prescribed, keys)
+        self._pattern = pattern = Pattern.of(prescribed, keys)
         a, b = np.triu_indices(space.nodes.shape[1])
         first, second = space.nodes[:, a], space.nodes[:, b]
-        self.element_starts = pattern.starts_of(np.minimum(first, second), np.maximum(first, second))
-        self.pressure_offsets = self._formulation.offsets(pattern)
+        self._element_starts = pattern.starts_of(np.minimum(first, second), np.maximum(first, second))
+        self._pressure_offsets = self._formulation.offsets(pattern)
         self._last = {}
         self._reduction = None
         factorized: UpperTriangle = pattern.indptr, pattern.indices
@@ -123,6 +146,7 @@ class TangentStorage:
         if not (np.array_equal(factorized[0], starts) and np.array_equal(factorized[1], columns)):
             self._solver.analyse(*factorized)
             self._analysed = factorized
+        self._is_current = True
 
 
 def with_identity(transformation: sp.csr_matrix, unknowns: int) -> sp.csr_matrix:

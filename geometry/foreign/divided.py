@@ -1,5 +1,6 @@
 """A mesh with a line of element edges in it, and better elements around that line."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,6 +94,7 @@ def improve(mesh: DividedMesh, line: Line, first_new: int) -> None:
     """
     beside = np.unique(mesh.tets[line.passes(mesh.points, mesh.tets)])
     beside = np.union1d(beside, np.arange(first_new, len(mesh.points)))
+    attempts = _Attempts(mesh, line)
     for _ in range(PASSES):
         poor = mesh.tets[np.isin(mesh.tets, beside).any(axis=1)]
         poor = poor[radius_ratios(mesh.points, poor) < POOR]
@@ -100,20 +102,46 @@ def improve(mesh: DividedMesh, line: Line, first_new: int) -> None:
             return
         changes = 0
         for tet in poor:
-            changes += any(_collapse(mesh, line, int(v)) for v in tet if v >= first_new)
-            changes += sum(_move(mesh, line, int(v)) for v in tet)
+            changes += any(attempts.collapse(int(v)) for v in tet if v >= first_new)
+            changes += sum(attempts.move(int(v)) for v in tet)
         if not changes:
             return
 
 
-def _star(mesh: DividedMesh, vertex: int) -> Index:
-    """Numbers (k,) of the elements around a vertex."""
-    return np.flatnonzero((mesh.tets == vertex).any(axis=1))
+class _Attempts:
+    """Vertices are drawn into a neighbour or moved; an attempt that failed is not repeated before its elements are
+    other ones, as elements that share a vertex would do."""
+
+    def __init__(self, mesh: DividedMesh, line: Line) -> None:
+        self._mesh = mesh
+        self._line = line
+        self._failed: set[tuple[int, int, bytes, bytes]] = set()
+
+    def collapse(self, vertex: int) -> bool:
+        """It depends on elements elsewhere too, whose number falls with every vertex that is drawn into another."""
+        return self._done(_collapse, vertex, len(self._mesh.tets))
+
+    def move(self, vertex: int) -> bool:
+        """It depends on the elements around the vertex alone."""
+        return self._done(_move, vertex, 0)
+
+    def _done(self, change: Callable[[DividedMesh, Line, int, Index], bool], vertex: int, elements: int) -> bool:
+        around = _cells_with(self._mesh.tets, vertex)
+        star = self._mesh.tets[around]
+        state = (vertex, elements, star.tobytes(), self._mesh.points[star].tobytes())
+        if state in self._failed:
+            return False
+        is_done = change(self._mesh, self._line, vertex, around)
+        if not is_done:
+            self._failed.add(state)
+        return is_done
 
 
-def _collapse(mesh: DividedMesh, line: Line, vertex: int) -> bool:
-    """Draw a vertex into that neighbour with which its elements are best, if they are better than now."""
-    around = _star(mesh, vertex)
+def _collapse(mesh: DividedMesh, line: Line, vertex: int, around: Index) -> bool:
+    """Draw a vertex into that neighbour with which its elements are best, if they are better than now.
+
+    around: numbers (k,) of the elements around it.
+    """
     if not len(around) or (mesh.curved.ends == vertex).any() or len(np.unique(mesh.parts[around])) > 1:
         return False
     star = mesh.tets[around]
@@ -128,9 +156,10 @@ def _collapse(mesh: DividedMesh, line: Line, vertex: int) -> bool:
             continue
         left = star[~(star == other).any(axis=1)]
         moved = np.where(left == vertex, other, left)
-        if not len(moved) or abs(float(signed_volumes(mesh.points, moved).sum()) - volume) > 1e-9 * volume:
+        volumes = signed_volumes(mesh.points, moved)
+        if not len(moved) or abs(float(volumes.sum()) - volume) > 1e-9 * volume:
             continue
-        if signed_volumes(mesh.points, moved).min() <= 0 or not _keeps_links(mesh, vertex, int(other)):
+        if volumes.min() <= 0 or not _keeps_links(mesh, vertex, int(other)):
             continue
         ratio = float(radius_ratios(mesh.points, moved).min())
         if ratio > best:
@@ -150,13 +179,18 @@ def _keeps_links(mesh: DividedMesh, vertex: int, other: int) -> bool:
     """Whether the neighbours that both vertices have are those around their edge, in the body and on its surface; else
     the body would be pinched."""
     for cells in (mesh.tets, mesh.walls, mesh.triangles):
-        has_first, has_second = (cells == vertex).any(axis=1), (cells == other).any(axis=1)
-        common = np.intersect1d(cells[has_first], cells[has_second])
-        around = np.unique(cells[has_first & has_second])
-        if not np.array_equal(np.setdiff1d(common, [vertex, other]), np.setdiff1d(around, [vertex, other])):
+        first, second = (cells[_cells_with(cells, end)] for end in (vertex, other))
+        between = first[_cells_with(first, other)]
+        common = set(first.ravel().tolist()) & set(second.ravel().tolist())
+        if common - {vertex, other} != set(between.ravel().tolist()) - {vertex, other}:
             return False
-    on_wall = (mesh.walls == vertex).any()
-    return not on_wall or bool(((mesh.walls == vertex).any(axis=1) & (mesh.walls == other).any(axis=1)).any())
+    of_wall = mesh.walls[_cells_with(mesh.walls, vertex)]
+    return not len(of_wall) or bool(len(_cells_with(of_wall, other)))
+
+
+def _cells_with(cells: Index, vertex: int) -> Index:
+    """The numbers of the cells (m, c), none of which has a vertex twice, that have this one."""
+    return np.flatnonzero(cells == vertex) // cells.shape[1]
 
 
 def _without(cells: Index, vertex: int, other: int) -> tuple[Index, Mask]:
@@ -165,10 +199,12 @@ def _without(cells: Index, vertex: int, other: int) -> tuple[Index, Mask]:
     return np.where(cells == vertex, other, cells)[kept], kept
 
 
-def _move(mesh: DividedMesh, line: Line, vertex: int) -> bool:
+def _move(mesh: DividedMesh, line: Line, vertex: int, around: Index) -> bool:
     """Move a vertex towards the middle of its neighbours, along the line if it lies on it, if its elements become
-    better."""
-    around = _star(mesh, vertex)
+    better.
+
+    around: numbers (k,) of the elements around it.
+    """
     star = mesh.tets[around]
     if not len(star) or len(np.unique(mesh.parts[around])) > 1:
         return False

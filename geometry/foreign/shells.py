@@ -7,6 +7,7 @@ import numpy as np
 from geometry.arrays import Array, Index, Mask
 from geometry.design import DesignError
 from geometry.topology import open_edges, parts_of_graph, row_keys, triangle_edges
+from geometry.vectors import cross
 
 #: why `plug: true` is refused for a body that is closed there
 NOTHING_OPEN = "no cavity under pressure is open in the plane of the clamp; leave plug out"
@@ -94,7 +95,7 @@ def windings(at: Array, corners: Array) -> float:
     """
     a, b, c = (corners[:, i] - at for i in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-    volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+    volume = np.einsum("ij,ij->i", a, cross(b, c))
     angle = la * lb * lc + sum(np.einsum("ij,ij->i", p, q) * r for p, q, r in ((a, b, lc), (b, c, la), (c, a, lb)))
     return float(2 * np.arctan2(volume, angle).sum() / FULL_ANGLE)
 
