@@ -2,7 +2,7 @@
 
 from rod.arm_law.law import ArmLaw, LawRod
 from rod.arm_law.record import law_from_record, law_record
-from rod.curves.cell_average import cell_averaged
+from rod.curves.cell_average import cell_averaged, shortest_pitch
 from rod.curves.closure import Closure, end_displacement_closure
 from rod.curves.curve import Curvature, Moment, moment_between, moment_from_load, without_stretch
 from rod.curves.extension import Extension, extension, moment_about_neutral_axis
@@ -87,6 +87,7 @@ __all__ = [
     "scaled_arm",
     "shared_smoothing",
     "shortest_break",
+    "shortest_pitch",
     "simplest",
     "single_rigidity_control",
     "straightness",

@@ -7,7 +7,7 @@ import pytest
 from synthetic_arm import SyntheticArm, exact_curvature
 
 from geometry import Centreline
-from rod import RodError, Smoothing, cell_averaged, gaussian_process, shared_smoothing
+from rod import RodError, Smoothing, cell_averaged, gaussian_process, shared_smoothing, shortest_pitch
 from rod.curves.curve import fine_grid, mean_angle_weights, moment_from_load
 from rod.curves.gaussian_process import _derivative_posterior
 from rod.law import FiveParameters
@@ -217,3 +217,11 @@ def test_estimates_are_frozen_and_read_only():
         curvature.pitch = 3.0  # type: ignore[misc]
     with pytest.raises(ValueError, match="read-only"):
         curvature.kappa[0] = 1.0
+
+
+def test_the_shortest_pitch_is_averaged_over_and_a_shorter_one_refused() -> None:
+    curve = arc(0.03)
+    pitch = shortest_pitch(float(np.diff(curve.s).max()))
+    assert cell_averaged(curve, pitch).pitch == pitch
+    with pytest.raises(RodError, match="cannot resolve cells"):
+        cell_averaged(curve, 0.999 * pitch)

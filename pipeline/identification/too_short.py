@@ -7,10 +7,7 @@ from geometry import Body, CellPlanes, Design, MeshFile
 from geometry.families.from_file import FileDesign
 from pipeline.config.arm_law import why_no_arm_law
 from pipeline.config.config import Config
-from rod import too_few_pitches
-
-#: smallest length of a cell over the distance of nodes (`rod.cell_averaged`)
-NODES_PER_CELL, ROUNDING = 2.0, 1e-9
+from rod import shortest_pitch, too_few_pitches
 
 
 def too_short(config: Config) -> str:
@@ -34,11 +31,10 @@ def too_coarse(config: Config, body: Body) -> str:
     design, spacing = config.design, float(np.diff(body.mesh.points[body.curve_vertices, 0]).max())
     if ELEMENTS[config.mesh.formulation].quadratic:
         spacing /= 2
-    largest = (1.0 + ROUNDING) * design.pitch / NODES_PER_CELL
-    if config.law == "cell" or too_short(config) or spacing <= largest:
+    if config.law == "cell" or too_short(config) or design.pitch >= shortest_pitch(spacing):
         return ""
     finer = "a mesh with smaller elements there" if isinstance(design, MeshFile) else "a smaller mesh.size"
-    longer = float(f"{1.1 * NODES_PER_CELL * spacing:.2g}")
+    longer = float(f"{1.1 * shortest_pitch(spacing):.2g}")
     may_be_longer = isinstance(design, FileDesign) and not isinstance(design.cell, CellPlanes)
     if may_be_longer and not too_few_pitches(design.length, longer):
         finer = f"geometry.cell, for example {longer:g} mm, or {finer}"

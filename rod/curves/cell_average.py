@@ -17,6 +17,14 @@ from rod.curves.curve import Curvature, mean_angle_weights
 from rod.curves.uncertainty import white_noise
 from rod.errors import RodError
 
+#: by which a pitch may be shorter than twice the distance of nodes, relative to it
+ROUNDING = 1e-9
+
+
+def shortest_pitch(spacing: float) -> float:
+    """The shortest pitch (mm) over which curvature is averaged where nodes are up to `spacing` (mm) apart."""
+    return 2.0 * spacing / (1.0 + ROUNDING)
+
 
 def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
     """Mean curvature over one pitch (mm) around points that are as dense as the nodes of the curve.
@@ -34,7 +42,7 @@ def cell_averaged(centreline: Centreline, pitch: float) -> Curvature:
         raise RodError(
             f"Cell-averaged curvature needs three cells; a curve of {length:g} mm has no three of {pitch:g} mm."
         )
-    if np.diff(s).max() > 0.5 * pitch * (1.0 + 1e-9):  # but for rounding
+    if pitch < shortest_pitch(float(np.diff(s).max())):
         raise RodError(f"Nodes {np.diff(s).max():g} mm apart cannot resolve cells of {pitch:g} mm; refine the mesh.")
     middle = 0.5 * (s[:-1] + s[1:])
     # the last half cell is bent by the support of the end
