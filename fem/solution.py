@@ -103,6 +103,9 @@ class Step:
     #: for comparison where nodes in a cavity press beside the triangles of their pairs; None elsewhere
     exact: ExactContact | None = None
     inexact: str = ""  #: a clause why there is nothing to compare with where that was tried; empty elsewhere
+    #: difference to the equilibrium whose contact in creases is that of this load alone, relative to displacement or
+    #: strain, where it is too far from the path to be taken; 0 elsewhere
+    path_dependence: float = 0.0
     #: load factors (or mm3) of the equilibria on the way from the previous step, the last one its own
     increments: tuple[float, ...] = ()
 
@@ -195,6 +198,7 @@ def step_to_arrays(step: Step) -> dict[str, NDArray[Any]]:
         "instability": np.array(step.instability),
         **_exact_to_arrays(step.exact),
         "inexact": np.array(step.inexact),
+        "path_dependence": np.array(step.path_dependence),
         "increments": np.array(step.increments),
         "stages": np.array([spent.assembly, spent.analysis, spent.factorization, spent.solve]),
         "timed_effects": np.array(list(spent.effects), dtype=str),
@@ -228,6 +232,7 @@ def step_from_arrays(space: Discretisation, arrays: Mapping[str, NDArray[Any]]) 
         spent=Seconds(0.0, assembly, analysis, factorization, solve, timed),
         exact=_exact_from_arrays(arrays),
         inexact=str(arrays.get("inexact", "")),
+        path_dependence=float(arrays.get("path_dependence", 0.0)),
         increments=tuple(arrays["increments"].tolist()) if "increments" in arrays else (),
     )
 

@@ -10,8 +10,10 @@ from fem.discretisation import Discretisation
 from fem.effects.barrier import FacingTerm
 from fem.effects.contact import BarrierTerm, crossings
 from fem.effects.effect import PenaltyTerm, UnilateralTerm
+from fem.path import follower
 from fem.path.newton import Converged, Start, StepFailed
 from fem.path.solver import Increment, IncrementSolver
+from fem.solution import step_from_arrays, step_to_arrays
 from geometry.arrays import Array
 from tests.bodies import bricks, named, on_plane
 from tests.collapse import LAW, collapsing
@@ -172,6 +174,12 @@ def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyP
     settled = follow(model, [0.4676, 1.0], options).steps[-1]
     assert len(added) == 1
     assert np.abs(settled.displacement - plain.displacement).max() < 1e-9 * LENGTH
+    assert settled.path_dependence == 0.0
+    added.clear()
+    monkeypatch.setattr(follower, "NEAR_SETTLED", 0.0)  # as where the state of the load alone is far away
+    kept = follow(model, [0.4676, 1.0], options).steps[-1]
+    assert 0.0 < kept.path_dependence < 0.05
+    assert step_from_arrays(kept.space, step_to_arrays(kept)).path_dependence == kept.path_dependence
     added.clear()
     settle = IncrementSolver.settled
 
@@ -186,6 +194,7 @@ def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(IncrementSolver, "settled", without_success)  # the state of the increments stays
     left = follow(model, [0.4676, 1.0], options).steps[-1]
     assert np.abs(left.displacement - plain.displacement).max() > 1e-6 * LENGTH
+    np.testing.assert_allclose(kept.displacement, left.displacement, atol=1e-12)
 
 
 def test_a_corner_that_folds_needs_no_exact_distances(monkeypatch: pytest.MonkeyPatch) -> None:

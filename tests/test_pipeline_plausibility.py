@@ -322,12 +322,18 @@ def solved(
     on_coarser: bool | None = None,
     one_rigidity: bool = False,
     curve_z_mm: float = 0.0,
+    path_dependence: float = 0.0,
 ) -> Any:
     extremes = SimpleNamespace(
         min_J=min_J, min_J_at=(1.0, 2.0, 3.0), min_stretch=stretches[0], max_stretch=stretches[1]
     )
     summary = SimpleNamespace(
-        experiment="II", pressure_kPa=20.0, extremes=extremes, contact_check=contact_check, curve_z_mm=curve_z_mm
+        experiment="II",
+        pressure_kPa=20.0,
+        extremes=extremes,
+        contact_check=contact_check,
+        curve_z_mm=curve_z_mm,
+        path_dependence=path_dependence,
     )
     record = SimpleNamespace(summary=summary, centreline=SimpleNamespace(s=np.array([0.0, 100.0])))
     numbers = {"alpha1": Interval(10.0, 0.5, 9.0, 11.0), "alpha2": Interval(10.0, 0.5, *alpha2)}
@@ -483,6 +489,15 @@ def test_contact_that_is_approximate_is_named(check: ContactCheck, sentence: str
 
 def test_nothing_is_said_of_contact_that_exact_distances_do_not_change() -> None:
     assert after_solving(solved(0.9, (0.95, 1.05), 0.01, contact_check=ContactCheck(0.0, 0.0))) == ()
+
+
+def test_contact_that_depends_on_the_increments_is_named() -> None:
+    (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, path_dependence=0.081))
+    assert note == (
+        "walls of a cavity are folded onto each other, and their contact depends on the load increments in II at 20 "
+        "kPa: with the contact of the load alone displacement or strain differ by 8.1 %; give pressures between, or "
+        "lower ones"
+    )
 
 
 @pytest.mark.parametrize(("low", "high"), [(9.0, 37.0), (0.0, 11.0), (-40.0, 60.0)])

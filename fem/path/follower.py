@@ -111,6 +111,8 @@ class PathFollower:
         self.is_stable = True  #: whether the last equilibrium is
         #: a clause where the path lost its stability on the way to the target, or before and has not regained it
         self.not_followed = ""
+        #: of the equilibrium at the target (`fem.solution.Step`)
+        self.path_dependence = 0.0
 
     def resume(self, steps: Sequence[Step], goes_on: bool) -> None:
         """Go on from the last of the given steps; goes_on: whether more targets follow.
@@ -165,6 +167,7 @@ class PathFollower:
         of their motions hide a step that jumps past a limit of the driven load.
         """
         before, is_first, rest = Costs.of(self.system), len(self.points) == 1, self.points[0]
+        self.path_dependence = 0.0
         self.not_followed = NOT_FOLLOWED_EARLIER if self.not_followed and not self.is_stable else ""
         constant = None
         if is_first and self.control.gives_load and self.predictor.has_constant_loads:
@@ -300,7 +303,9 @@ class PathFollower:
         """
         before = self.solver.active_set
         settled = self.solver.settled(converged, increment)
-        if settled is not converged and difference(converged.state, settled.state) > NEAR_SETTLED:
+        apart = 0.0 if settled is converged else difference(converged.state, settled.state)
+        self.path_dependence = apart if apart > NEAR_SETTLED else 0.0
+        if self.path_dependence:
             self.solver.active_set, settled = before, converged
         return (converged, point) if settled is converged else (settled, self._point(increment.control, settled))
 
@@ -374,6 +379,7 @@ class PathFollower:
             spent=costs.seconds,
             exact=exact,
             inexact=inexact,
+            path_dependence=self.path_dependence,
             increments=reached.increments,
         )
 

@@ -109,8 +109,11 @@ def improve(mesh: DividedMesh, line: Line, first_new: int) -> None:
 
 
 class _Attempts:
-    """Vertices are drawn into a neighbour or moved; an attempt that failed is not repeated before its elements are
-    other ones, as elements that share a vertex would do."""
+    """Attempts to draw vertices into a neighbour or to move them.
+
+    The vertices of each poor element are tried, which it shares with others: an attempt that failed is not repeated as
+    long as the elements around the vertex are the same.
+    """
 
     def __init__(self, mesh: DividedMesh, line: Line) -> None:
         self._mesh = mesh

@@ -13,7 +13,7 @@ from geometry.arrays import Index
 from pipeline.config.config import Config, Material
 from pipeline.identification.parameters import Parameters
 from pipeline.plausibility.before import HARDLY_BENT
-from pipeline.simulation.contact_check import BESIDE, NOTHING
+from pipeline.simulation.contact_check import BESIDE, NOTHING, PATH_DEPENDENT, path_dependence
 from pipeline.simulation.outcome import Outcomes, Record
 from rod import Interval
 
@@ -279,6 +279,16 @@ def _approximate_contact(solved: Solved) -> str:
     return f"{BESIDE}: {'; '.join(parts)}" if parts else ""
 
 
+def _path_dependent(solved: Solved) -> str:
+    """Contact in creases that is not that of the load alone: where, and the largest difference."""
+    summaries = [record.summary for record in solved.outcomes.records if record.summary.path_dependence]
+    if not summaries:
+        return ""
+    states = ", ".join(f"{summary.experiment} at {summary.pressure_kPa:g} kPa" for summary in summaries)
+    largest = max(summary.path_dependence for summary in summaries)
+    return f"{PATH_DEPENDENT} in {states}: {path_dependence(largest)}; give pressures between, or lower ones"
+
+
 #: the rules
 AFTER: tuple[Callable[[Solved], str], ...] = (
     _volume_change,
@@ -289,4 +299,5 @@ AFTER: tuple[Callable[[Solved], str], ...] = (
     _not_determined,
     _one_line_or_two,
     _approximate_contact,
+    _path_dependent,
 )

@@ -1,4 +1,4 @@
-"""The comparison of contact by pairs of walls with exact distances between them."""
+"""The comparison of contact by pairs of walls with exact distances between them, and with that of a load alone."""
 
 from dataclasses import dataclass, replace
 
@@ -8,6 +8,8 @@ import fem
 
 #: why a state is compared
 BESIDE = "walls of a cavity have moved along each other, so that their contact is approximate"
+#: what a state is whose contact in creases (`fem.Step.path_dependence`) is not that of its load alone
+PATH_DEPENDENT = "walls of a cavity are folded onto each other, and their contact depends on the load increments"
 #: mm and N; smaller differences are not told
 NOTHING = 1e-5
 
@@ -45,3 +47,8 @@ class ContactCheck:
         errors = ((self.end_mm, "mm", "the end is displaced by"), (self.end_N, "N", "the force on the end differs by"))
         differences = [f"{what} {error:.2g} {unit}" for error, unit, what in errors if error > NOTHING]
         return f"with exact distances between them {' and '.join(differences) or 'the end and its force are the same'}"
+
+
+def path_dependence(difference: float) -> str:
+    """By how much, as a clause."""
+    return f"with the contact of the load alone displacement or strain differ by {100 * difference:.2g} %"

@@ -41,6 +41,7 @@ class StateSummary:
     seconds: float
     remark: str  #: what limits the trust in this equilibrium; empty where nothing does
     contact_check: ContactCheck | None = None  #: where contact was compared with exact distances
+    path_dependence: float = 0.0  #: of contact in creases (`fem.Step`)
 
     def row(self) -> JsonObject:
         """The row of experiments.json."""

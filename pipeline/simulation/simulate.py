@@ -13,7 +13,7 @@ from pipeline.parallel.worker import TaskContext
 from pipeline.parallel.workers import Pending
 from pipeline.progress import Progress
 from pipeline.simulation.case_path import CasePath
-from pipeline.simulation.contact_check import ContactCheck
+from pipeline.simulation.contact_check import PATH_DEPENDENT, ContactCheck, path_dependence
 from pipeline.simulation.failure import Failure
 from pipeline.simulation.known_limit import FIRST, KnownLimit, asks, in_order
 from pipeline.simulation.loadcase import LoadCase, identification_case
@@ -173,6 +173,7 @@ def _summary(scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step
         fem.unstable_stretch(step.space, step.displacement, material),
         step.instability,
         contact.clause if contact else "",
+        f"{PATH_DEPENDENT}: {path_dependence(step.path_dependence)}" if step.path_dependence else "",
     )
     return StateSummary(
         experiment=experiment.name,
@@ -195,4 +196,5 @@ def _summary(scene: Scene, experiment: fem.Experiment, pressure_kPa: float, step
         seconds=step.seconds,
         remark="; ".join(filter(None, remarks)),
         contact_check=contact,
+        path_dependence=step.path_dependence,
     )
