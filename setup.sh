@@ -49,8 +49,9 @@ if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
     "$python" -m venv --clear .venv
 fi
 echo "installing the pinned packages into .venv"
-# Python compiles a module when it is first imported; to compile all of them takes a minute
-install=(.venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint requirements.lock)
+install=(.venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock)
+# to compile all modules takes a minute; Python does so with each when it is first imported, where it may write
+[ -n "${PYTHONDONTWRITEBYTECODE:-}" ] || install+=(--no-compile)
 "${install[@]}" setuptools
 "${install[@]}" --no-build-isolation --editable '.[dev]'
 

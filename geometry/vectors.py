@@ -6,10 +6,9 @@ from geometry.arrays import Array
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Cross products of vectors of the same shape (..., 3).
+    """Cross products of vectors (..., 3) with others of the same shape or one alone (3,).
 
-    The numbers are those of `numpy.cross`, which takes three times as long for a few vectors and six times as long for
-    very many, because it moves their axes about.
+    The numbers are those of `numpy.cross`, which takes three to five times as long for a hundred vectors or fewer.
     """
     a1, a2, a3 = a[..., 0], a[..., 1], a[..., 2]
     b1, b2, b3 = b[..., 0], b[..., 1], b[..., 2]

@@ -41,7 +41,7 @@ def test_every_example_is_tested() -> None:
     assert all(name in makefile for name in names)
 
 
-@pytest.mark.slow  # a whole run, as `.ci/run` makes one of the coarse arm
+@pytest.mark.slow  # a whole run; tests/test_public_api.py calls what it calls
 def test_own_arm_prints_its_parameters_and_draws_them(own_arm: str, folder: Path) -> None:
     table = re.findall(r"^(\d+\.\d) +(\d+\.\d+) +(\d+\.\d+) +(\d+\.\d+)", own_arm, flags=re.MULTILINE)
     assert [row[0] for row in table] == ["10.0", "20.0"]

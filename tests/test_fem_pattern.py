@@ -76,7 +76,7 @@ def test_a_pattern_is_enlarged_by_new_pairs() -> None:
     assert small.offset_of(np.array([0, 4]), np.array([5, 4])).shape == (2,)
     with pytest.raises(MissingPairs, match="does not hold"):
         small.offset_of(np.array([0, 1]), np.array([5, 9]))
-    large = Pattern.of(fixed, small.keys_with(np.array([1, 4]), np.array([9, 4])))
+    large = Pattern.of(fixed, np.array([0 * nodes + 5, 1 * nodes + 9, 2 * nodes + 3]))
     assert large.offset_of(np.array([0, 1, 2]), np.array([5, 9, 3])).shape == (3,)
     np.testing.assert_array_equal(large.node_dof, small.node_dof)
     assert large.keys.size == small.keys.size + 1

@@ -14,6 +14,12 @@ def test_cross_products_are_those_of_numpy(shape: tuple[int, ...]) -> None:
     assert product.flags.c_contiguous
 
 
+def test_cross_products_with_one_vector() -> None:
+    generator = np.random.default_rng(3)
+    a, b = generator.normal(size=(40, 3)), generator.normal(size=3)
+    np.testing.assert_array_equal(cross(a, b), np.cross(a, b))
+
+
 def test_cross_products_of_columns_that_do_not_stand_side_by_side() -> None:
     a, b = np.random.default_rng(2).normal(size=(2, 3, 20))
     np.testing.assert_array_equal(cross(a.T, b.T), np.cross(a.T, b.T))

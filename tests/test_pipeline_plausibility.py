@@ -494,9 +494,9 @@ def test_nothing_is_said_of_contact_that_exact_distances_do_not_change() -> None
 def test_contact_that_depends_on_the_increments_is_named() -> None:
     (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, path_dependence=0.081))
     assert note == (
-        "walls of a cavity are folded onto each other, and their contact depends on the load increments in II at 20 "
-        "kPa: with the contact of the load alone displacement or strain differ by 8.1 %; give pressures between, or "
-        "lower ones"
+        "folded walls of a cavity may touch in more than one way, and in which of them depends on the load increments "
+        "(II at 20 kPa; the equilibrium with contact searched anew differs by 8.1 % in displacement or strain); the "
+        "states of the increments are reported"
     )
 
 

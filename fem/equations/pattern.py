@@ -52,11 +52,6 @@ class Pattern:
         """Number of free dofs."""
         return self.indptr.shape[0] - 1
 
-    def keys_with(self, rows: Index, columns: Index) -> Index:
-        """The keys of a pattern that holds the node pairs rows <= columns as well."""
-        off = rows != columns
-        return sorted_unique(np.concatenate([self.keys, rows[off] * self.free.shape[0] + columns[off]]))
-
     def offset_of(self, rows: Index, columns: Index) -> Index:
         """Offset of each node pair rows <= columns, 0 for a pair of a node with itself.
 

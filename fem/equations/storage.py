@@ -18,6 +18,7 @@ from geometry.arrays import Array, Index
 
 #: row starts (d + 1,) and columns (nnz,) of an upper triangle in compressed rows
 UpperTriangle = tuple[Index, NDArray[np.int32]]
+_NOTHING: UpperTriangle = np.empty(0, np.int64), np.empty(0, np.int32)
 #: rows and columns (m,), rows <= columns
 NodePairs = tuple[Index, Index]
 
@@ -28,8 +29,8 @@ class TangentStorage:
 
     Where the constraints select components the tangent is assembled over these alone. For others it is assembled over
     all components and reduced, T^T K T. The pattern is enlarged by new contact pairs and does not shrink along a path,
-    so that re-analysis is rare. It is made and analysed when it is used, so that a path of which every state is stored
-    analyses nothing, and one that goes on from a state with contact analyses the pattern of that state alone.
+    so that re-analysis is rare. It is made, and the order of elimination chosen for it, when it is first used: a path
+    of which every state is stored needs neither.
     """
 
     added: Index  #: (k,) the node pairs of the pattern that no element has, as `Pattern.keys` are, sorted
@@ -46,11 +47,11 @@ class TangentStorage:
         self._reduction: Reduction | None = None  #: None where the constraints select components
         self._solver = solver
         #: pattern of the factorized matrix, as it was last analysed
-        self._analysed: UpperTriangle = np.empty(0, np.int64), np.empty(0, np.int32)
+        self._analysed = _NOTHING
         #: blocks of the last tangent: their rows and starts, by the identity of the array of rows
         self._last: dict[int, tuple[Index, NDArray[np.int32]]] = {}
-        nodes = space.points.shape[0] + formulation.unknowns
-        self._of_elements = element_keys(formulation.element_unknowns, nodes)
+        self._nodes = space.points.shape[0] + formulation.unknowns
+        self._of_elements = element_keys(formulation.element_unknowns, self._nodes)
         self.added = np.empty(0, dtype=np.int64)
         self._is_current = False  #: whether the pattern is that of `added`, and analysed
 
@@ -96,10 +97,9 @@ class TangentStorage:
 
     def enlarge(self, rows: Index, columns: Index) -> None:
         """Hold the node pairs rows <= columns (m,) as well."""
-        keys = self.pattern.keys_with(rows, columns)
-        if keys.shape != self.pattern.keys.shape:
-            self.added = np.setdiff1d(keys, self._of_elements, assume_unique=True)
-            self._use(keys)
+        off = rows != columns
+        keys = np.union1d(self.added, rows[off] * self._nodes + columns[off])
+        self.hold(np.setdiff1d(keys, self._of_elements, assume_unique=True))
 
     def starts(self, blocks: Sequence[Blocks], near: Callable[[], NodePairs]) -> list[NDArray[np.int32]]:
         """Where the blocks of effects stand in the pattern.
@@ -114,6 +114,7 @@ class TangentStorage:
             rows = np.concatenate([rows, *(block.rows for block in blocks)])
             columns = np.concatenate([columns, *(block.columns for block in blocks)])
             self.enlarge(rows, columns)
+            self._bring_up_to_date()
             starts = [self._starts(block) for block in blocks]
         self._last = {id(block.rows): (block.rows, start) for block, start in zip(blocks, starts, strict=True)}
         return starts
@@ -126,6 +127,7 @@ class TangentStorage:
 
     def _use(self, keys: Index) -> None:
         """Take the pattern of node pairs with these keys, and analyse it if it is another one."""
+        self._is_current = False  # if the analysis fails
         space, selects, count = self._space, self._constraints.selects, self._space.points.shape[0]
         prescribed = np.ones((count + self._formulation.unknowns, 3), dtype=bool)
         prescribed[:count] = self._constraints.constrained if selects else False
@@ -144,6 +146,7 @@ class TangentStorage:
             factorized = self._reduction.indptr, self._reduction.indices
         starts, columns = self._analysed
         if not (np.array_equal(factorized[0], starts) and np.array_equal(factorized[1], columns)):
+            self._analysed = _NOTHING
             self._solver.analyse(*factorized)
             self._analysed = factorized
         self._is_current = True

@@ -108,6 +108,10 @@ def improve(mesh: DividedMesh, line: Line, first_new: int) -> None:
             return
 
 
+#: changes a mesh at a vertex with the elements of these numbers around it; whether it could
+Change = Callable[[DividedMesh, Line, int, Index], bool]
+
+
 class _Attempts:
     """Attempts to draw vertices into a neighbour or to move them.
 
@@ -128,7 +132,7 @@ class _Attempts:
         """It depends on the elements around the vertex alone."""
         return self._done(_move, vertex, 0)
 
-    def _done(self, change: Callable[[DividedMesh, Line, int, Index], bool], vertex: int, elements: int) -> bool:
+    def _done(self, change: Change, vertex: int, elements: int) -> bool:
         around = _cells_with(self._mesh.tets, vertex)
         star = self._mesh.tets[around]
         state = (vertex, elements, star.tobytes(), self._mesh.points[star].tobytes())

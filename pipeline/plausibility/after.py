@@ -280,13 +280,16 @@ def _approximate_contact(solved: Solved) -> str:
 
 
 def _path_dependent(solved: Solved) -> str:
-    """Contact in creases that is not that of the load alone: where, and the largest difference."""
+    """Contact in creases that depends on the load increments: where, and the largest difference."""
     summaries = [record.summary for record in solved.outcomes.records if record.summary.path_dependence]
     if not summaries:
         return ""
     states = ", ".join(f"{summary.experiment} at {summary.pressure_kPa:g} kPa" for summary in summaries)
     largest = max(summary.path_dependence for summary in summaries)
-    return f"{PATH_DEPENDENT} in {states}: {path_dependence(largest)}; give pressures between, or lower ones"
+    at_most = "the largest difference: " if len(summaries) > 1 else ""
+    return (
+        f"{PATH_DEPENDENT} ({states}; {at_most}{path_dependence(largest)}); the states of the increments are reported"
+    )
 
 
 #: the rules

@@ -1,4 +1,5 @@
-"""The comparison of contact by pairs of walls with exact distances between them, and with that of a load alone."""
+"""The comparison of contact by pairs of walls with exact distances between them, and of contact in creases with
+that searched anew."""
 
 from dataclasses import dataclass, replace
 
@@ -9,7 +10,9 @@ import fem
 #: why a state is compared
 BESIDE = "walls of a cavity have moved along each other, so that their contact is approximate"
 #: what a state is whose contact in creases (`fem.Step.path_dependence`) is not that of its load alone
-PATH_DEPENDENT = "walls of a cavity are folded onto each other, and their contact depends on the load increments"
+PATH_DEPENDENT = (
+    "folded walls of a cavity may touch in more than one way, and in which of them depends on the load increments"
+)
 #: mm and N; smaller differences are not told
 NOTHING = 1e-5
 
@@ -51,4 +54,4 @@ class ContactCheck:
 
 def path_dependence(difference: float) -> str:
     """By how much, as a clause."""
-    return f"with the contact of the load alone displacement or strain differ by {100 * difference:.2g} %"
+    return f"the equilibrium with contact searched anew differs by {100 * difference:.2g} % in displacement or strain"
