@@ -49,9 +49,8 @@ if ! .venv/bin/python -m pip --version >/dev/null 2>&1; then
     "$python" -m venv --clear .venv
 fi
 echo "installing the pinned packages into .venv"
-install=(.venv/bin/python -m pip install --quiet --disable-pip-version-check --constraint requirements.lock)
-# to compile all modules takes a minute; Python does so with each when it is first imported, where it may write
-[ -n "${PYTHONDONTWRITEBYTECODE:-}" ] || install+=(--no-compile)
+# Python modules are compiled at the end, on one core while another compiles the kernels
+install=(.venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint requirements.lock)
 "${install[@]}" setuptools
 "${install[@]}" --no-build-isolation --editable '.[dev]'
 
@@ -63,5 +62,7 @@ for part in gmsh pictures; do
     fi
 done
 
-echo "compiling the kernels of the solver, which takes half a minute"
+echo "compiling the kernels of the solver and the packages, which takes a minute"
+.venv/bin/python -m compileall -qq .venv/lib >/dev/null 2>&1 & modules=$!
 .venv/bin/python -m pipeline.doctor threads >/dev/null
+wait "$modules" || true # packages may hold templates that are no Python
