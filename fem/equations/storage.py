@@ -18,6 +18,7 @@ from geometry.arrays import Array, Index
 
 #: row starts (d + 1,) and columns (nnz,) of an upper triangle in compressed rows
 UpperTriangle = tuple[Index, NDArray[np.int32]]
+#: what is analysed before anything is
 _NOTHING: UpperTriangle = np.empty(0, np.int64), np.empty(0, np.int32)
 #: rows and columns (m,), rows <= columns
 NodePairs = tuple[Index, Index]
@@ -127,7 +128,6 @@ class TangentStorage:
 
     def _use(self, keys: Index) -> None:
         """Take the pattern of node pairs with these keys, and analyse it if it is another one."""
-        self._is_current = False  # if the analysis fails
         space, selects, count = self._space, self._constraints.selects, self._space.points.shape[0]
         prescribed = np.ones((count + self._formulation.unknowns, 3), dtype=bool)
         prescribed[:count] = self._constraints.constrained if selects else False

@@ -111,7 +111,7 @@ class PathFollower:
         self.is_stable = True  #: whether the last equilibrium is
         #: a clause where the path lost its stability on the way to the target, or before and has not regained it
         self.not_followed = ""
-        #: of the equilibrium at the target (`fem.solution.Step`)
+        #: of the last equilibrium at a target (`fem.solution.Step`)
         self.path_dependence = 0.0
 
     def resume(self, steps: Sequence[Step], goes_on: bool) -> None:
@@ -167,7 +167,6 @@ class PathFollower:
         of their motions hide a step that jumps past a limit of the driven load.
         """
         before, is_first, rest = Costs.of(self.system), len(self.points) == 1, self.points[0]
-        self.path_dependence = 0.0
         self.not_followed = NOT_FOLLOWED_EARLIER if self.not_followed and not self.is_stable else ""
         constant = None
         if is_first and self.control.gives_load and self.predictor.has_constant_loads:
