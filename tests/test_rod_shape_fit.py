@@ -27,14 +27,31 @@ def off(law, start=1.2):
     return FiveParameters(start * law.alpha1, law.alpha2 / start, law.m01, law.m02 + 0.1, law.d * start)
 
 
-def test_round_trip():
-    """Rod data in, the five numbers back to 1e-4."""
-    fit = fit_rod(shape_of(STEP, node_spacing=0.5), [off(STEP)], bootstrap=Bootstrap(2))
-    for name in PARAMETER_NAMES:
-        scale = 10.0 if name.startswith("m0") else getattr(STEP, name)
-        assert abs(getattr(fit.law, name) - getattr(STEP, name)) < 1e-4 * scale, name
+def deviations(law, spacing, start):
+    """(5,) of the numbers of the fit from those of the rod that made the shapes."""
+    fit = fit_rod(shape_of(law, node_spacing=spacing), [off(law, start)], bootstrap=Bootstrap(2))
     assert fit.distance.max() < 1e-6 * 112.0
     assert fit.force_error < 1e-6
+    return np.array([getattr(fit.law, name) - getattr(law, name) for name in PARAMETER_NAMES])
+
+
+@pytest.mark.parametrize("law", [STEP, GAP])
+def test_round_trip(law):
+    """Rod data in, the five numbers back: but for what chords say of the curvature between nodes, of third order."""
+    coarse, fine = (deviations(law, spacing, 1.2) for spacing in (1.0, 0.5))
+    scale = [law.alpha1, law.alpha2, 10.0, 10.0, law.d]
+    assert np.abs(coarse / scale).max() < 0.015
+    assert np.abs(fine / scale).max() < 0.002
+    assert np.all(np.abs(fine) < np.abs(coarse) / 6.0)
+
+
+@pytest.mark.parametrize("law", [STEP, GAP])
+def test_it_does_not_depend_on_the_start(law):
+    """The break is at a node, where the misfit has a kink. With difference quotients as derivatives the fits of GAP
+    ended where they began, alpha1 1.4 above or 1.7 below."""
+    first, *others = (deviations(law, 1.0, start) for start in (0.9, 1.1, 1.2))
+    for other in others:
+        assert other == pytest.approx(first, rel=0.02, abs=1e-5)
 
 
 def test_a_ripple_in_the_cells_has_little_influence():

@@ -8,7 +8,7 @@ supported as in experiment III, and the five parameters (with the ripple and the
 The shapes are taken without their stretch, which an inextensible rod cannot follow and would compensate by bending; the
 distance from the shape with its stretch is reported beside. No curvature is differentiated, so noise of the nodes
 matters little. The errors come from a parametric bootstrap of the linearised fit: white noise of both shapes, and a
-misfit that is correlated within a cell.
+misfit that is correlated within a cell. Derivatives of the rod are those of `rod.mechanics.response`.
 """
 
 import math
@@ -36,7 +36,9 @@ from rod.identification.regression import OFFSET, RIPPLE
 from rod.identification.two_lines import MIN_BREAK, default_breaks
 from rod.law import FiveParameters
 from rod.load import Load
-from rod.mechanics.equilibrium import Rod
+from rod.mechanics.equilibrium import Equilibrium, Rod
+from rod.mechanics.profile import Steps
+from rod.mechanics.response import Changes, response
 from rod.solution import RodSolution
 
 #: smallest relative standard deviation of the end force
@@ -102,8 +104,15 @@ def rest_curvature(free: Centreline) -> tuple[float, Array]:
     nodes, has the chords' directions. It has the ripple and the noise of the shape; only its integrals matter.
     """
     s = free.s - free.s[0]
-    integral = CubicSpline(s, np.concatenate([[0.0], np.cumsum(np.diff(s) * free.angle)]))
-    return float(integral(0.0, 1)), np.column_stack([s, integral(s, 2)])
+    theta0, kappa = _smooth(s, free.angle)
+    return float(theta0), np.column_stack([s, kappa])
+
+
+def _smooth(s: Array, angle: Array) -> tuple[Array, Array]:
+    """theta (...) at s = 0 and kappa (..., n) at s (n,) for the angles (..., n - 1) of the chords, linear in these."""
+    rise = np.cumsum(np.diff(s) * angle, axis=-1)
+    integral = CubicSpline(s, np.concatenate([np.zeros((*rise.shape[:-1], 1)), rise], axis=-1), axis=-1)
+    return integral(0.0, 1), integral(s, 2)
 
 
 def fit_rod(
@@ -151,6 +160,8 @@ def fit_rod(
 
 #: place of the break among the unknowns
 BREAK = 4
+#: of the difference quotient by the break, over the length
+STEP_OF_BREAK = 1e-7
 #: residual where there is no equilibrium
 _NO_ROD = 1e6
 
@@ -208,44 +219,105 @@ class _ShapeFit:
         return np.array([*z, law.d / self.shape.length, *[0.0] * (2 * HARMONICS)])
 
     def solved(self, z: Array) -> RodSolution:
+        """The rod of the unknowns z in equilibrium."""
+        return self._equilibrium(z).solution
+
+    def _equilibrium(self, z: Array) -> Equilibrium:
         """The rod of the unknowns z, supported as the loaded shape.
 
         The ripple multiplies Delta of the measured moment.
         """
-        law, loaded, near = self.law(z), self.shape.loaded, 1e-7 * self.shape.length
-        # both sides of the break are sampled, so that the ripple is discontinuous at d and not at a node
-        nodes = self.shape.s
-        s = np.sort(np.append(nodes[np.abs(nodes - law.d) > 2.0 * near], [law.d - near, law.d + near]))
-        deviation = law.deviation(s, np.interp(s, self.moment.s, self.moment.value))
-        ripple = deviation * (z[5:] @ np.array(harmonics(s, self.shape.pitch)))
-        kappa_0 = np.column_stack([s, np.interp(s, *self.kappa_0.T) + ripple])
-        start, load = (float(loaded.x[0]), float(loaded.y[0])), self.shape.load
+        law, loaded, load = self.law(z), self.shape.loaded, self.shape.load
+        s = self._samples(law)
+        ripple = law.deviation(s, self._moment_at(s)) * (z[5:] @ self._harmonics_at(s))
         rod = Rod(
             self.shape.length,
-            kappa_0,
+            np.column_stack([s, np.interp(s, *self.kappa_0.T) + ripple]),
             law,
             self.theta0,
-            start,
+            (float(loaded.x[0]), float(loaded.y[0])),
             weight=load.weight,
             weight_height=load.weight_height,
         )
         end = (float(loaded.x[-1]), float(loaded.y[-1]))
         x, y = (value if held else None for value, held in zip(end, self.shape.held, strict=True))
-        return rod.under(load.without_weight, end_y=y, end_x=x)
+        return rod.equilibrium_under(load.without_weight, end_y=y, end_x=x)
+
+    def _samples(self, law: FiveParameters) -> Array:
+        """(k,) mm: the nodes and both sides of the break, so that the ripple is discontinuous at d, not at a node."""
+        nodes, near = self.shape.s, 1e-7 * self.shape.length
+        return np.sort(np.append(nodes[np.abs(nodes - law.d) > 2.0 * near], [law.d - near, law.d + near]))
+
+    def _moment_at(self, s: Array) -> Array:
+        return np.interp(s, self.moment.s, self.moment.value)
+
+    def _harmonics_at(self, s: Array) -> Array:
+        return np.array(harmonics(s, self.shape.pitch))
 
     def residual(self, z: Array) -> Array:
-        prior = np.concatenate([z[[1, 3]], z[5:] / RIPPLE])
+        """(2 n + 2 + prior,) x of every node, y, force, prior."""
         try:
             rod = self.solved(z)
         except RodError:
-            return np.full(2 * len(self.shape.s) + 2 + len(prior), _NO_ROD)
-        off = (rod.positions(self.shape.s) - self.shape.points) * self.weight
-        load = self.shape.load
-        force = (rod.force - np.array(load.force)) / (FORCE_ERROR * load.force_size)
-        return np.concatenate([off.T.ravel(), force, prior])
+            return np.full(2 * len(self.shape.s) + 2 + len(_prior(z)), _NO_ROD)
+        return self._differences(rod, z)
+
+    def _differences(self, rod: RodSolution, z: Array) -> Array:
+        shape = self.shape
+        return self._rows(rod.positions(shape.s) - shape.points, rod.force - shape.load.force, _prior(z))
+
+    def _rows(self, positions: Array, force: Array, prior: Array) -> Array:
+        """The rows of the residual, or of its changes, for positions (n, 2, ...) mm, force (2, ...) N and prior."""
+        of_nodes = positions.swapaxes(0, 1).reshape(-1, *positions.shape[2:]) * self.weight
+        return np.concatenate([of_nodes, force / (FORCE_ERROR * self.shape.load.force_size), prior])
+
+    def jacobian(self, z: Array) -> Array:
+        """(rows of the residual, unknowns): its derivatives, by d from a difference to one side; zero without a rod."""
+        others = np.array([k for k in range(len(z)) if k != BREAK])
+        matrix = np.zeros((2 * len(self.shape.s) + 2 + len(_prior(z)), len(z)))
+        try:
+            at = self._equilibrium(z)
+        except RodError:
+            return matrix
+        answer = response(at, self._changes_of_law(z, at.problem.steps))
+        prior = np.array([_prior(unit) for unit in np.eye(len(z))[others]]).T
+        matrix[:, others] = self._rows(answer.shape_at(self.shape.s), answer.force, prior)
+        if self.seeks_break:
+            ahead = z.copy()
+            ahead[BREAK] += STEP_OF_BREAK if z[BREAK] + STEP_OF_BREAK < self.breaks[1] else -STEP_OF_BREAK
+            matrix[:, BREAK] = (self.residual(ahead) - self._differences(at.solution, z)) / (ahead[BREAK] - z[BREAK])
+        return matrix
+
+    def _changes_of_law(self, z: Array, steps: Steps) -> Changes:
+        """What the unknowns other than d change, per unit: the law itself, and the ripple that it multiplies."""
+        law = self.law(z)
+        s = self._samples(law)
+        moment, shapes = self._moment_at(s), self._harmonics_at(s)
+        slope, shift = self.compliance * moment * (z[5:] @ shapes), -self.offset * (z[5:] @ shapes)
+        first = s < law.d
+        ripple = [slope * first, shift * first, slope * ~first, shift * ~first, *(law.deviation(s, moment) * shapes)]
+        compliance, offset = np.zeros((2, len(steps.first), len(ripple)))
+        for line, here in enumerate((steps.first, ~steps.first)):
+            compliance[here, 2 * line], offset[here, 2 * line + 1] = self.compliance, self.offset
+        return Changes(self._at_stages(s, ripple, steps), compliance, offset, np.zeros(len(ripple)))
+
+    def _changes_of_rest(self, z: Array, steps: Steps) -> Changes:
+        """The angle at the clamp, and kappa_0 at every node, per unit."""
+        s, nodes = self._samples(self.law(z)), self.kappa_0[:, 0]
+        hats = [np.interp(s, nodes, unit) for unit in np.eye(len(nodes))]
+        none, at_clamp = np.zeros((len(steps.first), 1 + len(hats))), np.eye(1 + len(hats))[0]
+        return Changes(self._at_stages(s, [np.zeros(len(s)), *hats], steps), none, none, at_clamp)
+
+    def _at_stages(self, s: Array, values: Sequence[Array], steps: Steps) -> Array:
+        """(n, 6, m) values m times (k,) at s (k,) mm, at the stages of the integration; straight lines between."""
+        stages = steps.stages * self.shape.length
+        return np.stack([np.interp(stages, s, each) for each in values], axis=-1)
 
     def minimised(self, z: Array, tolerance: float = EXACT) -> OptimizeResult:
-        """The fit from z; its derivative with respect to d is one-sided where d lies at a node (see `across_break`)."""
+        """The fit from z; its derivative with respect to d is one-sided where d lies at a node (see `across_break`).
+
+        Steps shrink at such a kink before the other unknowns have converged, so that these follow with d kept.
+        """
         low = np.array([COMPLIANCES[0], -np.inf, COMPLIANCES[0], -np.inf, self.breaks[0], *[-np.inf] * (2 * HARMONICS)])
         high = np.array([COMPLIANCES[1], np.inf, COMPLIANCES[1], np.inf, self.breaks[1], *[np.inf] * (2 * HARMONICS)])
         free = np.array([True] * 4 + [self.seeks_break] + [True] * (2 * HARMONICS))
@@ -260,16 +332,18 @@ class _ShapeFit:
         fit = least_squares(
             lambda part: self.residual(all_unknowns(part)),
             inside[free],
+            lambda part: self.jacobian(all_unknowns(part))[:, free],
             bounds=(low[free], high[free]),
-            diff_step=1e-6,
             xtol=max(1e-10, tolerance),
             ftol=tolerance,
             gtol=tolerance,
             max_nfev=60,
         )
-        jac = np.zeros((len(fit.fun), len(z)))
-        jac[:, free] = fit.jac
-        return OptimizeResult(x=all_unknowns(fit.x), cost=fit.cost, fun=fit.fun, jac=jac)
+        x = all_unknowns(fit.x)
+        if self.seeks_break:
+            fit = replace(self, breaks=(x[BREAK], x[BREAK])).minimised(x, tolerance)
+            x = fit.x
+        return OptimizeResult(x=x, cost=fit.cost, fun=fit.fun, jac=self.jacobian(x))
 
     @property
     def seeks_break(self) -> bool:
@@ -312,9 +386,7 @@ class _ShapeFit:
     def resampled(self, fit: OptimizeResult, bootstrap: Bootstrap) -> Array:
         """(draws, 5) the five parameters for drawn errors of both shapes and of the prior, by the linearised fit."""
         n, draws, random = len(self.shape.s), bootstrap.draws, bootstrap.generator()
-        moved = np.empty((len(fit.fun), draws))
-        for k in range(draws):
-            moved[:, k] = self._with_noise(random).residual(fit.x) - fit.fun
+        moved = self._moved(fit.x, self.noise * random.standard_normal((draws, 4, n)))
         for rows in (slice(0, n), slice(n, 2 * n)):
             moved[rows] += self.weight * sample_errors(self.misfit, draws, random)
         moved[2 * n :] += random.standard_normal((len(moved) - 2 * n, draws))
@@ -323,14 +395,21 @@ class _ShapeFit:
         d = np.clip(z[4], *self.breaks) * self.shape.length
         return parameters_of_lines((a1, a2), (z[1] * self.offset, z[3] * self.offset), d)
 
-    def _with_noise(self, random: np.random.Generator) -> "_ShapeFit":
-        free, loaded = (
-            Centreline(
-                c.s,
-                c.x + self.noise * random.standard_normal(len(c.s)),
-                c.y + self.noise * random.standard_normal(len(c.s)),
-            )
-            for c in (self.shape.free, self.shape.loaded)
-        )
-        theta0, kappa_0 = rest_curvature(free)
-        return replace(self, shape=replace(self.shape, free=free, loaded=loaded), theta0=theta0, kappa_0=kappa_0)
+    def _moved(self, z: Array, errors: Array) -> Array:
+        """(rows of the residual, draws): its changes for small errors (draws, 4, n) mm of the nodes: x and y of the
+        unloaded shape, x and y of the loaded one."""
+        at, free = self._equilibrium(z), self.shape.free
+        answer = response(at, self._changes_of_rest(z, at.problem.steps))
+        x, y = np.diff(errors[:, 0]), np.diff(errors[:, 1])
+        turned = (np.cos(free.angle) * y - np.sin(free.angle) * x) / free.chords
+        theta0, kappa = _smooth(self.shape.s, turned)
+        rest, loaded = np.vstack([theta0, kappa.T]), errors[:, 2:].T  # (1 + n, draws), (n, 2, draws)
+        end = loaded[-1] - loaded[0]
+        positions = answer.shape_at(self.shape.s) @ rest + answer.end_at(self.shape.s) @ end + loaded[0] - loaded
+        prior = np.zeros((len(_prior(z)), len(errors)))
+        return self._rows(positions, answer.force @ rest + answer.force_by_end @ end, prior)
+
+
+def _prior(z: Array) -> Array:
+    """The rows of the weak prior of `regression`."""
+    return np.concatenate([z[[1, 3]], z[5:] / RIPPLE])

@@ -31,7 +31,6 @@ from rod.load import Load, held_at, pair
 from rod.mechanics.continuation import LoadPoint, Problem, continue_to_full_load, too_large
 from rod.mechanics.own_weight import rest_moment
 from rod.mechanics.profile import Profile, Steps, cut_into_steps
-from rod.mechanics.shooting import ABSCISSAE
 from rod.solution import RodSolution
 
 #: how much finer than the usual the steps may become: at nearly twice the force that this solver follows to all ends
@@ -152,7 +151,7 @@ class Rod:
         if isinstance(self.law, LawRod):
             return _by_arm_law(self.law, self.start, load, (end_x, end_y), order)
         together = _grow_together(order, end_x, end_y, loaded=loaded)
-        return self._equilibrium(_LoadCase(load, (end_x, end_y), together))
+        return self._equilibrium(_LoadCase(load, (end_x, end_y), together)).solution
 
     def under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> RodSolution:
         """The equilibrium under a load, grown "as tested".
@@ -161,28 +160,51 @@ class Rod:
         force the components along the other axes; those along an axis on which the end is held follow. Raises
         `RodError` as `solve` does.
         """
-        end = held_at(end_x, end_y)
-        fx, fy = (0.0 if held is not None else force for force, held in zip(load.force, end, strict=True))
-        load = replace(load, force=(fx, fy))
         if isinstance(self.law, LawRod):
-            return _by_arm_law(self.law, self.start, load, end, "as tested")
-        together = _grow_together("as tested", end_x, end_y, loaded=True)
-        return self._equilibrium(_LoadCase(load, end, together))
+            end = held_at(end_x, end_y)
+            return _by_arm_law(self.law, self.start, _on_free_axes(load, end), end, "as tested")
+        return self.equilibrium_under(load, end_y, end_x).solution
 
-    def _equilibrium(self, case: "_LoadCase") -> RodSolution:
-        """The solution, on finer steps where the end force turns out to be large."""
-        solution = self._solved(self.steps, case)
-        refinement = _refinement(self, solution, case.load)
+    def equilibrium_under(self, load: Load, end_y: float | None = None, end_x: float | None = None) -> "Equilibrium":
+        """The same, with what derivatives need (`rod.mechanics.response`). Raises `RodError` for the arm's own law."""
+        end = held_at(end_x, end_y)
+        together = _grow_together("as tested", end_x, end_y, loaded=True)
+        return self._equilibrium(_LoadCase(_on_free_axes(load, end), end, together))
+
+    def _equilibrium(self, case: "_LoadCase") -> "Equilibrium":
+        """The equilibrium, on finer steps where the end force turns out to be large."""
+        equilibrium = self._solved(self.steps, case)
+        refinement = _refinement(self, equilibrium.solution, case.load)
         if refinement > FINEST:
-            raise RodError(too_large(_growth(self, solution, case.load) ** 2))
+            raise RodError(too_large(_growth(self, equilibrium.solution, case.load) ** 2))
         if refinement > 1.0:
             assert self.kappa_0 is not None  # `steps` has refused it
-            solution = self._solved(cut_into_steps(self.length, self.kappa_0, self.lines, refinement), case)
-        return solution
+            equilibrium = self._solved(cut_into_steps(self.length, self.kappa_0, self.lines, refinement), case)
+        return equilibrium
 
-    def _solved(self, steps: Steps, case: "_LoadCase") -> RodSolution:
+    def _solved(self, steps: Steps, case: "_LoadCase") -> "Equilibrium":
         problem = _problem(self, steps, case)
-        return _solution(self, problem, *continue_to_full_load(problem))
+        return Equilibrium(self, problem, *continue_to_full_load(problem))
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A rod with two lines in equilibrium, in the quantities of the solver."""
+
+    rod: Rod
+    problem: Problem
+    point: LoadPoint
+    load_steps: int
+
+    @cached_property
+    def solution(self) -> RodSolution:
+        """The same in mm and N."""
+        return _solution(self.rod, self.problem, self.point, self.load_steps)
+
+    @property
+    def rigidity(self) -> float:
+        """N mm2, the unit of rigidities of the solver: moments are over rigidity/l, forces over rigidity/l^2."""
+        return abs(self.rod.lines.alpha2)
 
 
 @dataclass(frozen=True)
@@ -192,6 +214,12 @@ class _LoadCase:
     load: Load
     end: tuple[float | None, float | None]  #: mm, prescribed x and y of the end
     together: bool  #: kappa_0 grows with the loads
+
+
+def _on_free_axes(load: Load, end: tuple[float | None, float | None]) -> Load:
+    """The load with its force along the axes on which the end is free."""
+    fx, fy = (0.0 if held is not None else force for force, held in zip(load.force, end, strict=True))
+    return replace(load, force=(fx, fy))
 
 
 def _by_arm_law(
@@ -243,7 +271,7 @@ def _problem(rod: Rod, steps: Steps, case: _LoadCase) -> Problem:
             f"The end cannot be {reach * length:g} mm from the clamp: the rod of {length:g} mm is inextensible."
         )
     unit = length**2 / base
-    stages = steps.s[:-1, None] + np.diff(steps.s)[:, None] * ABSCISSAE
+    stages = steps.stages
     extension = rod.extension
     stretch = np.ones(stages.shape) if extension is None else extension.at(stages * length)
     eccentricity = 0.0 if extension is None else extension.eccentricity / length

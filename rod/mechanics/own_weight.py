@@ -12,8 +12,10 @@ import numpy as np
 
 from geometry.arrays import Array
 from rod.cubics import hermite
+from rod.mechanics.linearised import integrate
+from rod.mechanics.luther import ABSCISSAE
 from rod.mechanics.profile import Steps
-from rod.mechanics.shooting import ABSCISSAE, RodArrays, sweep
+from rod.mechanics.shooting import RodArrays, sweep
 
 
 def rest_moment(steps: Steps, stretch: Array, weight: Array, theta0: float, eccentricity: float) -> tuple[float, Array]:
@@ -23,18 +25,42 @@ def rest_moment(steps: Steps, stretch: Array, weight: Array, theta0: float, ecce
     stretch: (n, 6) of the shape of kappa_0; weight: (4,) as in `shooting`; theta0: rad, at the clamp;
     eccentricity: of the neutral axis, over the length.
     """
-    n, zero = len(steps.s) - 1, np.zeros_like(steps.kappa_0)
-    rigid = RodArrays(steps.s, steps.kappa_0, stretch, np.full(n, np.inf), np.zeros(n), zero, 0.0, 0.0, theta0)
-    states = np.empty((n + 1, 4))
-    sweep(rigid, np.zeros(3), weight, states, np.empty(16))
+    states = np.empty((len(steps.s), 4))
+    sweep(_rigid(steps, stretch, theta0), np.zeros(3), weight, states, np.empty(16))
     cosine, sine, beyond = np.cos(states[:, 0]), np.sin(states[:, 0]), 1.0 - steps.s
     along, across = weight[0] * cosine + weight[1] * sine, weight[0] * sine - weight[1] * cosine
     of_curve = states[:, 1] - states[-1, 1]
     moment = of_curve + eccentricity * beyond * along
     couple = weight[2] * cosine + weight[3] * sine - eccentricity * along
     step, slopes = np.diff(steps.s), []
-    for at, nodes in ((0, slice(None, -1)), (1, slice(1, None))):
+    for at, nodes in _ENDS:
         lever = stretch[:, at] - eccentricity * steps.kappa_0[:, at]
         slopes.append(step * (lever * (beyond * across)[nodes] + couple[nodes]))
     stages = hermite(ABSCISSAE[:, None], moment[:-1], moment[1:], *slopes)
     return float(of_curve[0]), np.ascontiguousarray(stages.T)
+
+
+def rest_moment_changes(steps: Steps, weight: Array, theta0: float, kappa_0: Array, at_clamp: Array) -> Array:
+    """(n, 6, m) derivatives of M_0 by m changes of the shape of an inextensible rod: kappa_0 (n, 6, m) at the stages of
+    every step, and at_clamp (m,) rad of the angle there; the others as in `rest_moment`."""
+    n, count = len(steps.s) - 1, len(at_clamp)
+    states, columns = np.empty((n + 1, 4)), np.empty((n + 1, 4, 3 + count))
+    rigid = _rigid(steps, np.ones_like(steps.kappa_0), theta0)
+    integrate(rigid, np.zeros(3), weight, kappa_0, np.zeros((n, count)), at_clamp, states, columns)
+    turned, moment = columns[:, 0, 3:], columns[:, 1, 3:] - columns[-1, 1, 3:]
+    cosine, sine, beyond = np.cos(states[:, 0]), np.sin(states[:, 0]), 1.0 - steps.s
+    along = weight[0] * cosine + weight[1] * sine
+    rates = (beyond * along + weight[3] * cosine - weight[2] * sine)[:, None] * turned
+    step = np.diff(steps.s)[:, None]
+    stages = hermite(ABSCISSAE[:, None, None], moment[:-1], moment[1:], *(step * rates[nodes] for _, nodes in _ENDS))
+    return np.ascontiguousarray(stages.transpose(1, 0, 2))
+
+
+#: which of ABSCISSAE the beginning and the end of a step are, and their nodes
+_ENDS = ((0, slice(None, -1)), (1, slice(1, None)))
+
+
+def _rigid(steps: Steps, stretch: Array, theta0: float) -> RodArrays:
+    """The rod with the shape of kappa_0, whatever acts on it."""
+    n, zero = len(steps.s) - 1, np.zeros_like(steps.kappa_0)
+    return RodArrays(steps.s, steps.kappa_0, stretch, np.full(n, np.inf), np.zeros(n), zero, 0.0, 0.0, theta0)

@@ -10,7 +10,7 @@ from geometry.arrays import Array, Mask
 from rod.checked import finite, numbers_in
 from rod.errors import RodError
 from rod.law import FiveParameters, TwoSlopes
-from rod.mechanics.shooting import ABSCISSAE
+from rod.mechanics.luther import ABSCISSAE
 
 Profile = float | Array | Callable[[Array], Array]
 
@@ -27,6 +27,11 @@ class Steps:
     s: Array  #: (n + 1,) step boundaries from 0 to 1
     kappa_0: Array  #: (n, 6) kappa_0 times length at the stages of every step
     first: Mask  #: (n,), the steps before d
+
+    @property
+    def stages(self) -> Array:
+        """(n, 6) where the integrator evaluates kappa_0."""
+        return stages_between(self.s)
 
 
 def cut_into_steps(length: float, kappa_0: Profile, law: FiveParameters | TwoSlopes, refinement: float = 1.0) -> Steps:
@@ -104,5 +109,9 @@ def _boundaries(s: Array, d: float) -> Array:
 
 
 def _steps(s: Array, d: float, curvature: Callable[[Array], Array]) -> Steps:
-    start, h = s[:-1, None], np.diff(s)[:, None]
-    return Steps(s, np.ascontiguousarray(curvature(start + h * ABSCISSAE)), s[:-1] < d - 1e-15)
+    return Steps(s, np.ascontiguousarray(curvature(stages_between(s))), s[:-1] < d - 1e-15)
+
+
+def stages_between(s: Array) -> Array:
+    """(n, 6) the stages of the steps between the boundaries s (n + 1,)."""
+    return np.asarray(s[:-1, None] + np.diff(s)[:, None] * ABSCISSAE)

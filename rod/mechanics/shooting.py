@@ -15,10 +15,9 @@ e dDelta, so that the moment about the neutral axis bends it, which is at the di
 
 M_0 is this moment where the rod has kappa_0, zero unless it has that under its own weight (`own_weight`).
 
-The scheme is the explicit sixth-order Runge-Kutta method of H. A. Luther, Math. Comp. 22 (1968) 434-436. Its steps are
-chosen by the caller so that every break (d, the samples of kappa_0) lies on a step boundary; nothing jumps inside a
-step. Speed may cost clarity here: numba compiles these functions (`rod.compiled`), and in plain Python, too, numbers
-are taken out of arrays before they are used several times.
+The steps of the scheme (`luther`) are chosen by the caller so that every break (d, the samples of kappa_0) lies on a
+step boundary; nothing jumps inside a step. Speed may cost clarity here: numba compiles these functions
+(`rod.compiled`), and in plain Python, too, numbers are taken out of arrays before they are used several times.
 """
 
 import math
@@ -28,38 +27,8 @@ import numpy as np
 
 from geometry.arrays import Array, Mask
 from rod.compiled import CompiledLater
+from rod.mechanics.luther import ABSCISSAE, STAGE_ABSCISSA, STAGES, WEIGHTS
 
-ROOT = math.sqrt(21.0)
-#: where a step of length 1 evaluates kappa_0
-ABSCISSAE = np.array([0.0, 1.0, 1 / 2, 2 / 3, (7 - ROOT) / 14, (7 + ROOT) / 14])
-#: which of ABSCISSAE every one of the seven stages stands at
-_STAGE_ABSCISSA = np.array([0, 1, 2, 3, 4, 5, 1])
-_STAGES = np.array(
-    [
-        [0, 0, 0, 0, 0, 0],
-        [1, 0, 0, 0, 0, 0],
-        [3 / 8, 1 / 8, 0, 0, 0, 0],
-        [8 / 27, 2 / 27, 8 / 27, 0, 0, 0],
-        [3 * (3 * ROOT - 7) / 392, -8 * (7 - ROOT) / 392, 48 * (7 - ROOT) / 392, -3 * (21 - ROOT) / 392, 0, 0],
-        [
-            -5 * (231 + 51 * ROOT) / 1960,
-            -40 * (7 + ROOT) / 1960,
-            -320 * ROOT / 1960,
-            3 * (21 + 121 * ROOT) / 1960,
-            392 * (6 + ROOT) / 1960,
-            0,
-        ],
-        [
-            15 * (22 + 7 * ROOT) / 180,
-            120 / 180,
-            40 * (7 * ROOT - 5) / 180,
-            -63 * (3 * ROOT - 2) / 180,
-            -14 * (49 + 9 * ROOT) / 180,
-            70 * (7 - ROOT) / 180,
-        ],
-    ]
-)
-_WEIGHTS = np.array([9, 0, 64, 0, 49, 49, 9]) / 180
 #: calls in plain Python, 50 ms each, after which these functions are compiled: one rod takes two to ten
 _PLAIN_CALLS = 20
 
@@ -155,11 +124,11 @@ def _sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: A
         for i in range(7):
             stage[:] = z
             for j in range(i):
-                a = h * _STAGES[i, j]
+                a = h * STAGES[i, j]
                 if a != 0.0:
                     for n in range(16):
                         stage[n] += a * k[j, n]
-            at = _STAGE_ABSCISSA[i]
+            at = STAGE_ABSCISSA[i]
             beyond = 1.0 - start - h * ABSCISSAE[at]
             kappa_0, rest_stretch = float(rod.kappa_0[step, at]), float(rod.rest_stretch[step, at])
             rest_moment = float(rod.rest_moment[step, at])
@@ -167,8 +136,8 @@ def _sweep(rod: RodArrays, unknowns: Array, weight: Array, states: Array, end: A
             section = _Section(kappa_0, rest_stretch, alpha, m0, rest_moment, nx, ny, cx, cy)
             _rate(stage, section, rod.fade, rod.eccentricity, k[i])
         for i in range(7):
-            if _WEIGHTS[i] != 0.0:
-                weighted = h * _WEIGHTS[i]
+            if WEIGHTS[i] != 0.0:
+                weighted = h * WEIGHTS[i]
                 for n in range(16):
                     z[n] += weighted * k[i, n]
         states[step + 1] = z[:4]

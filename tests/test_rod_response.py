@@ -1,0 +1,81 @@
+"""Derivatives of a rod in equilibrium, against difference quotients of the equilibrium."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from synthetic_arm import SyntheticArm
+
+from geometry import Centreline
+from rod import Extension, FiveParameters, Load, LoadedShape, Rod, RodError
+from rod.identification.shape_fit import BREAK, _ShapeFit, rest_curvature
+from rod.mechanics.response import Changes, response
+
+TRUE = FiveParameters(190.0, 400.0, -0.1, 0.5, 7.3)
+NEAR = FiveParameters(200.0, 380.0, -0.2, 0.3, 8.1)
+RIPPLE = [0.1, -0.05, 0.2, 0.1]
+
+LIGHT, HEAVY = (0.0, 0.0), (4e-4, -1.5e-3)
+#: axes along which the end is held, and weight; held along x alone the heavy arm has no equilibrium
+cases = pytest.mark.parametrize(
+    ("held", "weight"),
+    [
+        *(((x, y), LIGHT) for x in (False, True) for y in (False, True)),
+        *(((x, y), HEAVY) for x, y in ((False, False), (False, True), (True, True))),
+    ],
+    ids=str,
+)
+
+
+def task_of(held, weight):
+    """A fit of a rod to an arm, and unknowns near its minimum."""
+    arm = SyntheticArm(TRUE, ripple=0.2, noise=0.001)
+    free, loaded, load = arm.curves(1)
+    load = Load(load.force, 0.5, weight, 6.0 if any(weight) else 0.0)
+    task = _ShapeFit.of(LoadedShape(free, loaded, load, arm.pitch, held), None, [TRUE])
+    z = task.unknowns(NEAR)
+    z[BREAK + 1 :] = RIPPLE
+    return task, z
+
+
+def far_off(found, expected):
+    """Largest difference over the largest value."""
+    return np.abs(found - expected).max() / np.abs(expected).max()
+
+
+@cases
+def test_derivatives_by_the_law_and_its_ripple(held, weight):
+    task, z = task_of(held, weight)
+    matrix = task.jacobian(z)
+    for k in set(range(len(z))) - {BREAK}:
+        step = 1e-5 * np.eye(len(z))[k]
+        assert far_off(matrix[:, k], (task.residual(z + step) - task.residual(z - step)) / 2e-5) < 1e-6, k
+    step = 1e-4 * np.eye(len(z))[BREAK]  # 0.01 mm, between two nodes
+    assert far_off(matrix[:, BREAK], (task.residual(z + step) - task.residual(z - step)) / 2e-4) < 1e-2
+
+
+@cases
+def test_changes_by_errors_of_the_nodes(held, weight):
+    """Those of the unloaded shape change kappa_0, and with it the moment that the weight has there."""
+    task, z = task_of(held, weight)
+    errors = 1e-5 * np.random.default_rng(0).standard_normal((2, 4, len(task.shape.s)))
+
+    def residual(error):
+        curves = (task.shape.free, error[:2]), (task.shape.loaded, error[2:])
+        free, loaded = (Centreline(c.s, c.x + x, c.y + y) for c, (x, y) in curves)
+        theta0, kappa_0 = rest_curvature(free)
+        shape = replace(task.shape, free=free, loaded=loaded)
+        return replace(task, shape=shape, theta0=theta0, kappa_0=kappa_0).residual(z)
+
+    moved = task._moved(z, errors)
+    for k, error in enumerate(errors):
+        assert far_off(moved[:, k], 0.5 * (residual(error) - residual(-error))) < 1e-6
+
+
+@pytest.mark.parametrize("others", [{"fade": 0.1}, {"extension": Extension(np.array([0.0, 112.0]), np.ones(2), 1.0)}])
+def test_rods_that_it_does_not_know_are_refused(others):
+    at = Rod(112.0, 0.02, TRUE, **others).equilibrium_under(Load((0.0, 0.01)))
+    n = len(at.problem.steps.first)
+    none = Changes(np.zeros((n, 6, 1)), np.zeros((n, 1)), np.zeros((n, 1)), np.ones(1))
+    with pytest.raises(RodError, match="inextensible rod whose intercepts do not fade"):
+        response(at, none)
