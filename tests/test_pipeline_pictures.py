@@ -65,6 +65,21 @@ def test_the_clamp_is_on_the_left(tmp_path: Path, cut_open: bool) -> None:
     assert np.nonzero(coloured)[1].max() < 700
 
 
+def test_pictures_that_follow_one_another_show_nothing_of_those_before(tmp_path: Path) -> None:
+    """They share a plotter: the window changes its size, and scales and bodies of the picture before are gone."""
+    points, tets = bar()
+    scale, other = Colour(points[:, 0], "x (mm)", (0.0, 5.0)), Colour(points[:, 1], "height (mm)")
+    for name in ("first", "again"):
+        draw_body(tmp_path / f"{name}.png", points, tets)
+        draw_deformed(tmp_path / f"{name}_bent.png", points, tets, bent(points), scale)
+        draw_deformed(tmp_path / f"{name}_other.png", points, tets, bent(points), other)
+        draw_body(tmp_path / f"{name}_open.png", points, tets, cut_open=True)
+    for kind in ("", "_bent", "_other", "_open"):
+        assert np.array_equal(*(seen(tmp_path / f"{name}{kind}.png") for name in ("first", "again"))), kind
+    assert not np.array_equal(seen(tmp_path / "first_bent.png"), seen(tmp_path / "first_other.png"))
+    assert (seen(tmp_path / "first_bent.png")[-190:] < 250).any()  # the scale
+
+
 def test_a_body_without_sharp_edges(tmp_path: Path) -> None:
     sphere = pyvista.Sphere(radius=5.0, center=(5.0, 0.0, 0.0))
     surface = np.asarray(sphere.regular_faces)
