@@ -576,6 +576,7 @@ def test_the_sample_for_the_finer_mesh_is_spread_over_the_designs() -> None:
     assert sample(4, 0) == set()
 
 
+@pytest.mark.slow
 def test_a_design_is_run_checked_and_kept(tmp_path: Path) -> None:
     design = Drawn(0, 0, TINY, 0.01)
     result = outcome_of(design, tmp_path, 200.0, finer=False)

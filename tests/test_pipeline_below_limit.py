@@ -45,6 +45,7 @@ def test_states_below_the_limit_replace_pressures_that_the_arm_does_not_bear(tmp
     assert f"goes no higher than {limit:.3g} kPa: give pressures below that" in sentence
 
 
+@pytest.mark.slow
 def test_nothing_is_added_where_a_pressure_is_reached_or_no_parameters_are_made(tmp_path: Path) -> None:
     without, outcomes, sentence = followed(tmp_path / "reached", "pressures=[1 kPa, 7 kPa]")
     assert (outcomes, sentence) == (without, "")

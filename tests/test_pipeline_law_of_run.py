@@ -170,6 +170,7 @@ def test_where_the_whole_arm_ends_is_named_beside_its_law() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_run_names_where_the_whole_arm_ends_beside_the_law(tmp_path: Path) -> None:
     design = config(tmp_path, "pressures=[6 kPa, 2 MPa]", "law=cell", "validation=off", "experiments=[II, III]")
     report = run(design, tmp_path / "out", 1, False, Silent())
@@ -262,7 +263,7 @@ def test_the_law_goes_up_to_the_loads_of_the_validation_below_the_end_of_the_arm
     assert highest_of_use(scene, Simulation({}), Done((Outcomes({}), ""))) == inf
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
+@pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_a_run_tells_its_law_how_high_it_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
     def up_to_six(scene: Scene, simulation: Simulation, complete: Pending[tuple[Outcomes, str]]) -> float:
         assert simulation.pending["II"].result().failure is None

@@ -86,6 +86,8 @@ def test_cavities_may_carry_different_pressures(arm: Path, half: Body) -> None:
         ),
         ("effects.incompressibility=off", "effects.incompressibility", "contradict each other; leave one of them out"),
         ("effects.self_contact={faces: gap}", "effects.self_contact.faces", "'gap' does not exist; this body"),
+        ("effects.self_contact={faces: [sym]}", "effects.self_contact.faces", "'sym' is the plane of symmetry, which"),
+        ("effects.self_contact={faces: clamp}", "effects.self_contact.faces", "'clamp' is held and meets nothing;"),
     ],
 )
 def test_wrong_effects_are_refused_by_key(arm: Path, override: str, key: str, complaint: str) -> None:

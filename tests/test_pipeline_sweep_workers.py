@@ -224,6 +224,7 @@ def test_workers_that_take_too_long_to_end_do_not_hide_an_interrupt() -> None:
         pass
 
 
+@pytest.mark.slow
 def test_a_killed_sweep_continues_without_its_finished_points(file: Path, results: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "pipeline", "sweep", str(file), "--out", str(tmp_path / "out"), "--jobs", "1"]
     finished: list[str] = []

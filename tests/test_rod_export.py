@@ -94,6 +94,7 @@ def test_keyframes_of_mujoco_have_the_shape_without_load(tmp_path: Path) -> None
     assert model.numeric("alpha2_N_mm2_std").data == pytest.approx(STD["alpha2"])
 
 
+@pytest.mark.slow
 def test_the_program_for_pyelastica_settles_to_our_shape(tmp_path: Path) -> None:
     pytest.importorskip("elastica")
     (file,) = export_arm(arm(elements=24), "pyelastica", tmp_path)
@@ -101,6 +102,12 @@ def test_the_program_for_pyelastica_settles_to_our_shape(tmp_path: Path) -> None
     rod = program["simulate"](37.0, FORCE)
     s = np.linspace(0.0, 112.0, 25)
     assert off(1e3 * rod.position_collection[:2].T, s) < 1e-2
+
+
+def test_the_springs_of_the_program_for_pyelastica(tmp_path: Path) -> None:
+    pytest.importorskip("elastica")
+    (file,) = export_arm(arm(elements=24), "pyelastica", tmp_path)
+    program = runpy.run_path(str(file))
     stiffness, curvature, theta0 = program["spring"](27.0)
     low, high = (program["spring"](pressure) for pressure in PRESSURES)
     assert stiffness == pytest.approx(0.5 * (low[0] + high[0]))

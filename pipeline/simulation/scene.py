@@ -15,6 +15,8 @@ from rod import Load
 #: The name of outer faces that can meet, where the user names no others, and that of all outer faces of a body from a
 #: file, of which it is not known which ones they are.
 GAP, OUTER = "gap", "outer"
+#: faces that cannot touch others, and why
+_NEVER_MEET = {"clamp": "is held and meets nothing", "sym": "is the plane of symmetry, which meets nothing"}
 
 
 @dataclass(frozen=True)
@@ -200,10 +202,11 @@ def _check_faces(config: Config, body: Body) -> None:
             f"y = {body.curve_y:g} mm of the material curve; cut the body there before meshing it"
         )
     for faces in config.effects.self_contact.faces or ():
-        if faces not in body.mesh.faces:
+        allowed = [name for name in body.mesh.faces if name not in _NEVER_MEET]
+        if faces not in allowed:
+            reason = _NEVER_MEET.get(faces, "does not exist")
             raise InputError(
-                f"{config.source}: effects.self_contact.faces: '{faces}' does not exist; "
-                f"this body has {', '.join(body.mesh.faces)}"
+                f"{config.source}: effects.self_contact.faces: '{faces}' {reason}; this body has {', '.join(allowed)}"
             )
 
 
