@@ -1,6 +1,10 @@
 """Pictures are not empty, and the fields are quadratic tetrahedra that ParaView and meshio can read."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -8,6 +12,7 @@ import pytest
 import pyvista
 from bar import bar, bent
 
+from pipeline.drawing import pictures
 from pipeline.drawing.pictures import (
     Colour,
     _grid,
@@ -15,9 +20,12 @@ from pipeline.drawing.pictures import (
     _skin,
     draw_body,
     draw_deformed,
+    window_for_pictures,
     write_fields,
     write_series,
 )
+
+HERE = Path(__file__).parent
 
 
 def seen(path: Path) -> np.ndarray:
@@ -65,19 +73,55 @@ def test_the_clamp_is_on_the_left(tmp_path: Path, cut_open: bool) -> None:
     assert np.nonzero(coloured)[1].max() < 700
 
 
-def test_pictures_that_follow_one_another_show_nothing_of_those_before(tmp_path: Path) -> None:
-    """They share a plotter: the window changes its size, and scales and bodies of the picture before are gone."""
+def test_pictures_in_one_window_are_those_in_windows_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The window changes its size, and scales and bodies of the picture before are gone, after an error too."""
     points, tets = bar()
     scale, other = Colour(points[:, 0], "x (mm)", (0.0, 5.0)), Colour(points[:, 1], "height (mm)")
-    for name in ("first", "again"):
-        draw_body(tmp_path / f"{name}.png", points, tets)
-        draw_deformed(tmp_path / f"{name}_bent.png", points, tets, bent(points), scale)
-        draw_deformed(tmp_path / f"{name}_other.png", points, tets, bent(points), other)
-        draw_body(tmp_path / f"{name}_open.png", points, tets, cut_open=True)
-    for kind in ("", "_bent", "_other", "_open"):
-        assert np.array_equal(*(seen(tmp_path / f"{name}{kind}.png") for name in ("first", "again"))), kind
-    assert not np.array_equal(seen(tmp_path / "first_bent.png"), seen(tmp_path / "first_other.png"))
-    assert (seen(tmp_path / "first_bent.png")[-190:] < 250).any()  # the scale
+
+    def draw(kind: str, window: Any | None) -> None:
+        draw_body(tmp_path / f"{kind}_body.png", points, tets, window=window)
+        draw_deformed(tmp_path / f"{kind}_bent.png", points, tets, bent(points), scale, window=window)
+        with monkeypatch.context() as patch:
+            patch.setattr(pictures, "_add_bar", failing)
+            with pytest.raises(RuntimeError):
+                draw_deformed(tmp_path / "failed.png", points, tets, 2.0 * bent(points), other, window=window)
+        draw_deformed(tmp_path / f"{kind}_other.png", points, tets, bent(points), other, window=window)
+        draw_body(tmp_path / f"{kind}_open.png", points, tets, cut_open=True, window=window)
+
+    def failing(*_: object) -> None:
+        raise RuntimeError
+
+    draw("alone", None)
+    with window_for_pictures() as window:
+        draw("shared", window)
+    for name in ("body", "bent", "other", "open"):
+        assert np.array_equal(*(seen(tmp_path / f"{kind}_{name}.png") for kind in ("alone", "shared"))), name
+    assert not np.array_equal(seen(tmp_path / "alone_bent.png"), seen(tmp_path / "alone_other.png"))
+    assert (seen(tmp_path / "alone_bent.png")[-190:] < 250).any()  # the scale
+
+
+def test_two_threads_may_draw(tmp_path: Path) -> None:
+    """As those of a Dask worker, one after the other; a window of another thread would end the process."""
+    program = tmp_path / "program.py"
+    program.write_text(
+        "import sys\n"
+        "from concurrent.futures import ThreadPoolExecutor\n"
+        "from pathlib import Path\n"
+        "from threading import Barrier\n"
+        "from bar import bar\n"
+        "from pipeline.drawing.pictures import draw_body\n"
+        "both = Barrier(2)\n"
+        "def wait(): both.wait()\n"
+        "def draw(number): draw_body(Path(sys.argv[1]) / f'{number}.png', *bar())\n"
+        "with ThreadPoolExecutor(2) as pool:\n"
+        "    [pending.result() for pending in [pool.submit(wait), pool.submit(wait)]]  # two threads live\n"
+        "    for number in range(4): pool.submit(draw, number).result()\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, (HERE, HERE.parent)))}
+    subprocess.run([sys.executable, str(program), str(tmp_path)], env=environment, check=True, timeout=300)
+    assert len(list(tmp_path.glob("*.png"))) == 4
 
 
 def test_a_body_without_sharp_edges(tmp_path: Path) -> None:

@@ -42,13 +42,15 @@ def test_round_trip(law):
     scale = [law.alpha1, law.alpha2, 10.0, 10.0, law.d]
     assert np.abs(coarse / scale).max() < 0.015
     assert np.abs(fine / scale).max() < 0.002
-    assert np.all(np.abs(fine) < np.abs(coarse) / 6.0)
+    clear = [0, 2, 4]  # alpha1, m01 and d; the others are off by little more than rounding
+    assert np.all(np.abs(fine[clear]) < np.abs(coarse[clear]) / 6.0)
 
 
 @pytest.mark.parametrize("law", [STEP, GAP])
-def test_it_does_not_depend_on_the_start(law):
+def test_starts_near_each_other_end_at_one_minimum(law):
     """The break is at a node, where the misfit has a kink. With difference quotients as derivatives the fits of GAP
-    ended where they began, alpha1 1.4 above or 1.7 below."""
+    stopped beside the minimum, alpha1 1.4 above or 1.7 below. A start with a very different break may end at another
+    minimum."""
     first, *others = (deviations(law, 1.0, start) for start in (0.9, 1.1, 1.2))
     for other in others:
         assert other == pytest.approx(first, rel=0.02, abs=1e-5)

@@ -5,9 +5,9 @@ Elements are tetrahedra with 4 or 10 nodes. The mid-edge nodes of the latter sta
 """
 
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -71,11 +71,13 @@ def draw_body(
     mirrored: bool = True,
     cut_open: bool = False,
     regions: Array | None = None,
+    window: Any | None = None,
 ) -> None:
     """Draw the body at rest into a PNG, with the clamp on the left: a half model mirrored at z = 0, or cut open there.
 
     Cut open, the half beyond z = 0 is seen from inside: that of a half model, z >= 0, reflected to z <= 0.
     regions: number of the region of each tetrahedron (m,), 0 where it has none; each region has a colour of its own.
+    window: of `window_for_pictures`; one of its own where None.
     """
     grid = _grid(points, tets)
     _attach(grid, "region", np.zeros(len(tets)) if regions is None else regions)
@@ -84,44 +86,54 @@ def draw_body(
         body = _reflected(body)
     elif mirrored:
         body = _mirrored(body)
-    plotter = _plotter()
-    for number in np.unique(body.cell_data["region"]).astype(int):
-        part = body.extract_cells(body.cell_data["region"] == number).extract_surface(algorithm="dataset_surface")
-        colour = _REGIONS[(number - 1) % len(_REGIONS)] if number else _SILICONE
-        plotter.add_mesh(part, color=colour, smooth_shading=True, split_sharp_edges=True, ambient=0.35, diffuse=0.75)
-    _add_edges(plotter, body)
-    _aim_camera(plotter, body.points)
-    _save(plotter, path)
+    with _emptied(window) as plotter:
+        for number in np.unique(body.cell_data["region"]).astype(int):
+            part = body.extract_cells(body.cell_data["region"] == number).extract_surface(algorithm="dataset_surface")
+            colour = _REGIONS[(number - 1) % len(_REGIONS)] if number else _SILICONE
+            plotter.add_mesh(
+                part, color=colour, smooth_shading=True, split_sharp_edges=True, ambient=0.35, diffuse=0.75
+            )
+        _add_edges(plotter, body)
+        _aim_camera(plotter, body.points)
+        _save(plotter, path)
 
 
 def draw_deformed(
-    path: Path, points: Array, tets: Array, displacement: Array, colour: Colour, *, mirrored: bool = True
+    path: Path,
+    points: Array,
+    tets: Array,
+    displacement: Array,
+    colour: Colour,
+    *,
+    mirrored: bool = True,
+    window: Any | None = None,
 ) -> None:
     """Draw the deformed body into a PNG, with the outline of the body at rest.
 
-    points and displacement (n, 3) in mm, tets (m, 4) or (m, 10). `mirrored` mirrors a half model at z = 0.
+    points and displacement (n, 3) in mm, tets (m, 4) or (m, 10). `mirrored` mirrors a half model at z = 0. window: of
+    `window_for_pictures`; one of its own where None.
     """
     grid = _grid(points + displacement, tets)
     _attach(grid, colour.title, np.asarray(colour.values, dtype=float))
     body, rest = _skin(grid), _skin(_grid(points, tets))
     if mirrored:
         body, rest = _mirrored(body), _mirrored(rest)
-    plotter = _plotter()
-    actor = plotter.add_mesh(
-        body,
-        scalars=colour.title,
-        clim=colour.limits or (float(np.min(colour.values)), float(np.max(colour.values))),
-        cmap="viridis",
-        ambient=0.45,
-        diffuse=0.65,
-        show_scalar_bar=False,
-    )
-    _add_edges(plotter, body)
     rest = rest.connectivity("closest", closest_point=rest.points[rest.points[:, 0].argmax()])  # not the cavities
-    _add_edges(plotter, rest, angle=35, color=_OUTLINE, line_width=2)
-    _aim_camera(plotter, np.vstack([body.points, rest.points]), below=_BAR)
-    _add_bar(plotter, colour.title, actor.mapper)
-    _save(plotter, path)
+    with _emptied(window) as plotter:
+        actor = plotter.add_mesh(
+            body,
+            scalars=colour.title,
+            clim=colour.limits or (float(np.min(colour.values)), float(np.max(colour.values))),
+            cmap="viridis",
+            ambient=0.45,
+            diffuse=0.65,
+            show_scalar_bar=False,
+        )
+        _add_edges(plotter, body)
+        _add_edges(plotter, rest, angle=35, color=_OUTLINE, line_width=2)
+        _aim_camera(plotter, np.vstack([body.points, rest.points]), below=_BAR)
+        _add_bar(plotter, colour.title, actor.mapper)
+        _save(plotter, path)
 
 
 def _grid(points: Array, tets: Array) -> Any:
@@ -184,21 +196,29 @@ def _add_bar(plotter: Any, title: str, mapper: Any) -> None:
     )
 
 
-def _plotter() -> Any:
-    """An empty plotter. All pictures share one: without a graphics card a new window with its shaders takes a third of
-    the time of a picture."""
-    plotter = _shared_plotter()
-    plotter.suppress_rendering = True  # it would otherwise draw again with everything that is added to it
-    return plotter
-
-
-@cache
-def _shared_plotter() -> Any:
+@contextmanager
+def window_for_pictures() -> Iterator[Any]:
+    """A window that several pictures share, one after the other and in one thread: without a graphics card a new one
+    with its shaders takes a third of the time of a picture."""
     pyvista.vtk_verbosity("off")  # otherwise VTK reports on stderr that there is no X server
     plotter = pyvista.Plotter(off_screen=True, lighting="light kit")
-    plotter.set_background("white")
-    plotter.enable_anti_aliasing("ssaa")
-    return plotter
+    try:
+        plotter.set_background("white")
+        plotter.enable_anti_aliasing("ssaa")
+        yield plotter
+    finally:
+        plotter.close()
+
+
+@contextmanager
+def _emptied(window: Any | None) -> Iterator[Any]:
+    """The window without what it has shown before, or a new one where None."""
+    with nullcontext(window) if window is not None else window_for_pictures() as plotter:
+        plotter.suppress_rendering = True  # it would otherwise draw again with everything that is added to it
+        for title in tuple(plotter.scalar_bars.keys()):
+            plotter.remove_scalar_bar(title, render=False)
+        plotter.clear_actors()
+        yield plotter
 
 
 def _aim_camera(plotter: Any, points: Array, below: int = 0) -> None:
@@ -225,11 +245,8 @@ def _aim_camera(plotter: Any, points: Array, below: int = 0) -> None:
 
 
 def _save(plotter: Any, path: Path) -> None:
-    picture = io.BytesIO()
     plotter.suppress_rendering = False
     plotter.render()
+    picture = io.BytesIO()
     plotter.screenshot(picture)
-    for title in tuple(plotter.scalar_bars.keys()):
-        plotter.remove_scalar_bar(title, render=False)
-    plotter.clear_actors()
     write_atomic(path, picture.getvalue())

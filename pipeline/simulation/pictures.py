@@ -1,10 +1,19 @@
 """All pictures and fields of a run."""
 
+from typing import Any
+
 import numpy as np
 
 from geometry import Body, Mesh
 from geometry.arrays import Array
-from pipeline.drawing.pictures import Colour, draw_body, draw_deformed, write_fields, write_series
+from pipeline.drawing.pictures import (
+    Colour,
+    draw_body,
+    draw_deformed,
+    window_for_pictures,
+    write_fields,
+    write_series,
+)
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.surfaces import at_nodes, save_surfaces
 from pipeline.store.formats import SURFACES
@@ -25,7 +34,8 @@ def draw_all(body: Body, outcomes: Outcomes, store: Store) -> None:
     needed += [*(f"fields/{title}.vtu" for title in titles), *([SURFACES] if titles else [])]
     if store.read_json(_DRAWN) == drawn and all((store.directory / name).is_file() for name in needed):
         return
-    _draw(body, outcomes, store)
+    with window_for_pictures() as window:
+        _draw(body, outcomes, store, window)
     save_surfaces(body, outcomes, store)
     store.save_json(_DRAWN, drawn)
 
@@ -40,13 +50,14 @@ def region_field(mesh: Mesh) -> dict[str, Array]:
     return {"region": number}
 
 
-def _draw(body: Body, outcomes: Outcomes, store: Store) -> None:
+def _draw(body: Body, outcomes: Outcomes, store: Store, window: Any) -> None:
     mesh, regions = body.mesh, region_field(body.mesh)
     write_fields(store.path("mesh.vtu"), mesh.points, mesh.tets, regions)
     colours = regions.get("region")
-    draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half, regions=colours)
+    at_rest = {"regions": colours, "window": window}
+    draw_body(store.path("pictures/body.png"), mesh.points, mesh.tets, mirrored=body.half, **at_rest)
     if body.half:
-        draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True, regions=colours)
+        draw_body(store.path("pictures/body_open.png"), mesh.points, mesh.tets, cut_open=True, **at_rest)
     stretches = {
         outcome.name: at_nodes([record.fields["stretch"] for record in outcome.records], outcome.nodes)
         for outcome in outcomes
@@ -65,6 +76,7 @@ def _draw(body: Body, outcomes: Outcomes, store: Store) -> None:
                 record.displacement,
                 colour,
                 mirrored=body.half,
+                window=window,
             )
             fields = {"displacement": record.displacement, **record.fields}
             write_fields(store.path(f"fields/{title}.vtu"), outcome.points, outcome.nodes, fields)

@@ -201,10 +201,10 @@ def _check_faces(config: Config, body: Body) -> None:
             f"{config.source}: effects.strain_limiting_layer: the mesh has no faces in the plane "
             f"y = {body.curve_y:g} mm of the material curve; cut the body there before meshing it"
         )
+    allowed = [name for name in body.mesh.faces if name not in _NEVER_MEET]
     for faces in config.effects.self_contact.faces or ():
-        allowed = [name for name in body.mesh.faces if name not in _NEVER_MEET]
         if faces not in allowed:
-            reason = _NEVER_MEET.get(faces, "does not exist")
+            reason = _NEVER_MEET[faces] if faces in body.mesh.faces else "does not exist"
             raise InputError(
                 f"{config.source}: effects.self_contact.faces: '{faces}' {reason}; this body has {', '.join(allowed)}"
             )

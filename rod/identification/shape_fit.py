@@ -46,7 +46,7 @@ FORCE_ERROR = 1e-3
 #: smallest standard deviation of a position, over the length
 SHAPE_ERROR = 1e-9
 #: relative tolerance of the fits that choose the start and give the weights, and of the last one. Against 1e-12 for all
-#: alpha2 of two arms (37 kPa, seven chambers and one cavity) changes by up to 0.2 %, as by rounding of the shapes
+#: alpha2 changes by at most 0.2 % (12 pressures of six arms), as by rounding of the shapes
 ROUGH, EXACT = 1e-4, 1e-12
 #: range of compliances over that of the first start
 COMPLIANCES = (0.02, 50.0)
@@ -160,8 +160,10 @@ def fit_rod(
 
 #: place of the break among the unknowns
 BREAK = 4
-#: of the difference quotient by the break, over the length
-STEP_OF_BREAK = 1e-7
+#: a node closer to d than twice this part of the length is left out of the samples, which lie at this distance from d
+NEAR = 1e-7
+#: of the difference quotient by the break, over the length: beyond such nodes
+STEP_OF_BREAK = 1e-6
 #: residual where there is no equilibrium
 _NO_ROD = 1e6
 
@@ -245,7 +247,7 @@ class _ShapeFit:
 
     def _samples(self, law: FiveParameters) -> Array:
         """(k,) mm: the nodes and both sides of the break, so that the ripple is discontinuous at d, not at a node."""
-        nodes, near = self.shape.s, 1e-7 * self.shape.length
+        nodes, near = self.shape.s, NEAR * self.shape.length
         return np.sort(np.append(nodes[np.abs(nodes - law.d) > 2.0 * near], [law.d - near, law.d + near]))
 
     def _moment_at(self, s: Array) -> Array:
@@ -272,21 +274,31 @@ class _ShapeFit:
         return np.concatenate([of_nodes, force / (FORCE_ERROR * self.shape.load.force_size), prior])
 
     def jacobian(self, z: Array) -> Array:
-        """(rows of the residual, unknowns): its derivatives, by d from a difference to one side; zero without a rod."""
+        """(rows of the residual, unknowns): its derivatives; zero where z has no rod."""
         others = np.array([k for k in range(len(z)) if k != BREAK])
         matrix = np.zeros((2 * len(self.shape.s) + 2 + len(_prior(z)), len(z)))
         try:
             at = self._equilibrium(z)
+            answer = response(at, self._changes_of_law(z, at.problem.steps))
         except RodError:
             return matrix
-        answer = response(at, self._changes_of_law(z, at.problem.steps))
         prior = np.array([_prior(unit) for unit in np.eye(len(z))[others]]).T
         matrix[:, others] = self._rows(answer.shape_at(self.shape.s), answer.force, prior)
         if self.seeks_break:
-            ahead = z.copy()
-            ahead[BREAK] += STEP_OF_BREAK if z[BREAK] + STEP_OF_BREAK < self.breaks[1] else -STEP_OF_BREAK
-            matrix[:, BREAK] = (self.residual(ahead) - self._differences(at.solution, z)) / (ahead[BREAK] - z[BREAK])
+            matrix[:, BREAK] = self._by_break(z, self._differences(at.solution, z))
         return matrix
+
+    def _by_break(self, z: Array, residual: Array) -> Array:
+        """The derivative of the residual by d to one side: beyond d, or before it at the end of its range and where a
+        rod with a break beyond d has no equilibrium; zero where there is none on either side."""
+        for step in (STEP_OF_BREAK, -STEP_OF_BREAK):
+            moved = z.copy()
+            moved[BREAK] += step
+            if self.breaks[0] <= moved[BREAK] <= self.breaks[1]:
+                there = self.residual(moved)
+                if there[0] != _NO_ROD:
+                    return np.asarray((there - residual) / (moved[BREAK] - z[BREAK]))
+        return np.zeros(len(residual))
 
     def _changes_of_law(self, z: Array, steps: Steps) -> Changes:
         """What the unknowns other than d change, per unit: the law itself, and the ripple that it multiplies."""
@@ -316,22 +328,28 @@ class _ShapeFit:
     def minimised(self, z: Array, tolerance: float = EXACT) -> OptimizeResult:
         """The fit from z; its derivative with respect to d is one-sided where d lies at a node (see `across_break`).
 
-        Steps shrink at such a kink before the other unknowns have converged, so that these follow with d kept.
+        At such a kink the steps shrink before the other unknowns have converged; these are fitted once more, d kept.
         """
+        fit = self._fitted(z, tolerance, free_break=self.seeks_break)
+        if self.seeks_break:
+            fit = self._fitted(fit.x, tolerance, free_break=False)
+        return OptimizeResult(x=fit.x, cost=fit.cost, fun=fit.fun, jac=self.jacobian(fit.x))
+
+    def _fitted(self, z: Array, tolerance: float, *, free_break: bool) -> OptimizeResult:
+        """The fit from z, with d free or as in z."""
         low = np.array([COMPLIANCES[0], -np.inf, COMPLIANCES[0], -np.inf, self.breaks[0], *[-np.inf] * (2 * HARMONICS)])
         high = np.array([COMPLIANCES[1], np.inf, COMPLIANCES[1], np.inf, self.breaks[1], *[np.inf] * (2 * HARMONICS)])
-        free = np.array([True] * 4 + [self.seeks_break] + [True] * (2 * HARMONICS))
-        fixed = np.where(free, z, low)
+        free = np.array([True] * 4 + [free_break] + [True] * (2 * HARMONICS))
+        start = np.clip(z, np.where(free, low * (1 + 1e-9), low), np.where(free, high * (1 - 1e-9), high))
 
         def all_unknowns(part: Array) -> Array:
-            full = fixed.copy()
+            full = start.copy()
             full[free] = part
             return full
 
-        inside = np.clip(z, np.where(free, low * (1 + 1e-9), low), np.where(free, high * (1 - 1e-9), high))
         fit = least_squares(
             lambda part: self.residual(all_unknowns(part)),
-            inside[free],
+            start[free],
             lambda part: self.jacobian(all_unknowns(part))[:, free],
             bounds=(low[free], high[free]),
             xtol=max(1e-10, tolerance),
@@ -339,11 +357,7 @@ class _ShapeFit:
             gtol=tolerance,
             max_nfev=60,
         )
-        x = all_unknowns(fit.x)
-        if self.seeks_break:
-            fit = replace(self, breaks=(x[BREAK], x[BREAK])).minimised(x, tolerance)
-            x = fit.x
-        return OptimizeResult(x=x, cost=fit.cost, fun=fit.fun, jac=self.jacobian(x))
+        return OptimizeResult(x=all_unknowns(fit.x), cost=fit.cost, fun=fit.fun)
 
     @property
     def seeks_break(self) -> bool:

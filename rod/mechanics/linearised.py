@@ -1,13 +1,13 @@
 """The rod's equations linearised at a solution: what small changes of the curvature do to the states.
 
-Every change has a column with the derivatives of the states, which are integrated beside them by the scheme of
-`shooting`, so that they are derivatives of the computed solution, its steps included:
+Every change has a column with the derivatives of the states, which are integrated beside them by the same scheme
+(`luther`), so that they are derivatives of the computed solution, its steps included:
 
     dtheta' = dM/alpha + p + q M_b,   dM' = (n_x cos theta + n_y sin theta + c_y cos theta - c_x sin theta) dtheta,
     dx' = -sin theta dtheta,          dy' = cos theta dtheta
 
 for the change p + q M_b of the curvature, with M_b the moment that bends the rod. The rod is inextensible, and its
-intercepts do not fade.
+intercepts do not fade. The solution is known, so that all states are finite.
 """
 
 import math

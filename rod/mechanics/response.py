@@ -18,7 +18,11 @@ from rod.mechanics.own_weight import rest_moment_changes
 
 @dataclass(frozen=True)
 class Changes:
-    """m small changes of a rod, at the n steps of its integration: Delta changes by compliance M - offset."""
+    """m small changes of a rod, at the n steps of its integration.
+
+    Delta changes by compliance M_b - offset, with M_b the moment that bends the rod (M without that of the weight at
+    rest).
+    """
 
     kappa_0: Array  #: (n, 6, m) 1/mm, at `ABSCISSAE` of every step
     compliance: Array  #: (n, m) 1/(N mm2)
@@ -50,8 +54,14 @@ class Response:
 
 
 def response(equilibrium: Equilibrium, changes: Changes) -> Response:
-    """The derivatives at an equilibrium. Raises `RodError` for a rod that stretches or whose intercepts fade."""
+    """The derivatives at an equilibrium.
+
+    Raises `RodError` for a rod that stretches, whose intercepts fade, or on which no load acts: it has no intercepts
+    (`rod.law`), and the smallest load gives it those.
+    """
     rod, problem, point = equilibrium.rod, equilibrium.problem, equilibrium.point
+    if not equilibrium.load_steps:
+        raise RodError("A rod without load has no derivatives: the smallest load adds the intercepts of its law.")
     if rod.extension is not None or rod.fade > 0.0:
         raise RodError("Derivatives are those of an inextensible rod whose intercepts do not fade.")
     length, base = rod.length, equilibrium.rigidity
