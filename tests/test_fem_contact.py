@@ -324,7 +324,7 @@ def test_what_overlaps_is_named_where_stiffer_contact_fails(monkeypatch, short: 
         bend(short, [SelfContact("gap", starts_inactive=True)], [37.0])
 
 
-@pytest.mark.parametrize("is_exact", [False, True])
+@pytest.mark.parametrize("is_exact", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_with_stiffer_contact_an_increment_starts_along_the_rate_of_the_last(monkeypatch, short, is_exact) -> None:
     """But not with exact distances, because walls could cross in such a start."""
     starts: list[float] = []

@@ -229,6 +229,7 @@ def test_contact_far_away_is_nothing() -> None:
     assert exact.gap(x) == np.inf
 
 
+@pytest.mark.slow
 def test_barrier_stops_a_step_before_walls_touch() -> None:
     term, space = barrier()
     closing = np.zeros_like(space.points)

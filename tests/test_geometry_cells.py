@@ -168,6 +168,7 @@ def test_an_arm_with_one_section_has_cells_and_one_with_a_rib_has_none(tmp_path:
     assert "name the planes of one" in ribbed.why_no_cell
 
 
+@pytest.mark.slow
 def test_a_knob_on_one_side_of_an_arm_with_round_chambers_is_no_mirror_image(tmp_path: Path) -> None:
     """The kernel gives mirror images of such bodies another volume than the bodies have."""
 
@@ -192,6 +193,7 @@ def test_a_cavity_that_begins_just_behind_a_plane_gets_no_walls_between_cells(tm
     assert own.body(5.0).mesh.area("cavity") == pytest.approx(whole.body(5.0).mesh.area("cavity"), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_three_round_chambers_and_a_longer_last_one(tmp_path: Path) -> None:
     """Triangles of round walls give middles that are off by 0.01 mm; the longer half of the last chamber is no cell."""
 

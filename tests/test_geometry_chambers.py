@@ -61,6 +61,7 @@ def test_chambers_joined_by_a_channel(tmp_path: Path) -> None:
     assert (given.averages_within_cavities, given.reason_for_pitch) == (True, "")
 
 
+@pytest.mark.slow
 def test_gaps_on_the_outside_of_a_file_of_each_kind(tmp_path: Path) -> None:
     net, two = str(pneunet_as_step(tmp_path / "net.step", NET)), str(save(tmp_path / "two.step", two_chambers))
     solid = CadFile(net, NET.curve_y)

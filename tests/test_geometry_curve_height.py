@@ -42,7 +42,7 @@ def suggested(design: Callable[[float], object], curve: float) -> list[float]:
     return [float(y) for y in re.findall(r"[-0-9.]+(?=,| mm$)", caught.value.sentence.split("y = ")[-1])]
 
 
-@pytest.mark.parametrize("suffix", KINDS)
+@pytest.mark.parametrize("suffix", ["step", *(pytest.param(k, marks=pytest.mark.slow) for k in KINDS if k != "step")])
 def test_what_is_suggested_for_rounded_ends_is_accepted(suffix: str, tmp_path: Path) -> None:
     kind, write = KINDS[suffix]
     path = write(tmp_path / f"rounded.{suffix}", rounded_ends)

@@ -170,6 +170,7 @@ def half_knobbed(occ: Any) -> Any:
     return occ.fuse(half_bar(occ), [box(occ, (48, 12, 0), (52, 14, 6))])[0]
 
 
+@pytest.mark.slow
 def test_a_half_solid_may_be_clamped_at_the_other_end(folder: Path) -> None:
     path = save(folder / "half.step", half_knobbed)
     for air in ({}, {"cavity": (50, 5, 1)}):

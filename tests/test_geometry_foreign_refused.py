@@ -42,7 +42,7 @@ def oval(occ: Any) -> Any:
     return solids
 
 
-@pytest.mark.parametrize("symmetric", [True, False])
+@pytest.mark.parametrize("symmetric", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_the_bounds_of_splines_are_those_of_the_body(folder: Path, symmetric: bool) -> None:
     """Those of their poles reach from z = -18.2 to 9.1 mm."""
     design = CadFile(str(save(folder / "oval.step", oval)), -6.0, symmetric=symmetric)
@@ -60,6 +60,7 @@ def test_a_half_of_splines_below_can_be_read(folder: Path) -> None:
     assert design.extent == pytest.approx((50, 14, 18.2), rel=5e-4)
 
 
+@pytest.mark.slow
 def test_a_round_body_in_inches_stays_round(folder: Path) -> None:
     path = save(folder / "inches.brep", lambda occ: occ.dilate(tube(occ), 0, 0, 0, *(3 * [1 / 25.4])))
     design = CadFile(str(path), -6.0, unit=25.4)

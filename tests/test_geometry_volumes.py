@@ -78,7 +78,7 @@ def test_the_gap_has_the_fillets_and_they_are_finely_divided(radius: float) -> N
     assert chords.max() == pytest.approx(2 * radius * sin(pi / 12), rel=1e-6)
 
 
-@settings(max_examples=15, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=10, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_pneunet_volumes_for_any_dimensions(data: st.DataObject) -> None:
     def draw(low: float, high: float) -> float:

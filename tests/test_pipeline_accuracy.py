@@ -278,6 +278,7 @@ def test_table_and_pictures(study: ConvergenceStudy) -> None:
     assert svg_picture(study) == picture
 
 
+@pytest.mark.slow
 def test_a_small_study_is_solved_and_resumed(configs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rungs, "SIZES", {"off": (1.0, 0.75)})
     monkeypatch.setattr(rungs, "LOCKING", {1: (0.5,)})

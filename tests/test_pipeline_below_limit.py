@@ -56,6 +56,7 @@ def test_nothing_is_added_where_a_pressure_is_reached_or_no_parameters_are_made(
         assert without.records == ()
 
 
+@pytest.mark.slow
 def test_the_last_equilibrium_stands_for_a_limit_that_is_not_named(tmp_path: Path) -> None:
     config = load_config(CONFIGS / "semicircular_single_coarse.yaml", [*LONG, "pressures=[5 kPa]"])
     with open_store(tmp_path, config) as store:

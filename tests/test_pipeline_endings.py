@@ -123,6 +123,7 @@ def test_a_request_to_end_is_an_interrupt(folder: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_without_room_for_the_report_all_else_is_there(folder: Path) -> None:
     status, message = ended(started(folder, largest_file=1_200_000))
     assert status == 1

@@ -216,12 +216,12 @@ def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_th
 @pytest.mark.parametrize(
     ("reached", "below_limit", "end", "highest"),
     [
-        ((6.0, 12.0), (), 0.0, 12.0),
+        pytest.param((6.0, 12.0), (), 0.0, 12.0, marks=pytest.mark.slow),
         ((6.0,), (), 11.0, 6.0),
         ((6.0,), (2.0, 9.0), 11.0, 9.0),
         ((), (2.0, 4.0), 5.0, 4.0),
         ((), (), 5.0, 4.0),
-        ((), (), 0.0, 12.0),
+        pytest.param((), (), 0.0, 12.0, marks=pytest.mark.slow),
     ],
 )
 def test_the_law_goes_no_higher_than_the_whole_arm(

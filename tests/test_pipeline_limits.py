@@ -203,7 +203,10 @@ def test_two_tells_where_it_ends_without_a_limit_that_it_could_name(
     ("chambers", "size", "second", "sentence", "limit_kPa"),
     [
         # II has its limit at 64.9 kPa; that of III is lower, and pairs of both need pressures below it
-        (11, 7, 37, r"beyond 5[12]\.\d+ kPa on the way to 90 kPa: the limit is at 52\.\d+ kPa", 52.29),
+        pytest.param(
+            *(11, 7, 37, r"beyond 5[12]\.\d+ kPa on the way to 90 kPa: the limit is at 52\.\d+ kPa", 52.29),
+            marks=pytest.mark.slow,
+        ),
         # here that of III is a little higher, and is not searched
         (2, 6, 45, r"it was followed up to 60\.\d+ kPa only, 95 % of the limit of experiment II of", 0.0),
         # III has passed that part of the limit already

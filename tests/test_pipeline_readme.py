@@ -31,6 +31,7 @@ def test_the_configuration_is_the_arm_of_the_paper(readme: str, tmp_path: Path) 
     assert config.pressures_kPa == (5.0, 17.0, 31.0, 45.0)
 
 
+@pytest.mark.slow
 def test_the_python_block_runs_as_it_stands(readme: str, tmp_path: Path) -> None:
     [block] = re.findall(r"```python\n(.*?)```", readme, flags=re.DOTALL)
     assert "import pneurod" in readme[:4000]  # on the first screen

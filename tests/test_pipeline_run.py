@@ -137,6 +137,7 @@ mesh: {size: auto}
 """
 
 
+@pytest.mark.slow
 def test_a_requested_accuracy_is_reported_before_and_after_the_run(tmp_path: Path) -> None:
     path = tmp_path / "asked.yaml"
     path.write_text(ASKED, encoding="utf-8")

@@ -200,6 +200,7 @@ def test_contact_waits_unless_it_is_asked_for(configs: Path, half: Body) -> None
     assert Scene(arm(), half).contact_faces == half.cavities
 
 
+@pytest.mark.slow
 def test_outer_walls_of_a_body_from_a_file_that_face_each_other_may_touch(tmp_path: Path) -> None:
     pneunet_as_step(tmp_path / "net.step", PneuNet(chambers=3))
     save(tmp_path / "bar.step", bar)

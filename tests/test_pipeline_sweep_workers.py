@@ -99,6 +99,7 @@ def test_finished_points_are_not_solved_again(sweep: Sweep, results: Path, monke
         report.raise_if_failed()
 
 
+@pytest.mark.slow
 def test_several_sweeps_share_the_workers_and_each_has_its_table(
     file: Path, sweep: Sweep, results: Path, tmp_path: Path
 ) -> None:

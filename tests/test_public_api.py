@@ -218,6 +218,7 @@ def test_wrong_names_and_pressures_are_refused(results: pneurod.Results) -> None
         results.interval("alpha", 8.0)
 
 
+@pytest.mark.slow
 def test_a_run_is_silent_unless_progress_is_requested(
     design: Path, results: pneurod.Results, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -229,6 +230,7 @@ def test_a_run_is_silent_unless_progress_is_requested(
     assert err == ""
 
 
+@pytest.mark.slow
 def test_a_program_without_a_guard_may_use_several_processes(design: Path, results: pneurod.Results) -> None:
     """The workers must not run the program once more."""
     program = design.parent / "program.py"

@@ -119,6 +119,7 @@ def test_the_springs_of_the_program_for_pyelastica(tmp_path: Path) -> None:
         program["build"](50.0)
 
 
+@pytest.mark.slow
 def test_the_program_for_pyelastica_runs_and_draws(tmp_path: Path) -> None:
     pytest.importorskip("elastica")
     (file,) = export_arm(arm(elements=8), "pyelastica", tmp_path)
