@@ -90,7 +90,7 @@ test: $(READY)  ## all tests but the slow ones
 	@# a test that hangs fails after a quarter of an hour, with the lines it stands at; the longest takes a minute
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile --timeout 900 --durations 15
 
-slow: $(READY)  ## the tests that take longer than two minutes
+slow: $(READY)  ## the tests that take longer, and whole runs that repeat what faster tests do
 	@$(BIN)/python -m pytest -m slow
 
 hard: $(READY)  ## hard cases: each is solved and checked, or its limit is named; the table of docs/hard_cases.md
