@@ -12,8 +12,9 @@ misfit that is correlated within a cell. Derivatives of the rod are those of `ro
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -132,13 +133,11 @@ def fit_rod(
         raise RodError("Fitting a rod needs a law to start from.")
     unstretched = replace(shape, free=without_stretch(shape.free), loaded=without_stretch(shape.loaded))
     task = _ShapeFit.of(unstretched, breaks, starts)
-    rough = task.across_break(
-        min((task.minimised(task.unknowns(start), ROUGH) for start in starts), key=lambda fit: float(fit.cost))
-    )
+    rough = min((task.minimised(task.unknowns(start), ROUGH) for start in starts), key=lambda fit: float(fit.cost))
     if rough.cost >= 0.5 * _NO_ROD**2:
         raise RodError("No rod near the laws to start from is in equilibrium under these loads.")
-    task = task.weighted(rough)
-    fit = task.across_break(task.minimised(rough.x))
+    task = task.weighted(task.with_derivatives(rough))
+    fit = task.with_derivatives(task.minimised(rough.x))
     law = task.law(fit.x)
     sampled = task.resampled(fit, bootstrap)
     rod = task.solved(fit.x)
@@ -225,6 +224,14 @@ class _ShapeFit:
         return self._equilibrium(z).solution
 
     def _equilibrium(self, z: Array) -> Equilibrium:
+        """The same, kept for the next call: derivatives are those of the rod that was solved last."""
+        return self._of_bytes(z.tobytes())
+
+    @cached_property
+    def _of_bytes(self) -> Callable[[bytes], Equilibrium]:
+        return lru_cache(maxsize=1)(lambda z: self._solved_anew(np.frombuffer(z)))
+
+    def _solved_anew(self, z: Array) -> Equilibrium:
         """The rod of the unknowns z, supported as the loaded shape.
 
         The ripple multiplies Delta of the measured moment.
@@ -326,20 +333,19 @@ class _ShapeFit:
         return np.stack([np.interp(stages, s, each) for each in values], axis=-1)
 
     def minimised(self, z: Array, tolerance: float = EXACT) -> OptimizeResult:
-        """The fit from z; its derivative with respect to d is one-sided where d lies at a node (see `across_break`).
+        """The fit from z; its derivative with respect to d is one-sided where d lies at a node.
 
         At such a kink the steps shrink before the other unknowns have converged; these are fitted once more, d kept.
         """
-        fit = self._fitted(z, tolerance, free_break=self.seeks_break)
+        fit = self._fitted(z, tolerance)
         if self.seeks_break:
-            fit = self._fitted(fit.x, tolerance, free_break=False)
-        return OptimizeResult(x=fit.x, cost=fit.cost, fun=fit.fun, jac=self.jacobian(fit.x))
+            fit = replace(self, breaks=(fit.x[BREAK],) * 2)._fitted(fit.x, tolerance)
+        return fit
 
-    def _fitted(self, z: Array, tolerance: float, *, free_break: bool) -> OptimizeResult:
-        """The fit from z, with d free or as in z."""
+    def _fitted(self, z: Array, tolerance: float) -> OptimizeResult:
         low = np.array([COMPLIANCES[0], -np.inf, COMPLIANCES[0], -np.inf, self.breaks[0], *[-np.inf] * (2 * HARMONICS)])
         high = np.array([COMPLIANCES[1], np.inf, COMPLIANCES[1], np.inf, self.breaks[1], *[np.inf] * (2 * HARMONICS)])
-        free = np.array([True] * 4 + [free_break] + [True] * (2 * HARMONICS))
+        free = np.array([True] * 4 + [self.seeks_break] + [True] * (2 * HARMONICS))
         start = np.clip(z, np.where(free, low * (1 + 1e-9), low), np.where(free, high * (1 - 1e-9), high))
 
         def all_unknowns(part: Array) -> Array:
@@ -364,23 +370,21 @@ class _ShapeFit:
         """Whether d is an unknown, and not given."""
         return self.breaks[0] < self.breaks[1]
 
-    def across_break(self, fit: OptimizeResult) -> OptimizeResult:
-        """The same fit with its derivative with respect to d from a difference over the nodes on both sides of d, where
-        d is sought and there is a rod with a break at both nodes.
+    def with_derivatives(self, fit: OptimizeResult) -> OptimizeResult:
+        """The same fit with its derivatives; that with respect to d is a difference over the nodes on both sides of d,
+        where d is sought and there is a rod with a break at both nodes.
 
         The residual has kinks where the break passes a node, and minima are often there: rounding then decides on which
         side a derivative is taken, and that of one side says nothing of the other.
         """
-        if not self.seeks_break:
-            return fit
-        step = float(np.diff(self.shape.s).max()) / self.shape.length
-        ends = np.array([fit.x, fit.x])
-        ends[:, BREAK] = np.clip(fit.x[BREAK] + np.array([-step, step]), *self.breaks)
-        before, behind = (self.residual(end) for end in ends)
-        if _NO_ROD in (before[0], behind[0]):
-            return fit
-        jac = fit.jac.copy()
-        jac[:, BREAK] = (behind - before) / (ends[1, BREAK] - ends[0, BREAK])
+        jac = self.jacobian(fit.x)
+        if self.seeks_break:
+            step = float(np.diff(self.shape.s).max()) / self.shape.length
+            ends = np.array([fit.x, fit.x])
+            ends[:, BREAK] = np.clip(fit.x[BREAK] + np.array([-step, step]), *self.breaks)
+            before, behind = (self.residual(end) for end in ends)
+            if _NO_ROD not in (before[0], behind[0]):
+                jac[:, BREAK] = (behind - before) / (ends[1, BREAK] - ends[0, BREAK])
         return OptimizeResult(x=fit.x, cost=fit.cost, fun=fit.fun, jac=jac)
 
     def weighted(self, fit: OptimizeResult) -> "_ShapeFit":

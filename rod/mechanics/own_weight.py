@@ -17,6 +17,9 @@ from rod.mechanics.luther import ABSCISSAE
 from rod.mechanics.profile import Steps
 from rod.mechanics.shooting import RodArrays, sweep
 
+#: which of ABSCISSAE the beginning and the end of a step are, and their nodes
+_ENDS = ((0, slice(None, -1)), (1, slice(1, None)))
+
 
 def rest_moment(steps: Steps, stretch: Array, weight: Array, theta0: float, eccentricity: float) -> tuple[float, Array]:
     """M of the weight at the clamp, and (n, 6) M_0 at the stages of every step, by the cubics of its values and slopes
@@ -54,10 +57,6 @@ def rest_moment_changes(steps: Steps, weight: Array, theta0: float, kappa_0: Arr
     step = np.diff(steps.s)[:, None]
     stages = hermite(ABSCISSAE[:, None, None], moment[:-1], moment[1:], *(step * rates[nodes] for _, nodes in _ENDS))
     return np.ascontiguousarray(stages.transpose(1, 0, 2))
-
-
-#: which of ABSCISSAE the beginning and the end of a step are, and their nodes
-_ENDS = ((0, slice(None, -1)), (1, slice(1, None)))
 
 
 def _rigid(steps: Steps, stretch: Array, theta0: float) -> RodArrays:

@@ -31,7 +31,7 @@ class Steps:
     @property
     def stages(self) -> Array:
         """(n, 6) where the integrator evaluates kappa_0."""
-        return stages_between(self.s)
+        return _stages(self.s)
 
 
 def cut_into_steps(length: float, kappa_0: Profile, law: FiveParameters | TwoSlopes, refinement: float = 1.0) -> Steps:
@@ -109,9 +109,9 @@ def _boundaries(s: Array, d: float) -> Array:
 
 
 def _steps(s: Array, d: float, curvature: Callable[[Array], Array]) -> Steps:
-    return Steps(s, np.ascontiguousarray(curvature(stages_between(s))), s[:-1] < d - 1e-15)
+    return Steps(s, np.ascontiguousarray(curvature(_stages(s))), s[:-1] < d - 1e-15)
 
 
-def stages_between(s: Array) -> Array:
+def _stages(s: Array) -> Array:
     """(n, 6) the stages of the steps between the boundaries s (n + 1,)."""
     return np.asarray(s[:-1, None] + np.diff(s)[:, None] * ABSCISSAE)
