@@ -174,6 +174,8 @@ STEEL = "materials={base: {law: svk, E: 200 GPa, nu: 0.3, density: 7850 %s}}"
         ("end.y=20 cm", "end.y moves the end by 200 mm, 1.8 times the length of the arm, and an arm that is bent"),
         ("end.y=-20 um", "end.y moves the end by -0.02 mm, 0.00018 times the length of the arm, which is hardly"),
         ("validation={end_y: [5 mm, 1 m]}", "validation.end_y moves the end by 1000 mm, 8.9 times the length"),
+        ("end.x=7 cm", "end.x moves the end by 70 mm, 0.62 times the length of the arm, a mean strain of 0.62 in"),
+        ("end.x=-30 cm", "end.x moves the end by -300 mm, 2.7 times the length of the arm, towards the clamp, and an"),
         ("end={y: 50 N}", "end: a force of 50 N on the end is 28 times what would fold or tear a bar"),
         ("end={x: -50 N}", "a force of 50 N on the end is 28 times"),
         ("validation={forces: [[0 N, 0.05 N], [0 kN, 0.05 kN]]}", "validation.forces: a force of 50 N on the end"),
@@ -191,7 +193,16 @@ def test_numbers_in_another_unit_are_named(setting: str, sentence: str) -> None:
     [
         *("material.density=30 kg/m^3", "material.density=2.5 g/cm^3", "material={law: svk, E: 1.2 MPa, nu: 0.495}"),
         *(LAYER % "thickness: 0.3 mm", LAYER % "E: 200 GPa"),
-        *("end.y=30 mm", "end.y=-60 mm", "end={x: 0.175 N, y: 0.07 N}", "end={x: 5 N}", "validation=off"),
+        *(
+            "end.x=5 mm",
+            "end.x=-0.1 m",
+            "end.x=0 mm",
+            "end.y=30 mm",
+            "end.y=-60 mm",
+            "end={x: 0.175 N, y: 0.07 N}",
+            "end={x: 5 N}",
+            "validation=off",
+        ),
         *("validation={forces: [[0 N, 0.01 N]], end_y: [0.2 mm]}", STEEL % "kg/m^3"),
     ],
 )

@@ -15,13 +15,18 @@ BODY = ""
 def named_parts(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> dict[Volume, str]:
     """The name of the part of each solid, `BODY` for those without; of a symmetric body that of its mirror image too.
 
-    Raises `DesignError` for a point in no solid or in one that has a name already, and where all solids have one.
+    Raises `DesignError` for a point in no solid, between two or in one that has a name already, and where all solids have one.
     """
     named = dict.fromkeys(solids, BODY)
     for name, point in body.parts.items():
         given = body.words(point)
         inner = body.within_half(point, low, high)
         holders = [solid for solid in solids if gmsh.model.isInside(3, solid[1], list(inner))]
+        if len(holders) > 1:
+            raise DesignError(
+                f"parts.{name}",
+                f"the point {given} lies in the boundary of {len(holders)} solids; give a point inside one",
+            )
         if body.half:
             holders += [solid for solid in solids if holders and _are_images(gmsh, solid, holders[0])]
         if not holders:

@@ -13,10 +13,12 @@ LIGHTEST, HEAVIEST, HEAVIEST_REGION = 20.0, 3000.0, 9000.0
 HIGHEST_END = 0.72
 #: smallest one that is not taken for zero
 LOWEST_END = 5e-4
+#: largest displacement of the end towards the clamp, over the length of the arm: that of an arc is 1 - sin t / t
+FARTHEST_BACK = 1.22
 #: force on the end over E I / l^2, with I of the box around the section: 0.08 to 0.3 in the configurations of the
 #: paper's arms, whose walls have 0.03 to 0.06 of this rigidity
 LARGEST_FORCE, SMALLEST_FORCE = 3.0, 1e-4
-#: strain of the arm under a force that pulls along it
+#: strain of the arm under a force or a displacement that pulls along it
 LARGEST_PULL = 0.5
 #: activation distance of contact over the smallest gap: errors of kappa_0 are 1 % with 0.02, 4 % with 0.08
 #: (docs/accuracy.md), and 0.0025 is the smallest with which an arm was solved
@@ -160,6 +162,22 @@ def _heights(config: Config) -> Iterator[str]:
                 )
 
 
+def _pull(config: Config) -> Iterator[str]:
+    """The displacement of the end along the arm in experiment III."""
+    length, along = config.design.length, config.end.x_mm or 0.0
+    moves = f"end.x moves the end by {along:g} mm, {abs(along) / length:.2g} times the length of the arm"
+    if along > LARGEST_PULL * length:
+        yield (
+            f"{moves}, a mean strain of {along / length:.2g} in an arm that is straight; check the unit (mm, cm, m), "
+            f"or give less than {LARGEST_PULL * length:.3g} mm"
+        )
+    elif along < -FARTHEST_BACK * length:
+        yield (
+            f"{moves}, towards the clamp, and an arm that is bent to an arc moves it by {FARTHEST_BACK:g} times its "
+            f"length at most; check the unit (mm, cm, m), or give more than {-FARTHEST_BACK * length:.3g} mm"
+        )
+
+
 def _forces(config: Config) -> Iterator[str]:
     """On the end in experiment III and in the loads that a user has given."""
     design = config.design
@@ -193,5 +211,6 @@ RULES: tuple[Callable[[Config], Iterator[str]], ...] = (
     _fractions,
     _gravity,
     _heights,
+    _pull,
     _forces,
 )
