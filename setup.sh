@@ -79,6 +79,6 @@ for part in gmsh pictures; do
 done
 
 echo "compiling the kernels of the solver and the packages, which takes a minute"
-.venv/bin/python -m compileall -qq .venv/lib >/dev/null 2>&1 & modules=$!
+.venv/bin/python -m compileall -qq -x '/tests?/' .venv/lib >/dev/null 2>&1 & modules=$!
 .venv/bin/python -m pipeline.doctor threads >/dev/null
 wait "$modules" || true # packages may hold templates that are no Python

@@ -172,6 +172,7 @@ class BarrierContact(Effect):
         return term
 
 
+@pytest.mark.slow
 def test_barrier_gives_the_same_state(short: Body, touching) -> None:
     """Measured: 0.0035 mm with gaps of 0.0178 and 0.0177 mm; the barrier's whole width lies before the wall."""
     _, exact = bend(short, [BarrierContact("gap", 0.02)], [5.0, 17.0, 37.0])

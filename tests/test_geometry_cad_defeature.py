@@ -46,7 +46,7 @@ def standing_in_inches(folder: Path) -> Path:
     return in_inches(standing, folder / "inches.brep")
 
 
-@pytest.mark.parametrize("draw", [with_details, rounded])
+@pytest.mark.parametrize("draw", [with_details, pytest.param(rounded, marks=pytest.mark.slow)])
 def test_without_its_details_the_bar_is_left(tmp_path: Path, draw: Any) -> None:
     path = save(tmp_path / "body.step", draw)
     design = CadFile(str(path), 1.5, defeature=0.8)
