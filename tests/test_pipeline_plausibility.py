@@ -21,7 +21,15 @@ from pipeline.identification.added_pressures import identify_run
 from pipeline.identification.too_short import too_coarse
 from pipeline.plausibility.after import Solved, after_solving
 from pipeline.plausibility.before import WELL_BELOW, Borne, before_solving
-from pipeline.plausibility.body import FLAT_ELEMENT, of_directions, of_half, of_mesh, of_straightened, of_volume
+from pipeline.plausibility.body import (
+    FLAT_ELEMENT,
+    of_clamp,
+    of_directions,
+    of_half,
+    of_mesh,
+    of_straightened,
+    of_volume,
+)
 from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
@@ -644,6 +652,18 @@ def test_a_flat_element_is_named_before_solving() -> None:
     assert f"radius ratio of {flat.quality.minimum:.2g}" in sentence
     assert f"near {position_text(flat.quality.position)}, where" in sentence
     assert sentence.endswith("look for a small edge or a thin gap of the body there, or mesh it with another size")
+
+
+@pytest.mark.parametrize(("height", "free"), [(8.0, 0), (6.0, 32)], ids=["all of the end", "a part of it"])
+def test_a_clamp_that_is_a_part_of_its_end_is_named(height: float, free: int) -> None:
+    """Of the end face of 8 mm times 16 mm the uppermost 2 mm have no name."""
+    filled = np.ones((3, 3, 3), dtype=bool)
+    filled[1, 1, 1] = False
+    mesh = bricks(filled, [np.array([0.0, 2, 18, 20]), np.array([0.0, 2, 6, 8]), np.array([0.0, 2, 14, 16])])
+    clamp = on_plane(mesh, 0, 0.0) & (mesh.points[mesh.boundary, 1] <= height).all(axis=1)
+    rest = {"tip": on_plane(mesh, 0, 20.0), "sym": on_plane(mesh, 2, 0.0), "cavity": on_plane(mesh, 0, 18.0)}
+    sentence = of_clamp(Body(named(mesh, clamp=clamp, **rest), "bar", 20.0, 2.0, 0.0))
+    assert (f"leaves out {free} of 128 mm2 in its plane" in sentence) if free else sentence == ""
 
 
 @pytest.mark.parametrize("layer", [0, 1])

@@ -21,8 +21,10 @@ WIDER = 1.1
 VOLUME_DIFFERS, SMALLER_SIZE = 0.01, 0.7
 #: distance of a cavity from the plane of symmetry, over the length of the arm, that is more than rounding
 APART = 1e-5
-#: difference of two sides of a body, over their length, that is rounding
+#: difference of two sides of a body, or distance from a plane, over their length or that of the arm, that is rounding
 ROUNDING = 1e-6
+#: part of the end face of a body outside of its face clamp that is mentioned
+FREE_PART = 0.01
 
 
 def of_half(body: Body) -> str:
@@ -38,6 +40,22 @@ def of_half(body: Body) -> str:
         f"of the half z >= 0 of the body, {names} {verb} not reach the plane z = 0: the whole body has a mirror image "
         f"of {them} at z < 0, with the same pressure; if it has not, leave geometry.symmetric out where the file holds "
         "the whole arm on one side of z = 0, and write false otherwise"
+    )
+
+
+def of_clamp(body: Body) -> str:
+    """The sentence on a face clamp, as a mesh file may name it, that is a part of the end face alone; else empty."""
+    mesh = body.mesh
+    in_plane = mesh.boundary[(np.abs(mesh.points[mesh.boundary, 0]) <= ROUNDING * body.length).all(axis=1)]
+    free = in_plane[find_rows(in_plane, mesh.faces["clamp"], len(mesh.points)) < 0]
+    areas = np.linalg.norm(normals(mesh.points[free]), axis=1) / 2
+    held = mesh.area("clamp")
+    if areas.sum() <= FREE_PART * (areas.sum() + held):
+        return ""
+    where = position_text(mesh.points[free[int(np.argmax(areas))]].mean(axis=0))
+    return (
+        f"the face clamp of the mesh leaves out {areas.sum():.3g} of {areas.sum() + held:.3g} mm2 in its plane, such "
+        f"as near {where}, where the arm is not held; if all of that end is clamped, name all of it clamp"
     )
 
 
@@ -142,6 +160,6 @@ def of_mesh(mesh: Mesh, design: Design) -> tuple[str, ...]:
 def of_body(body: Body, config: Config) -> tuple[str, ...]:
     """All sentences on the body that was meshed."""
     design = config.design
-    of_solids = of_volume(body, config), of_half(body), of_parts(body, config), of_directions(design)
+    of_solids = of_volume(body, config), of_half(body), of_clamp(body), of_parts(body, config), of_directions(design)
     of_elements = *of_mesh(body.mesh, design), of_straightened(design), too_coarse(config, body)
     return tuple(filter(None, (*of_elements, *of_solids)))
