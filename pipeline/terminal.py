@@ -58,7 +58,7 @@ def verdict_table(verdict: Verdict) -> list[Table]:
     """The five parameters by pressure, each with its standard deviation and 95 % interval; no table without them."""
     if not verdict.five:
         return []
-    heads = [f"{symbol}\n{unit}" for _, symbol, unit in NUMBERS]
+    heads = [f"{symbol}\n{unit}" for _, symbol, unit in NUMBERS] + ["e\nmm"] * verdict.stretches
     table = Table("p\nkPa", *heads, box=None, padding=(0, 2, 0, 0))
     table.caption = f"± {verdict.spread}; below it the 95 % interval"
     table.caption_justify = "left"

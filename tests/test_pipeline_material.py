@@ -400,6 +400,9 @@ def test_caveats_about_scatter_and_missing_compression(shipped: Fits) -> None:
     assert "Between rest and stretch 1.1" in " ".join(caveats(noisy))
     both = fit_laws([made_of(fem.NeoHooke(0.4, 40.0), np.linspace(0.7, 1.7, 41))], options())
     assert "in tension only" not in " ".join(caveats(both))
+    pushed = fit_laws([made_of(fem.NeoHooke(0.4, 40.0), np.linspace(1.0, 0.6, 41))], options())
+    assert "These are tests in compression only" in " ".join(caveats(pushed))
+    assert "in compression only" not in " ".join([*caveats(both), *caveats(shipped)])
     with pytest.raises(InputError, match="the tests reach strains of 1 % only; 2 % or more are needed"):
         fit_laws([made_of(fem.NeoHooke(0.4, 40.0), np.linspace(1.0, 1.01, 9))], options())
 
@@ -415,9 +418,9 @@ def neo_hookean(mu: float, *, offset: float = 0.0, percent: float = 1.0) -> Tens
         (neo_hookean(0.3), ""),
         (
             neo_hookean(300.0),
-            "Young's modulus is 514 MPa, and .* is the stress in kPa, not MPa, which would make it 0.514",
+            "Young's modulus is 514 MPa, and .* unit of the stress 1000 times smaller than the header says .* it 0.514",
         ),
-        (neo_hookean(0.0003), "0.000514 MPa, and .* is the stress in MPa, not kPa, which would make it 0.514 MPa"),
+        (neo_hookean(0.0003), "0.000514 MPa, and .* is the unit of the stress 1000 times larger than .* it 0.514 MPa"),
         (neo_hookean(3e6), "Young's modulus is .* MPa: check the units of stress and strain"),
         (neo_hookean(0.3, percent=100.0), r"strains reach 1.5e\+04 %, .* is the strain in % where the header says 1"),
         (neo_hookean(0.3, offset=0.05), "the stress at rest, .*, is 0.05 MPa instead of zero: subtract the offset"),

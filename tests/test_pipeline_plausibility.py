@@ -18,7 +18,7 @@ from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.identification import added_pressures
 from pipeline.identification.added_pressures import identify_run
-from pipeline.identification.too_short import too_coarse
+from pipeline.identification.too_short import too_coarse, why_too_short
 from pipeline.plausibility.after import Solved, after_solving
 from pipeline.plausibility.before import WELL_BELOW, Borne, before_solving
 from pipeline.plausibility.body import (
@@ -342,6 +342,7 @@ def solved(
     one_rigidity: bool = False,
     curve_z_mm: float = 0.0,
     path_dependence: float = 0.0,
+    r2: float = 0.9,
 ) -> Any:
     extremes = SimpleNamespace(
         min_J=min_J, min_J_at=(1.0, 2.0, 3.0), min_stretch=stretches[0], max_stretch=stretches[1]
@@ -360,7 +361,7 @@ def solved(
         evidence=evidence,
         two_lines=evidence > 0.0,
         alpha2=Interval(13.61, 0.1, 13.4, 13.8),
-        single_line=SimpleNamespace(alpha=Interval(10.94, 0.5, 10.0, 12.0)),
+        single_line=SimpleNamespace(alpha=Interval(10.94, 0.5, 10.0, 12.0), r2=r2),
     )
     parameters = SimpleNamespace(
         pressure_kPa=20.0,
@@ -525,6 +526,14 @@ def test_a_rigidity_that_is_not_determined_is_named(low: float, high: float) -> 
     assert f"95 % interval of α₂ at 20 kPa from {low:.3g} to {high:.3g} N mm²; give higher pressures" in note
 
 
+@pytest.mark.parametrize(("r2", "evidence", "named"), [(0.28, -20.0, True), (0.51, -20.0, False), (0.28, 20.0, False)])
+def test_a_single_line_that_describes_little_is_named(r2: float, evidence: float, named: bool) -> None:
+    notes = after_solving(solved(0.9, (0.95, 1.05), 0.01, r2=r2, evidence=evidence))
+    assert len(notes) == named
+    if named:
+        assert "at 20 kPa the line of the rod with five parameters describes only 28 % of the variance" in notes[0]
+
+
 def test_a_single_line_that_is_not_determined_is_named_once() -> None:
     run = solved(0.9, (0.95, 1.05), 0.01, alpha2=(1.0, 20.0))
     run.parameters[0].numbers["alpha1"] = run.parameters[0].numbers["alpha2"]
@@ -626,6 +635,23 @@ def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scen
     page = render_report(tmp_path)
     assert "They were not identified: five parameters need a length of at least 6.5 pitches; this arm of 62 mm" in page
     assert f"Note: {reason.partition(' for the arm')[0]} for the arm" in page
+
+
+def test_the_length_that_is_asked_of_an_arm_without_chambers_is_enough(tmp_path: Path) -> None:
+    """Its cells are equal parts of the cavity, whose number grows with the length."""
+    (tmp_path / "half_disc.yaml").write_text(
+        "name: half disc\nlaw: five\npressures: [5 kPa, 10 kPa, 15 kPa]\n"
+        "geometry: {family: bisected_circle, radius: 7.5 mm, end_wall: 2 mm, length: 60 mm}\n"
+        "material: {law: neo_hooke, mu: 0.3 MPa, nu: 0.3}\n",
+        encoding="utf-8",
+    )
+
+    def reason(length: str) -> str:
+        return why_too_short(load_config(tmp_path / "half_disc.yaml", [f"geometry.length={length}"]))
+
+    assert reason("60 mm").endswith("; give a geometry.length of at least 69.1 mm")
+    assert reason("68 mm").endswith("of at least 69.1 mm")
+    assert reason("69.1 mm") == ""
 
 
 def test_a_short_arm_without_a_law_of_its_own_is_not_sent_to_it() -> None:

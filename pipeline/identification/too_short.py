@@ -1,5 +1,10 @@
 """Arms that are too short for five parameters, and meshes that are too coarse, known before anything is solved."""
 
+from dataclasses import replace
+from itertools import count
+from math import ceil
+from typing import Any
+
 import numpy as np
 
 from fem.elements import ELEMENTS
@@ -44,11 +49,21 @@ def too_coarse(config: Config, body: Body) -> str:
     )
 
 
+def _shortest_length(design: Any) -> float:
+    """The length, to a tenth of a millimetre, from which on the arm has as many pitches as are needed.
+
+    The pitch is an equal part of the cavity, so that the number of pitches is a step function of the length.
+    """
+    steps = count(ceil(10.0 * design.length) + 1)
+    lengths = (step / 10.0 for step in steps)
+    return next(x for x in lengths if not too_few_pitches(x, replace(design, length=x).pitch))
+
+
 def _remedy(design: Design) -> str:
     if hasattr(design, "chambers"):
         return "more geometry.chambers"
     if not isinstance(design, FileDesign):
-        return "a larger geometry.length"
+        return f"a geometry.length of at least {_shortest_length(design):.4g} mm"
     if isinstance(design.cell, CellPlanes):
         return "an arm of more cells"
     if design.cavity_pitch and not design.averages_within_cavities:

@@ -97,10 +97,15 @@ def of_modulus(modulus: float) -> str:
     """The sentence on a Young's modulus, MPa, that no rubber has; else empty."""
     if not modulus > 0 or SOFTEST <= modulus <= STIFFEST:
         return ""
-    meant, units = (modulus / 1000, "kPa, not MPa") if modulus > STIFFEST else (1000 * modulus, "MPa, not kPa")
+    too_stiff = modulus > STIFFEST
+    meant, units = (modulus / 1000, "smaller") if too_stiff else (1000 * modulus, "larger")
+    example = "kPa, not MPa" if too_stiff else "MPa, not kPa"
     likely = "check the units of stress and strain"
     if SOFTEST <= meant <= STIFFEST:
-        likely = f"is the stress in {units}, which would make it {meant:.3g} MPa?"
+        likely = (
+            f"is the unit of the stress 1000 times {units} than the header says (such as {example}), which would make "
+            f"it {meant:.3g} MPa?"
+        )
     return f"Young's modulus is {modulus:.3g} MPa, and rubbers have {SOFTEST:g} to {STIFFEST:g} MPa: {likely}"
 
 

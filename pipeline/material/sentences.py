@@ -138,6 +138,11 @@ def _scatter(fits: Fits) -> list[str]:
 
 
 def _compression(fits: Fits) -> list[str]:
-    if fits.curve.nodes[0] < 1:
+    if fits.curve.nodes[0] < 1 < fits.curve.nodes[-1]:
         return []
+    if fits.curve.nodes[0] < 1:
+        return [
+            "These are tests in compression only: they do not tell how well a law describes tension, in which the "
+            "walls of an inflated arm are."
+        ]
     return ["These are tests in tension only: they do not tell how well a law describes compression."]

@@ -97,7 +97,7 @@ def _weak_pressure(config: Config, borne: Borne) -> str:
 
 def _unequal_cells(config: Config) -> str:
     design = config.design
-    if config.law == "cell" or not isinstance(design, PneuNet) or design.equal:
+    if config.law == "cell" or not isinstance(design, PneuNet) or design.equal or too_short(config):
         return ""
     return (
         f"the chambers or gaps are not equal: curvatures are means over the mean pitch of {design.pitch:.3g} mm, and "

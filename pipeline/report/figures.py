@@ -12,7 +12,8 @@ import numpy as np
 from geometry.arrays import Array
 from pipeline.report.chart import Chart, Marks
 from pipeline.report.results import Curve, Results
-from pipeline.validation.rods import ARM_LAW, FIVE
+from pipeline.report.validation import recommended_rod, rod_errors
+from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
 
 
 @dataclass(frozen=True)
@@ -41,10 +42,12 @@ class Figure:
     pressures: tuple[float, ...]  #: kPa, at which the slider stops; fewer than two: no slider
 
 
-RODS = (
-    DrawnRod("rod", "rod", Entry("rod", "rod, five parameters")),
-    DrawnRod("arm_law", "rod of the arm's own law", Entry("own", "rod, the arm's own law")),
-)
+#: by their names in `pipeline.validation.rods`
+RODS = {
+    FIVE: DrawnRod("rod", "rod", Entry("rod", "rod, five parameters")),
+    EXTENSIBLE: DrawnRod("five_extensible", "rod that stretches", Entry("rod", "rod, five parameters, stretches")),
+    ARM_LAW: DrawnRod("arm_law", "rod of the arm's own law", Entry("own", "rod, the arm's own law")),
+}
 
 
 def of_experiment(results: Results, experiment: str) -> Figure | None:
@@ -54,7 +57,7 @@ def of_experiment(results: Results, experiment: str) -> Figure | None:
         return None
     shape = Chart("Shape", "x (mm)", "y (mm)", _shapes(results, curves), lengths=True)
     curvature = Chart("Curvature", "s (mm)", "κ (1/mm)", _curvatures(results, curves))
-    return _figure(results, [curve.pressure_kPa for curve in curves], [shape, curvature], _entries(curves))
+    return _figure(results, [curve.pressure_kPa for curve in curves], [shape, curvature], _entries(results, curves))
 
 
 def validation_shapes(results: Results) -> Figure | None:
@@ -71,11 +74,11 @@ def validation_shapes(results: Results) -> Figure | None:
     ]
     if not charts:
         return None
-    return _figure(results, [curve.pressure_kPa for curve in curves], charts, _entries(curves))
+    return _figure(results, [curve.pressure_kPa for curve in curves], charts, _entries(results, curves))
 
 
 def moments(results: Results) -> Figure | None:
-    """Bending moment in III over the change of curvature against II, with the two fitted lines and the single one."""
+    """Bending moment in III over the change of curvature against II, with the lines of the rod: two or a single one."""
     marks: list[Marks] = []
     pressures = []
     for pressure in results.pressures:
@@ -91,7 +94,8 @@ def moments(results: Results) -> Figure | None:
         pressures.append(pressure)
     if not marks:
         return None
-    entries = [Entry("dots", "finite elements"), Entry("line", "two lines"), Entry("single", "single line")]
+    entries = [Entry("dots", "finite elements"), Entry("line", "lines of the rod")]
+    entries += [Entry("single", "a single line, for comparison")] * any(mark.style == "single" for mark in marks)
     chart = Chart("Moment over change of curvature", "κ − κ₀ (1/mm)", "M (N mm)", tuple(marks))
     return _figure(results, pressures, [chart], entries)
 
@@ -126,7 +130,7 @@ def rigidities(results: Results) -> Figure | None:
 
 def end_forces(results: Results) -> Figure | None:
     """The end force over the pressure, finite elements and rods, for every prescribed height of the end."""
-    rods = [rod for rod in (FIVE, ARM_LAW) if rod in results.rods]
+    rods = [rod for rod in _drawn(results) if rod in results.rods]
     rows = [row for rod in rods[:1] for row in results.rows_of(rod) if row.force_N is not None]
     loads = sorted({row.load for row in rows})
     marks: list[Marks] = []
@@ -140,8 +144,8 @@ def end_forces(results: Results) -> Figure | None:
             marks.append(_forces(of_rod, "rod_force_N", f"{rod}, {title}", style, number))
     if not marks:
         return None
-    styles = [Entry("dot", "finite elements"), Entry("ring", "rod, five parameters")]
-    styles += [Entry("square", "rod, the arm's own law")] if ARM_LAW in rods else []
+    styles = [Entry("dot", "finite elements")]
+    styles += [Entry(style, RODS[rod].entry.text) for rod, style in zip(rods, ("ring", "square"), strict=False)]
     loads_shown = [Entry(f"line p{30 + k % 6}", load or "as identified") for k, load in enumerate(loads)]
     chart = Chart("Force that holds the end", "p (kPa)", "force (N)", tuple(marks), from_zero=True)
     return Figure((chart,), (*styles, *loads_shown), ())
@@ -161,10 +165,18 @@ def _figure(results: Results, pressures: Sequence[float], charts: Sequence[Chart
     return Figure(tuple(charts), (*swatches, *entries), distinct)
 
 
-def _entries(curves: Sequence[Curve]) -> list[Entry]:
+def _drawn(results: Results) -> list[str]:
+    """The names of the rods that are drawn: with five parameters, the one that stretches only where it is to be taken
+    and its curves are there, which earlier versions did not write; and the one with the arm's own law."""
+    there = any(curve.has(f"{RODS[EXTENSIBLE].columns}_x_mm") for curve in results.curves)
+    return [EXTENSIBLE if there and recommended_rod(rod_errors(results)) == EXTENSIBLE else FIVE, ARM_LAW]
+
+
+def _entries(results: Results, curves: Sequence[Curve]) -> list[Entry]:
     """The finite elements, and the rods that at least one of the curves has."""
-    rods = [rod.entry for rod in RODS if any(curve.has(f"{rod.columns}_x_mm") for curve in curves)]
-    return [Entry("line", "finite elements"), *rods]
+    rods = [RODS[name] for name in _drawn(results)]
+    shown = [rod.entry for rod in rods if any(curve.has(f"{rod.columns}_x_mm") for curve in curves)]
+    return [Entry("line", "finite elements"), *shown]
 
 
 def _shapes(results: Results, curves: Sequence[Curve]) -> tuple[Marks, ...]:
@@ -173,7 +185,7 @@ def _shapes(results: Results, curves: Sequence[Curve]) -> tuple[Marks, ...]:
         label = ", ".join(filter(None, (curve.load, f"{curve.pressure_kPa:g} kPa")))
         at = (colour(results, curve.pressure_kPa), curve.pressure_kPa)
         marks.append(Marks(curve["x_mm"], curve["y_mm"], f"finite elements, {label}", "line", *at))
-        for rod in RODS:
+        for rod in (RODS[name] for name in _drawn(results)):
             if curve.has(f"{rod.columns}_x_mm"):
                 x, y = curve[f"{rod.columns}_x_mm"], curve[f"{rod.columns}_y_mm"]
                 marks.append(Marks(x, y, f"{rod.name}, {label}", rod.entry.style, None, curve.pressure_kPa))
@@ -186,7 +198,7 @@ def _curvatures(results: Results, curves: Sequence[Curve]) -> tuple[Marks, ...]:
         label, at = f"{curve.pressure_kPa:g} kPa", (colour(results, curve.pressure_kPa), curve.pressure_kPa)
         spread = curve["kappa_std_per_mm"] if curve.has("kappa_std_per_mm") else None
         marks.append(Marks(curve["s_mm"], curve["kappa_per_mm"], f"finite elements, {label}", "line", *at, spread))
-        for rod in RODS:
+        for rod in (RODS[name] for name in _drawn(results)):
             if curve.experiment == "III" and curve.has(f"{rod.columns}_kappa_per_mm"):
                 kappa, style = curve[f"{rod.columns}_kappa_per_mm"], rod.entry.style
                 marks.append(Marks(curve["s_mm"], kappa, f"{rod.name}, {label}", style, None, curve.pressure_kPa))
@@ -211,9 +223,12 @@ def _estimated(curve: Curve) -> Array:
 
 
 def _fitted_lines(results: Results, pressure: float, s: Array, change: Array) -> list[Marks]:
-    """Both lines over the changes of curvature (n,) of their part of s (n,), and the single line over all of them."""
+    """The lines of the rod over the changes of curvature (n,) of their part of s (n,): two and, for comparison, a
+    single one over all of them, or the single one alone where the rod has that."""
     d, number = results.at("d_mm", pressure), colour(results, pressure)
-    pieces = [("single", "single_line_alpha_N_mm2", "single_line_m0_N_mm", change)]
+    if d is not None and results.at("single_line_suffices", pressure):
+        d = None
+    pieces = [("line" if d is None else "single", "single_line_alpha_N_mm2", "single_line_m0_N_mm", change)]
     if d is not None:
         pieces.append(("line", "alpha1_N_mm2", "m01_N_mm", change[s <= d]))
         pieces.append(("line", "alpha2_N_mm2", "m02_N_mm", change[s >= d]))
@@ -222,7 +237,7 @@ def _fitted_lines(results: Results, pressure: float, s: Array, change: Array) ->
         alpha, m0 = results.at(slope, pressure), results.at(height, pressure)
         if alpha is not None and m0 is not None and len(part):
             ends = np.array([part.min(), part.max()])
-            name = f"{'single line' if style == 'single' else 'fitted line'}, {pressure:g} kPa"
+            name = f"{'single' if d is None or style == 'single' else 'fitted'} line, {pressure:g} kPa"
             marks.append(Marks(ends, alpha * ends + m0, name, style, None if style == "single" else number, pressure))
     return marks
 

@@ -8,6 +8,8 @@ import numpy as np
 
 #: digits that a number without a standard deviation is written with
 DIGITS = 4
+#: digits of a standard deviation
+MOST_DIGITS = 3
 #: the smallest number of per cent that is written
 LEAST_PERCENT = 0.001
 
@@ -70,12 +72,15 @@ def decimals_of(values: Iterable[float | None], spreads: Iterable[float | None])
 
 
 def with_spread(value: float | None, spread: float | None, decimals: int) -> str:
-    """A number with its standard deviation; a deviation that would be rounded to zero is rounded up."""
+    """A number with its standard deviation; a deviation that would be rounded to zero is rounded up, and of a large one
+    three digits are written."""
     if value is None or not math.isfinite(value):
         return "-"
     if spread is None or not math.isfinite(spread) or spread <= 0.0:
         return fixed(value, decimals)
-    return f"{fixed(value, decimals)} ± {fixed(max(spread, 10.0**-decimals), decimals)}"
+    spread = max(spread, 10.0**-decimals)
+    decimals = min(decimals, MOST_DIGITS - 1 - math.floor(math.log10(spread)))
+    return f"{fixed(round(value, decimals), max(decimals, 0))} ± {fixed(round(spread, decimals), max(decimals, 0))}"
 
 
 def interval(bounds: Sequence[float] | None, decimals: int) -> str:

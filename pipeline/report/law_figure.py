@@ -13,7 +13,8 @@ def arm_law(results: Results) -> Figure | None:
     """Moment over curvature: the curves of a cell, the lines of the five parameters, and the finite elements.
 
     The lines are those beyond s = d with kappa_0 in the middle of the arm, over the moments of experiment III; dots are
-    cell averages of experiment III beyond d.
+    changes of cell averages from II to III beyond d, added to kappa_0 in the middle, without those near the ends of the
+    arm, which another law describes.
     """
     requested = set(results.pressures)
     curves = [curve for curve in results.arm_law.get("curves", ()) if float(curve["pressure_kPa"]) in requested]
@@ -52,10 +53,15 @@ def _five_parameters(results: Results, pressure: float) -> list[Marks]:
 
 
 def _finite_elements(results: Results, pressure: float) -> list[Marks]:
-    loaded = results.curve("III", pressure)
-    if loaded is None or not loaded.has("moment_N_mm"):
+    """Experiment III against II, where their points are those of inner cells."""
+    free, loaded = results.curve("II", pressure), results.curve("III", pressure)
+    if free is None or loaded is None or not loaded.has("moment_N_mm") or len(free["s_mm"]) != len(loaded["s_mm"]):
         return []
-    inner = (loaded["s_mm"] > (results.at("d_mm", pressure) or 0.0)) & np.isfinite(loaded["kappa_per_mm"])
+    s, ends = loaded["s_mm"], results.end_zone_mm
+    break_mm = 0.0 if results.at("single_line_suffices", pressure) else results.at("d_mm", pressure) or 0.0
+    middle = np.interp(results.length / 2.0, s, free["kappa_per_mm"])
+    kappa = loaded["kappa_per_mm"] - free["kappa_per_mm"] + middle
+    inner = (s > max(break_mm, ends)) & (s < results.length - ends) & np.isfinite(kappa)
     name = f"finite elements, {pressure:g} kPa"
-    kappa, moment = loaded["kappa_per_mm"][inner], loaded["moment_N_mm"][inner]
-    return [Marks(kappa, moment, name, "dots", colour(results, pressure), pressure)]
+    moment = loaded["moment_N_mm"][inner]
+    return [Marks(kappa[inner], moment, name, "dots", colour(results, pressure), pressure)]

@@ -1,4 +1,4 @@
-"""The moments for which the arm's own law is known; it is not extrapolated."""
+"""The moments for which a rod is known: with the arm's own law, which is not extrapolated, and with five parameters."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -6,6 +6,8 @@ from typing import Any
 
 from pipeline.report.formatting import number
 from pipeline.report.results import Results
+from pipeline.store.formats import of_extensible
+from pipeline.validation.rods import EXTENSIBLE, FIVE
 
 #: pressures that the sentence names; with more it names the first and the last
 MOST_NAMED = 4
@@ -44,6 +46,21 @@ def moments_sentence(results: Results) -> str:
     parts = [f"from {_to(row.both)} N mm at {row.pressure_kPa:g} kPa" for row in named]
     more = "" if named == rows else "; the report has those at the other pressures"
     return f"The arm's own law is known for moments {', '.join(parts)}, and not extrapolated{more}." if parts else ""
+
+
+def moments_of_identification(results: Results, rod: str) -> str:
+    """The moments of experiment III from which a rod with five parameters was identified; empty without that."""
+    columns = {FIVE: results.parameters, EXTENSIBLE: of_extensible(results.parameters)}.get(rod, {})
+    ranges = columns.get("moment_range_N_mm") or ()
+    rows = [(p, ends) for p, ends in zip(results.identified_pressures, ranges, strict=False) if ends]
+    named = rows if len(rows) <= MOST_NAMED else [rows[0], rows[-1]]
+    parts = [f"from {_to((low, high))} N mm at {pressure:g} kPa" for pressure, (low, high) in named]
+    return (
+        f"The rod to take was identified under moments {', '.join(parts)}; beyond them it is extrapolated, and pneurod "
+        "rod says so."
+        if parts
+        else ""
+    )
 
 
 def moments_table(results: Results) -> list[list[str]]:

@@ -168,6 +168,9 @@ def mesh_besides(results: Results, rod: str) -> str:
     of_five = _relative(results.parameters.get("mesh_error") or {}) if results.parameters else ""
     of_five = f"{of_five} at the worst pressure" if of_five else ""
     of_law = _relative_of_law(results)
+    if of_law:
+        of_law += "; that of the clamped end and the tip is not known"
+        of_law += f", and in the whole arm it is {of_five}" if of_five else ""
     largest = (of_law or of_five) if rod == ARM_LAW else (of_five or of_law)
     if not largest and results.run.get("accuracy"):
         known = "It was estimated for the requested accuracy."

@@ -9,6 +9,7 @@ from pipeline.report.formatting import percent, rounded
 from pipeline.report.mesh import from_file
 from pipeline.report.mesh_error import largest_mesh_error
 from pipeline.report.results import Results
+from pipeline.report.validation import RodErrors
 from pipeline.rods.without_parameters import why_at_no_pressure
 from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
 
@@ -49,12 +50,13 @@ def _after_limit(results: Results) -> list[str]:
     given = results.run.get("config", {}).get("pressures_kPa", ())
     if given and results.identified_pressures and not set(given) & set(results.identified_pressures):
         return [
-            "Next: give lower pressures (a note says below which), or change the wall, the material or the mesh, with "
-            "another --out."
+            "Next: give lower pressures (a note says below which), or change walls or material, with another --out."
         ]
+    end = results.run.get("end_kPa")
+    instead = "" if end is None else f" (an experiment ended at {end:.4g} kPa)"
     return [
-        "Next: the first sentence names what was not reached and its cause; leave this pressure or load out, or "
-        "change the wall, the material or the mesh there, with another --out."
+        "Next: the first sentence names what was not reached and its cause; leave this pressure or load out, give "
+        f"lower ones{instead}, or change walls or material, with another --out."
     ]
 
 
@@ -127,7 +129,8 @@ def _use(results: Results, rod: str) -> list[str]:
     file = results.directory / ("law.json" if rod == ARM_LAW else "parameters.json")
     stretch = {EXTENSIBLE: " --stretch", FIVE: " --no-stretch"}.get(rod, "")
     pressure = f"--pressure '{pressures[-1]:g} kPa'"
-    steps = [f"To use the rod: pneurod rod {file} {pressure} --force '[0 N, 0.05 N]'{stretch}"]
+    force = _example_of_force(results, pressures[-1])
+    steps = [f"To use the rod: pneurod rod {file} {pressure} --force '[{force[0]:g} N, {force[1]:g} N]'{stretch}"]
     if rod == ARM_LAW:
         steps.append(
             f"To use the arm's own law in another program (csv or json): pneurod export {results.directory} --law cell "
@@ -136,6 +139,26 @@ def _use(results: Results, rod: str) -> list[str]:
     if results.identified_pressures:
         steps.append(
             "To use the rod with five parameters in another program (csv, json, pyelastica, mujoco, somo or sorosim): "
-            f"pneurod export {results.directory} --to pyelastica"
+            f"pneurod export {results.directory} --to pyelastica{_other_rod(results, rod)}"
         )
     return steps
+
+
+def _example_of_force(results: Results, pressure_kPa: float) -> tuple[float, float]:
+    """Half of the force on the end in experiment III at the highest pressure up to this one, to two digits, N.
+
+    The rod is known for the moments of this force, and for those of many others it is not.
+    """
+    rows = [row for row in results.experiments if row.experiment == "III" and row.pressure_kPa <= pressure_kPa]
+    reached = [row for row in rows if row.reached and row.reaction_N]
+    force = max(reached, key=lambda row: row.pressure_kPa).reaction_N if reached else None
+    x, y = force or (0.0, 0.0)
+    return float(f"{x / 2:.2g}"), float(f"{y / 2:.2g}")
+
+
+def _other_rod(results: Results, rod: str) -> str:
+    """What is to be known of the exported rod, which does not stretch, where another one is to be taken."""
+    exported = RodErrors.of(results, FIVE)
+    if rod == FIVE or not sum(exported.loads):
+        return ""
+    return f" (the rod that does not stretch: its shape is wrong by up to {percent(exported.shape)} of l)"

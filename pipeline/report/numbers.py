@@ -48,13 +48,18 @@ def decimals(results: Results) -> dict[str, int]:
 
 def five_parameters(results: Results) -> list[tuple[str, list[Cell]]]:
     """Rows by pressure: p, the five parameters of the rod with their intervals."""
+    return _rows(results, results.parameters)
+
+
+def _rows(results: Results, columns: Mapping[str, Any]) -> list[tuple[str, list[Cell]]]:
+    """Rows by pressure: p, and the five parameters of a rod with their intervals."""
     digits = decimals(results)
     single = results.parameters.get("single_line_suffices") or [False] * len(results.identified_pressures)
     return [
         (
             f"{pressure:g}",
             [
-                NO_BREAK if key == "d_mm" and single[index] else _cell(results.parameters, key, index, digits[key])
+                NO_BREAK if key == "d_mm" and single[index] else _cell(columns, key, index, digits[key])
                 for key, _, _ in NUMBERS
             ],
         )
@@ -87,19 +92,15 @@ def stretch_of_rod(results: Results) -> str:
     )
 
 
-def eccentricity(results: Results) -> list[tuple[str, list[str]]]:
-    """Rows by pressure: p, the eccentricity, and the five parameters of the extensible rod."""
+def eccentricity(results: Results) -> list[tuple[str, list[Cell]]]:
+    """Rows by pressure: p, the five parameters of the rod that stretches with their intervals, and its eccentricity."""
     columns = results.parameters.get("eccentricity")
     if not columns:
         return []
-    digits = {"eccentricity_mm": decimals_of(columns["eccentricity_mm"], columns["eccentricity_mm_std"])}
-    digits |= decimals(results)
+    digits = decimals_of(columns["eccentricity_mm"], columns["eccentricity_mm_std"])
     return [
-        (
-            f"{pressure:g}",
-            [with_spread(columns[key][index], columns[f"{key}_std"][index], n) for key, n in digits.items()],
-        )
-        for index, pressure in enumerate(results.identified_pressures)
+        (pressure, [*cells, _cell(columns, "eccentricity_mm", index, digits)])
+        for index, (pressure, cells) in enumerate(_rows(results, columns))
     ]
 
 

@@ -17,8 +17,8 @@ from pipeline.report.laws import law_rows, simplest_laws
 from pipeline.report.numbers import eccentricity, estimators, linear_range, observations, slopes, stretch_of_rod
 from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import (
-    agreement_of_rod,
     difference_of_rest_curvatures,
+    left_out,
     lines_needed,
     not_identified,
     opening,
@@ -26,7 +26,7 @@ from pipeline.report.sentences import (
     third_experiment,
     time_of_factorization,
 )
-from pipeline.report.validation import beyond_identified, out_of_sample, rod_table, validation_rows
+from pipeline.report.validation import beyond_identified, rod_table, under_all_loads, validation_rows
 from pipeline.report.verdict import verdict_of
 
 #: what the page is made of
@@ -98,6 +98,8 @@ def render_report(directory: Path) -> str:
             "arm_law": arm_law(results),
         },
         rest_curvatures=difference_of_rest_curvatures(results),
+        left_out=left_out(results),
+        start_y=_start_y(results),
         experiment_titles=[title for _, title in _EXPERIMENT_COLUMNS],
         experiments=[[_cell(getattr(row, name)) for name, _ in _EXPERIMENT_COLUMNS] for row in results.experiments],
         effects=results.effects,
@@ -131,13 +133,14 @@ def _body(results: Results) -> dict[str, object]:
         "ramp": [[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
         "gradient": ", ".join(_RAMP),
         "deformed": _pictures(results, {f"{name}_{p:g}kPa": f"Experiment {name}, {p:g} kPa" for name in _EXPERIMENTS
-                                        for p in results.pressures[-1:]}),
+                                        for p in results.reached_pressures[-1:]}),
     }  # fmt: skip
 
 
 def _identification(results: Results) -> dict[str, object]:
     """What the template needs about the five parameters."""
     return {
+        "cell_mm": results.cell_mm,
         "betas": slopes(results),
         "lines": lines_needed(results),
         "linear_range": linear_range(results),
@@ -151,7 +154,7 @@ def _identification(results: Results) -> dict[str, object]:
 def _validation(results: Results) -> dict[str, object]:
     """What the template needs about the rods against the finite elements."""
     return {
-        "agreement": [*agreement_of_rod(results), *out_of_sample(results)],
+        "agreement": under_all_loads(results),
         "rods": rod_table(results),
         "validation": validation_rows(results),
         "beyond": beyond_identified(results),
@@ -191,7 +194,10 @@ def _law(material: Mapping[str, Any]) -> str:
     constants = [
         f"{name} = {_cell(v)}" for name, v in material.items() if isinstance(v, float | list) and "density" not in name
     ]
-    return f"law {material.get('law')}, {', '.join(constants)} (MPa; nu and alpha without unit)"
+    pure = [name for name in ("nu", "alpha") if name in material]
+    units = f"MPa; {' and '.join(pure)} without unit" if pure else "MPa"
+    bulk = "; kappa is the bulk modulus" if "kappa" in material else ""
+    return f"law {material.get('law')}, {', '.join(constants)} ({units}{bulk})"
 
 
 def _pictures(results: Results, titles: Mapping[str, str]) -> list[_Picture]:
@@ -204,6 +210,12 @@ def _pictures(results: Results, titles: Mapping[str, str]) -> list[_Picture]:
 
 def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _start_y(results: Results) -> float | None:
+    """Height of the clamped end of the material curve, mm; None where no clamped state was reached."""
+    clamped = next((curve for curve in results.curves if curve.experiment in ("II", "III")), None)
+    return None if clamped is None else float(clamped["y_mm"][0])
 
 
 def _cell(value: Any) -> str:

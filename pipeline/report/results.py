@@ -16,6 +16,9 @@ from pipeline.validation.validate import LawRow
 
 Row = TypeVar("Row")
 
+#: cells at each end of an arm that differ from inner ones
+END_CELLS = 1.5
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -129,6 +132,17 @@ class Results:
         """The pressures at which at least one experiment has an equilibrium, ascending, kPa."""
         reached = {row.pressure_kPa for row in self.experiments if row.reached}
         return tuple(sorted(reached)) or tuple(sorted({curve.pressure_kPa for curve in self.curves}))
+
+    @property
+    def cell_mm(self) -> float:
+        """Length over which curvatures are averaged, mm; 0 where no file has it."""
+        return float((self.run.get("mesh") or {}).get("averaging_mm", 0.0))
+
+    @property
+    def end_zone_mm(self) -> float:
+        """Length at each end of the arm where averages over a cell, which reach half a cell farther, are not those of
+        inner cells; 0 where the length of a cell is not known."""
+        return END_CELLS * self.cell_mm
 
     @property
     def identified_pressures(self) -> tuple[float, ...]:

@@ -1,14 +1,13 @@
 """The sentences of the report."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from pipeline.report.formatting import listed, number, percent, seconds
-from pipeline.report.results import Results, ValidationRow
+from pipeline.report.results import Results
 from pipeline.rods.without_parameters import why_no_parameters
-from pipeline.validation.rods import EXTENSIBLE, FIVE
 
 #: what a reason remarks on the elements, as `fem.path.diagnosis` writes it, and in it how early they reach a limit
 _REMARK, _EARLY = re.compile(r" \(p2p0 [^()]*\)"), re.compile(r"\(p2p0 [^()]*(up to \d+ % early)")
@@ -82,25 +81,6 @@ def third_experiment(results: Results) -> str:
     return " and ".join(filter(None, (part, pull))) or "the end free"
 
 
-def agreement_of_rod(results: Results) -> list[str]:
-    """The rods against the finite elements in the experiments of the identification, one sentence per experiment."""
-    sentences = []
-    for experiment in ("II", "III"):
-        rows, extensible = (
-            [row for row in results.rows_of(rod, "in") if row.experiment == experiment] for rod in (FIVE, EXTENSIBLE)
-        )
-        parts = [
-            _largest(rows, "distance_over_length", 100.0, "the largest distance between the curves is {value} % of l"),
-            _largest(extensible, "distance_over_length", 100.0, "with the rod that stretches {value} %"),
-            _largest(rows, "end_angle_error_rad", 180.0 / np.pi, "the largest error of the end angle is {value}°"),
-            _largest(rows, "force_error", 100.0, "that of the end force {value} %"),
-        ]
-        sentence = ", ".join(part for part in parts if part)
-        if sentence:
-            sentences.append(f"In {experiment} {sentence}.")
-    return sentences
-
-
 def lines_needed(results: Results) -> str:
     """At which pressures the rod has a single line, and why: it describes the data as well as two by the criterion of
     the identification, or nothing changes the rigidity along the arm."""
@@ -121,27 +101,47 @@ def lines_needed(results: Results) -> str:
         together = "Two lines describe the data of all pressures together better than a single one."
         return together if "evidence_of_choice" in results.parameters and min(own) <= 0.0 else better
     as_well, worse = (", ".join(p for p, is_worse in single if is_worse is kind) for kind in (False, True))
-    reasons = [f"At {as_well} kPa a single line describes the data as well as two"] if as_well else []
+    reasons = []
+    if as_well:
+        reasons.append(
+            f"At {as_well} kPa a single line is taken, because the data do not justify the additional parameters of "
+            f"a second one{_fractions_explained(results)}"
+        )
     if worse:
         reasons.append(
             f"{'at' if as_well else 'At'} {worse} kPa two lines fit the data better, but a single line is taken, "
-            "because no walls touch and all cells are equal, or longer than the curvature is averaged over: two lines "
-            "then usually describe the ends of the arm or of its cells, and predict other loads less well"
+            "because no walls touch, and nothing else changes the rigidity along the arm: two lines then usually "
+            "describe the ends of the arm, or of long cells, and predict other loads less well"
         )
     return f"{'; '.join(reasons)}. There α₁ = α₂, and d has no meaning."
 
 
-def _largest(rows: Iterable[ValidationRow], name: str, scale: float, sentence: str) -> str:
-    values = [(abs(value) * scale, row.pressure_kPa) for row in rows if (value := getattr(row, name)) is not None]
-    if not values:
+def _fractions_explained(results: Results) -> str:
+    """In brackets R² of two lines and of a single one where the rod has that; empty where they are not stored."""
+    names = ("r2_two_lines", "r2_single_line", "single_line_suffices")
+    columns = [results.parameters.get(name) or () for name in names]
+    rows = [(two, one) for two, one, single in zip(*columns, strict=False) if single and None not in (two, one)]
+    if not rows or any(one > two for two, one in rows):  # two lines also have to give the displacement of the end
         return ""
-    value, pressure = max(values)
-    return f"{sentence.format(value=f'{value:.2g}')} (at {pressure:g} kPa)"
+    of_two, of_one = (_from_to([max(row[k], 0.0) for row in rows]) for k in (0, 1))
+    return f" (R², the part of the variance that they describe: {of_two} with two lines, {of_one} with one)"
+
+
+def _from_to(values: Sequence[float]) -> str:
+    low, high = f"{min(values):.2f}", f"{max(values):.2f}"
+    return low if low == high else f"{low} to {high}"
+
+
+#: part of the length that the comparison of I and II leaves out at each end at most, and where the length of a cell is
+#: not known
+_MOST_LEFT_OUT, _USUALLY_LEFT_OUT = 0.4, 0.1
 
 
 def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str, str]]:
-    """Per pressure: p, kappa_0 at half the length in I and II, and the relative difference of the two profiles."""
+    """Per pressure: p, kappa_0 at half the length in I and II, and the relative difference of the two profiles without
+    the ends."""
     rows = []
+    part = _part_left_out(results)
     for pressure in results.pressures:
         free, clamped = results.curve("I", pressure), results.curve("II", pressure)
         if free is None or clamped is None:
@@ -149,10 +149,23 @@ def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str,
         first = np.interp(clamped["s_mm"], free["s_mm"], free["kappa_per_mm"])
         second = clamped["kappa_per_mm"]
         middle = [np.interp(results.length / 2, clamped["s_mm"], kappa) for kappa in (first, second)]
-        inner = np.abs(clamped["s_mm"] / results.length - 0.5) < 0.4
+        inner = np.abs(clamped["s_mm"] / results.length - 0.5) < 0.5 - part
         difference = np.sqrt(np.mean((first - second)[inner] ** 2) / np.mean(second[inner] ** 2))
         rows.append((f"{pressure:g}", number(middle[0]), number(middle[1]), percent(difference)))
     return rows
+
+
+def left_out(results: Results) -> str:
+    """How much of the arm `difference_of_rest_curvatures` leaves out at each end."""
+    part = _part_left_out(results)
+    if part == results.end_zone_mm / results.length:
+        return f"one and a half lengths of the cell over which curvatures are averaged ({number(results.cell_mm)} mm)"
+    return percent(part)
+
+
+def _part_left_out(results: Results) -> float:
+    zone = results.end_zone_mm / results.length
+    return min(zone, _MOST_LEFT_OUT) if zone else _USUALLY_LEFT_OUT
 
 
 def time_of_factorization(results: Results) -> str:
@@ -163,7 +176,11 @@ def time_of_factorization(results: Results) -> str:
         return ""
     count = sum(row.factorizations or 0 for row in results.experiments)
     fraction = parts["factorization"] / total
-    return f"Numeric factorization took {percent(fraction)} of {seconds(total)}; there were {count} factorizations."
+    states = "" if all(row.reached for row in results.experiments) else " of the states that were reached"
+    return (
+        f"Numeric factorization took {percent(fraction)} of {seconds(total)} of the solver's time{states}; there were "
+        f"{count} factorizations."
+    )
 
 
 def remarks(results: Results) -> list[str]:

@@ -209,27 +209,32 @@ def validation_rows(results: Results) -> list[list[str]]:
     ]
 
 
-def out_of_sample(results: Results) -> list[str]:
-    """How well the rod with five parameters predicts other loads, where it fails, and loads without a rod."""
-    rows_of_rod = results.rows_of(FIVE, "out")
-    compared = [(row.distance_over_length, row) for row in rows_of_rod if row.distance_over_length is not None]
+def under_all_loads(results: Results) -> list[str]:
+    """Where every rod is farthest from the finite elements, that with the smallest error first; loads without a rod."""
     sentences = []
-    if compared:
-        distance, worst = max(compared, key=lambda pair: pair[0])
-        sentences.append(
-            f"Under {_count(len(compared))} that the parameters were not fitted to, the largest distance between the "
-            f"curves is {percent(distance)} of l ({worst.location}, at s = {number(worst.distance_at_s_mm)} mm)."
-        )
-        rows = [row for _, row in compared]
-        forces = [(abs(row.force_error), row) for row in rows if row.force_error is not None]
-        if forces:
-            error, worst = max(forces, key=lambda pair: pair[0])
-            sentences.append(f"The largest error of the end force is {percent(error)} ({worst.location}).")
-        sentences.append(_beyond_the_limits(rows))
-    sentences += [f"No rod for {row.location}: {row.reason}" for row in rows_of_rod if row.reason]
-    others = [row for row in results.validation if row.rod != FIVE and row.reason]
-    sentences += [f"{_sentence_case(TITLES[row.rod])}, {row.location}: {row.reason}" for row in others]
-    return sentences
+    for errors in rod_errors(results):
+        rows = [row for row in results.rows_of(errors.rod) if not row.reason]
+        if rows:
+            sentences.append(f"{_sentence_case(TITLES[errors.rod])}: {_farthest(rows)}. {_beyond_the_limits(rows)}")
+    return sentences + [
+        f"{_sentence_case(TITLES[row.rod])}, {row.location}: {row.reason}" for row in results.validation if row.reason
+    ]
+
+
+def _farthest(rows: Sequence[ValidationRow]) -> str:
+    """The largest errors of shape, end angle and force, each with its load."""
+    distance, row = max(((row.distance_over_length or 0.0, row) for row in rows), key=lambda pair: pair[0])
+    at = "" if row.distance_at_s_mm is None else f", at s = {number(row.distance_at_s_mm)} mm"
+    parts = [f"the largest distance between the curves is {percent(distance)} of l ({row.location}{at})"]
+    beginning = "the largest error"
+    for name, what in (("end_angle_error_rad", "end angle"), ("force_error", "end force")):
+        known = [(abs(value), row) for row in rows if (value := getattr(row, name)) is not None]
+        if known:
+            error, row = max(known, key=lambda pair: pair[0])
+            size = percent(error) if what == "end force" else f"{number(float(f'{math.degrees(error):.2g}'))}°"
+            parts.append(f"{beginning} of the {what} is {size} ({row.location})")
+            beginning = "that"
+    return ", ".join(parts)
 
 
 def beyond_identified(results: Results) -> list[str]:
@@ -238,6 +243,7 @@ def beyond_identified(results: Results) -> list[str]:
 
 
 def _beyond_the_limits(rows: Sequence[ValidationRow]) -> str:
+    """The loads with large errors; of a rod that does not stretch how much of them is due to that."""
     failed = [
         row
         for row in rows
@@ -246,10 +252,14 @@ def _beyond_the_limits(rows: Sequence[ValidationRow]) -> str:
     limits = f"{100 * SHAPE_LIMIT:g} % of l or {100 * FORCE_LIMIT:g} % of the force"
     if not failed:
         return f"No error exceeds {limits}."
-    positions = [round(row.curvature_error_at_s_mm) for row in failed if row.curvature_error_at_s_mm is not None]
-    span = " to ".join(f"{s}" for s in sorted({min(positions), max(positions)})) if positions else ""
-    where = f"; the error of the curvature is largest at s = {span} mm" if positions else ""
-    return f"Errors exceed {limits} at: {'; '.join(row.location for row in failed)}{where}."
+    rest = [row.distance_over_length_without_stretch for row in failed if row.rod == FIVE]
+    known = [distance for distance in rest if distance is not None]
+    without = (
+        f"; with the stretch of the curve removed the distances there are at most {percent(max(known))} of l"
+        if known
+        else ""
+    )
+    return f"Errors exceed {limits} at: {'; '.join(row.location for row in failed)}{without}."
 
 
 def _count(loads: int) -> str:

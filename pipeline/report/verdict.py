@@ -8,18 +8,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pipeline.report.formatting import number
-from pipeline.report.law_range import moments_sentence
+from pipeline.report.law_range import moments_of_identification, moments_sentence
 from pipeline.report.mesh import mesh_sentences
 from pipeline.report.mesh_error import law_mesh_error, mesh_besides, mesh_error, what_spread_is
 from pipeline.report.next_steps import next_steps
-from pipeline.report.numbers import NUMBERS, Cell, five_parameters
+from pipeline.report.numbers import NUMBERS, Cell, eccentricity, five_parameters
 from pipeline.report.offsets import jump_sentence
 from pipeline.report.results import EffectRow, Results
 from pipeline.report.sentences import in_short, lines_needed
 from pipeline.report.untested import untested
 from pipeline.report.validation import RodErrors, recommended_rod, rod_errors, rod_to_take
 from pipeline.store.json_values import JsonObject
-from pipeline.validation.rods import ARM_LAW
+from pipeline.validation.rods import ARM_LAW, EXTENSIBLE
 
 #: the topic of what was not reached
 FAILURE = "failure"
@@ -40,7 +40,7 @@ class FiveNumbers:
     """The five parameters at one pressure, as they are written."""
 
     pressure: str  #: kPa
-    cells: tuple[Cell, ...]  #: α₁, α₂ (N mm²), m₀₁, m₀₂ (N mm), d (mm)
+    cells: tuple[Cell, ...]  #: α₁, α₂ (N mm²), m₀₁, m₀₂ (N mm), d (mm); of the rod that stretches e (mm) as well
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,9 @@ class Verdict:
 
     design: str  #: its name
     length_mm: float  #: NaN where the body was not meshed
-    five: tuple[FiveNumbers, ...]  #: by pressure; empty where the parameters were not identified
+    #: by pressure; of the rod that stretches where that is to be taken, else of the one that does not; empty where the
+    #: parameters were not identified
+    five: tuple[FiveNumbers, ...]
     spread: str  #: what stands behind ±: one standard deviation, with or without the error of the mesh
     rod: str  #: the rod to take: one of the names in `pipeline.validation.rods`; empty where none is recommended
     errors: tuple[RodErrors, ...]  #: of every rod, that to take first
@@ -57,6 +59,11 @@ class Verdict:
     parameters: tuple[JsonObject, ...]  #: by pressure: the five parameters unrounded, with _std and _95
     accuracy: JsonObject | None  #: requested and estimated error; None where none was requested or could be estimated
     failure_in_short: tuple[str, ...]  #: what is shown on a terminal for the statement on failure; empty without one
+
+    @property
+    def stretches(self) -> bool:
+        """Whether `five` are the parameters of the rod that stretches, with its eccentricity e."""
+        return self.rod == EXTENSIBLE
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -107,7 +114,7 @@ def verdict_of(results: Results) -> Verdict:
     return Verdict(
         design=str(results.run.get("config", {}).get("name", results.directory.name)),
         length_mm=results.length,
-        five=tuple(FiveNumbers(pressure, tuple(cells)) for pressure, cells in five_parameters(results)),
+        five=tuple(FiveNumbers(pressure, tuple(cells)) for pressure, cells in _five(results, rod)),
         spread=what_spread_is(results),
         rod=rod,
         errors=tuple(errors),
@@ -116,6 +123,11 @@ def verdict_of(results: Results) -> Verdict:
         accuracy=_accuracy(results),
         failure_in_short=tuple(_failure_in_short(results)),
     )
+
+
+def _five(results: Results, rod: str) -> list[tuple[str, list[Cell]]]:
+    """Rows by pressure: p and the parameters of the rod to take, or of the one that does not stretch."""
+    return eccentricity(results) if rod == EXTENSIBLE else five_parameters(results)
 
 
 def _failure(results: Results) -> list[str]:
@@ -147,8 +159,9 @@ def _rod(results: Results, rod: str) -> list[str]:
 
 
 def _moments(results: Results, rod: str) -> list[str]:
-    """Up to which moments the rod to take is known, where it is that with the arm's own law."""
-    return [sentence] if rod == ARM_LAW and (sentence := moments_sentence(results)) else []
+    """For which moments the rod to take is known: with the arm's own law, or identified."""
+    sentence = moments_sentence(results) if rod == ARM_LAW else moments_of_identification(results, rod)
+    return [sentence] if sentence else []
 
 
 def _single_line(results: Results) -> list[str]:

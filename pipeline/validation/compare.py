@@ -10,16 +10,17 @@ from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.simulation.outcome import Outcomes, Record
 from pipeline.store.json_values import JsonObject
-from pipeline.validation.rods import ARM_LAW, FIVE, ArmRods, FittedRod, NoSolution, PredictedRod, Rods
+from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE, ArmRods, FittedRod, NoSolution, PredictedRod, Rods
 from rod import Load, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
 
 CURVE_COLUMNS = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
     *("moment_N_mm", "rod_x_mm", "rod_y_mm", "rod_kappa_per_mm"),
     *("arm_law_x_mm", "arm_law_y_mm", "arm_law_kappa_per_mm"),
+    *("five_extensible_x_mm", "five_extensible_y_mm", "five_extensible_kappa_per_mm"),
 )
 #: the rods in the tables of curves, in the order of their columns
-_SHOWN = (FIVE, ARM_LAW)
+_SHOWN = (FIVE, ARM_LAW, EXTENSIBLE)
 
 
 #: the errors in a row of validation.json; null where the rod has no equilibrium or where there is no such quantity
