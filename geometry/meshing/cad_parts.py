@@ -15,7 +15,8 @@ BODY = ""
 def named_parts(gmsh: Any, body: CadBody, solids: list[Volume], low: Point, high: Point) -> dict[Volume, str]:
     """The name of the part of each solid, `BODY` for those without; of a symmetric body that of its mirror image too.
 
-    Raises `DesignError` for a point in no solid, between two or in one that has a name already, and where all solids have one.
+    Raises `DesignError` for a point in no solid, between two or in one that has a name already, and where all solids
+    have one.
     """
     named = dict.fromkeys(solids, BODY)
     for name, point in body.parts.items():
