@@ -59,7 +59,7 @@ def verdict_table(verdict: Verdict) -> list[Table]:
     if not verdict.five:
         return []
     heads = [f"{symbol}\n{unit}" for _, symbol, unit in NUMBERS] + ["e\nmm"] * verdict.stretches
-    table = Table("p\nkPa", *heads, box=None, padding=(0, 2, 0, 0))
+    table = Table("p\nkPa", *heads, box=None, padding=(0, 1 if verdict.stretches else 2, 0, 0))
     table.caption = f"± {verdict.spread}; below it the 95 % interval"
     table.caption_justify = "left"
     for column in table.columns:

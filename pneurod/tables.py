@@ -25,6 +25,7 @@ _CURVES = (
     *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
     *("moment_N_mm", "rod_x_mm", "rod_y_mm", "rod_kappa_per_mm"),
     *("arm_law_x_mm", "arm_law_y_mm", "arm_law_kappa_per_mm"),
+    *("five_extensible_x_mm", "five_extensible_y_mm", "five_extensible_kappa_per_mm"),
 )
 #: columns that a frame has even without rows; further ones of the files come behind them
 _FIRST: dict[str, tuple[str, ...]] = {

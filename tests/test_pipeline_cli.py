@@ -132,7 +132,7 @@ def test_the_verdict_ends_a_run(replace_run: Callable[[Task], None], coarse: str
     lines = result.stdout.splitlines()
     assert lines[-1] == f"report: {results / 'report.html'}"
     assert tuple(lines[-1 - len(verdict.sentences) : -1]) == verdict.sentences
-    assert any("287.1 ± 0.5" in line and "183 ± 24" in line for line in lines)
+    assert any("289.8 ± 0.5" in line and "185 ± 24" in line and "1.30 ± 0.03" in line for line in lines)
     assert max(len(line) for line in lines[: -1 - len(verdict.sentences)]) <= 80
     assert ("stage: experiments" in lines) == (option not in ("-q", "--quiet"))
     assert ("II: 17 kPa, iteration 1, residual 5e-01" in lines) == (option in ("-v", "--verbose"))

@@ -428,8 +428,10 @@ def test_chambers_that_are_not_equal(configs: Path) -> None:
     assert not {"chamber_heights", "chamber_lengths", "gaps"} & set(load_config(coarse).record()["geometry"])
     with pytest.raises(NoArmLaw, match="are not equal, so that it repeats no cell"):
         ArmPieces(config, None)
-    assert any("means over the mean pitch of 10 mm" in sentence for sentence in before_solving(config))
-    assert not any("mean pitch" in sentence for sentence in before_solving(load_config(coarse)))
+    longer = load_config(coarse, ["geometry.chambers=7", f"geometry.gaps=[{', '.join(['2 mm'] * 7)}, 3 mm]"])
+    assert any("means over the mean pitch of" in sentence for sentence in before_solving(longer))
+    for equal_or_too_short in (config, load_config(coarse)):
+        assert not any("mean pitch" in sentence for sentence in before_solving(equal_or_too_short))
     for setting, sentence in (
         ("geometry.chamber_heights=12 mm", "'12 mm' is no list; write one length for each, for example [8 mm, 6 mm]"),
         ("geometry.chamber_heights=[12, 9 mm, 9 mm]", "geometry.chamber_heights[1]: 12 has no unit"),

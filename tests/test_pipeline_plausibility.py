@@ -640,7 +640,7 @@ def test_an_arm_that_is_too_short_has_the_same_reason_before_and_after(arm: Scen
 def test_the_length_that_is_asked_of_an_arm_without_chambers_is_enough(tmp_path: Path) -> None:
     """Its cells are equal parts of the cavity, whose number grows with the length."""
     (tmp_path / "half_disc.yaml").write_text(
-        "name: half disc\nlaw: five\npressures: [5 kPa, 10 kPa, 15 kPa]\n"
+        "name: half_disc\nlaw: five\npressures: [5 kPa, 10 kPa, 15 kPa]\n"
         "geometry: {family: bisected_circle, radius: 7.5 mm, end_wall: 2 mm, length: 60 mm}\n"
         "material: {law: neo_hooke, mu: 0.3 MPa, nu: 0.3}\n",
         encoding="utf-8",
