@@ -28,7 +28,7 @@ SEVERAL = 3
 #: largest ratio of the ends of the 95 % interval of a rigidity that counts as determined
 DETERMINED = 4.0
 #: R² of a single line below which it is mentioned; its rigidity over that of an inner cell was then between these
-#: (seven arms of `make unseen` with seeds 7 and 131; 0.84 to 1.04 with a larger R² on nineteen others)
+#: (seven arms of `make unseen` with seeds 7 and 131; with a larger R² 0.84 to 1.04 on 18 others, 1.27 on one)
 POORLY_DESCRIBED, OVER_THAT_OF_A_CELL = 0.5, (0.47, 0.91)
 
 

@@ -45,7 +45,7 @@ class Figure:
 #: by their names in `pipeline.validation.rods`
 RODS = {
     FIVE: DrawnRod("rod", "rod", Entry("rod", "rod, five parameters")),
-    EXTENSIBLE: DrawnRod("five_extensible", "rod that stretches", Entry("rod", "rod, five parameters, stretches")),
+    EXTENSIBLE: DrawnRod("five_extensible", "rod that stretches", Entry("rod", "rod that stretches, five parameters")),
     ARM_LAW: DrawnRod("arm_law", "rod of the arm's own law", Entry("own", "rod, the arm's own law")),
 }
 
