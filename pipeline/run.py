@@ -28,9 +28,10 @@ from pipeline.simulation.mesh_record import MeshRecord
 from pipeline.simulation.pictures import draw_all
 from pipeline.simulation.simulate import begun
 from pipeline.simulation.waiting import meshed_with_progress
+from pipeline.store.formats import CURVE_COLUMNS
 from pipeline.store.result_folder import ON_COMMAND_LINE, FolderWords
 from pipeline.store.store import open_store
-from pipeline.validation.compare import CURVE_COLUMNS, compare, curve_rows
+from pipeline.validation.compare import compare, curve_rows
 from pipeline.validation.rods import ArmRods
 from pipeline.validation.validate import (
     Validated,

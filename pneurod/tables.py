@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pipeline.store.formats import of_extensible
+from pipeline.store.formats import CURVE_COLUMNS, of_extensible
 from pneurod.results import COLUMNS
 
 Row = Mapping[str, Any]
@@ -21,12 +21,6 @@ _FIT = ("single_line_alpha_N_mm2", "single_line_alpha_N_mm2_std", "single_line_m
 _QUALITY = ("r2_two_lines", "r2_single_line", "observations", "evidence_for_two_lines", "evidence_of_choice")
 _BOOLEANS = ("d_is_at_most", "d_is_at_least", "single_line_suffices", "two_lines_on_coarser_mesh")
 
-_CURVES = (
-    *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
-    *("moment_N_mm", "rod_x_mm", "rod_y_mm", "rod_kappa_per_mm"),
-    *("arm_law_x_mm", "arm_law_y_mm", "arm_law_kappa_per_mm"),
-    *("five_extensible_x_mm", "five_extensible_y_mm", "five_extensible_kappa_per_mm"),
-)
 #: columns that a frame has even without rows; further ones of the files come behind them
 _FIRST: dict[str, tuple[str, ...]] = {
     "experiments": (
@@ -41,8 +35,8 @@ _FIRST: dict[str, tuple[str, ...]] = {
     ),
     "laws": ("pressure_kPa", "law", "numbers", "in_sample", "out_of_sample", "simplest"),
     "effects": ("effect", "state", "reason", "share_of_time"),
-    "curves": _CURVES,
-    "validation_curves": ("load", *_CURVES),
+    "curves": CURVE_COLUMNS,
+    "validation_curves": ("load", *CURVE_COLUMNS),
     "kappa_0": ("pressure_kPa", "s_mm", "kappa_0_per_mm", "rest_stretch"),
     "kappa_0_cells": ("pressure_kPa", "s_mm", "kappa_0_per_mm"),
     "linearity": ("quantity", "pressure_kPa", "value", "off_the_line", "slope_per_kPa", "at_0_kPa"),

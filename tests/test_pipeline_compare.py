@@ -10,7 +10,8 @@ from fem import Seconds
 from fem.solution import Extremes
 from geometry import Centreline
 from pipeline.simulation.outcome import Record, StateSummary
-from pipeline.validation.compare import CURVE_COLUMNS, ComparedState, compare_rods, rows_of
+from pipeline.store.formats import CURVE_COLUMNS
+from pipeline.validation.compare import ComparedState, compare_rods, rows_of
 from pipeline.validation.rods import EXTENSIBLE, FIVE, FittedRod, NoSolution, Rods
 from rod import Extension, FiveParameters, Load, MomentRange, Rod
 

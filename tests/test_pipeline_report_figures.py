@@ -10,7 +10,7 @@ import pytest
 from pipeline.report.chart import Chart, Marks, ticks
 from pipeline.report.figures import of_experiment, validation_shapes
 from pipeline.report.results import Results, read_results
-from pipeline.validation.compare import CURVE_COLUMNS
+from pipeline.store.formats import CURVE_COLUMNS
 
 S = np.linspace(0.0, 100.0, 21)
 

@@ -54,8 +54,7 @@ def _shortest_length(design: Any) -> float:
 
     The pitch is an equal part of the cavity, so that the number of pitches is a step function of the length.
     """
-    steps = count(ceil(10.0 * design.length) + 1)
-    lengths = (step / 10.0 for step in steps)
+    lengths = (step / 10.0 for step in count(ceil(10.0 * design.length) + 1))
     return next(x for x in lengths if not too_few_pitches(x, replace(design, length=x).pitch))
 
 

@@ -97,9 +97,8 @@ def of_modulus(modulus: float) -> str:
     """The sentence on a Young's modulus, MPa, that no rubber has; else empty."""
     if not modulus > 0 or SOFTEST <= modulus <= STIFFEST:
         return ""
-    too_stiff = modulus > STIFFEST
-    meant, units = (modulus / 1000, "smaller") if too_stiff else (1000 * modulus, "larger")
-    example = "kPa, not MPa" if too_stiff else "MPa, not kPa"
+    smaller, larger = (modulus / 1000, "smaller", "kPa, not MPa"), (1000 * modulus, "larger", "MPa, not kPa")
+    meant, units, example = smaller if modulus > STIFFEST else larger
     likely = "check the units of stress and strain"
     if SOFTEST <= meant <= STIFFEST:
         likely = (

@@ -138,9 +138,10 @@ def _scatter(fits: Fits) -> list[str]:
 
 
 def _compression(fits: Fits) -> list[str]:
-    if fits.curve.nodes[0] < 1 < fits.curve.nodes[-1]:
+    compressed, pulled = fits.curve.nodes[0] < 1, fits.curve.nodes[-1] > 1
+    if compressed and pulled:
         return []
-    if fits.curve.nodes[0] < 1:
+    if compressed:
         return [
             "These are tests in compression only: they do not tell how well a law describes tension, in which the "
             "walls of an inflated arm are."

@@ -13,6 +13,7 @@ from geometry.arrays import Array
 from pipeline.report.chart import Chart, Marks
 from pipeline.report.results import Curve, Results
 from pipeline.report.validation import recommended_rod, rod_errors
+from pipeline.store.formats import CURVE_PREFIXES
 from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
 
 
@@ -20,9 +21,14 @@ from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
 class DrawnRod:
     """A rod in the tables of curves, and how it is drawn."""
 
-    columns: str  #: how the names of its columns begin
+    rod: str  #: one of the names in `pipeline.validation.rods`
     name: str  #: of its curves
     entry: "Entry"
+
+    def column(self, curve: Curve, quantity: str) -> Array | None:
+        """Its x_mm, y_mm or kappa_per_mm (n,) beside a curve of the finite elements; None where it is not there."""
+        name = f"{CURVE_PREFIXES[self.rod]}_{quantity}"
+        return curve[name] if curve.has(name) else None
 
 
 @dataclass(frozen=True)
@@ -42,12 +48,9 @@ class Figure:
     pressures: tuple[float, ...]  #: kPa, at which the slider stops; fewer than two: no slider
 
 
-#: by their names in `pipeline.validation.rods`
-RODS = {
-    FIVE: DrawnRod("rod", "rod", Entry("rod", "rod, five parameters")),
-    EXTENSIBLE: DrawnRod("five_extensible", "rod that stretches", Entry("rod", "rod that stretches, five parameters")),
-    ARM_LAW: DrawnRod("arm_law", "rod of the arm's own law", Entry("own", "rod, the arm's own law")),
-}
+_FIVE = DrawnRod(FIVE, "rod", Entry("rod", "rod, five parameters"))
+_EXTENSIBLE = DrawnRod(EXTENSIBLE, "rod that stretches", Entry("rod", "rod that stretches, five parameters"))
+_ARM_LAW = DrawnRod(ARM_LAW, "rod of the arm's own law", Entry("own", "rod, the arm's own law"))
 
 
 def of_experiment(results: Results, experiment: str) -> Figure | None:
@@ -55,9 +58,10 @@ def of_experiment(results: Results, experiment: str) -> Figure | None:
     curves = sorted((c for c in results.curves if c.experiment == experiment), key=lambda curve: curve.pressure_kPa)
     if not curves:
         return None
-    shape = Chart("Shape", "x (mm)", "y (mm)", _shapes(results, curves), lengths=True)
-    curvature = Chart("Curvature", "s (mm)", "κ (1/mm)", _curvatures(results, curves))
-    return _figure(results, [curve.pressure_kPa for curve in curves], [shape, curvature], _entries(results, curves))
+    rods = _drawn(results)
+    shape = Chart("Shape", "x (mm)", "y (mm)", _shapes(results, curves, rods), lengths=True)
+    curvature = Chart("Curvature", "s (mm)", "κ (1/mm)", _curvatures(results, curves, rods))
+    return _figure(results, [curve.pressure_kPa for curve in curves], [shape, curvature], _entries(curves, rods))
 
 
 def validation_shapes(results: Results) -> Figure | None:
@@ -67,14 +71,15 @@ def validation_shapes(results: Results) -> Figure | None:
         "Other heights of the end, other pressures": [c for c in curves if c.experiment != "dead"],
         "Dead force on the end": [c for c in curves if c.experiment == "dead"],
     }
+    rods = _drawn(results)
     charts = [
-        Chart(title, "x (mm)", "y (mm)", _shapes(results, of_group), lengths=True)
+        Chart(title, "x (mm)", "y (mm)", _shapes(results, of_group, rods), lengths=True)
         for title, of_group in groups.items()
         if of_group
     ]
     if not charts:
         return None
-    return _figure(results, [curve.pressure_kPa for curve in curves], charts, _entries(results, curves))
+    return _figure(results, [curve.pressure_kPa for curve in curves], charts, _entries(curves, rods))
 
 
 def moments(results: Results) -> Figure | None:
@@ -82,9 +87,9 @@ def moments(results: Results) -> Figure | None:
     marks: list[Marks] = []
     pressures = []
     for pressure in results.pressures:
-        free, loaded = results.curve("II", pressure), results.curve("III", pressure)
-        if free is None or loaded is None or not loaded.has("moment_N_mm") or len(free["s_mm"]) != len(loaded["s_mm"]):
+        if not (pair := results.loaded_and_free(pressure)):
             continue
+        loaded, free = pair
         inside = _estimated(free)
         change = (loaded["kappa_per_mm"] - free["kappa_per_mm"])[inside]
         moment, s = loaded["moment_N_mm"][inside], loaded["s_mm"][inside]
@@ -130,8 +135,8 @@ def rigidities(results: Results) -> Figure | None:
 
 def end_forces(results: Results) -> Figure | None:
     """The end force over the pressure, finite elements and rods, for every prescribed height of the end."""
-    rods = [rod for rod in _drawn(results) if rod in results.rods]
-    rows = [row for rod in rods[:1] for row in results.rows_of(rod) if row.force_N is not None]
+    rods = [drawn for drawn in _drawn(results) if drawn.rod in results.rods]
+    rows = [row for drawn in rods[:1] for row in results.rows_of(drawn.rod) if row.force_N is not None]
     loads = sorted({row.load for row in rows})
     marks: list[Marks] = []
     for number, load in enumerate(loads):
@@ -139,13 +144,13 @@ def end_forces(results: Results) -> Figure | None:
         marks.append(
             _forces([r for r in rows if r.load == load], "force_N", f"finite elements, {title}", "dot", number)
         )
-        for rod, style in zip(rods, ("ring", "square"), strict=False):
-            of_rod = [row for row in results.rows_of(rod) if row.load == load and row.rod_force_N is not None]
-            marks.append(_forces(of_rod, "rod_force_N", f"{rod}, {title}", style, number))
+        for drawn, style in zip(rods, ("ring", "square"), strict=False):
+            of_rod = [row for row in results.rows_of(drawn.rod) if row.load == load and row.rod_force_N is not None]
+            marks.append(_forces(of_rod, "rod_force_N", f"{drawn.rod}, {title}", style, number))
     if not marks:
         return None
     styles = [Entry("dot", "finite elements")]
-    styles += [Entry(style, RODS[rod].entry.text) for rod, style in zip(rods, ("ring", "square"), strict=False)]
+    styles += [Entry(style, drawn.entry.text) for drawn, style in zip(rods, ("ring", "square"), strict=False)]
     loads_shown = [Entry(f"line p{30 + k % 6}", load or "as identified") for k, load in enumerate(loads)]
     chart = Chart("Force that holds the end", "p (kPa)", "force (N)", tuple(marks), from_zero=True)
     return Figure((chart,), (*styles, *loads_shown), ())
@@ -165,43 +170,43 @@ def _figure(results: Results, pressures: Sequence[float], charts: Sequence[Chart
     return Figure(tuple(charts), (*swatches, *entries), distinct)
 
 
-def _drawn(results: Results) -> list[str]:
-    """The names of the rods that are drawn: with five parameters, the one that stretches only where it is to be taken
-    and its curves are there, which earlier versions did not write; and the one with the arm's own law."""
-    there = any(curve.has(f"{RODS[EXTENSIBLE].columns}_x_mm") for curve in results.curves)
-    return [EXTENSIBLE if there and recommended_rod(rod_errors(results)) == EXTENSIBLE else FIVE, ARM_LAW]
+def _drawn(results: Results) -> list[DrawnRod]:
+    """The rods that are drawn: of those with five parameters the one that stretches only where it is to be taken and
+    its curves are there, which earlier versions did not write; and the one with the arm's own law."""
+    there = any(_EXTENSIBLE.column(curve, "x_mm") is not None for curve in results.curves)
+    stretches = there and recommended_rod(rod_errors(results)) == EXTENSIBLE
+    return [_EXTENSIBLE if stretches else _FIVE, _ARM_LAW]
 
 
-def _entries(results: Results, curves: Sequence[Curve]) -> list[Entry]:
+def _entries(curves: Sequence[Curve], rods: Sequence[DrawnRod]) -> list[Entry]:
     """The finite elements, and the rods that at least one of the curves has."""
-    rods = [RODS[name] for name in _drawn(results)]
-    shown = [rod.entry for rod in rods if any(curve.has(f"{rod.columns}_x_mm") for curve in curves)]
+    shown = [drawn.entry for drawn in rods if any(drawn.column(curve, "x_mm") is not None for curve in curves)]
     return [Entry("line", "finite elements"), *shown]
 
 
-def _shapes(results: Results, curves: Sequence[Curve]) -> tuple[Marks, ...]:
+def _shapes(results: Results, curves: Sequence[Curve], rods: Sequence[DrawnRod]) -> tuple[Marks, ...]:
     marks = []
     for curve in curves:
         label = ", ".join(filter(None, (curve.load, f"{curve.pressure_kPa:g} kPa")))
         at = (colour(results, curve.pressure_kPa), curve.pressure_kPa)
         marks.append(Marks(curve["x_mm"], curve["y_mm"], f"finite elements, {label}", "line", *at))
-        for rod in (RODS[name] for name in _drawn(results)):
-            if curve.has(f"{rod.columns}_x_mm"):
-                x, y = curve[f"{rod.columns}_x_mm"], curve[f"{rod.columns}_y_mm"]
-                marks.append(Marks(x, y, f"{rod.name}, {label}", rod.entry.style, None, curve.pressure_kPa))
+        for drawn in rods:
+            x, y = drawn.column(curve, "x_mm"), drawn.column(curve, "y_mm")
+            if x is not None and y is not None:
+                marks.append(Marks(x, y, f"{drawn.name}, {label}", drawn.entry.style, None, curve.pressure_kPa))
     return tuple(marks)
 
 
-def _curvatures(results: Results, curves: Sequence[Curve]) -> tuple[Marks, ...]:
+def _curvatures(results: Results, curves: Sequence[Curve], rods: Sequence[DrawnRod]) -> tuple[Marks, ...]:
     marks = []
     for curve in curves:
         label, at = f"{curve.pressure_kPa:g} kPa", (colour(results, curve.pressure_kPa), curve.pressure_kPa)
         spread = curve["kappa_std_per_mm"] if curve.has("kappa_std_per_mm") else None
         marks.append(Marks(curve["s_mm"], curve["kappa_per_mm"], f"finite elements, {label}", "line", *at, spread))
-        for rod in (RODS[name] for name in _drawn(results)):
-            if curve.experiment == "III" and curve.has(f"{rod.columns}_kappa_per_mm"):
-                kappa, style = curve[f"{rod.columns}_kappa_per_mm"], rod.entry.style
-                marks.append(Marks(curve["s_mm"], kappa, f"{rod.name}, {label}", style, None, curve.pressure_kPa))
+        for drawn in rods:
+            kappa, style = drawn.column(curve, "kappa_per_mm"), drawn.entry.style
+            if curve.experiment == "III" and kappa is not None:
+                marks.append(Marks(curve["s_mm"], kappa, f"{drawn.name}, {label}", style, None, curve.pressure_kPa))
     return tuple(marks)
 
 
@@ -225,9 +230,7 @@ def _estimated(curve: Curve) -> Array:
 def _fitted_lines(results: Results, pressure: float, s: Array, change: Array) -> list[Marks]:
     """The lines of the rod over the changes of curvature (n,) of their part of s (n,): two and, for comparison, a
     single one over all of them, or the single one alone where the rod has that."""
-    d, number = results.at("d_mm", pressure), colour(results, pressure)
-    if d is not None and results.at("single_line_suffices", pressure):
-        d = None
+    d, number = results.break_mm(pressure), colour(results, pressure)
     pieces = [("line" if d is None else "single", "single_line_alpha_N_mm2", "single_line_m0_N_mm", change)]
     if d is not None:
         pieces.append(("line", "alpha1_N_mm2", "m01_N_mm", change[s <= d]))

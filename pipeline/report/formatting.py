@@ -50,8 +50,9 @@ def listed(words: Sequence[str]) -> str:
 
 
 def fixed(value: float, decimals: int) -> str:
-    """A number with this many decimals; a negative number that is rounded to zero has no sign."""
-    text = f"{value:.{decimals}f}"
+    """A number with this many decimals, fewer than none round tens and hundreds; a negative number that is rounded to
+    zero has no sign."""
+    text = f"{value if decimals >= 0 else round(value, decimals):.{max(decimals, 0)}f}"
     return text.removeprefix("-") if not text.strip("-0.") else text
 
 
@@ -80,7 +81,7 @@ def with_spread(value: float | None, spread: float | None, decimals: int) -> str
         return fixed(value, decimals)
     spread = max(spread, 10.0**-decimals)
     decimals = min(decimals, MOST_DIGITS - 1 - math.floor(math.log10(spread)))
-    return f"{fixed(round(value, decimals), max(decimals, 0))} ± {fixed(round(spread, decimals), max(decimals, 0))}"
+    return f"{fixed(value, decimals)} ± {fixed(spread, decimals)}"
 
 
 def interval(bounds: Sequence[float] | None, decimals: int) -> str:

@@ -54,14 +54,13 @@ def _five_parameters(results: Results, pressure: float) -> list[Marks]:
 
 def _finite_elements(results: Results, pressure: float) -> list[Marks]:
     """Experiment III against II, where their points are those of inner cells."""
-    free, loaded = results.curve("II", pressure), results.curve("III", pressure)
-    if free is None or loaded is None or not loaded.has("moment_N_mm") or len(free["s_mm"]) != len(loaded["s_mm"]):
+    if not (pair := results.loaded_and_free(pressure)):
         return []
+    loaded, free = pair
     s, ends = loaded["s_mm"], results.end_zone_mm
-    break_mm = 0.0 if results.at("single_line_suffices", pressure) else results.at("d_mm", pressure) or 0.0
     middle = np.interp(results.length / 2.0, s, free["kappa_per_mm"])
     kappa = loaded["kappa_per_mm"] - free["kappa_per_mm"] + middle
-    inner = (s > max(break_mm, ends)) & (s < results.length - ends) & np.isfinite(kappa)
+    inner = (s > max(results.break_mm(pressure) or 0.0, ends)) & (s < results.length - ends) & np.isfinite(kappa)
     name = f"finite elements, {pressure:g} kPa"
     moment = loaded["moment_N_mm"][inner]
     return [Marks(kappa[inner], moment, name, "dots", colour(results, pressure), pressure)]

@@ -42,9 +42,8 @@ def moments_of_law(results: Results) -> list[MomentsOfLaw]:
 def moments_sentence(results: Results) -> str:
     """The moments for which the law is known, for the verdict; empty without a law."""
     rows = moments_of_law(results)
-    named = rows if len(rows) <= MOST_NAMED else [rows[0], rows[-1]]
-    parts = [f"from {_to(row.both)} N mm at {row.pressure_kPa:g} kPa" for row in named]
-    more = "" if named == rows else "; the report has those at the other pressures"
+    parts = _named([(row.pressure_kPa, row.both) for row in rows])
+    more = "" if len(parts) == len(rows) else "; the report has those at the other pressures"
     return f"The arm's own law is known for moments {', '.join(parts)}, and not extrapolated{more}." if parts else ""
 
 
@@ -52,9 +51,7 @@ def moments_of_identification(results: Results, rod: str) -> str:
     """The moments of experiment III from which a rod with five parameters was identified; empty without that."""
     columns = {FIVE: results.parameters, EXTENSIBLE: of_extensible(results.parameters)}.get(rod, {})
     ranges = columns.get("moment_range_N_mm") or ()
-    rows = [(p, ends) for p, ends in zip(results.identified_pressures, ranges, strict=False) if ends]
-    named = rows if len(rows) <= MOST_NAMED else [rows[0], rows[-1]]
-    parts = [f"from {_to((low, high))} N mm at {pressure:g} kPa" for pressure, (low, high) in named]
+    parts = _named([(p, ends) for p, ends in zip(results.identified_pressures, ranges, strict=False) if ends])
     return (
         f"The rod to take was identified under moments {', '.join(parts)}; beyond them it is extrapolated, and pneurod "
         "rod says so."
@@ -69,6 +66,12 @@ def moments_table(results: Results) -> list[list[str]]:
         [f"{row.pressure_kPa:g}", _to(row.cell), _to(row.clamp) if row.clamp else "-"]
         for row in moments_of_law(results)
     ]
+
+
+def _named(rows: Sequence[tuple[float, tuple[float, float]]]) -> list[str]:
+    """The moments by pressure in words, of many pressures those at the first and the last."""
+    named = rows if len(rows) <= MOST_NAMED else (rows[0], rows[-1])
+    return [f"from {_to(ends)} N mm at {pressure:g} kPa" for pressure, ends in named]
 
 
 def _pressure(curve: Mapping[str, Any]) -> float:

@@ -177,6 +177,17 @@ class Results:
                 return curve
         return None
 
+    def loaded_and_free(self, pressure_kPa: float) -> tuple[Curve, Curve] | None:
+        """III and II at one pressure, at the same points, with the moment of III; None where they are not there."""
+        free, loaded = self.curve("II", pressure_kPa), self.curve("III", pressure_kPa)
+        if free is None or loaded is None or not loaded.has("moment_N_mm") or len(free["s_mm"]) != len(loaded["s_mm"]):
+            return None
+        return loaded, free
+
+    def break_mm(self, pressure_kPa: float) -> float | None:
+        """d of the rod that does not stretch; None where it has a single line or is not known."""
+        return None if self.at("single_line_suffices", pressure_kPa) else self.at("d_mm", pressure_kPa)
+
     def at(self, key: str, pressure_kPa: float) -> float | None:
         """The entry at one pressure of a list in parameters.json."""
         values = self.parameters.get(key)

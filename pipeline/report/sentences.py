@@ -13,6 +13,9 @@ from pipeline.rods.without_parameters import why_no_parameters
 _REMARK, _EARLY = re.compile(r" \(p2p0 [^()]*\)"), re.compile(r"\(p2p0 [^()]*(up to \d+ % early)")
 #: the sentence on an experiment that stopped early: its name, and the rest
 _OF_EXPERIMENT = re.compile(r"experiment (\w+) (.*)")
+#: part of the length that the comparison of I and II leaves out at each end at most, and where the length of a cell is
+#: not known
+_MOST_LEFT_OUT, _USUALLY_LEFT_OUT = 0.4, 0.1
 
 
 def opening(results: Results) -> str:
@@ -132,11 +135,6 @@ def _from_to(values: Sequence[float]) -> str:
     return low if low == high else f"{low} to {high}"
 
 
-#: part of the length that the comparison of I and II leaves out at each end at most, and where the length of a cell is
-#: not known
-_MOST_LEFT_OUT, _USUALLY_LEFT_OUT = 0.4, 0.1
-
-
 def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str, str]]:
     """Per pressure: p, kappa_0 at half the length in I and II, and the relative difference of the two profiles without
     the ends."""
@@ -158,7 +156,7 @@ def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str,
 def left_out(results: Results) -> str:
     """How much of the arm `difference_of_rest_curvatures` leaves out at each end."""
     part = _part_left_out(results)
-    if part == results.end_zone_mm / results.length:
+    if 0.0 < results.end_zone_mm <= _MOST_LEFT_OUT * results.length:
         return f"one and a half lengths of the cell over which curvatures are averaged ({number(results.cell_mm)} mm)"
     return percent(part)
 

@@ -7,6 +7,14 @@ from typing import Any
 CONVERGED, NOT_CONVERGED = "converged", "not converged"
 #: the rods in rows of validation.json: five parameters, five parameters with an eccentricity, the law from one cell
 FIVE, EXTENSIBLE, ARM_LAW = "five", "five_extensible", "arm_law"
+#: the rods in the tables of curves, in the order of their columns, and how the names of these begin
+CURVE_PREFIXES = {FIVE: "rod", ARM_LAW: ARM_LAW, EXTENSIBLE: EXTENSIBLE}
+#: the columns of curves.csv; validation_curves.csv has `load` before them
+CURVE_COLUMNS = (
+    *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
+    "moment_N_mm",
+    *(f"{prefix}_{name}" for prefix in CURVE_PREFIXES.values() for name in ("x_mm", "y_mm", "kappa_per_mm")),
+)
 #: the file with the surface of the body in every state
 SURFACES = "pictures/surfaces.npz"
 #: number of the present set of keys, written as `format` to the files; files without it are of format 1

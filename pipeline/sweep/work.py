@@ -16,6 +16,7 @@ from pipeline.progress import Silent
 from pipeline.run import run
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import in_balance, simulate, why_not_free
+from pipeline.store.formats import CURVE_COLUMNS
 from pipeline.store.result_folder import ResultFolder, open_folder
 from pipeline.store.state_key import NUMBER_SOURCES, result_key
 from pipeline.store.store import locked, open_store
@@ -23,7 +24,7 @@ from pipeline.sweep.numbers import Row, rows_of_experiments, rows_of_law, rows_o
 from pipeline.sweep.record import FAILED, FINISHED, INCOMPLETE, INTERRUPTED, REFUSED, PointRecord, kept_record
 from pipeline.sweep.spec import CELL, WHOLE
 from pipeline.sweep.task import PointTask
-from pipeline.validation.compare import CURVE_COLUMNS, curve_rows
+from pipeline.validation.compare import curve_rows
 
 #: seconds that a point waits for the end of a run in its folder, such as that of a worker that is being killed
 PATIENCE = 60.0

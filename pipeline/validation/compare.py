@@ -9,19 +9,10 @@ import numpy as np
 from geometry import Centreline
 from geometry.arrays import Array
 from pipeline.simulation.outcome import Outcomes, Record
+from pipeline.store.formats import CURVE_PREFIXES
 from pipeline.store.json_values import JsonObject
-from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE, ArmRods, FittedRod, NoSolution, PredictedRod, Rods
+from pipeline.validation.rods import ArmRods, FittedRod, NoSolution, PredictedRod, Rods
 from rod import Load, RodError, RodSolution, cell_averaged, moment_from_load, without_stretch
-
-CURVE_COLUMNS = (
-    *("experiment", "pressure_kPa", "s_mm", "x_mm", "y_mm", "theta_rad", "kappa_per_mm", "kappa_std_per_mm"),
-    *("moment_N_mm", "rod_x_mm", "rod_y_mm", "rod_kappa_per_mm"),
-    *("arm_law_x_mm", "arm_law_y_mm", "arm_law_kappa_per_mm"),
-    *("five_extensible_x_mm", "five_extensible_y_mm", "five_extensible_kappa_per_mm"),
-)
-#: the rods in the tables of curves, in the order of their columns
-_SHOWN = (FIVE, ARM_LAW, EXTENSIBLE)
-
 
 #: the errors in a row of validation.json; null where the rod has no equilibrium or where there is no such quantity
 ERRORS = (
@@ -209,7 +200,7 @@ def rows_of(record: Record, comparison: Comparison | None, pitch: float) -> list
     kappa, std = _curvature(curve, s, pitch)
     middles = 0.5 * (s[1:] + s[:-1])
     theta = np.interp(s, middles, np.unwrap(curve.angle))
-    shapes = (None if comparison is None else comparison.shape(name) for name in _SHOWN)
+    shapes = (None if comparison is None else comparison.shape(name) for name in CURVE_PREFIXES)
     rods = [column for shape in shapes for column in _rod_columns(shape, s, pitch)]
     table = np.column_stack([s, curve.x, curve.y, theta, kappa, std, moment.value, *rods])
     return [(record.experiment, record.pressure_kPa, *values) for values in table.tolist()]

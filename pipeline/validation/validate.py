@@ -11,9 +11,10 @@ from pipeline.simulation.loadcase import LoadCase, validation_cases
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.simulate import simulate
+from pipeline.store.formats import CURVE_COLUMNS
 from pipeline.store.json_values import JsonObject
 from pipeline.store.store import Store
-from pipeline.validation.compare import CURVE_COLUMNS, ComparedState, Comparison, compare_rods, rows_of
+from pipeline.validation.compare import ComparedState, Comparison, compare_rods, rows_of
 from pipeline.validation.rods import ArmRods
 from rod import compare_laws, simplest
 
