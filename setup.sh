@@ -53,20 +53,30 @@ echo "installing the pinned packages into .venv"
 with_pip=(.venv/bin/python -m pip install --no-compile --quiet --disable-pip-version-check --constraint requirements.lock)
 packages=(--no-build-isolation --editable '.[dev]')
 
-# the first value of a setting of pip: those of environment variables come before those of files in its list
+configured=$(.venv/bin/python -m pip config list)
+
+# the value of a setting of pip: that of an environment variable, else of the section install, else of global
 setting() {
-    .venv/bin/python -m pip config list 2>/dev/null | sed -n "s/^[^=]*\.$1='\(.*\)'$/\1/p" | head -1 | sed 's/\\n/ /g'
+    local section
+    for section in :env: install global; do
+        sed -n "s/^$section\.$1='\(.*\)'$/\1/p" <<<"$configured"
+    done | sed -n '1{s/\\n/ /g;p}'
 }
 
-# uv takes half a minute where pip takes two; it is told where pip is configured to look for packages
+# uv takes half a minute where pip takes two; it is told where pip looks for packages, and which versions it may take
 with_uv() {
-    UV_DEFAULT_INDEX=$(setting index-url) UV_INDEX=$(setting extra-index-url) UV_FIND_LINKS=$(setting find-links | tr " " ,) \
-        UV_INDEX_STRATEGY=unsafe-best-match \
-        .venv/bin/uv pip install --python .venv --quiet --constraint requirements.lock "${packages[@]}"
+    local file constraints=(--constraint requirements.lock)
+    for file in $(setting constraint); do constraints+=(--constraint "$file"); done
+    "${with_pip[@]}" uv && UV_DEFAULT_INDEX=$(setting index-url) UV_INDEX=$(setting extra-index-url) \
+        UV_FIND_LINKS=$(setting find-links | tr ' ' ,) UV_INDEX_STRATEGY=unsafe-best-match \
+        .venv/bin/uv pip install --python .venv --quiet "${constraints[@]}" "${packages[@]}"
 }
 
 "${with_pip[@]}" setuptools
-if ! { "${with_pip[@]}" uv && with_uv; } 2>/dev/null; then
+if [ -n "$(setting no-index)" ]; then
+    "${with_pip[@]}" "${packages[@]}"
+elif ! said=$(with_uv 2>&1); then
+    echo "uv cannot install them (${said##*$'\n'}); pip does it, which takes two minutes"
     "${with_pip[@]}" "${packages[@]}"
 fi
 
