@@ -202,7 +202,7 @@ def test_report_has_the_five_parameters_and_the_agreement(finished: Path) -> Non
             [True, True],
             [-9.0, 12.9],
             "At 17 kPa a single line is taken, because the data do not justify the additional parameters of a second "
-            "one (R², the part of the variance that they describe: 0.95 to 0.97 with two lines, 0.70 with one); at 37 "
+            "one (R², the part of the variance that they describe: 0.95 with two lines, 0.70 with one); at 37 "
             "kPa two lines fit the data better, but a single line is taken, because no walls touch, and nothing else "
             "changes the rigidity along the arm: two lines then usually describe the ends of the arm, or of long "
             "cells, and predict other loads less well. There α₁ = α₂, and d has no meaning.",

@@ -147,7 +147,8 @@ def _use(results: Results, rod: str) -> list[str]:
 def _example_of_force(results: Results, pressure_kPa: float) -> tuple[float, float]:
     """Half of the force on the end in experiment III at the highest pressure up to this one, to two digits, N.
 
-    The rod is known for the moments of this force, and for those of many others it is not.
+    It is a force of the size that the arm bears. Its moments may still leave the range of the rod, because the arm is
+    not held as in III; pneurod rod says so.
     """
     rows = [row for row in results.experiments if row.experiment == "III" and row.pressure_kPa <= pressure_kPa]
     reached = [row for row in rows if row.reached and row.reaction_N]

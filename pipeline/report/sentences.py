@@ -93,7 +93,7 @@ def lines_needed(results: Results) -> str:
     own = results.parameters.get("evidence_for_two_lines") or [0.0] * len(verdicts)
     evidence = results.parameters.get("evidence_of_choice") or own  # results of earlier versions decided by pressure
     single = [
-        (f"{pressure:g}", for_two > 0.0)
+        (pressure, for_two > 0.0)
         for pressure, is_single, for_two in zip(results.identified_pressures, verdicts, evidence, strict=True)
         if is_single
     ]
@@ -103,27 +103,30 @@ def lines_needed(results: Results) -> str:
         better = "At every pressure two lines describe the data better than a single one."
         together = "Two lines describe the data of all pressures together better than a single one."
         return together if "evidence_of_choice" in results.parameters and min(own) <= 0.0 else better
-    as_well, worse = (", ".join(p for p, is_worse in single if is_worse is kind) for kind in (False, True))
+    as_well, worse = ([p for p, is_worse in single if is_worse is kind] for kind in (False, True))
     reasons = []
     if as_well:
         reasons.append(
-            f"At {as_well} kPa a single line is taken, because the data do not justify the additional parameters of "
-            f"a second one{_fractions_explained(results)}"
+            f"At {_listed(as_well)} kPa a single line is taken, because the data do not justify the additional "
+            f"parameters of a second one{_fractions_explained(results, as_well)}"
         )
     if worse:
         reasons.append(
-            f"{'at' if as_well else 'At'} {worse} kPa two lines fit the data better, but a single line is taken, "
-            "because no walls touch, and nothing else changes the rigidity along the arm: two lines then usually "
+            f"{'at' if as_well else 'At'} {_listed(worse)} kPa two lines fit the data better, but a single line is "
+            "taken, because no walls touch, and nothing else changes the rigidity along the arm: two lines then usually "
             "describe the ends of the arm, or of long cells, and predict other loads less well"
         )
     return f"{'; '.join(reasons)}. There α₁ = α₂, and d has no meaning."
 
 
-def _fractions_explained(results: Results) -> str:
-    """In brackets R² of two lines and of a single one where the rod has that; empty where they are not stored."""
-    names = ("r2_two_lines", "r2_single_line", "single_line_suffices")
-    columns = [results.parameters.get(name) or () for name in names]
-    rows = [(two, one) for two, one, single in zip(*columns, strict=False) if single and None not in (two, one)]
+def _listed(pressures: Iterable[float]) -> str:
+    return ", ".join(f"{pressure:g}" for pressure in pressures)
+
+
+def _fractions_explained(results: Results, pressures: Iterable[float]) -> str:
+    """In brackets R² of two lines and of a single one at these pressures; empty where they are not stored."""
+    stored = ((results.at("r2_two_lines", p), results.at("r2_single_line", p)) for p in pressures)
+    rows = [(two, one) for two, one in stored if two is not None and one is not None]
     if not rows or any(one > two for two, one in rows):  # two lines also have to give the displacement of the end
         return ""
     of_two, of_one = (_from_to([max(row[k], 0.0) for row in rows]) for k in (0, 1))
