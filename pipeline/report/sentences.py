@@ -113,8 +113,8 @@ def lines_needed(results: Results) -> str:
     if worse:
         reasons.append(
             f"{'at' if as_well else 'At'} {_listed(worse)} kPa two lines fit the data better, but a single line is "
-            "taken, because no walls touch, and nothing else changes the rigidity along the arm: two lines then usually "
-            "describe the ends of the arm, or of long cells, and predict other loads less well"
+            "taken, because no walls touch, and nothing else changes the rigidity along the arm: two lines then "
+            "usually describe the ends of the arm, or of long cells, and predict other loads less well"
         )
     return f"{'; '.join(reasons)}. There α₁ = α₂, and d has no meaning."
 
