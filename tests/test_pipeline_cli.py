@@ -126,7 +126,7 @@ def test_the_verdict_ends_a_run(replace_run: Callable[[Task], None], coarse: str
     if option == "--json":
         document = json.loads(result.stdout)
         assert [sentence for texts in document["sentences"].values() for sentence in texts] == list(verdict.sentences)
-        assert document["parameters"][0]["alpha2_N_mm2"] == pytest.approx(287.09, abs=0.01)
+        assert document["parameters"][0]["alpha2_N_mm2"] == pytest.approx(289.83, abs=0.01)
         assert "stage: experiments" in result.stderr
         return
     lines = result.stdout.splitlines()

@@ -15,6 +15,7 @@ from pipeline.report.page import render_report
 from pipeline.report.results import read_results
 from pipeline.report.sentences import (
     difference_of_rest_curvatures,
+    left_out,
     lines_needed,
     time_of_factorization,
 )
@@ -237,6 +238,90 @@ def test_report_has_the_difference_of_I_and_II_and_the_computing_time(finished: 
     assert time_of_factorization(results) == (
         "Numeric factorization took 63 % of 19 s of the solver's time; there were 66 factorizations."
     )
+
+
+@pytest.mark.parametrize(
+    ("averaging", "leaving"),
+    [
+        (10.0, "15 mm, which is 1.5 times the length over which curvatures are averaged,"),
+        (None, "10 % of it"),
+        (40.0, "40 % of it"),
+    ],
+)
+def test_the_comparison_of_I_and_II_says_how_much_it_leaves_out(
+    finished: Path, averaging: float | None, leaving: str
+) -> None:
+    assert "over the length of the arm without 10 % of it at each end." in render_report(finished)
+    change(finished, "run", mesh={"averaging_mm": averaging})
+    assert left_out(read_results(finished)) == leaving
+
+
+def change(folder: Path, name: str, **keys: object) -> None:
+    path = folder / f"{name}.json"
+    path.write_text(json.dumps({**json.loads(path.read_text(encoding="utf-8")), **keys}), encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("end", "options"),
+    [
+        (None, "'37 kPa' --end-y '51.96 mm'"),
+        ({"x_mm": None, "y_mm": 0.5, "force_N": [0.0, 0.0]}, "'37 kPa' --end-y '51.96 mm'"),
+        ({"x_mm": 0.0, "y_mm": 0.0, "force_N": [0.0, 0.0]}, "'37 kPa' --end '[93.874 mm, 51.96 mm]'"),
+        ({"x_mm": None, "y_mm": None, "force_N": [0.0, 0.05]}, "'37 kPa' --force '[0 N, 0.05 N]'"),
+        ({"x_mm": None, "y_mm": 0.0, "force_N": [0.1, 0.0]}, ""),
+        ({"x_mm": 0.0, "y_mm": None, "force_N": [0.0, 0.0]}, ""),
+    ],
+)
+def test_the_rod_is_suggested_under_the_load_of_experiment_III(
+    finished: Path, end: dict[str, object] | None, options: str
+) -> None:
+    """The end is where the curve of the finite elements has it, from the clamped end, which is 1 mm high here."""
+    *_, (_, _, _, end_x, end_y, *_) = curve_rows("III", 37.0)
+    assert (end_x, end_y) == pytest.approx((93.874, 52.96), abs=5e-4)
+    change(finished, "run", config={"name": "arm", "end": end})
+    (step,) = (step for step in verdict_of(read_results(finished)).on("next") if "To use the rod, here" in step)
+    under = "as in experiment III" if options else "under the pressure alone"
+    assert step == (
+        f"To use the rod, here {under}: pneurod rod {finished}/parameters.json --pressure {options or repr('37 kPa')} "
+        "--no-stretch"
+    )
+
+
+def test_the_pressure_of_the_suggested_load_is_one_at_which_the_rod_has_an_equilibrium(finished: Path) -> None:
+    path = finished / "validation.json"
+    rows = json.loads(path.read_text(encoding="utf-8"))
+    at_17 = {**rows[1], "pressure_kPa": 17.0}
+    rows[1] |= {"reason": "no equilibrium", "distance_over_length": None}
+    for content, expected in (([*rows, at_17], "'17 kPa' --end-y"), (rows, "'37 kPa' --no-stretch")):
+        path.write_text(json.dumps(content), encoding="utf-8")
+        steps = verdict_of(read_results(finished)).on("next")
+        assert any(f"parameters.json --pressure {expected}" in step for step in steps)
+
+
+def test_the_pictures_are_those_of_the_highest_pressure_of_every_experiment(finished: Path) -> None:
+    path = finished / "experiments.json"
+    rows = json.loads(path.read_text(encoding="utf-8"))
+    rows[-1] |= {"status": "not converged", "reason": "a limit"}
+    path.write_text(json.dumps(rows), encoding="utf-8")
+    html = render_report(finished)
+    titles = [f"Experiment {name}, {pressure} kPa<" for name in ("I", "II", "III") for pressure in (17, 37)]
+    assert [title in html for title in titles] == [False, True, False, True, True, False]
+
+
+def test_the_stretches_of_a_law_are_not_constants(finished: Path) -> None:
+    material = {"law": "neo_hooke", "E": 1.2, "nu": 0.49, "density_tonne_mm3": 1e-9, "holds_between": [0.7, 1.9]}
+    change(finished, "run", config={"name": "arm", "material": material})
+    sentence = "law neo_hooke, E = 1.2, nu = 0.49 (MPa; nu without unit); given for stretches from 0.7 to 1.9"
+    assert f"{sentence}<" in render_report(finished)
+
+
+def test_the_exported_rod_is_named_where_another_one_is_to_be_taken(finished: Path) -> None:
+    path = finished / "validation.json"
+    rows = json.loads(path.read_text(encoding="utf-8"))
+    better = {**rows[1], "rod": "five_extensible", "distance_over_length": 0.001, "force_error": 0.001}
+    path.write_text(json.dumps([*rows, better]), encoding="utf-8")
+    (step,) = (step for step in verdict_of(read_results(finished)).on("next") if "--to pyelastica" in step)
+    assert step.endswith("(the rod that does not stretch: its shape is wrong by up to 1.8 % of l)")
 
 
 def test_report_of_a_failed_run_names_what_failed(finished: Path) -> None:

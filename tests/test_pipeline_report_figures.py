@@ -1,6 +1,7 @@
 """The figures of the report: the rod beside the finite elements, and shapes in a suitable scale."""
 
 import csv
+import json
 import re
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import pytest
 
 from pipeline.report.chart import Chart, Marks, ticks
 from pipeline.report.figures import of_experiment, validation_shapes
+from pipeline.report.law_figure import arm_law
 from pipeline.report.results import Results, read_results
 from pipeline.store.formats import CURVE_COLUMNS
 
@@ -55,6 +57,46 @@ def test_the_curvature_of_the_rod_stands_beside_that_of_the_loaded_arm(tmp_path:
     assert np.allclose(drawn[0].y, 0.02)
     assert (drawn[0].style, drawn[0].pressure) == ("rod", 20.0)
     assert of_experiment(results(tmp_path, 4.0), "I") is None
+
+
+def test_the_figures_show_the_rod_that_stretches_where_that_is_to_be_taken(tmp_path: Path) -> None:
+    stored = results(tmp_path, 4.0)
+    figure = of_experiment(stored, "III")
+    assert figure is not None
+    assert not any(marks.name.startswith("rod that stretches") for marks in figure.charts[0].marks)
+    rows = [
+        {"experiment": "III", "pressure_kPa": 20.0, "rod": rod, "distance_over_length": distance}
+        for rod, distance in (("five", 0.05), ("five_extensible", 0.002))
+    ]
+    (tmp_path / "validation.json").write_text(json.dumps(rows), encoding="utf-8")
+    path = tmp_path / "curves.csv"
+    table = list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, CURVE_COLUMNS)
+        writer.writeheader()
+        writer.writerows(row | {"five_extensible_x_mm": row["x_mm"], "five_extensible_y_mm": 7.0} for row in table)
+    figure = of_experiment(read_results(tmp_path), "III")
+    assert figure is not None
+    (drawn,) = (marks for marks in figure.charts[0].marks if marks.style == "rod")
+    assert drawn.name == "rod that stretches, 20 kPa"
+    assert np.allclose(drawn.y, 7.0)
+    assert [entry.text for entry in figure.legend if entry.style == "rod"] == ["rod that stretches, five parameters"]
+
+
+@pytest.mark.parametrize(("averaging", "zone"), [(None, 0.0), (10.0, 15.0), (20.0, 30.0)])
+def test_the_figure_of_the_law_leaves_out_the_ends_of_the_arm(
+    tmp_path: Path, averaging: float | None, zone: float
+) -> None:
+    results(tmp_path, 4.0)
+    law = {"pressure_kPa": 20.0, "kappa_per_mm": [0.0, 0.01], "moment_N_mm": [0.0, 3.0], "contact": [0, 0]}
+    contents = {"law": {"curves": [law]}, "run": {"mesh": {"averaging_mm": averaging}}}
+    for name, content in contents.items():
+        (tmp_path / f"{name}.json").write_text(json.dumps(content), encoding="utf-8")
+    figure = arm_law(read_results(tmp_path))
+    assert figure is not None
+    (dots,) = (marks for marks in figure.charts[0].marks if marks.style == "dots")
+    assert len(dots.x) == np.count_nonzero((zone < S) & (zone < 100.0 - S))
+    assert np.allclose(dots.x, 0.01)  # kappa_0 in the middle: III has the curvature of II here
 
 
 def points(svg: str, name: str) -> list[tuple[float, float]]:

@@ -2,7 +2,17 @@
 
 import pytest
 
-from pipeline.report.formatting import decimals_of, fixed, interval, listed, number, percent, seconds, with_spread
+from pipeline.report.formatting import (
+    decimals_beside,
+    decimals_of,
+    fixed,
+    interval,
+    listed,
+    number,
+    percent,
+    seconds,
+    with_spread,
+)
 
 
 @pytest.mark.parametrize(
@@ -53,6 +63,7 @@ def test_other_forms() -> None:
     assert fixed(-0.06, 1) == "-0.1"
     assert interval([-0.01, 2.345], 1) == "0.0 … 2.3"
     assert interval(None, 1) == ""
+    assert [decimals_beside(spread, 1) for spread in (1234.0, 12.3, 0.01, None)] == [-1, 1, 1, 1]
     assert [percent(value) for value in (None, 0.000861, 0.0249, 1.236)] == ["-", "0.086 %", "2.5 %", "120 %"]
     assert [seconds(value) for value in (0.26, 41.65)] == ["0.3 s", "42 s"]
     assert [listed(words) for words in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == ["", "a", "a and b", "a, b and c"]

@@ -195,8 +195,12 @@ def test_every_rod_has_its_own_sentence_and_the_stretch_is_told_apart(tmp_path: 
         "(III, 31 kPa). No error exceeds 3 % of l or 10 % of the force."
     )
     assert second.endswith(
-        "at: III, 31 kPa; with the stretch of the curve removed the distances there are at most 0.8 % of l."
+        "at: III, 31 kPa; with the stretch of the curve removed the distances beyond 3 % are at most 0.8 % of l."
     )
+    wrong_force = row("out", 0.02, 0.2, "end at +9 mm") | {"distance_over_length_without_stretch": 0.019}
+    _, second = under_all_loads(results(tmp_path, validation=[*rows, wrong_force]))
+    assert "at: III, 31 kPa; end at +9 mm, 31 kPa; with the stretch" in second
+    assert second.endswith("at most 0.8 % of l.")
 
 
 def test_of_rods_that_stretch_no_shape_is_given_without_stretch(tmp_path: Path) -> None:

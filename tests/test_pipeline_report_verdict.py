@@ -8,6 +8,7 @@ import pytest
 
 import pneurod
 from fem.path.diagnosis import EARLY_LIMITS
+from pipeline.report.law_range import moments_of_identification
 from pipeline.report.mesh_error import mesh_besides
 from pipeline.report.next_steps import next_steps
 from pipeline.report.page import render_report
@@ -68,7 +69,7 @@ def test_it_is_the_same_in_python(folder: Path) -> None:
     assert len(verdict.on("errors")) == 4
     assert verdict.on("errors")[3] == (
         "The rod to take was identified under moments from 0.212 to 4.1 N mm at 17 kPa, from 0.499 to 10.9 N mm at 37 "
-        "kPa; beyond them it is extrapolated, and pneurod rod says so."
+        "kPa. Beyond them it is extrapolated, and pneurod rod warns where this is so on more than 15 % of its length."
     )
     assert (
         "their end is then up to 3.58 mm (3.2 % of l, at 37 kPa) from its place without load" in verdict.on("errors")[2]
@@ -87,11 +88,38 @@ def test_rods_without_offsets_do_not_jump_under_a_small_load(folder: Path) -> No
 def test_its_record_has_the_numbers_unrounded(folder: Path) -> None:
     record = json.loads(json.dumps(verdict_of(read_results(folder)).record()))
     results = pneurod.read_results(folder)
-    assert record["parameters"][1]["alpha1_N_mm2_std"] == results.parameters["alpha1_N_mm2_std"][1]
-    assert record["parameters"][0]["d_mm_95"] == results.parameters.loc[0, ["d_mm_95_low", "d_mm_95_high"]].tolist()
+    first, second = record["parameters"]
+    stretching = json.loads((folder / "parameters.json").read_text(encoding="utf-8"))["sixth_number"]
+    assert record["parameters_of"] == "five_extensible" == record["rod"]
+    for key in ("alpha1_N_mm2_std", "eccentricity_mm", "eccentricity_mm_std"):
+        assert second[key] == stretching[key][1]
+    assert first["d_mm_95"] == stretching["d_mm_95"][0]
     assert [errors["rod"] for errors in record["errors"]] == ["five_extensible", "five"]
     assert record["errors"][1]["distance_over_length_in_sample"] == pytest.approx(0.025, abs=0.001)
     assert record["errors"][1]["distance_over_length_out_of_sample"] is None
+    (folder / "validation.json").unlink()  # without a rod to take the parameters are those of the one that does not
+    record = verdict_of(read_results(folder)).record()
+    assert (record["rod"], record["parameters_of"]) == ("", "five")
+    assert record["parameters"][1]["alpha1_N_mm2_std"] == results.parameters["alpha1_N_mm2_std"][1]
+    assert "eccentricity_mm" not in record["parameters"][1]
+
+
+def test_of_many_pressures_the_moments_at_two_are_named(folder: Path) -> None:
+    assert moments_of_identification(read_results(folder), "arm_law") == ""
+    ranges, pressures = [[0.1 * k, k] for k in range(1, 6)], [10.0 * k for k in range(1, 6)]
+    change(folder, "parameters", pressures_kPa=pressures, moment_range_N_mm=ranges)
+    assert moments_of_identification(read_results(folder), "five") == (
+        "The rod to take was identified under moments from 0.1 to 1 N mm at 10 kPa, from 0.5 to 5 N mm at 50 kPa. "
+        "Beyond them it is extrapolated, and pneurod rod warns where this is so on more than 15 % of its length; "
+        "parameters.json has those at the other pressures."
+    )
+
+
+def test_the_table_of_a_rod_that_does_not_stretch_has_no_eccentricity(folder: Path) -> None:
+    (folder / "validation.json").unlink()
+    (table,) = verdict_table(verdict_of(read_results(folder)))
+    assert str(table.caption).endswith("below it the 95 % interval")
+    assert len(table.columns) == 6
 
 
 @pytest.mark.parametrize(
@@ -138,9 +166,9 @@ def test_the_error_of_the_mesh_is_a_number_or_not_estimated(folder: Path) -> Non
     before = verdict_of(read_results(folder))
     assert before.on("mesh error")[0].startswith("Mesh error of the five parameters: not estimated.")
     assert before.spread == "one standard deviation, without the error of the mesh"
-    assert verdict_table(before)[0].caption == f"± {before.spread}; below it the 95 % interval"
+    assert verdict_table(before)[0].caption == f"± {before.spread}; below it the 95 % interval, of e only ±"
     assert render_report(folder).count(f"± {before.spread}.") == 1
-    assert f"± is {before.spread}; below it is the 95 % interval." in render_report(folder)
+    assert f"± is {before.spread}; below it is the 95 % interval, of e only ±." in render_report(folder)
     assert any("mesh.coarser" in text for text in before.on("next"))
     names = ("alpha1_N_mm2", "alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")
     error = {"sizes_mm": [4.0, 6.0], **{f"{name}_std": [1.0, 2.6] for name in names}}

@@ -62,7 +62,7 @@ def _remedy(design: Design) -> str:
     if hasattr(design, "chambers"):
         return "more geometry.chambers"
     if not isinstance(design, FileDesign):
-        return f"a geometry.length of at least {_shortest_length(design):.4g} mm"
+        return f"a geometry.length of at least {_shortest_length(design):g} mm"
     if isinstance(design.cell, CellPlanes):
         return "an arm of more cells"
     if design.cavity_pitch and not design.averages_within_cavities:

@@ -79,9 +79,15 @@ def with_spread(value: float | None, spread: float | None, decimals: int) -> str
         return "-"
     if spread is None or not math.isfinite(spread) or spread <= 0.0:
         return fixed(value, decimals)
-    spread = max(spread, 10.0**-decimals)
-    decimals = min(decimals, MOST_DIGITS - 1 - math.floor(math.log10(spread)))
-    return f"{fixed(value, decimals)} ± {fixed(spread, decimals)}"
+    decimals = decimals_beside(spread, decimals)
+    return f"{fixed(value, decimals)} ± {fixed(max(spread, 10.0**-decimals), decimals)}"
+
+
+def decimals_beside(spread: float | None, decimals: int) -> int:
+    """Decimals of a number with this standard deviation, of which not more than MOST_DIGITS digits are written."""
+    if spread is None or not math.isfinite(spread) or spread <= 10.0**-decimals:
+        return decimals
+    return min(decimals, MOST_DIGITS - 1 - math.floor(math.log10(spread)))
 
 
 def interval(bounds: Sequence[float] | None, decimals: int) -> str:

@@ -4,10 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.report.formatting import number
+from pipeline.report.formatting import number, percent
 from pipeline.report.results import Results
 from pipeline.store.formats import of_extensible
 from pipeline.validation.rods import EXTENSIBLE, FIVE
+from rod.identification.moment_range import ALLOWED_FRACTION
 
 #: pressures that the sentence names; with more it names the first and the last
 MOST_NAMED = 4
@@ -51,12 +52,13 @@ def moments_of_identification(results: Results, rod: str) -> str:
     """The moments of experiment III from which a rod with five parameters was identified; empty without that."""
     columns = {FIVE: results.parameters, EXTENSIBLE: of_extensible(results.parameters)}.get(rod, {})
     ranges = columns.get("moment_range_N_mm") or ()
-    parts = _named([(p, ends) for p, ends in zip(results.identified_pressures, ranges, strict=False) if ends])
+    rows = [(p, ends) for p, ends in zip(results.identified_pressures, ranges, strict=False) if ends]
+    if not (parts := _named(rows)):
+        return ""
+    more = "" if len(parts) == len(rows) else "; parameters.json has those at the other pressures"
     return (
-        f"The rod to take was identified under moments {', '.join(parts)}; beyond them it is extrapolated, and pneurod "
-        "rod says so."
-        if parts
-        else ""
+        f"The rod to take was identified under moments {', '.join(parts)}. Beyond them it is extrapolated, and pneurod "
+        f"rod warns where this is so on more than {percent(ALLOWED_FRACTION)} of its length{more}."
     )
 
 

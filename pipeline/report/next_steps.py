@@ -8,7 +8,7 @@ from pipeline.config.arm_law import NO_LAW
 from pipeline.report.formatting import percent, rounded
 from pipeline.report.mesh import from_file
 from pipeline.report.mesh_error import largest_mesh_error
-from pipeline.report.results import Results
+from pipeline.report.results import Curve, Results
 from pipeline.report.validation import RodErrors
 from pipeline.rods.without_parameters import why_at_no_pressure
 from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
@@ -128,9 +128,9 @@ def _use(results: Results, rod: str) -> list[str]:
         return []
     file = results.directory / ("law.json" if rod == ARM_LAW else "parameters.json")
     stretch = {EXTENSIBLE: " --stretch", FIVE: " --no-stretch"}.get(rod, "")
-    pressure = f"--pressure '{pressures[-1]:g} kPa'"
-    force = _example_of_force(results, pressures[-1])
-    steps = [f"To use the rod: pneurod rod {file} {pressure} --force '[{force[0]:g} N, {force[1]:g} N]'{stretch}"]
+    pressure, load = _load_of_third(results, rod, pressures[-1])
+    under = "as in experiment III" if load else "under the pressure alone"
+    steps = [f"To use the rod, here {under}: pneurod rod {file} --pressure '{pressure:g} kPa'{load}{stretch}"]
     if rod == ARM_LAW:
         steps.append(
             f"To use the arm's own law in another program (csv or json): pneurod export {results.directory} --law cell "
@@ -144,17 +144,32 @@ def _use(results: Results, rod: str) -> list[str]:
     return steps
 
 
-def _example_of_force(results: Results, pressure_kPa: float) -> tuple[float, float]:
-    """Half of the force on the end in experiment III at the highest pressure up to this one, to two digits, N.
+def _load_of_third(results: Results, rod: str, highest_kPa: float) -> tuple[float, str]:
+    """The highest pressure up to this one at which the rod has an equilibrium under the load of experiment III, and the
+    options of this load: the rod is known under it, and its answer can be compared with the finite elements.
 
-    It is a force of the size that the arm bears. Its moments may still leave the range of the rod, because the arm is
-    not held as in III; pneurod rod says so.
+    Without such a pressure, and where the options do not have the load, the given pressure and no option.
     """
-    rows = [row for row in results.experiments if row.experiment == "III" and row.pressure_kPa <= pressure_kPa]
-    reached = [row for row in rows if row.reached and row.reaction_N]
-    force = max(reached, key=lambda row: row.pressure_kPa).reaction_N if reached else None
-    x, y = force or (0.0, 0.0)
-    return float(f"{x / 2:.2g}"), float(f"{y / 2:.2g}")
+    known = [
+        row.pressure_kPa
+        for row in results.rows_of(rod)
+        if row.experiment == "III" and not (row.load or row.reason) and row.pressure_kPa <= highest_kPa
+    ]
+    curve = results.curve("III", max(known)) if known else None
+    whole = curve is not None and curve["s_mm"][0] == 0.0  # in files of format 1 it begins half a cell farther
+    options = _options_of_third(results, curve) if curve is not None and whole else ""
+    return (max(known), options) if options else (highest_kPa, "")
+
+
+def _options_of_third(results: Results, curve: Curve) -> str:
+    """What acts on the end in experiment III as options of `pneurod rod`; empty where these do not have it."""
+    end = (results.run.get("config") or {}).get("end") or {}
+    x, y = (f"{float(f'{curve[name][-1] - curve[name][0]:.3f}') + 0.0:g} mm" for name in ("x_mm", "y_mm"))
+    held = end.get("x_mm") is not None, end.get("y_mm", 0.0) is not None
+    force = end.get("force_N") or (0.0, 0.0)
+    acting = f" --force '[{force[0]:g} N, {force[1]:g} N]'" if any(force) else ""
+    options = {(True, True): f" --end '[{x}, {y}]'", (False, False): acting}
+    return f" --end-y '{y}'" if held == (False, True) and not acting else options.get(held, "")
 
 
 def _other_rod(results: Results, rod: str) -> str:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.report.formatting import decimals_of, interval, percent, with_spread
+from pipeline.report.formatting import decimals_beside, decimals_of, interval, percent, with_spread
 from pipeline.report.results import Results
 from pipeline.rods.saved import pressurised_rod
 from rod.pressurised_rod import STRETCHES
@@ -41,7 +41,8 @@ NO_BREAK = Cell("-", "single line")
 
 
 def decimals(results: Results) -> dict[str, int]:
-    """The decimals of each of the five parameters: the same at every pressure, by every estimator, everywhere."""
+    """The decimals of each of the five parameters at every pressure and by every estimator; beside a large standard
+    deviation fewer are written."""
     columns = results.parameters
     return {key: decimals_of(columns.get(key) or (), columns.get(f"{key}_std") or ()) for key, _, _ in NUMBERS}
 
@@ -166,4 +167,4 @@ def _cell(columns: Mapping[str, Any], key: str, index: int, digits: int) -> Cell
     if key == "d_mm" and (columns.get("d_is_at_least") or {index: False})[index]:
         lower = interval(bounds, digits).partition(" ")[0]
         return Cell(f"at least {with_spread(value, None, digits)}", f"{lower} with 95 %" if lower else "")
-    return Cell(with_spread(value, spread, digits), interval(bounds, digits))
+    return Cell(with_spread(value, spread, digits), interval(bounds, decimals_beside(spread, digits)))

@@ -15,7 +15,7 @@ from pipeline.report.law_figure import arm_law
 from pipeline.report.law_range import moments_table
 from pipeline.report.laws import law_rows, simplest_laws
 from pipeline.report.numbers import eccentricity, estimators, linear_range, observations, slopes, stretch_of_rod
-from pipeline.report.results import Results, read_results
+from pipeline.report.results import Results, StateRow, read_results
 from pipeline.report.sentences import (
     difference_of_rest_curvatures,
     left_out,
@@ -132,9 +132,19 @@ def _body(results: Results) -> dict[str, object]:
         "view_experiments": sorted({state["experiment"] for state in states}),
         "ramp": [[int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)] for colour in _RAMP],
         "gradient": ", ".join(_RAMP),
-        "deformed": _pictures(results, {f"{name}_{p:g}kPa": f"Experiment {name}, {p:g} kPa" for name in _EXPERIMENTS
-                                        for p in results.reached_pressures[-1:]}),
-    }  # fmt: skip
+        "deformed": _pictures(results, _at_highest_pressure(results)),
+    }
+
+
+def _at_highest_pressure(results: Results) -> dict[str, str]:
+    """The pictures of every experiment at the highest pressure that it reached, and what is under them."""
+    reached = {row.experiment: row.pressure_kPa for row in sorted(results.experiments, key=_pressure) if row.reached}
+    highest = {name: f"{reached[name]:g}" for name in _EXPERIMENTS if name in reached}
+    return {f"{name}_{pressure}kPa": f"Experiment {name}, {pressure} kPa" for name, pressure in highest.items()}
+
+
+def _pressure(row: StateRow) -> float:
+    return row.pressure_kPa
 
 
 def _identification(results: Results) -> dict[str, object]:
@@ -191,13 +201,16 @@ def _dimensions(run: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _law(material: Mapping[str, Any]) -> str:
     """A law with its constants."""
+    others = ("density_tonne_mm3", "holds_between")
     constants = [
-        f"{name} = {_cell(v)}" for name, v in material.items() if isinstance(v, float | list) and "density" not in name
+        f"{name} = {_cell(v)}" for name, v in material.items() if isinstance(v, float | list) and name not in others
     ]
     pure = [name for name in ("nu", "alpha") if name in material]
     units = f"MPa; {' and '.join(pure)} without unit" if pure else "MPa"
     bulk = "; kappa is the bulk modulus" if "kappa" in material else ""
-    return f"law {material.get('law')}, {', '.join(constants)} ({units}{bulk})"
+    stretches = material.get("holds_between")
+    holds = f"; given for stretches from {stretches[0]:g} to {stretches[1]:g}" if stretches else ""
+    return f"law {material.get('law')}, {', '.join(constants)} ({units}{bulk}){holds}"
 
 
 def _pictures(results: Results, titles: Mapping[str, str]) -> list[_Picture]:

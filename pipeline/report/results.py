@@ -136,7 +136,7 @@ class Results:
     @property
     def cell_mm(self) -> float:
         """Length over which curvatures are averaged, mm; 0 where no file has it."""
-        return float((self.run.get("mesh") or {}).get("averaging_mm", 0.0))
+        return float((self.run.get("mesh") or {}).get("averaging_mm") or 0.0)
 
     @property
     def end_zone_mm(self) -> float:

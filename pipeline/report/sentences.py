@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from pipeline.report.formatting import listed, number, percent, seconds
-from pipeline.report.results import Results
+from pipeline.report.results import END_CELLS, Results
 from pipeline.rods.without_parameters import why_no_parameters
 
 #: what a reason remarks on the elements, as `fem.path.diagnosis` writes it, and in it how early they reach a limit
@@ -158,15 +158,15 @@ def difference_of_rest_curvatures(results: Results) -> list[tuple[str, str, str,
 
 def left_out(results: Results) -> str:
     """How much of the arm `difference_of_rest_curvatures` leaves out at each end."""
-    part = _part_left_out(results)
-    if 0.0 < results.end_zone_mm <= _MOST_LEFT_OUT * results.length:
-        return f"one and a half lengths of the cell over which curvatures are averaged ({number(results.cell_mm)} mm)"
-    return percent(part)
+    zone = results.end_zone_mm
+    if 0.0 < zone <= _MOST_LEFT_OUT * results.length:
+        return f"{number(zone)} mm, which is {END_CELLS:g} times the length over which curvatures are averaged,"
+    return f"{percent(_part_left_out(results))} of it"
 
 
 def _part_left_out(results: Results) -> float:
     zone = results.end_zone_mm / results.length
-    return min(zone, _MOST_LEFT_OUT) if zone else _USUALLY_LEFT_OUT
+    return min(zone, _MOST_LEFT_OUT) if zone > 0.0 else _USUALLY_LEFT_OUT
 
 
 def time_of_factorization(results: Results) -> str:

@@ -213,7 +213,7 @@ def under_all_loads(results: Results) -> list[str]:
     """Where every rod is farthest from the finite elements, that with the smallest error first; loads without a rod."""
     sentences = []
     for errors in rod_errors(results):
-        rows = [row for row in results.rows_of(errors.rod) if not row.reason]
+        rows = [row for row in results.rows_of(errors.rod) if row.distance_over_length is not None]
         if rows:
             sentences.append(f"{_sentence_case(TITLES[errors.rod])}: {_farthest(rows)}. {_beyond_the_limits(rows)}")
     return sentences + [
@@ -223,18 +223,22 @@ def under_all_loads(results: Results) -> list[str]:
 
 def _farthest(rows: Sequence[ValidationRow]) -> str:
     """The largest errors of shape, end angle and force, each with its load."""
-    distance, row = max(((row.distance_over_length or 0.0, row) for row in rows), key=lambda pair: pair[0])
+    distance, row = max(_known(rows, "distance_over_length"), key=lambda pair: pair[0])
     at = "" if row.distance_at_s_mm is None else f", at s = {number(row.distance_at_s_mm)} mm"
     parts = [f"the largest distance between the curves is {percent(distance)} of l ({row.location}{at})"]
     beginning = "the largest error"
     for name, what in (("end_angle_error_rad", "end angle"), ("force_error", "end force")):
-        known = [(abs(value), row) for row in rows if (value := getattr(row, name)) is not None]
-        if known:
+        if known := _known(rows, name):
             error, row = max(known, key=lambda pair: pair[0])
             size = percent(error) if what == "end force" else f"{number(float(f'{math.degrees(error):.2g}'))}°"
             parts.append(f"{beginning} of the {what} is {size} ({row.location})")
             beginning = "that"
     return ", ".join(parts)
+
+
+def _known(rows: Sequence[ValidationRow], name: str) -> list[tuple[float, ValidationRow]]:
+    """The sizes of one error, each with its row, where it is known."""
+    return [(abs(value), row) for row in rows if (value := getattr(row, name)) is not None]
 
 
 def beyond_identified(results: Results) -> list[str]:
@@ -252,13 +256,10 @@ def _beyond_the_limits(rows: Sequence[ValidationRow]) -> str:
     limits = f"{100 * SHAPE_LIMIT:g} % of l or {100 * FORCE_LIMIT:g} % of the force"
     if not failed:
         return f"No error exceeds {limits}."
-    rest = [row.distance_over_length_without_stretch for row in failed if row.rod == FIVE]
-    known = [distance for distance in rest if distance is not None]
-    without = (
-        f"; with the stretch of the curve removed the distances there are at most {percent(max(known))} of l"
-        if known
-        else ""
-    )
+    far = [row for row in failed if row.rod == FIVE and (row.distance_over_length or 0.0) > SHAPE_LIMIT]
+    known = [distance for distance, _ in _known(far, "distance_over_length_without_stretch")]
+    removed = f"; with the stretch of the curve removed the distances beyond {100 * SHAPE_LIMIT:g} % are at most"
+    without = f"{removed} {percent(max(known))} of l" if known else ""
     return f"Errors exceed {limits} at: {'; '.join(row.location for row in failed)}{without}."
 
 

@@ -18,8 +18,9 @@ from pipeline.report.results import EffectRow, Results
 from pipeline.report.sentences import in_short, lines_needed
 from pipeline.report.untested import untested
 from pipeline.report.validation import RodErrors, recommended_rod, rod_errors, rod_to_take
+from pipeline.store.formats import of_extensible
 from pipeline.store.json_values import JsonObject
-from pipeline.validation.rods import ARM_LAW, EXTENSIBLE
+from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
 
 #: the topic of what was not reached
 FAILURE = "failure"
@@ -56,7 +57,7 @@ class Verdict:
     rod: str  #: the rod to take: one of the names in `pipeline.validation.rods`; empty where none is recommended
     errors: tuple[RodErrors, ...]  #: of every rod, that to take first
     statements: tuple[Statement, ...]
-    parameters: tuple[JsonObject, ...]  #: by pressure: the five parameters unrounded, with _std and _95
+    parameters: tuple[JsonObject, ...]  #: by pressure: those of `five` unrounded, with _std and _95
     accuracy: JsonObject | None  #: requested and estimated error; None where none was requested or could be estimated
     failure_in_short: tuple[str, ...]  #: what is shown on a terminal for the statement on failure; empty without one
 
@@ -88,6 +89,7 @@ class Verdict:
             "design": self.design,
             "length_mm": self.length_mm,
             "parameters": self.parameters,
+            "parameters_of": (EXTENSIBLE if self.stretches else FIVE) if self.parameters else "",
             "rod": self.rod,
             "errors": [errors.record() for errors in self.errors],
             "accuracy": self.accuracy,
@@ -119,7 +121,7 @@ def verdict_of(results: Results) -> Verdict:
         rod=rod,
         errors=tuple(errors),
         statements=tuple(Statement(topic, tuple(sentences)) for topic, sentences in topics.items() if sentences),
-        parameters=tuple(_parameters(results, index) for index in range(len(results.identified_pressures))),
+        parameters=tuple(_parameters(results, rod, index) for index in range(len(results.identified_pressures))),
         accuracy=_accuracy(results),
         failure_in_short=tuple(_failure_in_short(results)),
     )
@@ -207,7 +209,10 @@ def _accuracy(results: Results) -> JsonObject | None:
     return {**keys, "estimated_error": present["estimated_error"]}
 
 
-def _parameters(results: Results, index: int) -> JsonObject:
-    keys = [f"{key}{ending}" for key, _, _ in NUMBERS for ending in ("", "_std", "_95")]
-    there = {key: results.parameters[key][index] for key in keys if results.parameters.get(key)}
+def _parameters(results: Results, rod: str, index: int) -> JsonObject:
+    """The parameters of the rod to take, or of the one that does not stretch, by their keys in parameters.json."""
+    columns = of_extensible(results.parameters) if rod == EXTENSIBLE else results.parameters
+    names = [*(key for key, _, _ in NUMBERS), *(["eccentricity_mm"] if rod == EXTENSIBLE else [])]
+    keys = [f"{name}{ending}" for name in names for ending in ("", "_std", "_95")]
+    there = {key: columns[key][index] for key in keys if columns.get(key)}
     return {"pressure_kPa": results.identified_pressures[index], **there}

@@ -62,7 +62,7 @@ def end_lines(selected: RodAtPressure, shape: RodSolution) -> list[str]:
     x, y = shape.end
     lines = {
         "rod": selected.description,
-        "end": f"x = {x:.3f} mm, y = {y:.3f} mm from the clamped end of the curve",
+        "end": f"x = {_rounded(x):.3f} mm, y = {_rounded(y):.3f} mm from the clamped end of the curve",
         "end angle": f"{shape.end_angle:.4f} rad",
         "end force": f"[{shape.force[0]:.5g}, {shape.force[1]:.5g}] N",
         "moment at the clamp": f"{shape.clamp_moment:.5g} N mm",
@@ -72,6 +72,11 @@ def end_lines(selected: RodAtPressure, shape: RodSolution) -> list[str]:
         lines["weight"] = f"[{x:.5g}, {y:.5g}] N, which the rod carries besides"
     width = max(map(len, lines))
     return [f"{name:<{width}}  {value}" for name, value in lines.items()]
+
+
+def _rounded(coordinate: float) -> float:
+    """A coordinate to a thousandth of a millimetre (mm); one that is rounded to zero has no sign."""
+    return round(coordinate, 3) + 0.0
 
 
 def write_shape(shape: RodSolution, file: Path) -> None:
