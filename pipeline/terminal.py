@@ -61,6 +61,7 @@ def verdict_table(verdict: Verdict) -> list[Table]:
     heads = [f"{symbol}\n{unit}" for _, symbol, unit in NUMBERS] + ["e\nmm"] * verdict.stretches
     table = Table("p\nkPa", *heads, box=None, padding=(0, 1 if verdict.stretches else 2, 0, 0))
     table.caption = f"± {verdict.spread}; below it the 95 % interval{', of e only ±' if verdict.stretches else ''}"
+    table.caption += f"\n{verdict.whose_parameters}" if verdict.whose_parameters else ""
     table.caption_justify = "left"
     for column in table.columns:
         column.justify = "right"

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import cast
 
@@ -10,7 +11,7 @@ import pytest
 from pipeline.config.load import load_config
 from pipeline.context import RunContext
 from pipeline.errors import InputError
-from pipeline.identification.mesh_error import mesh_deviations, with_mesh_error, with_others
+from pipeline.identification.mesh_error import mesh_deviations, of_single_line, with_mesh_error, with_others
 from pipeline.identification.parameters import Parameters
 from pipeline.identification.richardson import extrapolated
 from pipeline.progress import Silent
@@ -59,6 +60,12 @@ def test_the_difference_from_other_elements_is_the_least_error_at_every_pressure
     assert with_others([{"alpha1": 20.0}], fine[:1], {}) == ({"alpha1": 20.0},)
 
 
+def test_both_pieces_of_a_single_line_have_one_error() -> None:
+    stds = {"alpha1": 33.0, "alpha2": 16.0, "m01": 0.5, "m02": 0.03, "d": 0.7}
+    assert of_single_line(stds) == {"alpha1": 16.0, "alpha2": 16.0, "m01": 0.03, "m02": 0.03, "d": 0.7}
+    assert of_single_line({}) == {}
+
+
 def test_a_further_error_widens_an_interval_to_both_sides() -> None:
     wide = Interval(10.0, 3.0, 4.0, 18.0).widened(4.0)
     assert (wide.value, wide.std) == (10.0, pytest.approx(5.0))
@@ -88,6 +95,9 @@ def test_the_files_of_a_run_say_what_the_mesh_contributes(tmp_path: Path) -> Non
     assert "N mm² of α₁" in sentence
     (evidence,), (is_single,) = record["evidence_of_choice"], record["single_line_suffices"]
     assert (evidence <= 0.0) == is_single
+    for name in ("alpha", "m0"):
+        first, second = (record[key] for key in record if re.fullmatch(rf"{name}[12]_N_mm2?_std", key))
+        assert (first == second) == is_single
     assert record["evidence_for_two_lines"] == [evidence]  # a single pressure
     assert all(isinstance(two_lines, bool) for two_lines in record["two_lines_on_coarser_mesh"])
 

@@ -3,6 +3,8 @@
 import csv
 import json
 import re
+import shlex
+import shutil
 import struct
 import zlib
 from html import unescape
@@ -11,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from pipeline.report.next_steps import next_steps
 from pipeline.report.page import render_report
 from pipeline.report.results import read_results
 from pipeline.report.sentences import (
@@ -224,6 +227,10 @@ def test_report_says_why_there_is_a_single_line(
     changed |= {"r2_two_lines": [0.95, 0.97], "r2_single_line": [0.7, 0.7]}
     (finished / "parameters.json").write_text(json.dumps(changed), encoding="utf-8")
     assert lines_needed(read_results(finished)) == sentence
+    changed |= {"r2_single_line": [0.949, 0.97]}
+    (finished / "parameters.json").write_text(json.dumps(changed), encoding="utf-8")
+    with_both = "that they describe: 0.95 with both)"
+    assert (with_both in lines_needed(read_results(finished))) == ("0.95 with two lines" in sentence)
 
 
 def test_the_figure_of_moments_says_why_dots_lie_beside_the_lines(finished: Path) -> None:
@@ -264,9 +271,9 @@ def change(folder: Path, name: str, **keys: object) -> None:
 @pytest.mark.parametrize(
     ("end", "options"),
     [
-        (None, "'37 kPa' --end-y '51.96 mm'"),
-        ({"x_mm": None, "y_mm": 0.5, "force_N": [0.0, 0.0]}, "'37 kPa' --end-y '51.96 mm'"),
-        ({"x_mm": 0.0, "y_mm": 0.0, "force_N": [0.0, 0.0]}, "'37 kPa' --end '[93.874 mm, 51.96 mm]'"),
+        (None, "'37 kPa' --end-y '51.960283 mm'"),
+        ({"x_mm": None, "y_mm": 0.5, "force_N": [0.0, 0.0]}, "'37 kPa' --end-y '51.960283 mm'"),
+        ({"x_mm": 0.0, "y_mm": 0.0, "force_N": [0.0, 0.0]}, "'37 kPa' --end '[93.874007 mm, 51.960283 mm]'"),
         ({"x_mm": None, "y_mm": None, "force_N": [0.0, 0.05]}, "'37 kPa' --force '[0 N, 0.05 N]'"),
         ({"x_mm": None, "y_mm": 0.0, "force_N": [0.1, 0.0]}, ""),
         ({"x_mm": 0.0, "y_mm": None, "force_N": [0.0, 0.0]}, ""),
@@ -279,12 +286,40 @@ def test_the_rod_is_suggested_under_the_load_of_experiment_III(
     *_, (_, _, _, end_x, end_y, *_) = curve_rows("III", 37.0)
     assert (end_x, end_y) == pytest.approx((93.874, 52.96), abs=5e-4)
     change(finished, "run", config={"name": "arm", "end": end})
-    (step,) = (step for step in verdict_of(read_results(finished)).on("next") if "To use the rod, here" in step)
-    under = "as in experiment III" if options else "under the pressure alone"
+    (step,) = (step for step in verdict_of(read_results(finished)).on("next") if "To use the rod, for" in step)
+    under = "the load of experiment III" if options else "the pressure alone"
     assert step == (
-        f"To use the rod, here {under}: pneurod rod {finished}/parameters.json --pressure {options or repr('37 kPa')} "
-        "--no-stretch"
+        f"To use the rod, for example under {under}: pneurod rod {finished}/parameters.json --pressure "
+        f"{options or repr('37 kPa')} --no-stretch"
     )
+
+
+def test_the_couple_of_the_edge_acts_on_a_rod_with_five_parameters_alone(finished: Path) -> None:
+    """The rod with the arm's own law is compared without it."""
+    path = finished / "curves.csv"
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        row["moment_N_mm"] = "0.0125"
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    validation = json.loads((finished / "validation.json").read_text(encoding="utf-8"))
+    of_law = [{**row, "rod": "arm_law"} for row in validation]
+    (finished / "validation.json").write_text(json.dumps([*validation, *of_law]), encoding="utf-8")
+    (finished / "law.json").write_text(json.dumps({"pressures_kPa": [0.0, 37.0]}), encoding="utf-8")
+    results = read_results(finished)
+    assert "--end-y '51.960283 mm' --moment '0.0125 N*mm' --no-stretch" in next_steps(results, "five")[-2]
+    assert next_steps(results, "arm_law")[-3].endswith("law.json --pressure '37 kPa' --end-y '51.960283 mm'")
+    change(finished, "run", config={"name": "arm", "end": {"x_mm": 0.0, "y_mm": None, "force_N": [0.0, 0.0]}})
+    assert next_steps(read_results(finished), "five")[-2].endswith("--pressure '37 kPa' --no-stretch")
+
+
+def test_a_folder_with_a_blank_is_quoted(finished: Path) -> None:
+    folder = shutil.move(finished, finished.with_name("two words"))
+    steps = [step for step in verdict_of(read_results(Path(folder))).on("next") if step.startswith("To use")]
+    assert [shlex.split(step.split(": ", 1)[1])[2] for step in steps] == [f"{folder}/parameters.json", f"{folder}"]
 
 
 def test_the_pressure_of_the_suggested_load_is_one_at_which_the_rod_has_an_equilibrium(finished: Path) -> None:
@@ -292,17 +327,37 @@ def test_the_pressure_of_the_suggested_load_is_one_at_which_the_rod_has_an_equil
     rows = json.loads(path.read_text(encoding="utf-8"))
     at_17 = {**rows[1], "pressure_kPa": 17.0}
     rows[1] |= {"reason": "no equilibrium", "distance_over_length": None}
-    for content, expected in (([*rows, at_17], "'17 kPa' --end-y"), (rows, "'37 kPa' --no-stretch")):
+    higher = {**rows[1], "load": "end at +5 mm", "reason": ""}  # not the load of III as identified
+    other = {**rows[1], "rod": "five_extensible", "reason": "", "distance_over_length": 0.5}
+    cases = [([*rows, at_17], "'17 kPa' --end-y"), (rows, "'37 kPa' --no-stretch")]
+    cases += [([*rows, higher], "'37 kPa' --no-stretch"), ([*rows, other, at_17], "'17 kPa' --end-y")]
+    for content, expected in cases:
         path.write_text(json.dumps(content), encoding="utf-8")
         steps = verdict_of(read_results(finished)).on("next")
         assert any(f"parameters.json --pressure {expected}" in step for step in steps)
+
+
+def test_the_suggested_pressure_is_not_above_those_of_the_parameters(finished: Path) -> None:
+    """III may have gone farther than the identification."""
+    one = {key: value[:1] if isinstance(value, list) else value for key, value in parameters().items()}
+    (finished / "parameters.json").write_text(json.dumps(one), encoding="utf-8")
+    assert "--pressure '17 kPa' --no-stretch" in next_steps(read_results(finished), "five")[-2]
+
+
+def test_a_curve_that_begins_behind_the_clamp_has_no_position_of_the_end(finished: Path) -> None:
+    """As in files of format 1, where curves begin half a cell from the clamp."""
+    path = finished / "curves.csv"
+    head, *lines = path.read_text(encoding="utf-8").splitlines()
+    kept = [line for line in lines if float(line.split(",")[2]) > 10.0]
+    path.write_text("\n".join([head, *kept]), encoding="utf-8")
+    assert "--pressure '37 kPa' --no-stretch" in next_steps(read_results(finished), "five")[-2]
 
 
 def test_the_pictures_are_those_of_the_highest_pressure_of_every_experiment(finished: Path) -> None:
     path = finished / "experiments.json"
     rows = json.loads(path.read_text(encoding="utf-8"))
     rows[-1] |= {"status": "not converged", "reason": "a limit"}
-    path.write_text(json.dumps(rows), encoding="utf-8")
+    path.write_text(json.dumps(rows[::-1]), encoding="utf-8")
     html = render_report(finished)
     titles = [f"Experiment {name}, {pressure} kPa<" for name in ("I", "II", "III") for pressure in (17, 37)]
     assert [title in html for title in titles] == [False, True, False, True, True, False]
@@ -311,8 +366,10 @@ def test_the_pictures_are_those_of_the_highest_pressure_of_every_experiment(fini
 def test_the_stretches_of_a_law_are_not_constants(finished: Path) -> None:
     material = {"law": "neo_hooke", "E": 1.2, "nu": 0.49, "density_tonne_mm3": 1e-9, "holds_between": [0.7, 1.9]}
     change(finished, "run", config={"name": "arm", "material": material})
-    sentence = "law neo_hooke, E = 1.2, nu = 0.49 (MPa; nu without unit); given for stretches from 0.7 to 1.9"
-    assert f"{sentence}<" in render_report(finished)
+    sentence = (
+        "law neo_hooke, E = 1.2, nu = 0.49 (MPa; nu without unit); it holds, according to the configuration, from "
+    )
+    assert f"{sentence}stretch 0.7 to 1.9<" in render_report(finished)
 
 
 def test_the_exported_rod_is_named_where_another_one_is_to_be_taken(finished: Path) -> None:

@@ -55,7 +55,7 @@ def test_estimators_stand_side_by_side(tmp_path: Path) -> None:
         ("17", "Gaussian process"),
     ]
     assert rows[0][2][0] == Cell("190.0 ± 0.5", "189.0 … 191.0")
-    assert rows[0][2][4] == Cell("at most 5.6", "6.6 with 95 %")
+    assert rows[0][2][4] == Cell("at most 5.6", "< 6.6 (95 %)")
     assert rows[1][2][4] == Cell("5.6 ± 0.5", "4.6 … 6.6")
     assert rows[2][2][0] == Cell("-", "")
 
@@ -115,7 +115,19 @@ def test_the_moments_of_the_law_are_those_that_cell_and_clamped_end_have(tmp_pat
         "The arm's own law is known for moments from -1.5 to 1.5 N mm at 17 kPa, from -3 to 1.5 N mm at 20 kPa, and "
         "not extrapolated."
     )
+    near = [{"experiment": "II", "pressure_kPa": pressure} for pressure in (17.1, 19.0)]  # the law is not made at these
+    read = results(tmp_path, law=law, experiments=near)
+    assert [pressure for pressure, *_ in moments_table(read)] == ["17"]
     assert moments_sentence(results(tmp_path, law={}, experiments=states)) == ""
+
+
+def test_an_interval_has_the_digits_of_its_value(tmp_path: Path) -> None:
+    """A large deviation takes decimals from both, which the smaller one at the other pressure would give."""
+    content = {"pressures_kPa": [17.0, 37.0], "alpha1_N_mm2": [5678.0, 5678.0], "alpha1_N_mm2_std": [1234.0, 3.0]}
+    content |= {"alpha1_N_mm2_95": [[3211.0, 8765.0], [5672.0, 5684.0]]}
+    content |= {key: [1.0, 1.0] for key in ("alpha2_N_mm2", "m01_N_mm", "m02_N_mm", "d_mm")}
+    (_, first), (_, second) = five_parameters(results(tmp_path, parameters=content))
+    assert (first[0], second[0]) == (Cell("5680 ± 1230", "3210 … 8760"), Cell("5678 ± 3", "5672 … 5684"))
 
 
 def test_a_break_at_the_upper_end_of_its_range_is_marked(tmp_path: Path) -> None:
@@ -123,7 +135,7 @@ def test_a_break_at_the_upper_end_of_its_range_is_marked(tmp_path: Path) -> None
     marked = {**columns(False), "d_is_at_least": [True]}
     parameters = {"pressures_kPa": [17.0], "length_mm": 16.0, **marked, "estimators": {"cell_averaged": marked}}
     read = results(tmp_path, parameters=parameters)
-    assert estimators(read)[0][2][4] == Cell("at least 5.6", "4.6 with 95 %")
+    assert estimators(read)[0][2][4] == Cell("at least 5.6", "> 4.6 (95 %)")
     assert "at least 5.6" in render_report(tmp_path)
 
 
@@ -195,11 +207,11 @@ def test_every_rod_has_its_own_sentence_and_the_stretch_is_told_apart(tmp_path: 
         "(III, 31 kPa). No error exceeds 3 % of l or 10 % of the force."
     )
     assert second.endswith(
-        "at: III, 31 kPa; with the stretch of the curve removed the distances beyond 3 % are at most 0.8 % of l."
+        "at: III, 31 kPa; without the stretch of the curve the distances that exceed 3 % would be at most 0.8 % of l."
     )
     wrong_force = row("out", 0.02, 0.2, "end at +9 mm") | {"distance_over_length_without_stretch": 0.019}
     _, second = under_all_loads(results(tmp_path, validation=[*rows, wrong_force]))
-    assert "at: III, 31 kPa; end at +9 mm, 31 kPa; with the stretch" in second
+    assert "at: III, 31 kPa; end at +9 mm, 31 kPa; without the stretch" in second
     assert second.endswith("at most 0.8 % of l.")
 
 
@@ -229,6 +241,13 @@ def test_the_rod_with_the_smallest_error_over_all_loads_is_recommended(tmp_path:
     assert [cells[0] for cells in rod_table(stored)] == [
         "the rod with the arm's own law",
         "the rod with five parameters",
+    ]
+    far = [{**r, "rod": "five_extensible", "distance_over_length": 0.2} for r in five]
+    of_near = rod_to_take(results(tmp_path, validation=[*five, *law, *far]))[0]
+    assert "is the smallest of 2 rods that are within 10 % of l (errors of the shape" in of_near
+    without = [{**law[0], "distance_over_length": None, "reason": ""}]
+    assert [s.partition(":")[0] for s in under_all_loads(results(tmp_path, validation=[*five, *without]))] == [
+        "The rod with five parameters"
     ]
     silent = [*five, {**law[0], "distance_over_length": None, "reason": "The moment leaves the law."}]
     silent.append({**silent[-1], "distance_over_length": 0.002, "reason": ""})
@@ -281,8 +300,12 @@ def test_no_rod_is_recommended_that_is_far_from_the_finite_elements(tmp_path: Pa
 
 def test_a_load_beyond_the_identified_moments_is_named(tmp_path: Path) -> None:
     warned = {**row("out", 0.05, None, "dead force 0, 1 N"), "warning": "The moment leaves the range."}
-    stored = results(tmp_path, validation=[row("in", 0.01, 0.02), warned])
-    assert beyond_identified(stored) == ["dead force 0, 1 N, 31 kPa: The moment leaves the range."]
+    stretching = {**warned, "rod": "five_extensible", "distance_over_length": 0.01}
+    stored = results(tmp_path, validation=[row("in", 0.01, 0.02), warned, stretching])
+    assert beyond_identified(stored) == [
+        f"{rod}, dead force 0, 1 N, 31 kPa: The moment leaves the range."
+        for rod in ("The rod with five parameters that stretches", "The rod with five parameters")
+    ]
 
 
 def test_the_eccentricity_stands_with_the_five_parameters_that_go_with_it(tmp_path: Path) -> None:

@@ -109,9 +109,9 @@ def test_of_many_pressures_the_moments_at_two_are_named(folder: Path) -> None:
     ranges, pressures = [[0.1 * k, k] for k in range(1, 6)], [10.0 * k for k in range(1, 6)]
     change(folder, "parameters", pressures_kPa=pressures, moment_range_N_mm=ranges)
     assert moments_of_identification(read_results(folder), "five") == (
-        "The rod to take was identified under moments from 0.1 to 1 N mm at 10 kPa, from 0.5 to 5 N mm at 50 kPa. "
-        "Beyond them it is extrapolated, and pneurod rod warns where this is so on more than 15 % of its length; "
-        "parameters.json has those at the other pressures."
+        "The rod to take was identified under moments from 0.1 to 1 N mm at 10 kPa, from 0.5 to 5 N mm at 50 kPa "
+        "(parameters.json has the moments at the other pressures). Beyond them it is extrapolated, and pneurod rod "
+        "warns where this is so on more than 15 % of its length."
     )
 
 
@@ -120,6 +120,20 @@ def test_the_table_of_a_rod_that_does_not_stretch_has_no_eccentricity(folder: Pa
     (table,) = verdict_table(verdict_of(read_results(folder)))
     assert str(table.caption).endswith("below it the 95 % interval")
     assert len(table.columns) == 6
+
+
+def test_the_verdict_says_whose_parameters_it_has(folder: Path) -> None:
+    verdict = verdict_of(read_results(folder))
+    assert (verdict.parameters_of, verdict.whose_parameters) == (verdict.rod, "")
+    rows = json.loads((folder / "validation.json").read_text(encoding="utf-8"))
+    of_law = [{**row, "rod": "arm_law", "distance_over_length": 1e-5, "force_error": 0.0} for row in rows]
+    of_five = [{**row, "rod": "five"} for row in rows]
+    (folder / "validation.json").write_text(json.dumps([*of_five, *of_law]), encoding="utf-8")
+    verdict = verdict_of(read_results(folder))
+    assert (verdict.rod, verdict.parameters_of, verdict.record()["parameters_of"]) == ("arm_law", "five", "five")
+    sentence = "They belong to the rod with five parameters, not to the rod to take."
+    assert sentence in render_report(folder)
+    assert str(verdict_table(verdict)[0].caption).endswith(f"\n{sentence}")
 
 
 @pytest.mark.parametrize(
@@ -431,4 +445,5 @@ def test_a_folder_with_nothing_has_a_verdict(tmp_path: Path) -> None:
     results: Results = read_results(tmp_path)
     verdict = verdict_of(results)
     assert (verdict.five, verdict.rod, verdict.errors, verdict.parameters) == ((), "", (), ())
+    assert (verdict.parameters_of, verdict.whose_parameters) == ("", "")
     assert verdict.sentences == ("No rod was compared with the finite elements.",)

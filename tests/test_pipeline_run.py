@@ -3,6 +3,7 @@
 import csv
 import json
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -11,10 +12,14 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from pipeline.cli import app
 from pipeline.config.load import load_config
 from pipeline.errors import RunFailed
 from pipeline.progress import Silent
+from pipeline.report.results import read_results
+from pipeline.report.verdict import verdict_of
 from pipeline.run import _Stages, run, stage_names
 
 SHORT = """
@@ -93,6 +98,26 @@ def test_parameters_are_those_of_a_rod(results: Path) -> None:
     assert (
         np.mean(profile["cell_averaged_per_mm"][1]) < np.mean(profile["cell_averaged_per_mm"][0]) < 0
     )  # it curls down
+
+
+def test_the_command_that_the_report_suggests_gives_the_rod_of_experiment_III(results: Path) -> None:
+    verdict = verdict_of(read_results(results))
+    (step,) = (step for step in verdict.on("next") if "under the load of experiment III" in step)
+    program, *arguments = shlex.split(step.split(": ", 1)[1])
+    assert program == "pneurod"
+    assert "--moment" in arguments
+    answer = CliRunner().invoke(app, arguments)
+    assert answer.exit_code == 0
+    (row,) = (
+        row
+        for row in read(results, "validation.json")
+        if (row["rod"], row["experiment"], row["pressure_kPa"]) == (verdict.rod, "III", 16.0)
+    )
+    (force,) = re.findall(r"end force +\[[^,]*, ([^]]*)\] N", answer.stdout)
+    assert float(force) == pytest.approx(row["rod_force_N"], rel=1e-4)
+    assert ", y = 0.000 mm from the clamped end" in answer.stdout
+    assert len(answer.stdout.splitlines()) == 5  # without a warning
+    assert answer.stderr == ""
 
 
 def test_experiments_hold_what_the_contract_names(results: Path) -> None:

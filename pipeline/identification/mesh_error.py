@@ -121,6 +121,7 @@ def _meshed(context: TaskContext, config: Config) -> Scene:
 def _with_errors(
     parameters: Parameters, numbers: Mapping[str, float], stds: Mapping[str, float], on_coarser: "_OnCoarser | None"
 ) -> Parameters:
+    stds = stds if parameters.two_lines else of_single_line(stds)
     return replace(
         parameters,
         mesh_std={name: stds[name] for name in PARAMETER_NAMES if name in stds},
@@ -160,6 +161,13 @@ def mesh_deviations(
         {n: max(stds.get(n, 0.0), rms[n]) * _scale(n, on_fine) for n in rms}
         for stds, on_fine in zip(scaled, fine, strict=True)
     )
+
+
+def of_single_line(stds: Mapping[str, float]) -> dict[str, float]:
+    """The deviations of a rod with a single line: rigidity and offset of both its pieces are the same numbers, whose
+    errors are at least those at other pressures, where the pieces may have lines of their own."""
+    second = {"alpha1": "alpha2", "m01": "m02"}
+    return {name: stds[second.get(name, name)] for name in stds}
 
 
 def _scale(name: str, numbers: Mapping[str, float]) -> float:

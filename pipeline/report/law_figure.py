@@ -1,11 +1,13 @@
 """The figure of the arm's own law beside the lines of the five parameters."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from pipeline.report.chart import Chart, Marks
 from pipeline.report.figures import Entry, Figure, colour
+from pipeline.report.law_range import curves_of_experiments
 from pipeline.report.results import Results
 
 
@@ -16,8 +18,7 @@ def arm_law(results: Results) -> Figure | None:
     changes of cell averages from II to III beyond d, added to kappa_0 in the middle, without those near the ends of the
     arm, which another law describes.
     """
-    requested = set(results.pressures)
-    curves = [curve for curve in results.arm_law.get("curves", ()) if float(curve["pressure_kPa"]) in requested]
+    curves = curves_of_experiments(results)
     if not curves:
         return None
     marks = [mark for curve in curves for mark in _of_pressure(results, curve)]
@@ -29,7 +30,7 @@ def arm_law(results: Results) -> Figure | None:
     return Figure((chart,), tuple(entries), pressures)
 
 
-def _of_pressure(results: Results, curve: dict[str, Any]) -> list[Marks]:
+def _of_pressure(results: Results, curve: Mapping[str, Any]) -> list[Marks]:
     pressure = float(curve["pressure_kPa"])
     number, label = colour(results, pressure), f"{pressure:g} kPa"
     kappa, moment = (np.array(curve[key], dtype=float) for key in ("kappa_per_mm", "moment_N_mm"))

@@ -10,6 +10,8 @@ from pipeline.store.formats import of_extensible
 from pipeline.validation.rods import EXTENSIBLE, FIVE
 from rod.identification.moment_range import ALLOWED_FRACTION
 
+#: largest difference between a pressure of the law and one of the experiments that it stands for, over the latter
+SAME = 0.01
 #: pressures that the sentence names; with more it names the first and the last
 MOST_NAMED = 4
 
@@ -31,13 +33,21 @@ class MomentsOfLaw:
 
 def moments_of_law(results: Results) -> list[MomentsOfLaw]:
     """By pressure of the experiments, those between which the law is interpolated left out."""
-    requested = results.pressures
     clamps = {_pressure(curve): curve for curve in (results.arm_law.get("clamp") or {}).get("curves", ())}
     return [
         MomentsOfLaw(_pressure(curve), _ends(curve), _ends(clamp) if (clamp := clamps.get(_pressure(curve))) else None)
-        for curve in results.arm_law.get("curves", ())
-        if _pressure(curve) in requested
+        for curve in curves_of_experiments(results)
     ]
+
+
+def curves_of_experiments(results: Results) -> list[Mapping[str, Any]]:
+    """The curves of a cell at the pressures of the experiments, or within SAME of them; those between left out.
+
+    The pressures of the law are parts of its highest one, which pressures that the program has chosen are close to.
+    """
+    requested = results.pressures
+    curves = results.arm_law.get("curves", ())
+    return [c for c in curves if any(abs(_pressure(c) - p) <= SAME * abs(p) for p in requested)]
 
 
 def moments_sentence(results: Results) -> str:
@@ -55,10 +65,10 @@ def moments_of_identification(results: Results, rod: str) -> str:
     rows = [(p, ends) for p, ends in zip(results.identified_pressures, ranges, strict=False) if ends]
     if not (parts := _named(rows)):
         return ""
-    more = "" if len(parts) == len(rows) else "; parameters.json has those at the other pressures"
+    more = "" if len(parts) == len(rows) else " (parameters.json has the moments at the other pressures)"
     return (
-        f"The rod to take was identified under moments {', '.join(parts)}. Beyond them it is extrapolated, and pneurod "
-        f"rod warns where this is so on more than {percent(ALLOWED_FRACTION)} of its length{more}."
+        f"The rod to take was identified under moments {', '.join(parts)}{more}. Beyond them it is extrapolated, and "
+        f"pneurod rod warns where this is so on more than {percent(ALLOWED_FRACTION)} of its length."
     )
 
 

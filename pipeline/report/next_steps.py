@@ -1,5 +1,6 @@
 """What to do after a run, in sentences with the command or key to use."""
 
+import shlex
 from collections.abc import Mapping
 from math import inf
 from typing import Any
@@ -126,20 +127,22 @@ def _use(results: Results, rod: str) -> list[str]:
     pressures = [min(highest, of_law[-1])] if rod == ARM_LAW and of_law else results.identified_pressures
     if not rod or not pressures:
         return []
-    file = results.directory / ("law.json" if rod == ARM_LAW else "parameters.json")
+    file = shlex.quote(str(results.directory / ("law.json" if rod == ARM_LAW else "parameters.json")))
+    folder = shlex.quote(str(results.directory))
     stretch = {EXTENSIBLE: " --stretch", FIVE: " --no-stretch"}.get(rod, "")
     pressure, load = _load_of_third(results, rod, pressures[-1])
-    under = "as in experiment III" if load else "under the pressure alone"
-    steps = [f"To use the rod, here {under}: pneurod rod {file} --pressure '{pressure:g} kPa'{load}{stretch}"]
+    under = "the load of experiment III" if load else "the pressure alone"
+    steps = [
+        f"To use the rod, for example under {under}: pneurod rod {file} --pressure '{pressure:g} kPa'{load}{stretch}"
+    ]
     if rod == ARM_LAW:
         steps.append(
-            f"To use the arm's own law in another program (csv or json): pneurod export {results.directory} --law cell "
-            "--to csv"
+            f"To use the arm's own law in another program (csv or json): pneurod export {folder} --law cell --to csv"
         )
     if results.identified_pressures:
         steps.append(
             "To use the rod with five parameters in another program (csv, json, pyelastica, mujoco, somo or sorosim): "
-            f"pneurod export {results.directory} --to pyelastica{_other_rod(results, rod)}"
+            f"pneurod export {folder} --to pyelastica{_other_rod(results, rod)}"
         )
     return steps
 
@@ -157,19 +160,24 @@ def _load_of_third(results: Results, rod: str, highest_kPa: float) -> tuple[floa
     ]
     curve = results.curve("III", max(known)) if known else None
     whole = curve is not None and curve["s_mm"][0] == 0.0  # in files of format 1 it begins half a cell farther
-    options = _options_of_third(results, curve) if curve is not None and whole else ""
+    options = _options_of_third(results, rod, curve) if curve is not None and whole else ""
     return (max(known), options) if options else (highest_kPa, "")
 
 
-def _options_of_third(results: Results, curve: Curve) -> str:
-    """What acts on the end in experiment III as options of `pneurod rod`; empty where these do not have it."""
+def _options_of_third(results: Results, rod: str, curve: Curve) -> str:
+    """What acts on the end in experiment III as options of `pneurod rod`; empty where these do not have it.
+
+    A rod with five parameters is given the couple of the edge on the end as well, as where it was compared.
+    """
     end = (results.run.get("config") or {}).get("end") or {}
-    x, y = (f"{float(f'{curve[name][-1] - curve[name][0]:.3f}') + 0.0:g} mm" for name in ("x_mm", "y_mm"))
+    x, y = (f"{round(curve[name][-1] - curve[name][0], 6) + 0.0:.9g} mm" for name in ("x_mm", "y_mm"))
+    couple = 0.0 if rod == ARM_LAW or not curve.has("moment_N_mm") else float(curve["moment_N_mm"][-1])
     held = end.get("x_mm") is not None, end.get("y_mm", 0.0) is not None
     force = end.get("force_N") or (0.0, 0.0)
     acting = f" --force '[{force[0]:g} N, {force[1]:g} N]'" if any(force) else ""
-    options = {(True, True): f" --end '[{x}, {y}]'", (False, False): acting}
-    return f" --end-y '{y}'" if held == (False, True) and not acting else options.get(held, "")
+    with_position = {(True, True): f" --end '[{x}, {y}]'", (False, False): acting}
+    options = f" --end-y '{y}'" if held == (False, True) and not acting else with_position.get(held, "")
+    return f"{options} --moment '{couple:.6g} N*mm'" if options and couple else options
 
 
 def _other_rod(results: Results, rod: str) -> str:

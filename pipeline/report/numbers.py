@@ -163,8 +163,8 @@ def _cell(columns: Mapping[str, Any], key: str, index: int, digits: int) -> Cell
         return Cell("-", "")
     if key == "d_mm" and (columns.get("d_is_at_most") or {index: False})[index]:
         upper = interval(bounds, digits).rpartition(" ")[2]
-        return Cell(f"at most {with_spread(value, None, digits)}", f"{upper} with 95 %" if upper else "")
+        return Cell(f"at most {with_spread(value, None, digits)}", f"< {upper} (95 %)" if upper else "")
     if key == "d_mm" and (columns.get("d_is_at_least") or {index: False})[index]:
         lower = interval(bounds, digits).partition(" ")[0]
-        return Cell(f"at least {with_spread(value, None, digits)}", f"{lower} with 95 %" if lower else "")
+        return Cell(f"at least {with_spread(value, None, digits)}", f"> {lower} (95 %)" if lower else "")
     return Cell(with_spread(value, spread, digits), interval(bounds, decimals_beside(spread, digits)))

@@ -209,7 +209,11 @@ def _law(material: Mapping[str, Any]) -> str:
     units = f"MPa; {' and '.join(pure)} without unit" if pure else "MPa"
     bulk = "; kappa is the bulk modulus" if "kappa" in material else ""
     stretches = material.get("holds_between")
-    holds = f"; given for stretches from {stretches[0]:g} to {stretches[1]:g}" if stretches else ""
+    holds = (
+        f"; it holds, according to the configuration, from stretch {stretches[0]:g} to {stretches[1]:g}"
+        if stretches
+        else ""
+    )
     return f"law {material.get('law')}, {', '.join(constants)} ({units}{bulk}){holds}"
 
 

@@ -130,7 +130,8 @@ def _fractions_explained(results: Results, pressures: Iterable[float]) -> str:
     if not rows or any(one > two for two, one in rows):  # two lines also have to give the displacement of the end
         return ""
     of_two, of_one = (_from_to([max(row[k], 0.0) for row in rows]) for k in (0, 1))
-    return f" (R², the part of the variance that they describe: {of_two} with two lines, {of_one} with one)"
+    with_each = f"{of_two} with both" if of_two == of_one else f"{of_two} with two lines, {of_one} with one"
+    return f" (R², the part of the variance that they describe: {with_each})"
 
 
 def _from_to(values: Sequence[float]) -> str:

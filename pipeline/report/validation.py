@@ -153,10 +153,11 @@ def rod_to_take(results: Results) -> list[str]:
             f"{percent(best.largest)} of the {best.largest_of}"
         )
     elif number_of_near > 1:
+        of_near = "" if number_of_near == len(ordered) else f" that are within {percent(POOR)} of l"
         first += (
             f": its largest error against finite elements on the same mesh, {percent(best.largest)} of the "
-            f"{best.largest_of}, is the smallest of {number_of_near} rods (errors of the shape relative to the length, "
-            "errors of the force at the end relative to the largest one)"
+            f"{best.largest_of}, is the smallest of {number_of_near} rods{of_near} (errors of the shape relative to "
+            "the length, errors of the force at the end relative to the largest one)"
         )
     elif len(ordered) > 1:
         first += f": every other one is more than {percent(POOR)} of l away from the finite elements"
@@ -242,8 +243,13 @@ def _known(rows: Sequence[ValidationRow], name: str) -> list[tuple[float, Valida
 
 
 def beyond_identified(results: Results) -> list[str]:
-    """The loads whose moments leave the range of the identification, one sentence each."""
-    return [f"{row.location}: {row.warning}" for row in results.rows_of(FIVE) if row.warning]
+    """The loads whose moments leave the range of the identification of a rod, one sentence each."""
+    return [
+        f"{_sentence_case(TITLES[errors.rod])}, {row.location}: {row.warning}"
+        for errors in rod_errors(results)
+        for row in results.rows_of(errors.rod)
+        if row.warning
+    ]
 
 
 def _beyond_the_limits(rows: Sequence[ValidationRow]) -> str:
@@ -258,7 +264,7 @@ def _beyond_the_limits(rows: Sequence[ValidationRow]) -> str:
         return f"No error exceeds {limits}."
     far = [row for row in failed if row.rod == FIVE and (row.distance_over_length or 0.0) > SHAPE_LIMIT]
     known = [distance for distance, _ in _known(far, "distance_over_length_without_stretch")]
-    removed = f"; with the stretch of the curve removed the distances beyond {100 * SHAPE_LIMIT:g} % are at most"
+    removed = f"; without the stretch of the curve the distances that exceed {100 * SHAPE_LIMIT:g} % would be at most"
     without = f"{removed} {percent(max(known))} of l" if known else ""
     return f"Errors exceed {limits} at: {'; '.join(row.location for row in failed)}{without}."
 

@@ -17,7 +17,7 @@ from pipeline.report.offsets import jump_sentence
 from pipeline.report.results import EffectRow, Results
 from pipeline.report.sentences import in_short, lines_needed
 from pipeline.report.untested import untested
-from pipeline.report.validation import RodErrors, recommended_rod, rod_errors, rod_to_take
+from pipeline.report.validation import TITLES, RodErrors, recommended_rod, rod_errors, rod_to_take
 from pipeline.store.formats import of_extensible
 from pipeline.store.json_values import JsonObject
 from pipeline.validation.rods import ARM_LAW, EXTENSIBLE, FIVE
@@ -67,6 +67,17 @@ class Verdict:
         return self.rod == EXTENSIBLE
 
     @property
+    def parameters_of(self) -> str:
+        """The rod that `five` and `parameters` belong to, five or five_extensible; empty without them."""
+        return (EXTENSIBLE if self.stretches else FIVE) if self.parameters else ""
+
+    @property
+    def whose_parameters(self) -> str:
+        """A sentence where the parameters are not those of the rod to take; else empty."""
+        other = self.parameters and self.rod and self.parameters_of != self.rod
+        return f"They belong to {TITLES[self.parameters_of]}, not to the rod to take." if other else ""
+
+    @property
     def sentences(self) -> tuple[str, ...]:
         """All sentences, in the order in which they are shown."""
         return tuple(sentence for statement in self.statements for sentence in statement.sentences)
@@ -89,7 +100,7 @@ class Verdict:
             "design": self.design,
             "length_mm": self.length_mm,
             "parameters": self.parameters,
-            "parameters_of": (EXTENSIBLE if self.stretches else FIVE) if self.parameters else "",
+            "parameters_of": self.parameters_of,
             "rod": self.rod,
             "errors": [errors.record() for errors in self.errors],
             "accuracy": self.accuracy,
