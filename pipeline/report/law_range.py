@@ -11,7 +11,7 @@ from pipeline.validation.rods import EXTENSIBLE, FIVE
 from rod.identification.moment_range import ALLOWED_FRACTION
 
 #: largest difference between a pressure of the law and one of the experiments that it stands for, over the latter
-SAME = 0.01
+NEAR = 0.01
 #: pressures that the sentence names; with more it names the first and the last
 MOST_NAMED = 4
 
@@ -41,13 +41,13 @@ def moments_of_law(results: Results) -> list[MomentsOfLaw]:
 
 
 def curves_of_experiments(results: Results) -> list[Mapping[str, Any]]:
-    """The curves of a cell at the pressures of the experiments, or within SAME of them; those between left out.
+    """The curves of a cell at the pressures of the experiments, or within NEAR of them; those between left out.
 
     The pressures of the law are parts of its highest one, which pressures that the program has chosen are close to.
     """
     requested = results.pressures
     curves = results.arm_law.get("curves", ())
-    return [c for c in curves if any(abs(_pressure(c) - p) <= SAME * abs(p) for p in requested)]
+    return [c for c in curves if any(abs(_pressure(c) - p) <= NEAR * abs(p) for p in requested)]
 
 
 def moments_sentence(results: Results) -> str:
