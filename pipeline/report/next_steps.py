@@ -169,11 +169,9 @@ def _options_of_third(results: Results, rod: str, curve: Curve) -> str:
 
     A rod with five parameters is given the couple of the edge on the end as well, as where it was compared.
     """
-    end = (results.run.get("config") or {}).get("end") or {}
+    held, force = results.end_of_third
     x, y = (f"{round(curve[name][-1] - curve[name][0], 6) + 0.0:.9g} mm" for name in ("x_mm", "y_mm"))
     couple = 0.0 if rod == ARM_LAW or not curve.has("moment_N_mm") else float(curve["moment_N_mm"][-1])
-    held = end.get("x_mm") is not None, end.get("y_mm", 0.0) is not None
-    force = end.get("force_N") or (0.0, 0.0)
     acting = f" --force '[{force[0]:g} N, {force[1]:g} N]'" if any(force) else ""
     with_position = {(True, True): f" --end '[{x}, {y}]'", (False, False): acting}
     options = f" --end-y '{y}'" if held == (False, True) and not acting else with_position.get(held, "")

@@ -15,7 +15,7 @@ from pipeline.report.law_figure import arm_law
 from pipeline.report.law_range import moments_table
 from pipeline.report.laws import law_rows, simplest_laws
 from pipeline.report.numbers import eccentricity, estimators, linear_range, observations, slopes, stretch_of_rod
-from pipeline.report.results import Results, StateRow, read_results
+from pipeline.report.results import Results, read_results
 from pipeline.report.sentences import (
     difference_of_rest_curvatures,
     left_out,
@@ -138,13 +138,10 @@ def _body(results: Results) -> dict[str, object]:
 
 def _at_highest_pressure(results: Results) -> dict[str, str]:
     """The pictures of every experiment at the highest pressure that it reached, and what is under them."""
-    reached = {row.experiment: row.pressure_kPa for row in sorted(results.experiments, key=_pressure) if row.reached}
+    rows = sorted(results.experiments, key=lambda row: row.pressure_kPa)
+    reached = {row.experiment: row.pressure_kPa for row in rows if row.reached}
     highest = {name: f"{reached[name]:g}" for name in _EXPERIMENTS if name in reached}
     return {f"{name}_{pressure}kPa": f"Experiment {name}, {pressure} kPa" for name, pressure in highest.items()}
-
-
-def _pressure(row: StateRow) -> float:
-    return row.pressure_kPa
 
 
 def _identification(results: Results) -> dict[str, object]:

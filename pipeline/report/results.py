@@ -145,6 +145,13 @@ class Results:
         return END_CELLS * self.cell_mm
 
     @property
+    def end_of_third(self) -> tuple[tuple[bool, bool], tuple[float, float]]:
+        """Whether x and y of the end are held in experiment III, and the forces on it, N."""
+        end = (self.run.get("config") or {}).get("end") or {}
+        fx, fy = end.get("force_N") or (0.0, 0.0)
+        return (end.get("x_mm") is not None, end.get("y_mm", 0.0) is not None), (fx, fy)
+
+    @property
     def identified_pressures(self) -> tuple[float, ...]:
         """The pressures of the parameters, kPa."""
         return tuple(self.parameters.get("pressures_kPa", ()))

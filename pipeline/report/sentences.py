@@ -73,13 +73,10 @@ def not_identified(results: Results) -> str:
 
 def third_experiment(results: Results) -> str:
     """What the end has in experiment III: its height held, both coordinates, or a force along one axis or both."""
-    end = (results.run.get("config") or {}).get("end") or {}
-    held = {"x": end.get("x_mm"), "y": end.get("y_mm", 0.0)}
-    force = dict(zip("xy", end.get("force_N", (0.0, 0.0)), strict=True))
-    pulls = [f"F_{axis} = {force[axis]:g} N" for axis in "xy" if held[axis] is None and force[axis]]
+    held, forces = results.end_of_third
+    pulls = [f"F_{axis} = {f:g} N" for axis, is_held, f in zip("xy", held, forces, strict=True) if f and not is_held]
     parts = {(True, True): "the end held", (False, True): "the height of the end held"}
-    part = parts.get((held["x"] is not None, held["y"] is not None), "")
-    part = part or ("the end held along the arm" if held["x"] is not None else "")
+    part = parts.get(held, "") or ("the end held along the arm" if held[0] else "")
     pull = f"a force {', '.join(pulls)} on the end" if pulls else ""
     return " and ".join(filter(None, (part, pull))) or "the end free"
 

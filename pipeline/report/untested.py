@@ -18,9 +18,9 @@ def _loads(results: Results) -> list[str]:
         return []
     rows = [row for row in results.validation if row.sample == "out" and (row.load or row.rod == FIVE)]
     of_run = {row.pressure_kPa for row in results.experiments}
-    end = (results.run.get("config") or {}).get("end") or {}
-    height = "a prescribed height" if end.get("y_mm", 0.0) is None else "another height"
-    force = "another dead force" if any(end.get("force_N", ())) else "a dead force"
+    (_, height_held), forces = results.end_of_third
+    height = "another height" if height_held else "a prescribed height"
+    force = "another dead force" if any(forces) else "a dead force"
     kinds = {
         f"{height} of the end": any(row.experiment == "III" and row.load for row in rows),
         f"{force} on the end": any(row.experiment == "dead" for row in rows),
