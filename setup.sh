@@ -88,7 +88,11 @@ for part in gmsh pictures; do
     fi
 done
 
-echo "compiling the kernels of the solver and the packages, which takes a minute"
-.venv/bin/python -m compileall -qq -x '/tests?/' .venv/lib >/dev/null 2>&1 & modules=$!
+echo "compiling the kernels of the solver and of rods, and the packages, which takes a minute"
+{
+    # packages may hold templates that are no Python
+    .venv/bin/python -m compileall -qq -x '/tests?/' .venv/lib >/dev/null 2>&1 || true
+    .venv/bin/python -m pipeline.doctor rods >/dev/null
+} & beside=$!
 .venv/bin/python -m pipeline.doctor threads >/dev/null
-wait "$modules" || true # packages may hold templates that are no Python
+wait "$beside"

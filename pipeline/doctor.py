@@ -132,11 +132,19 @@ def _check_threads() -> str:
     return f"numba runs {numba.get_num_threads()} threads on {numba.threading_layer()}"
 
 
+def _check_rods() -> str:
+    from rod import compile_kernels
+
+    compile_kernels()
+    return "rods of both laws are solved by compiled functions"
+
+
 CHECKS: dict[str, Callable[[], str]] = {
     "gmsh": _check_gmsh,
     "pictures": _check_pictures,
     "linear solver": _check_linear_solver,
     "threads": _check_threads,
+    "rods": _check_rods,
 }
 
 if __name__ == "__main__":

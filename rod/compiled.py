@@ -37,6 +37,10 @@ class CompiledLater(Generic[P, R]):
         self._compiled = self.compiled()
         return self._compiled(*args, **kwargs)
 
+    def compile_next(self) -> None:
+        """Compile at the next call at the latest."""
+        self.remaining = 0
+
     def compiled(self) -> Callable[P, R]:
         """The function compiled by numba, with a cache on disk."""
         import numba

@@ -26,6 +26,7 @@ from rod.pressures import LinearRange, Quantity, Straightness, linear_range, nex
 from rod.pressurised_rod import OutsidePressures, PressurisedRod
 from rod.scaling import ReferenceArm, ScaledArm, scaled_arm
 from rod.solution import RodSolution
+from rod.warm_up import compile_kernels
 
 __all__ = [
     "EXPORTS",
@@ -66,6 +67,7 @@ __all__ = [
     "TwoSlopes",
     "cell_averaged",
     "compare_laws",
+    "compile_kernels",
     "end_displacement_closure",
     "export_arm",
     "extension",

@@ -338,7 +338,7 @@ def test_export_of_a_missing_folder_makes_none(tmp_path: Path) -> None:
 def test_doctor_on_this_machine() -> None:
     result = call("doctor")
     assert result.exit_code == 0, result.output
-    for subject in ("Python", "gmsh", "pictures", "linear solver", "threads", "disk"):
+    for subject in ("Python", "gmsh", "pictures", "linear solver", "threads", "rods", "disk"):
         assert subject in result.stdout
     assert result.stdout.count("ok") >= 20
     assert result.stdout.startswith("Checked are ")

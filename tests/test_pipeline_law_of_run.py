@@ -80,6 +80,7 @@ def test_the_law_of_a_run_is_a_file_that_gives_a_rod(results: Path) -> None:
     assert "from 0 to 12 kPa" in effects["arm_law"]["reason"]
 
 
+@pytest.mark.slow
 def test_the_law_predicts_the_five_parameters(tmp_path: Path) -> None:
     both = config(tmp_path, "pressures=[12 kPa]", "validation=off", "geometry.chambers=8")
     run(both, tmp_path / "both", 1, False, Silent()).raise_if_failed()

@@ -289,7 +289,7 @@ def test_the_force_is_continuous_where_the_end_is_pushed_towards_the_clamp(kappa
 def test_ends_drawn_at_random_against_small_steps(monkeypatch):
     rng = np.random.default_rng(11)
     cases = []
-    for _ in range(60):
+    for _ in range(30):
         law = FiveParameters(*rng.uniform(100.0, 500.0, 2), *rng.uniform(-0.5, 0.5, 2), rng.uniform(5.0, 30.0))
         rod = Rod(112.0, rng.uniform(-4.0, 4.0) / 112.0, law)
         angle, reach = rng.uniform(-2.5, 2.5), 112.0 * rng.uniform(0.2, 0.995)

@@ -103,8 +103,15 @@ def test_what_is_rough_in_both_curves_is_no_error_of_their_difference() -> None:
     assert np.trace(observed.noise) == pytest.approx(np.trace(observed.covariance), rel=0.5)
 
 
-@pytest.mark.parametrize("closed", [True, False])
-@pytest.mark.parametrize("offset", [0.03, 0.15])
+@pytest.mark.parametrize(
+    ("offset", "closed"),
+    [
+        (0.03, True),
+        (0.15, False),
+        pytest.param(0.03, False, marks=pytest.mark.slow),
+        pytest.param(0.15, True, marks=pytest.mark.slow),
+    ],
+)
 def test_intervals_contain_the_truth(offset: float, closed: bool) -> None:
     """20 arms with noise, a ripple in their cells and an offset of so much of the moment at the clamp; a true 95 %
     loses at most four. Offsets beyond what is thought likely are seen, for the cells do lie on a line."""

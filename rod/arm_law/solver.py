@@ -50,15 +50,21 @@ class Pieces:
         """The clamped end and the tip as the integrator reads them."""
         clamp = self.clamp
         return EndArrays(
-            clamp.moment,
-            clamp.rotation,
-            clamp.rotation_by_moment,
-            clamp.offset,
-            clamp.offset_by_moment,
+            _copied(clamp.moment),
+            _copied(clamp.rotation),
+            _copied(clamp.rotation_by_moment),
+            _copied(clamp.offset),
+            _copied(clamp.offset_by_moment),
             clamp.position,
             *tip.over_turns(np.column_stack([tip.couple, tip.acts_at, tip.beside[:, -1]])),
-            tip.by_pull[-1],
+            _copied(tip.by_pull[-1]),
         )
+
+
+def _copied(values: Array) -> Array:
+    """A copy in rows that may be written: for others, such as those of a stored law, the integrator would be compiled
+    once more."""
+    return np.array(values, order="C")
 
 
 class EndConditions(NamedTuple):
