@@ -40,7 +40,7 @@ def svg_picture(study: ConvergenceStudy) -> str:
     """The same as a picture."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
-    from matplotlib.ticker import ScalarFormatter
+    from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
     figure = Figure(figsize=(9.0, 5.4), layout="constrained")
     axes = figure.subplots()
@@ -51,8 +51,9 @@ def svg_picture(study: ConvergenceStudy) -> str:
     axes.axhline(100 * study.reference_error, color=GREY, linestyle="--", linewidth=1, label=_UNCERTAINTY)
     axes.set(xscale="log", yscale="log", xlabel=_SECONDS, ylabel=_ERROR, title=study.name)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_formatter(ScalarFormatter())
-        axis.set_minor_formatter(ScalarFormatter())
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))  # more labels overlap over three decades
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.set_minor_formatter(NullFormatter())
     axes.tick_params(which="both", labelsize=8)
     axes.grid(True, which="both", color=GRID)
     axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0))
