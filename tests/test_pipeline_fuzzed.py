@@ -89,7 +89,7 @@ def seen() -> Counter[str]:
     return Counter()
 
 
-@examples(100)
+@examples(200)
 @given(written=configurations())
 def test_every_configuration_is_read_or_refused_in_one_sentence(
     folder: Path, written: Written, seen: Counter[str]
