@@ -194,6 +194,7 @@ def test_a_state_has_the_pairs_of_its_own_load_alone(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(IncrementSolver, "settled", without_success)  # the state of the increments stays
     left = follow(model, [0.4676, 1.0], options).steps[-1]
     assert np.abs(left.displacement - plain.displacement).max() > 1e-6 * LENGTH
+    assert left.path_dependence == np.inf
     np.testing.assert_allclose(kept.displacement, left.displacement, atol=1e-12)
 
 

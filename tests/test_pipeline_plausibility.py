@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from time import sleep
 from types import SimpleNamespace
@@ -518,6 +519,8 @@ def test_contact_that_depends_on_the_increments_is_named() -> None:
         "(II at 20 kPa; the equilibrium with contact searched anew differs by 8.1 % in displacement or strain); the "
         "states of the increments are reported"
     )
+    (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, path_dependence=inf))
+    assert "(II at 20 kPa; by how much is not known, because no equilibrium was found with contact" in note
 
 
 @pytest.mark.parametrize(("low", "high"), [(9.0, 37.0), (0.0, 11.0), (-40.0, 60.0)])

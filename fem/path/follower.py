@@ -4,6 +4,7 @@ An increment that fails is halved; one that converges quickly is doubled (`fem.p
 in `fem.path.solver`, and how long an equilibrium is sought in `fem.path.effort`.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import final
@@ -302,11 +303,15 @@ class PathFollower:
         """
         before = self.solver.active_set
         settled = self.solver.settled(converged, increment)
-        apart = 0.0 if settled is converged else difference(converged.state, settled.state)
+        if settled is None:
+            apart = math.inf
+        else:
+            apart = 0.0 if settled is converged else difference(converged.state, settled.state)
         self.path_dependence = apart if apart > NEAR_SETTLED else 0.0
-        if self.path_dependence:
-            self.solver.active_set, settled = before, converged
-        return (converged, point) if settled is converged else (settled, self._point(increment.control, settled))
+        if settled is None or settled is converged or self.path_dependence:
+            self.solver.active_set = before
+            return converged, point
+        return settled, self._point(increment.control, settled)
 
     def _announced_limit(self, before: PathPoint, last: PathPoint) -> float | None:
         """The load at which the path announces a limit; None where it announces none."""

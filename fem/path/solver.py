@@ -87,11 +87,11 @@ class IncrementSolver:
             self.active_set = known
         return converged
 
-    def settled(self, converged: Converged, increment: Increment) -> Converged:
+    def settled(self, converged: Converged, increment: Increment) -> Converged | None:
         """The equilibrium whose pairs in creases are those of this load alone, not of increments on the way to it.
 
         The pairs are searched again from the equilibrium without any. The given one where the last increment began
-        without pairs, or where this leads to none that is as stable and needs no exact distances.
+        without pairs; None where this leads to none that is as stable and needs no exact distances.
         """
         if not self.began_with_pairs:
             return converged
@@ -104,7 +104,7 @@ class IncrementSolver:
             if is_as_stable and not self.active_set.needs_admissible_start:
                 return settled
         self.active_set = before
-        return converged
+        return None
 
     def _admissible(self, increment: Increment) -> Converged:
         """An equilibrium without overlap and without an element that is turned inside out; raises `StepFailed`."""

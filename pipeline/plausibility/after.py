@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from math import inf, isfinite
+from math import inf, isfinite, isinf
 from typing import NamedTuple
 
 import numpy as np
@@ -309,12 +309,14 @@ def _path_dependent(solved: Solved) -> str:
     summaries = [record.summary for record in solved.outcomes.records if record.summary.path_dependence]
     if not summaries:
         return ""
-    states = ", ".join(f"{summary.experiment} at {summary.pressure_kPa:g} kPa" for summary in summaries)
-    largest = max(summary.path_dependence for summary in summaries)
-    at_most = "the largest difference: " if len(summaries) > 1 else ""
-    return (
-        f"{PATH_DEPENDENT} ({states}; {at_most}{path_dependence(largest)}); the states of the increments are reported"
-    )
+    parts = []
+    for unknown in (False, True):
+        here = [summary for summary in summaries if isinf(summary.path_dependence) == unknown]
+        states = ", ".join(f"{summary.experiment} at {summary.pressure_kPa:g} kPa" for summary in here)
+        at_most = "the largest difference: " if len(here) > 1 and not unknown else ""
+        if here:
+            parts.append(f"{states}; {at_most}{path_dependence(max(summary.path_dependence for summary in here))}")
+    return f"{PATH_DEPENDENT} ({'; '.join(parts)}); the states of the increments are reported"
 
 
 #: the rules

@@ -2,6 +2,7 @@
 that searched anew."""
 
 from dataclasses import dataclass, replace
+from math import isinf
 
 import numpy as np
 
@@ -54,4 +55,6 @@ class ContactCheck:
 
 def path_dependence(difference: float) -> str:
     """By how much, as a clause."""
+    if isinf(difference):
+        return "by how much is not known, because no equilibrium was found with contact searched anew"
     return f"the equilibrium with contact searched anew differs by {100 * difference:.2g} % in displacement or strain"
