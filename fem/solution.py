@@ -104,7 +104,7 @@ class Step:
     exact: ExactContact | None = None
     inexact: str = ""  #: a clause why there is nothing to compare with where that was tried; empty elsewhere
     #: difference to the equilibrium whose contact in creases is that of this load alone, relative to displacement or
-    #: strain, where it is too far from the path to be taken; infinity where there is none; 0 elsewhere
+    #: strain, where it is too far from the path to be taken; infinity where none was found; 0 elsewhere
     path_dependence: float = 0.0
     #: load factors (or mm3) of the equilibria on the way from the previous step, the last one its own
     increments: tuple[float, ...] = ()

@@ -38,7 +38,7 @@ class CompiledLater(Generic[P, R]):
         return self._compiled(*args, **kwargs)
 
     def compile_next(self) -> None:
-        """Compile at the next call at the latest."""
+        """Skip the calls in plain Python: the next one is compiled."""
         self.remaining = 0
 
     def compiled(self) -> Callable[P, R]:

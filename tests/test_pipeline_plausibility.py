@@ -34,7 +34,7 @@ from pipeline.plausibility.body import (
 from pipeline.plausibility.units import of_contact, of_units
 from pipeline.progress import Silent
 from pipeline.report.page import render_report
-from pipeline.simulation.contact_check import ContactCheck
+from pipeline.simulation.contact_check import ContactCheck, path_dependence
 from pipeline.simulation.outcome import Outcomes
 from pipeline.simulation.scene import Scene
 from pipeline.simulation.waiting import remarks_while_waiting
@@ -515,12 +515,13 @@ def test_nothing_is_said_of_contact_that_exact_distances_do_not_change() -> None
 def test_contact_that_depends_on_the_increments_is_named() -> None:
     (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, path_dependence=0.081))
     assert note == (
-        "folded walls of a cavity may touch in more than one way, and in which of them depends on the load increments "
-        "(II at 20 kPa; the equilibrium with contact searched anew differs by 8.1 % in displacement or strain); the "
-        "states of the increments are reported"
+        "folded walls of a cavity may touch in more than one way, and in which of them they do may depend on the load "
+        "increments: in II at 20 kPa the equilibrium with contact searched anew differs by 8.1 % in displacement or "
+        "strain; the states of the increments are reported"
     )
     (note,) = after_solving(solved(0.9, (0.95, 1.05), 0.01, path_dependence=inf))
-    assert "(II at 20 kPa; by how much is not known, because no equilibrium was found with contact" in note
+    assert "increments: in II at 20 kPa contact searched anew led to no equilibrium to compare with; the states" in note
+    assert path_dependence(0.12, 0.07).endswith("anew differs by at most 12 % in displacement or strain")
 
 
 @pytest.mark.parametrize(("low", "high"), [(9.0, 37.0), (0.0, 11.0), (-40.0, 60.0)])

@@ -54,9 +54,10 @@ def test_nothing_is_compiled_once_a_run_has_begun(compiled: dict[str, list[str]]
         fit_rod(shape, [FIVE], bootstrap=Bootstrap(draws=3))
     cell, clamp, tip = straight_law(5.0)
     repeated = replace(clamp, offset=np.broadcast_to(np.zeros(2), (9, 2)))
-    measured = law_of(straight_law(0.0), (cell, repeated, tip), straight_law(10.0, -0.001))
+    by_columns = replace(tip, acts_at=np.asfortranarray(tip.acts_at))
+    measured = law_of(straight_law(0.0), (cell, repeated, by_columns), straight_law(10.0, -0.001))
     for law in (measured, law_from_record(json.loads(json.dumps(law_record(measured))))):
-        for pressure in (5.0, 10.0):
+        for pressure in (5.0, 7.5, 10.0):
             for load in loads[:2]:
                 Rod(law.length, law=law.at(pressure)).solve(**load)
     assert signatures() == compiled

@@ -299,7 +299,7 @@ class PathFollower:
         """An equilibrium at a target with its point, or the one near it whose contact does not depend on the way.
 
         That has other pairs in creases than the last equilibrium on the way, so that the rates there do not tell how
-        far away it is.
+        far away it is. The given one where it differs too much, or none is found: the path dependence says so.
         """
         before = self.solver.active_set
         settled = self.solver.settled(converged, increment)

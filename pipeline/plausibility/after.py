@@ -305,18 +305,15 @@ def _approximate_contact(solved: Solved) -> str:
 
 
 def _path_dependent(solved: Solved) -> str:
-    """Contact in creases that depends on the load increments: where, and the largest difference."""
+    """Contact in creases that may depend on the load increments: where, and the largest difference that is known."""
     summaries = [record.summary for record in solved.outcomes.records if record.summary.path_dependence]
-    if not summaries:
-        return ""
     parts = []
     for unknown in (False, True):
         here = [summary for summary in summaries if isinf(summary.path_dependence) == unknown]
         states = ", ".join(f"{summary.experiment} at {summary.pressure_kPa:g} kPa" for summary in here)
-        at_most = "the largest difference: " if len(here) > 1 and not unknown else ""
         if here:
-            parts.append(f"{states}; {at_most}{path_dependence(max(summary.path_dependence for summary in here))}")
-    return f"{PATH_DEPENDENT} ({'; '.join(parts)}); the states of the increments are reported"
+            parts.append(f"in {states} {path_dependence(*(summary.path_dependence for summary in here))}")
+    return f"{PATH_DEPENDENT}: {'; '.join(parts)}; the states of the increments are reported" if parts else ""
 
 
 #: the rules

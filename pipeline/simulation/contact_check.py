@@ -10,9 +10,10 @@ import fem
 
 #: why a state is compared
 BESIDE = "walls of a cavity have moved along each other, so that their contact is approximate"
-#: what a state is whose contact in creases (`fem.Step.path_dependence`) is not that of its load alone
+#: what a state is whose contact in creases (`fem.Step.path_dependence`) may not be that of its load alone
 PATH_DEPENDENT = (
-    "folded walls of a cavity may touch in more than one way, and in which of them depends on the load increments"
+    "folded walls of a cavity may touch in more than one way, and in which of them they do may depend on the load "
+    "increments"
 )
 #: mm and N; smaller differences are not told
 NOTHING = 1e-5
@@ -53,8 +54,10 @@ class ContactCheck:
         return f"with exact distances between them {' and '.join(differences) or 'the end and its force are the same'}"
 
 
-def path_dependence(difference: float) -> str:
-    """By how much, as a clause."""
-    if isinf(difference):
-        return "by how much is not known, because no equilibrium was found with contact searched anew"
-    return f"the equilibrium with contact searched anew differs by {100 * difference:.2g} % in displacement or strain"
+def path_dependence(*differences: float) -> str:
+    """By how much states differ at most, or that this is not known (infinity), as a clause."""
+    largest = max(differences)
+    if isinf(largest):
+        return "contact searched anew led to no equilibrium to compare with"
+    by = "by at most" if len(differences) > 1 else "by"
+    return f"the equilibrium with contact searched anew differs {by} {100 * largest:.2g} % in displacement or strain"

@@ -43,12 +43,13 @@ class Pieces:
         return LawArrays(
             float(law.moment[0]),
             float(law.moment[1] - law.moment[0]),
-            *(np.ascontiguousarray(getattr(law, name)) for name in _TABLES),
+            *(_copied(getattr(law, name)) for name in _TABLES),
         )
 
     def ends(self, tip: TipState) -> EndArrays:
         """The clamped end and the tip as the integrator reads them."""
         clamp = self.clamp
+        of_turns, slopes = tip.over_turns(np.column_stack([tip.couple, tip.acts_at, tip.beside[:, -1]]))
         return EndArrays(
             _copied(clamp.moment),
             _copied(clamp.rotation),
@@ -56,14 +57,14 @@ class Pieces:
             _copied(clamp.offset),
             _copied(clamp.offset_by_moment),
             clamp.position,
-            *tip.over_turns(np.column_stack([tip.couple, tip.acts_at, tip.beside[:, -1]])),
+            _copied(of_turns),
+            _copied(slopes),
             _copied(tip.by_pull[-1]),
         )
 
 
 def _copied(values: Array) -> Array:
-    """A copy in rows that may be written: for others, such as those of a stored law, the integrator would be compiled
-    once more."""
+    """A copy that may be written, row by row in memory; for other arrays numba would compile the integrator again."""
     return np.array(values, order="C")
 
 
