@@ -301,17 +301,15 @@ class PathFollower:
         That has other pairs in creases than the last equilibrium on the way, so that the rates there do not tell how
         far away it is. The given one where it differs too much, or none is found: the path dependence says so.
         """
-        before = self.solver.active_set
+        before, self.path_dependence = self.solver.active_set, 0.0
         settled = self.solver.settled(converged, increment)
-        if settled is None:
-            apart = math.inf
-        else:
-            apart = 0.0 if settled is converged else difference(converged.state, settled.state)
-        self.path_dependence = apart if apart > NEAR_SETTLED else 0.0
-        if settled is None or settled is converged or self.path_dependence:
-            self.solver.active_set = before
+        if settled is converged:
             return converged, point
-        return settled, self._point(increment.control, settled)
+        apart = math.inf if settled is None else difference(converged.state, settled.state)
+        if settled is not None and apart <= NEAR_SETTLED:
+            return settled, self._point(increment.control, settled)
+        self.solver.active_set, self.path_dependence = before, apart
+        return converged, point
 
     def _announced_limit(self, before: PathPoint, last: PathPoint) -> float | None:
         """The load at which the path announces a limit; None where it announces none."""
