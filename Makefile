@@ -94,10 +94,10 @@ slow: $(READY)  ## the tests that take longer, and whole runs that repeat what f
 	@$(BIN)/python -m pytest -m slow
 
 hard: $(READY)  ## hard cases: each is solved and checked, or its limit is named; the table of docs/hard_cases.md
-	@$(BIN)/python tests/hard_cases/run_all.py
+	@$(BIN)/python -m tests.hard_cases.run_all
 
 fuzz: $(READY)  ## two thousand valid and invalid configurations: each is meshed or refused in one sentence
-	@$(BIN)/python -m pytest -m slow tests/test_pipeline_fuzzed.py --hypothesis-show-statistics
+	@$(BIN)/python -m pytest -m slow tests/pipeline/config/test_fuzzed.py --hypothesis-show-statistics
 
 kills: $(READY)  ## fifty runs killed at random times and continued, compared with uninterrupted runs
 	@$(BIN)/python benchmarks/kills.py
@@ -110,7 +110,7 @@ unseen-again: $(READY)  ## the designs of docs/unseen.md that did not end, with 
 
 nightly: $(READY)  ## for a scheduler: hard cases, slow tests, and 40 designs drawn with today's date as the seed
 	@status=0
-	$(BIN)/python tests/hard_cases/run_all.py || status=1
+	$(BIN)/python -m tests.hard_cases.run_all || status=1
 	$(BIN)/python -m pytest -m slow || status=1
 	$(BIN)/python -m benchmarks.unseen --seed $$(date +%Y%m%d) --count 40 --finer 40 --law both || status=1
 	exit $$status

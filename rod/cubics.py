@@ -1,7 +1,7 @@
 """Cubics through points with given slopes, and the slopes of a monotone, of a smooth and of a periodic curve.
 
 scipy.interpolate has them. They are written out here because its import takes longer than all other work of
-`pneurod rod` together; `tests/test_rod_cubics.py` compares them with scipy.
+`pneurod rod` together; `tests/rod/test_cubics.py` compares them with scipy.
 """
 
 import numpy as np

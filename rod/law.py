@@ -12,7 +12,7 @@ they would bend an unloaded rod. The law is therefore read as
 which gives Delta = 0 where M vanishes and the lines wherever M does not. A rod without any load has M = 0 everywhere
 and takes the shape of kappa_0; a loaded rod has M = 0 only at single points (its tip), which have no weight, so it
 follows the lines. A finite `fade` (N mm) makes the law continuous for loads that tend to zero;
-`tests/test_rod_equilibrium.py` shows that the loaded shapes do not depend on it. M is the moment that bends the rod: of
+`tests/rod/test_equilibrium.py` shows that the loaded shapes do not depend on it. M is the moment that bends the rod: of
 one with a weight of its own the change of the moment, of one that stretches the moment about the neutral axis.
 """
 

@@ -41,7 +41,7 @@ def test_every_example_is_tested() -> None:
     assert all(name in makefile for name in names)
 
 
-@pytest.mark.slow  # a whole run; tests/test_public_api.py calls what it calls
+@pytest.mark.slow  # a whole run; tests/pneurod/test_public_api.py calls what it calls
 def test_own_arm_prints_its_parameters_and_draws_them(own_arm: str, folder: Path) -> None:
     table = re.findall(r"^(\d+\.\d) +(\d+\.\d+) +(\d+\.\d+) +(\d+\.\d+)", own_arm, flags=re.MULTILINE)
     assert [row[0] for row in table] == ["10.0", "20.0"]
@@ -101,7 +101,7 @@ def test_the_finite_elements_alone_take_a_mesh_of_the_user(folder: Path) -> None
     assert float(force) < 1e-9
 
 
-@pytest.mark.slow  # tests/test_rod_export.py runs an exported program
+@pytest.mark.slow  # tests/rod/test_export.py runs an exported program
 def test_the_rod_has_the_same_shape_in_pyelastica(folder: Path) -> None:
     printed = output_of("rod_in_pyelastica", "elastica", cwd=folder)
     [(distance, part)] = re.findall(r"^largest distance (\d\.\d+) mm, (\d\.\d+) % of the length$", printed, re.M)

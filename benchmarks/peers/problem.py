@@ -27,7 +27,7 @@ PATHS = {"four": (5.0, 17.0, 31.0, 45.0), "straight": (45.0,)}
 MESH = Path(__file__).resolve().parents[2] / "tests" / "data" / "t2_coarse.msh"
 
 #: pressure (kPa): mean of u_x and u_y over the nodes of the face `tip` (mm), volume of the half cavity (mm3); NGSolve
-#: 6.2.2608 and an independent prototype, which agree to eight digits (the numbers of tests/test_fem_equilibrium.py)
+#: 6.2.2608 and an independent prototype, which agree to eight digits (the numbers of tests/fem/test_equilibrium.py)
 REFERENCE = {
     5.0: (-0.33955159, -11.09217995, 3705.51217),
     17.0: (-5.82325979, -33.76011515, 4019.35991),

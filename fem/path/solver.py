@@ -22,7 +22,7 @@ from geometry import position_text
 from geometry.arrays import Array
 
 #: largest number of iterations with an indefinite tangent from a stable equilibrium to the next where walls are kept
-#: apart by exact distances: on the hard cases and in tests/test_fem_contact.py 22 solutions had at most 2
+#: apart by exact distances: on the hard cases and in tests/fem/test_contact.py 22 solutions had at most 2
 MAX_UNSTABLE_EXACT = 3
 
 

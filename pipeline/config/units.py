@@ -32,7 +32,7 @@ STRAIN = Dimension("a strain", "dimensionless", "150 %")
 DENSITY = Dimension("a density", "tonne/mm**3", "1130 kg/m^3")
 
 #: The usual units by the unit of their dimension, which need no pint: its import takes longer than `pneurod rod`.
-#: `tests/test_pipeline_units.py` compares the factors with those of pint.
+#: `tests/pipeline/config/test_units.py` compares the factors with those of pint.
 _USUAL: dict[str, dict[str, float]] = {
     "mm": {"mm": 1.0, "cm": 10.0, "m": 1000.0},
     "MPa": {"MPa": 1.0, "kPa": 1e-3, "GPa": 1e3},

@@ -28,7 +28,7 @@ STIFFNESSES = np.geomspace(1e0, 1e10, 21)
 #: iterations in which weights and sizes converge
 ITERATIONS = 3
 #: standard errors of the mean curve by which a law may exceed the tolerance: with fewer, scatter would reject the true
-#: law; with more, wrong laws would be valid beyond the tolerance (tests/test_pipeline_material.py)
+#: law; with more, wrong laws would be valid beyond the tolerance (tests/pipeline/material/test_material.py)
 ALLOWED_ERRORS = 1.0
 
 

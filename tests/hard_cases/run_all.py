@@ -1,6 +1,6 @@
 """Solve all cases, or those whose names contain the given words; print the table and write it to docs/hard_cases.md.
 
-python tests/hard_cases/run_all.py [--jobs N] [WORDS]
+python -m tests.hard_cases.run_all [--jobs N] [WORDS]
 """
 
 import argparse
@@ -10,9 +10,9 @@ import time
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 
-from cases import HardCase, read_cases
-from solve import Line, line_of
-from table import summary, table, write_table
+from tests.hard_cases.cases import HardCase, read_cases
+from tests.hard_cases.solve import Line, line_of
+from tests.hard_cases.table import summary, table, write_table
 
 
 def main() -> int:

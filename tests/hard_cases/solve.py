@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from cases import CONFIGS, Check, HardCase, Scene
 
 from geometry import Body, Mesh
 from geometry.topology import EDGES, OUTWARD, normals
@@ -19,6 +18,7 @@ from pipeline.simulation.outcome import Outcome
 from pipeline.simulation.scene import Scene as MeshedScene
 from pipeline.simulation.simulate import simulate
 from pipeline.store.store import open_store
+from tests.hard_cases.cases import CONFIGS, Check, HardCase, Scene
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from solve import Line
+from tests.hard_cases.solve import Line
 
 PAGE = Path(__file__).resolve().parent.parent.parent / "docs" / "hard_cases.md"
 BEGIN, END = "<!-- make hard: begin -->", "<!-- make hard: end -->"

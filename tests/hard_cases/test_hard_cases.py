@@ -4,9 +4,10 @@
 """
 
 import pytest
-from cases import read_cases
-from solve import line_of
-from table import BEGIN, END, PAGE
+
+from tests.hard_cases.cases import read_cases
+from tests.hard_cases.solve import line_of
+from tests.hard_cases.table import BEGIN, END, PAGE
 
 CASES = {case.name: case for case in read_cases()}
 

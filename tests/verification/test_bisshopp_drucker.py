@@ -13,13 +13,13 @@ slender.
 
 import numpy as np
 import pytest
-from bodies import QUADRATIC, box
-from loads import Traction
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 from fem import Fixed, Model, NewtonOptions, PathOptions, Step, StVenantKirchhoff, follow
 from geometry.arrays import Array
+from tests.bodies import QUADRATIC, box
+from tests.loads import Traction
 
 HEIGHT = 1.0
 INERTIA = HEIGHT**3 / 12  #: of a beam 1 mm wide

@@ -9,8 +9,6 @@ the gap would be zero; with it the error is of first order in dhat.
 
 import numpy as np
 import pytest
-from bodies import box
-from loads import Traction
 from scipy.optimize import brentq
 
 from fem import (
@@ -29,6 +27,8 @@ from fem.effects.contact import STIFFNESS
 from fem.elements import ELEMENTS
 from geometry import Mesh
 from geometry.arrays import Array
+from tests.bodies import box
+from tests.loads import Traction
 
 GAP = 0.1
 LAW = StVenantKirchhoff(E=1.2, nu=0.3)

@@ -8,10 +8,8 @@ the energy of shallow-arch theory (S. P. Timoshenko, J. M. Gere, "Theory of elas
 
 import numpy as np
 import pytest
-from bodies import box
 from scipy.integrate import quad
 from scipy.optimize import brentq, minimize
-from test_thick_walls import SPHERE, sphere
 
 from fem import (
     Fixed,
@@ -27,6 +25,8 @@ from fem import (
 from fem.effects.loads import enclosed_volume
 from geometry import Mesh
 from geometry.arrays import Array
+from tests.bodies import box
+from tests.verification.test_thick_walls import SPHERE, sphere
 
 RUBBER = NeoHooke(1.0, 1000.0)
 

@@ -15,12 +15,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from bodies import box, difference
-from loads import BodyForce, Traction, tetrahedron_rule
 
 from fem import Effect, Fixed, Material, Model, NeoHooke, NewtonOptions, PathOptions, Step, StVenantKirchhoff, follow
 from fem.elements import ELEMENTS
 from geometry.arrays import Array
+from tests.bodies import box, difference
+from tests.loads import BodyForce, Traction, tetrahedron_rule
 
 Field = Callable[[Array], Array]
 

@@ -7,13 +7,13 @@ the same linear displacement, and the strain must be uniform.
 
 import numpy as np
 import pytest
-from bodies import box
-from laws import LAWS
 
 from fem import Model, NewtonOptions, PathOptions, Prescribed, element_fields, follow
 from fem.discretisation import Discretisation
 from fem.elements import ELEMENTS
 from geometry import Mesh
+from tests.bodies import box
+from tests.laws import LAWS
 
 GRADIENT = np.array([[0.15, 0.1, -0.05], [0.0, -0.1, 0.2], [0.05, 0.0, 0.05]])
 

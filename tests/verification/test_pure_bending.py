@@ -8,8 +8,6 @@ materials V: The problem of flexure", Proc. R. Soc. Lond. A 195 (1949)).
 
 import numpy as np
 import pytest
-from bodies import box, named, on_plane
-from laws import LAWS
 
 from fem import Fixed, NeoHooke, StrainLimitingLayer, StVenantKirchhoff
 from fem.cell.axis import axis_of
@@ -19,6 +17,8 @@ from geometry import Body, Mesh
 from geometry.meshing.face_names import name_faces
 from geometry.meshing.shapes import RoundBar
 from geometry.meshing.solid import Solid, mesh_solid
+from tests.bodies import box, named, on_plane
+from tests.laws import LAWS
 
 HEIGHT, WIDTH, LENGTH = 4.0, 3.0, 2.0  # of the half z >= 0
 

@@ -5,13 +5,13 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from loads import tetrahedron_rule
-from test_manufactured import CASES, ONE, Case, solve
 
 from fem import Step, stress_error
 from fem.elements import ELEMENTS
 from fem.post.extremes import strain_at_stress_points
 from geometry.arrays import Array
+from tests.loads import tetrahedron_rule
+from tests.verification.test_manufactured import CASES, ONE, Case, solve
 
 SIZES = (2, 4, 6)
 

@@ -7,13 +7,13 @@ although the iterates are strained. `test_uniaxial` tests the same for the law a
 
 import numpy as np
 import pytest
-from bodies import box
-from laws import LAWS
 
 from fem import Model, NewtonOptions, PathOptions, Prescribed, follow
 from fem.discretisation import Discretisation
 from fem.elements import ELEMENTS
 from geometry.arrays import Array
+from tests.bodies import box
+from tests.laws import LAWS
 
 AXIS = np.array([1.0, 2.0, -1.0]) / np.sqrt(6)
 ANGLE = 1.0

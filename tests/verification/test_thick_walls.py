@@ -8,7 +8,6 @@ The meshes have straight edges, so the error is of second order in their size, w
 
 import numpy as np
 import pytest
-from bodies import QUADRATIC, box
 from scipy.integrate import quad
 
 from fem import (
@@ -28,6 +27,7 @@ from fem import (
 from fem.discretisation import Discretisation
 from geometry import Mesh
 from geometry.arrays import Array
+from tests.bodies import QUADRATIC, box
 
 
 def cylinder(n: int) -> Mesh:

@@ -4,9 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from bodies import QUADRATIC, box, hollow_box
 from scipy.optimize import brentq
-from test_pure_bending import HEIGHT, LENGTH, WIDTH, beam
 
 import fem
 from fem import (
@@ -27,6 +25,8 @@ from fem.cell.response import slopes
 from fem.discretisation import Discretisation
 from fem.elements import ELEMENTS
 from geometry import Mesh
+from tests.bodies import QUADRATIC, box, hollow_box
+from tests.verification.test_pure_bending import HEIGHT, LENGTH, WIDTH, beam
 
 OPTIONS = fem.PathOptions(fem.NewtonOptions(tolerance=1e-11))
 SIDES = [Fixed("left", "x"), Fixed("bottom", "y"), Fixed("back", "z")]

@@ -8,7 +8,6 @@ Soc. A 243 (1951) 251).
 
 import numpy as np
 import pytest
-from bodies import box
 
 from fem import (
     Fixed,
@@ -27,6 +26,7 @@ from fem import (
     follow,
 )
 from fem.elements import ELEMENTS
+from tests.bodies import box
 
 LENGTH, SIDE = 2.0, 1.0
 BULK = 1e3

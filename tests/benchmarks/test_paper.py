@@ -1,0 +1,144 @@
+"""The claims of the paper: the rule of the verdicts, the measures behind the readings, and the page."""
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.paper.__main__ import draw, provenance
+from benchmarks.paper.claims import claims
+from benchmarks.paper.data import Data
+from benchmarks.paper.measures import aligned_distance, line, sign_change
+from benchmarks.paper.page import number, page
+from benchmarks.paper.reading import CONTRADICTED, MISSING, REPRODUCED, UNDECIDED, Claim, Reading, claim_from_record
+from geometry import Centreline
+from pipeline.sweep.points import Point, points_of
+from pipeline.sweep.spec import read_sweep
+
+HERE = Path(__file__).resolve().parent.parent.parent
+YES, NO, OPEN = (1.0, 0.9, 1.1), (3.0, 2.9, 3.1), (2.0, 1.9, 2.1)
+
+
+def reading(numbers: tuple[float, float, float], **others: str) -> Reading:
+    """One that is required to lie between 0 and 2."""
+    return Reading("x", *numbers, required=(0.0, 2.0), **others)  # type: ignore[arg-type]
+
+
+def verdict(*readings: Reading) -> str:
+    return Claim("1", "x", readings, "").verdict
+
+
+def test_a_reading_holds_with_its_whole_interval() -> None:
+    assert [reading(numbers).status for numbers in (YES, NO, OPEN)] == ["holds", "does not hold", "open"]
+    assert Reading("x", 1.0, 1.0, 1.0).status is None
+    nothing = (math.nan, math.nan, math.nan)
+    assert reading(nothing).status == "open"
+    assert Reading("x", *nothing, required=(0.0, 1.0), denies=True).status == "does not hold"
+
+
+def test_the_verdict_follows_from_the_readings_that_count() -> None:
+    assert verdict(reading(YES), reading(YES)) == REPRODUCED
+    assert verdict(reading(NO), Reading("beside", *YES)) == CONTRADICTED
+    assert verdict(reading(YES), reading(OPEN)) == f"{REPRODUCED} in part"
+    assert verdict(reading(YES), reading((math.nan,) * 3)) == REPRODUCED
+    assert verdict(reading(OPEN)) == UNDECIDED
+    assert verdict() == verdict(Reading("beside", *YES)) == MISSING
+
+
+def test_the_fewest_factors_that_decide_are_named() -> None:
+    def of(numbers: tuple[float, float, float], law: str, estimator: str) -> Reading:
+        return reading(numbers, law=law, estimator=estimator)
+
+    by_law = [of(YES, "hencky", "a"), of(NO, "svk", "a"), of(YES, "hencky", "b"), of(NO, "svk", "b")]
+    assert verdict(*by_law) == "depends on the material law"
+    by_both = [of(YES, "hencky", "a"), of(NO, "svk", "a"), of(NO, "hencky", "b"), of(NO, "svk", "b")]
+    assert verdict(*by_both) == "depends on the material law and the estimator"
+    assert verdict(of(YES, "svk", "a"), of(NO, "svk", "a")) == "depends on more than this"
+
+
+def test_numbers_are_written_with_the_digits_of_their_interval() -> None:
+    assert number(Reading("x", 1.2345, 1.2, 1.3, "mm")) == "1.234 (1.200 to 1.300) mm"
+    assert number(Reading("x", -2.5, -2.8, -2.2)) == "−2.50 ± 0.30"
+    assert number(Reading("x", 100.0, 100.0, 100.0, "%")) == "100 %"
+    assert number(Reading("x", math.nan, math.nan, math.nan, without="no break")) == "no break"
+
+
+def test_a_line_with_its_scatter_and_what_lies_off_it() -> None:
+    exact = line([1.0, 2.0, 4.0], [3.0, 5.0, 9.0])
+    assert (exact.slope, exact.off, exact.at_zero) == pytest.approx((2.0, 0.0, -0.5), abs=1e-12)
+    bent = line([-1.0, 0.0, 1.0], [1.0, 0.0, 1.0])
+    assert (bent.slope, bent.off) == pytest.approx((0.0, 2.0 / 3.0))
+    assert bent.slope_std == pytest.approx(math.sqrt(2.0 / 3.0 / 2.0))
+    assert line([-1.0, 0.0, 1.0], [-1.0, 0.0, 1.0], [0.2] * 3).slope_std == pytest.approx(0.2 / math.sqrt(2.0))
+    assert line([1.0, 2.0], [1.0, 3.0], origin=True).slope == pytest.approx(1.4)
+
+
+def test_curves_are_compared_after_a_rigid_motion() -> None:
+    s = np.linspace(0.0, 3.0, 31)
+    arc = Centreline(s, np.sin(s), 1.0 - np.cos(s))
+    turned = Centreline(s, 2.0 - arc.y, 5.0 + arc.x)
+    assert aligned_distance(turned, arc) == pytest.approx(0.0, abs=1e-12)
+    assert aligned_distance(Centreline(s, arc.x, -arc.y), arc) > 0.1  # a mirror image is another curve
+    assert sign_change(s, np.cos(s)) == pytest.approx(np.pi / 2, abs=1e-3)
+    assert math.isnan(sign_change(s, np.ones(31)))
+
+
+def test_without_sweeps_every_claim_says_that_it_is_not_measured_yet(tmp_path: Path) -> None:
+    all_claims = claims(Data(tmp_path))
+    assert len(all_claims) > 20
+    assert {claim.verdict for claim in all_claims} == {MISSING}
+    assert all("has not been run" in claim.missing for claim in all_claims)
+    empty = {"provenance": "Nothing.", "folder": "x", "unreached": {}, "figures": []}
+    text = page({**empty, "claims": [claim.record() for claim in all_claims]})
+    assert text.count("**not yet measured**") == len(all_claims)
+    assert "What follows" not in text
+
+
+def _sweep(folder: Path, name: str, **record: object) -> None:
+    """A sweep without a point."""
+    path = folder / f"paper_{name}"
+    path.mkdir()
+    (path / "sweep.csv").touch()
+    (path / "sweep.json").write_text(json.dumps({"commit": None, "points": [], **record}), encoding="utf-8")
+
+
+def test_a_figure_without_its_state_is_not_drawn_and_does_not_stop_the_others(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The pictures of bodies and the figures over the length need single states; `make paper` goes on without them."""
+    point = {"folder": "", "values": {}, "seconds": None, "status": "unfinished", "reason": "no equilibrium"}
+    base = str(HERE / "configs" / "pneunet_coarse.yaml")
+    _sweep(tmp_path, "pneunet", base=base, set={}, points=[point])
+    _sweep(tmp_path, "lengths")
+    drawn = {name for name, _ in draw(Data(tmp_path), tmp_path)}
+    said = capsys.readouterr().out
+    assert "not drawn: figure_03, without experiment I of pneunet with svk at 37 kPa\n" in said
+    assert "not drawn: figure_12, without the arm of 11 chambers with svk at 24 kPa\n" in said
+    assert {"figure_04.svg", "figure_09b.svg"} <= drawn
+    assert not {"figure_03.png", "figure_12.svg"} & drawn
+
+
+def test_sources_that_differ_from_their_commit_are_marked_on_the_page(tmp_path: Path) -> None:
+    commits = {"pneunet": "a" * 40 + "+", "lengths": "b" * 40, "arms": None}
+    for name, commit in commits.items():
+        _sweep(tmp_path, name, commit=commit)
+    assert "commit aaaaaaaaa+, bbbbbbbbb, unknown, on" in provenance(Data(tmp_path))
+
+
+def test_the_page_is_that_of_the_numbers_beside_it() -> None:
+    record = json.loads((HERE / "docs" / "paper.json").read_text(encoding="utf-8"))
+    assert (HERE / "docs" / "paper.md").read_text(encoding="utf-8") == page(record)
+    stored = [claim_from_record(entry) for entry in record["claims"]]
+    assert [claim.verdict for claim in stored] == [entry["verdict"] for entry in record["claims"]]
+
+
+@pytest.mark.parametrize("mesh", ["coarse", "fine"])
+def test_every_point_of_the_sweeps_of_the_paper_is_a_configuration(mesh: str) -> None:
+    files = sorted((HERE / "configs" / "paper" / mesh).glob("*.yaml"))
+    assert len(files) == 7
+    for file in files:
+        points = points_of(read_sweep(file))
+        assert len(points) >= 2
+        assert all(isinstance(point, Point) for point in points), file

@@ -1,0 +1,314 @@
+"""The comparison with other solvers: problem, step control, CalculiX's files, medians and tables. No timings."""
+
+import sys
+from dataclasses import replace
+from math import ceil, floor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.peers import by_calculix, load, page
+from benchmarks.peers.__main__ import PEERS, chosen
+from benchmarks.peers.own import Case
+from benchmarks.peers.problem import Body, Outcome, PathResult, busy_threads, thread_seconds
+from benchmarks.peers.runs import (
+    Peer,
+    Round,
+    Run,
+    RunFailed,
+    Session,
+    Spread,
+    check_threads,
+    checked,
+    fresh,
+    measured,
+    plan,
+    ratios,
+    warm,
+)
+from benchmarks.peers.stepping import NoEquilibrium, Stepping, newton
+
+DOCS = Path(__file__).resolve().parent.parent.parent / "docs"
+
+
+@pytest.fixture(scope="module")
+def body() -> Body:
+    return Body.read()
+
+
+def run(
+    peer: str,
+    path: str = "four",
+    solve: float = 1.0,
+    factorizations: int = 10,
+    note: str = "",
+    number: int = 1,
+    date: str = "2026-11-21",
+    machine: str = "AMD EPYC, 2 cores, Python 3.11.7",
+) -> Run:
+    answers = {"5": (-0.33955159, -11.09217995, 3705.51217)}
+    outcome = Outcome(f"{peer} 1.0", "LU", answers, 4, 1, factorizations, 0.5, solve, solve, 1, note)
+    return Run(peer, path, outcome, solve + 0.5, solve + 0.6, 100.0, date, number, 0.02, machine)
+
+
+def test_middles_of_edges_lie_between_their_ends(body: Body) -> None:
+    ends = [[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]]
+    x = body.points[body.cells]
+    assert x[:, 4:] == pytest.approx(x[:, ends].mean(axis=2))
+    assert len(body.points) == 8732  # vertices and edges, each once
+    assert np.unique(body.cells).size == len(body.points)
+
+
+def test_the_volume_between_quadratic_faces_is_exact(body: Body) -> None:
+    rest = np.zeros_like(body.points)
+    assert body.volume(rest) == pytest.approx(body.mesh.enclosed_volume("cavity"))
+    bent = 0.004 * body.points[:, :1] ** 2 * [0.0, 1.0, 0.0]  # shears the cross sections: no change of volume
+    assert body.volume(bent) == pytest.approx(body.volume(rest))
+    assert body.volume(body.points * [0.1, 0.2, 0.3]) == pytest.approx(1.1 * 1.2 * 1.3 * body.volume(rest))
+
+
+def test_the_answer_is_that_of_the_tip(body: Body) -> None:
+    moved = np.tile([1.0, -2.0, 0.0], (len(body.points), 1))
+    assert body.answer(moved) == pytest.approx((1.0, -2.0, body.volume(moved)))
+
+
+def test_newton_finds_a_root_and_says_why_not() -> None:
+    def residual(x):
+        return x**2 - 2.0, float(abs(x[0] ** 2 - 2.0))
+
+    root, taken = newton(np.array([1.0]), 8, residual, lambda x, r: -r / (2 * x), 1e-12)
+    assert root == pytest.approx(2.0**0.5)
+    assert taken == 5
+    with pytest.raises(NoEquilibrium, match="after 2 iterations"):
+        newton(np.array([1.0]), 2, residual, lambda x, r: -r / (2 * x), 1e-12)
+    with pytest.raises(NoEquilibrium, match="without bound after 1"):
+        newton(np.array([1.0]), 8, residual, lambda x, r: x * np.inf, 1e-12)
+
+
+def test_the_stepping_grows_halves_and_stops_at_the_asked_pressures() -> None:
+    tried = []
+
+    def equilibrium(pressure: float, guess: np.ndarray) -> tuple[np.ndarray, int]:
+        tried.append((pressure, float(guess[0])))
+        if pressure - 2.0 * len(good) > 4.0:
+            raise NoEquilibrium("too far")
+        good.append(pressure)
+        return np.array([10.0 * pressure]), 3
+
+    good: list[float] = []
+    stepping = Stepping(first=1.0, growth=2.0, quick=4, iterations=8, predict=True)
+    result = stepping.walk([5.0, 12.0], np.zeros(1), equilibrium, lambda u: (float(u[0]), 0.0, 0.0), lambda: len(tried))
+    assert [pressure for pressure, _ in tried] == [1.0, 3.0, 5.0, 12.0, 8.5, 12.0]
+    assert [guess for _, guess in tried] == [0.0, 30.0, 50.0, 120.0, 85.0, 120.0]  # the response is a line
+    answers = {5.0: (50.0, 0.0, 0.0), 12.0: (120.0, 0.0, 0.0)}
+    assert result == PathResult(answers, increments=5, failed=1, factorizations=6)
+
+
+def test_a_path_that_cannot_go_on_ends_with_its_reason() -> None:
+    def equilibrium(pressure: float, guess: np.ndarray) -> tuple[np.ndarray, int]:
+        raise NoEquilibrium("no way")
+
+    stepping = Stepping(first=1.0, growth=2.0, quick=4, iterations=8, predict=False)
+    result = stepping.walk([5.0], np.zeros(1), equilibrium, lambda u: (0.0, 0.0, 0.0), lambda: 7)
+    assert result == PathResult({}, increments=0, failed=7, factorizations=7, note="no way")
+
+
+def test_the_deck_loads_every_face_of_the_cavity_once(body: Body) -> None:
+    lines = list(by_calculix.deck(body, [5.0, 45.0]))
+    assert lines.count("*END STEP") == 2
+    loads = [line.split(",") for line in lines if ",P" in line and not line.startswith("*")]
+    assert len(loads) == 2 * len(body.mesh.faces["cavity"])
+    faces = set()
+    for element, face, pressure in loads:
+        assert float(pressure) in (0.005, 0.045)
+        corners = body.mesh.tets[int(element) - 1][by_calculix.FACES[int(face[1]) - 1]]
+        faces.add(tuple(sorted(corners.tolist())))
+    assert faces == {tuple(sorted(face)) for face in body.mesh.faces["cavity"].tolist()}
+
+
+def test_what_calculix_prints_is_read(body: Body, tmp_path: Path) -> None:
+    rows = "\n".join(f"{k + 1:10d}  1.000000E+00 -2.000000E+00  0.000000E+00" for k in range(len(body.points)))
+    title = " displacements (vx,vy,vz) for set ALL and time  0.1000000E+01"
+    (tmp_path / "arm.dat").write_text(f"\n{title}\n\n{rows}\n")
+    (tmp_path / "arm.sta").write_text(
+        "SUMMARY OF JOB INFORMATION\n  STEP      INC     ATT  ITRS     TOT TIME     STEP TIME      INC TIME\n"
+        "     1          1     1U    8  0.000000E+00  0.000000E+00  0.200000E+00\n"
+        "     1          1     2     2  0.100000E+01  0.100000E+01  0.100000E+01\n"
+    )
+    line = "     1     1     1 {:5d}        0  0.3730E+04  0.1000E+03  0.0000E+00  0.0000E+00\n"
+    head = "  STEP   INC  ATT   ITER     CONT.   RESID.        CORR.      RESID.      CORR.\n"
+    (tmp_path / "arm.cvg").write_text(head + "".join(line.format(k) for k in range(1, 11)))
+    result = by_calculix.results_in(tmp_path, "arm", body, [5.0, 17.0])
+    assert result.answers[5.0] == pytest.approx((1.0, -2.0, body.volume(np.zeros_like(body.points))))
+    assert (result.increments, result.failed, result.factorizations) == (1, 1, 10)
+    assert result.note == "CalculiX gave up"
+
+
+def test_runs_are_interleaved_and_go_on_where_they_stopped() -> None:
+    peers = [Peer("a", "by_a"), Peer("b", "by_b", repetitions=1, paths=("four",))]
+    names = [(number, [(peer.name, path) for peer, path in left]) for number, left in plan(peers, 2, [])]
+    whole = [("a", "four"), ("a", "straight")]
+    assert names == [(1, [*whole, ("b", "four")]), (2, whole)]
+    done = [run("a"), run("b"), run("a", path="straight"), run("a", number=2)]
+    assert [(number, len(left), left[0][1]) for number, left in plan(peers, 2, done)] == [(2, 1, "straight")]
+    assert plan(peers, 1, done) == []
+
+
+def test_peers_are_chosen_by_name_and_pneurod_runs_beside_them() -> None:
+    assert [peer.name for peer in chosen([])] == ["pneurod", "NGSolve", "FElupe"]
+    assert [peer.name for peer in chosen(["CalculiX"])] == ["pneurod", "CalculiX"]
+    with pytest.raises(ValueError, match="Calculix: no peer of that name; there are pneurod, NGSolve"):
+        chosen(["Calculix"])
+
+
+def test_median_and_range() -> None:
+    assert Spread.of([3.0, 1.0, 2.0]) == Spread(2.0, 1.0, 3.0)
+    assert Spread.of([3.0, 1.0, 2.0]).text() == "2.0 (1.0 to 3.0)"
+    assert Spread.of([1.0, 1.0]).text() == "1.0"
+
+
+def test_ratios_are_formed_within_a_round() -> None:
+    """The second round ran on a slower machine: both took twice as long, and the ratio is the same."""
+    ours = [run("a", solve=2.0), run("a", solve=4.0, number=2), run("a", solve=9.0, date="2026-11-20")]
+    theirs = [run("b", solve=20.0), run("b", solve=40.0, number=2)]
+    assert ratios(theirs, ours, warm) == Spread(10.0, 10.0, 10.0)
+    assert ratios(theirs, ours, fresh) == Spread.of([20.5 / 2.5, 40.5 / 4.5])
+    with pytest.raises(ValueError, match="b, four: no round in which pneurod ran too"):
+        ratios([run("b", number=3)], ours, warm)
+
+
+def test_runs_that_counted_differently_are_no_sample() -> None:
+    assert checked([run("a"), run("a", solve=2.0)]) == run("a")
+    with pytest.raises(ValueError, match="different numbers of factorizations"):
+        checked([run("a"), run("a", factorizations=11)])
+
+
+def test_a_path_computed_by_threads_at_the_same_time_is_refused() -> None:
+    alone = run("a").outcome
+    check_threads("a", "four", alone)
+    check_threads("a", "four", replace(alone, threads=2))  # one after the other
+    with pytest.raises(
+        RunFailed, match=r"a, four: more than one thread computed \(1.90 s of CPU in 1.00 s by 2 threads"
+    ):
+        check_threads("a", "four", replace(alone, threads=2, solve_cpu=1.9))
+
+
+def test_threads_that_compute_are_counted() -> None:
+    before = {"1": 2.0, "2": 0.5}
+    assert busy_threads(before, {"1": 12.0, "2": 0.55, "3": 0.0}) == 1
+    assert busy_threads(before, {"1": 7.0, "2": 0.5, "3": 4.0}) == 2
+    assert busy_threads({}, {}) == 1
+    assert thread_seconds() == {} or max(thread_seconds().values()) > 0.0
+
+
+STAT = "cpu  {busy} 0 0 {idle} {waiting} 0 0 0 0 0\ncpu0 1 0 0 1 0 0 0 0 0 0\ncpu1 1 0 0 1 0 0 0 0 0 0\nintr 5\n"
+
+
+def test_cores_in_use_are_those_that_do_not_idle() -> None:
+    before = load.Ticks.read(STAT.format(busy=1000, idle=5000, waiting=10))
+    assert before == load.Ticks(idle=5010, total=6010, cores=2)
+    after = load.Ticks.read(STAT.format(busy=1150, idle=5400, waiting=60))
+    assert load.busy_cores(before, after) == pytest.approx(2 * 150 / 600)
+    assert load.busy_cores(before, before) == 0.0
+
+
+def test_a_round_on_a_busy_machine_is_refused() -> None:
+    def readings(busy: int) -> list[load.Ticks]:
+        return [load.Ticks(0, 0, 2), load.Ticks(600 - busy, 600, 2)]
+
+    waited: list[float] = []
+    quiet = readings(busy=30)
+    assert load.measured(lambda: quiet.pop(0), waited.append) == pytest.approx(0.1)
+    assert waited == [load.SAMPLE]
+    loaded = readings(busy=60)
+    with pytest.raises(load.Busy, match=r"use 0\.20 cores; a round begins with at most 0\.15"):
+        load.measured(lambda: loaded.pop(0), waited.append)
+
+
+def test_a_peer_that_fails_says_so() -> None:
+    with pytest.raises(RunFailed, match=r"x, four: exit status 1: .*by_nobody"):
+        measured(Peer("x", "by_nobody"), "four", sys.executable, Round("2026-11-21", "a machine", 1, None))
+
+
+def test_the_table_of_costs_names_ratios_and_what_is_missing() -> None:
+    peers = [Peer("pneurod", "by_a"), Peer("slow", "by_b"), Peer("stuck", "by_c"), Peer("absent", "by_d")]
+    runs = [run("pneurod", solve=2.0), run("slow", solve=30.0), run("stuck", note="no equilibrium")]
+    runs += [run("pneurod", solve=4.0, number=2), run("slow", solve=40.0, number=2)]
+    session = Session(runs, {"absent": "not installed: `apt-get install it`"})
+    lines = page.costs(peers, "four", session).splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    assert {len(row) for row in cells} == {10}
+    assert cells[3][:5] == ["slow", "4 (1)", "10", "35.5 (30.5 to 40.5)", "10.6 (9.0 to 12.2)"]
+    assert cells[3][5:] == ["35.0 (30.0 to 40.0)", "12.5 (10.0 to 15.0)", "100", "2", "2026-11-21, AMD EPYC"]
+    assert cells[4][1].startswith("stopped above 5 kPa after 10 factorizations")
+    assert cells[5][:2] == ["absent", "not installed: `apt-get install it`"]
+
+
+def test_only_the_last_session_of_a_peer_counts_with_its_own_rounds() -> None:
+    """A peer that takes minutes stays with its date, and is compared with pneurod as it was then."""
+    old = {"date": "2026-11-20"}
+    runs = [run("pneurod", solve=4.0, **old), run("slow", solve=400.0, **old), run("quick", solve=8.0, **old)]
+    runs += [run("pneurod", solve=2.0), run("quick", solve=6.0)]
+    session = Session(runs, {})
+    lines = page.costs([Peer(name, "by") for name in ("pneurod", "quick", "slow")], "four", session).splitlines()
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+    assert [(row[0], row[6], row[9]) for row in cells] == [
+        ("pneurod", "1.0", "2026-11-21, AMD EPYC"),
+        ("quick", "3.0", "2026-11-21, AMD EPYC"),
+        ("slow", "100.0", "2026-11-20, AMD EPYC"),
+    ]
+    session.forget({"pneurod", "quick"}, ("2026-11-21", runs[0].machine))
+    assert [(entry.peer, entry.date) for entry in session.runs] == [("pneurod", "2026-11-20"), ("slow", "2026-11-20")]
+
+
+def test_the_page_says_how_busy_the_machine_was() -> None:
+    runs = [run("a"), replace(run("a", number=2), busy=0.11), replace(run("b", date="2026-11-20"), busy=None)]
+    first, second = page.loads(runs).splitlines()
+    machine = "AMD EPYC, 2 cores, Python 3.11.7"
+    assert first.startswith(f"- 2026-11-21, {machine}: before its rounds other programs used 0.02, 0.11 cores; wall")
+    assert second.startswith(f"- 2026-11-20, {machine}: without a check of the load")
+
+
+def test_ratios_of_each_machine_stand_side_by_side() -> None:
+    """On the same day too; a peer is compared with pneurod on its own machine, and a new run replaces one there."""
+    other = {"machine": "Intel(R) Xeon(R) Processor, 4 cores, Python 3.11.7"}
+    runs = [
+        run(peer, path, solve) for peer, solve in (("pneurod", 1.0), ("NGSolve", 9.0)) for path in ("four", "straight")
+    ]
+    runs += [run("pneurod", solve=2.0, **other), run("NGSolve", solve=30.0, **other)]
+    session = Session(runs, {})
+    lines = page.on_each_machine([Peer("pneurod", "by"), Peer("NGSolve", "by")], session).splitlines()[2:]
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    assert [(row[0], row[1], row[4], row[7]) for row in cells] == [
+        ("pneurod", "", "1", "1"),
+        ("NGSolve", "Intel Xeon", "15.0", ""),
+        ("NGSolve", "AMD EPYC", "9.0", "9.0"),
+    ]
+    session.forget({"pneurod", "NGSolve"}, ("2026-11-22", other["machine"]))
+    assert session.runs == runs[:4]
+
+
+def test_a_session_is_kept_whole(tmp_path: Path) -> None:
+    session = Session([run("a"), run("a", path="straight")], {"b": "not installed"})
+    session.add(Case("a mesh", 200, 5, 3.0, 0.4, 1.5, "2026-11-20"))
+    session.add(Case("a mesh", 200, 5, 2.0, 0.3, 1.4, "2026-11-21"))
+    session.add(Case("another mesh", 100, 5, 2.0, 0.3, 1.4, "2026-11-21"))
+    assert [(case.name, case.cpu) for case in session.own] == [("another mesh", 2.0), ("a mesh", 2.0)]
+    session.save(tmp_path / "peers.json")
+    assert Session.load(tmp_path / "peers.json") == session
+    assert [path.name for path in tmp_path.iterdir()] == ["peers.json"]
+
+
+def test_page_and_readme_are_those_of_the_kept_runs() -> None:
+    session = Session.load(DOCS / "peers.json")
+    assert PEERS[0].name in {run.peer for run in session.runs} <= {peer.name for peer in PEERS}
+    assert (DOCS / "peers.md").read_text(encoding="utf-8") == page.page(PEERS, session)
+    rows = [
+        row.split("|")
+        for row in page.on_each_machine(PEERS, session).splitlines()
+        if row.startswith(("| NGSolve", "| FElupe"))
+    ]
+    fresh = [float(row[column].split()[0]) for row in rows for column in (4, 7)]
+    sentence = f"takes {floor(min(fresh))} to {ceil(max(fresh))} times the CPU time of one of pneurod"
+    assert sentence in " ".join((DOCS.parent / "README.md").read_text(encoding="utf-8").split())

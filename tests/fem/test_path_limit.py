@@ -1,0 +1,221 @@
+"""The path near a limit point: where it is announced, what is a jump, which increments are tried."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem import Fixed, Model, StVenantKirchhoff, follow
+from fem.equations.state import State
+from fem.path.increments import (
+    LIMIT_ACCURACY,
+    MAX_CUTBACKS,
+    MAX_INCREMENTS,
+    MAX_NEAR_FAILURES,
+    Increments,
+)
+from fem.path.limit import announced_limit, way_between
+from fem.path.predictor import PathPoint, extrapolate
+from tests.bodies import box
+from tests.loads import Traction
+
+LIMIT = 3.0
+
+
+def state(value: float) -> State:
+    """A state of one node and one stress point that are both as large as the value."""
+    return State(0.0, np.full((1, 3), value), np.zeros(0), np.full((1, 1, 6), value), np.zeros((1, 1, 6)))
+
+
+def fold(at: float, regular: float = 0.0) -> PathPoint:
+    """A point of the path u = regular * p - sqrt(LIMIT - p), which ends at the limit."""
+    root = np.sqrt(LIMIT - at)
+    return PathPoint(at, 1.0, state(regular * at - root), rate=state(regular + 0.5 / root))
+
+
+def line(at: float, offset: float = 0.0) -> PathPoint:
+    return PathPoint(at, 1.0, state(at + offset), rate=state(1.0))
+
+
+def test_a_fold_is_announced_where_it_is() -> None:
+    for regular in (0.0, 0.5, 2.0):
+        announced = [announced_limit(fold(a, regular), fold(b, regular)) for a, b in ((1.0, 2.5), (2.9, 2.99))]
+        assert announced == pytest.approx([LIMIT, LIMIT])
+    assert announced_limit(line(1.0), line(2.0)) is None
+
+
+def test_no_limit_is_announced_where_the_rates_grow_but_not_towards_a_fold() -> None:
+    """The mean rate lies half way between both on a parabola, and nearer to the second one on u = p^1.5."""
+    for power in (2.0, 1.5):
+        points = [PathPoint(at, 1.0, state(at**power), rate=state(power * at ** (power - 1.0))) for at in (1.0, 2.0)]
+        assert announced_limit(*points) is None
+
+
+def test_a_fold_is_extrapolated_exactly() -> None:
+    for regular in (0.0, 0.5):
+        ahead = extrapolate(fold(1.0, regular), fold(2.0, regular), 2.9, LIMIT)
+        assert ahead is not None
+        assert ahead.displacement == pytest.approx(fold(2.9, regular).state.displacement)
+        beyond = extrapolate(fold(1.0, regular), fold(2.0, regular), 3.1, LIMIT)
+        assert beyond is not None
+        assert np.isfinite(beyond.displacement).all()
+
+
+def test_the_mean_rate_stands_for_one_that_is_not_known() -> None:
+    announced = announced_limit(replace(fold(2.0), rate=None), fold(2.9))
+    assert announced == pytest.approx(LIMIT, abs=0.2)
+    assert announced_limit(fold(2.0), replace(fold(2.9), rate=None)) is None
+
+
+def test_a_way_longer_than_its_rates_is_a_jump() -> None:
+    for before, last in ((line(1.0), line(2.0)), (fold(1.0), fold(2.9))):
+        way = way_between(before, last)
+        assert way is not None
+        assert not way.is_jump
+    jump = way_between(line(1.0), line(2.0, offset=0.5))
+    assert jump is not None
+    assert jump.is_jump
+    assert jump.length == pytest.approx(1.5)
+    straight = way_between(line(1.0), line(2.0))
+    assert straight is not None
+    assert straight.is_straight
+    assert way_between(replace(line(1.0), rate=None), line(2.0)) is None
+
+
+def searched(limit: float, target: float, solvable: float) -> tuple[Increments, list[float]]:
+    """The increments towards a target of which the loads up to `solvable` have an equilibrium, and what was tried."""
+    increments, tried = Increments(0.0, target, 1 / 256), []
+    before = fold(0.0)
+    while True:
+        fraction = increments.next
+        value = fraction * target
+        tried.append(value)
+        if value < solvable:
+            last = fold(value) if value < limit else line(value)
+            increments.accepted(fraction, 3, announced_limit(before, last))
+            before = last
+            if fraction == 1.0:
+                return increments, tried
+        else:
+            increments.failed(fraction, unstable=True)
+        if increments.is_confirmed_or_exhausted or (value >= solvable and increments.ended):
+            return increments, tried
+
+
+@pytest.mark.parametrize("target", [3.1, 4.0, 10.0, 30.0, 300.0])
+def test_few_increments_find_a_limit_from_any_target(target: float) -> None:
+    increments, tried = searched(LIMIT, target, LIMIT)
+    assert increments.limit == pytest.approx(LIMIT)
+    assert increments.limit_is_confirmed
+    assert LIMIT * (1 - LIMIT_ACCURACY) < increments.reached * target < LIMIT
+    assert len(tried) <= 22
+
+
+@pytest.mark.parametrize("direction", [1.0, -1.0])
+def test_a_load_without_an_equilibrium_is_not_before_the_limit_that_is_named(direction: float) -> None:
+    """The limit is announced a little behind the load that failed, on a way up as on a way down."""
+    way = Increments(0.0, 10.0 * direction, 1 / 256)
+    for fraction in (0.2995, 0.2998):
+        way.accepted(fraction, 3, 3.02 * direction)
+        assert way.confirmed_limit is None
+    way.failed(0.3005, unstable=True)
+    assert way.confirmed_limit == pytest.approx(3.005 * direction)
+    way.limit = 3.003 * direction
+    assert way.confirmed_limit == 3.003 * direction
+
+
+def test_a_limit_that_is_announced_and_passed_does_not_end_the_path() -> None:
+    """The rates grow as if the path ended at the limit, but it goes on."""
+    increments, tried = searched(LIMIT, 10.0, 11.0)
+    assert increments.reached == 1.0
+    assert len(tried) < 12
+
+
+def test_a_load_that_failed_from_far_away_is_tried_again_from_near() -> None:
+    """No limit is named where one increment failed, however close to the announced limit the loads are."""
+    close = Increments(60.0, 60.5, 1 / 256)
+    close.limit = 60.3
+    close.failed(1.0, unstable=True)
+    assert not close.limit_is_confirmed
+    assert close.next < 1.0
+
+
+def test_the_search_ends_whatever_happens() -> None:
+    slow = Increments(0.0, 1.0, 1e-9)
+    count = 0
+    while not slow.is_confirmed_or_exhausted:
+        fraction = slow.next
+        if count % 2:
+            slow.accepted(fraction, 9, None)
+        else:
+            slow.failed(fraction, unstable=False)
+        count += 1
+    assert slow.cutbacks <= MAX_CUTBACKS
+    assert count <= MAX_INCREMENTS
+
+
+def test_the_search_does_not_creep_on() -> None:
+    """Between 100 and 130 half of the increments fail from 100 on, however small they are: no limit is announced."""
+    creeping = Increments(100.0, 130.0, 1e-9)
+    failures = 0
+    while not creeping.ended:
+        if failures > creeping.tried / 2:
+            creeping.accepted(creeping.next, 9, None)
+        else:
+            creeping.failed(creeping.next, unstable=False)
+            failures += 1
+    assert creeping.is_stuck
+    assert creeping.cutbacks <= MAX_NEAR_FAILURES + 6
+    moving = Increments(100.0, 130.0, 1e-9)
+    while moving.reached < 1.0:
+        moving.failed(moving.reached + 0.02, unstable=False)
+        moving.accepted(min(1.0, moving.reached + 0.04), 9, None)
+    assert not moving.is_stuck
+    assert moving.cutbacks > MAX_NEAR_FAILURES
+
+
+def test_a_target_far_beyond_the_load_does_not_end_the_search() -> None:
+    """Increments of 2 kPa fail and those of 0.5 kPa converge, on the way from 20 to 2000 kPa as from 20 to 40 kPa."""
+    for target in (40.0, 2000.0):
+        way = Increments(20.0, target, 1 / 256)
+        way.accepted(1.0 / (target - 20.0), 4, None)
+        while way.next * (target - 20.0) > 1.5 and not way.ended:
+            way.failed(way.next, unstable=False)
+        assert not way.ended
+    hopeless = Increments(0.0, 2000.0, 1 / 256)
+    while not hopeless.ended:
+        hopeless.failed(hopeless.next, unstable=False)
+    assert hopeless.cutbacks == 9  # from rest nothing but the way gives a measure
+
+
+def failures_of_long_increments() -> int:
+    """How many fail on a way on which those of a thirtieth of it do, and half as long ones converge at once."""
+    way = Increments(0.0, 1.0, 1e-9)
+    while way.reached < 1.0:
+        fraction = way.next
+        if fraction - way.reached > 1 / 40:
+            way.failed(fraction, unstable=False)
+        else:
+            way.accepted(fraction, 4, None)
+    return way.cutbacks
+
+
+def test_a_length_that_fails_again_and_again_is_tried_ever_more_seldom(monkeypatch) -> None:
+    failures = failures_of_long_increments()
+    monkeypatch.setattr("fem.path.increments.MAX_WAIT", 1)
+    assert failures <= 0.6 * failures_of_long_increments()
+
+
+def test_a_bifurcation_is_passed_where_the_path_goes_straight_on() -> None:
+    """A column under 1.5 times Euler's load stays straight, unstable in two directions, in one increment."""
+    length = 16.0
+    euler = np.pi**2 / 12 / (4 * length**2)
+    compression = Traction("right", lambda x: np.broadcast_to([-euler, 0.0, 0.0], x.shape))
+    model = Model(
+        box((16, 1, 1), (length, 1.0, 1.0)), StVenantKirchhoff(1.0, 0.0), [Fixed("left")], [compression], "p2"
+    )
+    stable, unstable = follow(model, [0.5, 1.5]).steps
+    assert stable.negative_pivots == 0
+    assert unstable.negative_pivots == 2
+    assert unstable.cutbacks == 0
+    assert "unstable in 2 directions" in unstable.instability

@@ -1,0 +1,86 @@
+"""A body that intersects itself where contact is not simulated is detected; one that only curls is not."""
+
+import numpy as np
+import pytest
+
+from fem import crossing_at_rest, self_intersection_clause
+from fem.discretisation import Discretisation
+from fem.effects.contact import crossings
+from geometry import Mesh
+from geometry.arrays import Array
+from tests.bodies import box, fork, hollow_box
+
+LENGTH = 24.0
+
+
+@pytest.fixture(scope="module")
+def beam() -> Discretisation:
+    return Discretisation.of(box((24, 1, 1), (LENGTH, 1.0, 1.0)), "p2")
+
+
+def curled(space: Discretisation, turns: float) -> Array:
+    """The beam as an arc of a circle."""
+    x, y, z = space.points.T
+    radius = LENGTH / (2 * np.pi * turns)
+    angle = x / radius
+    return np.column_stack([(radius - y) * np.sin(angle), radius - (radius - y) * np.cos(angle), z])
+
+
+@pytest.mark.parametrize("turns", [0.1, 0.5, 0.9])
+def test_a_beam_curled_by_less_than_a_turn_does_not_intersect_itself(beam: Discretisation, turns: float) -> None:
+    assert self_intersection_clause(beam, curled(beam, turns), half=False) == ""
+
+
+def test_a_beam_curled_by_more_than_a_turn_passes_through_itself(beam: Discretisation) -> None:
+    where = self_intersection_clause(beam, curled(beam, 1.1), half=False)
+    x, y, _ = (
+        float(part) for part in where.removeprefix("passes through itself near (").removesuffix(") mm").split(",")
+    )
+    radius = LENGTH / (2 * np.pi * 1.1)
+    # the ends overlap over 0.1 turns beside the clamp, at the bottom of the circle
+    assert 0.0 <= np.arctan2(x, radius - y) <= 2 * np.pi * 0.1 + 0.2
+
+
+def test_half_a_body_that_crosses_its_plane_of_symmetry() -> None:
+    space = Discretisation.of(hollow_box(half=True), "p2")
+    assert self_intersection_clause(space, space.points, half=True) == ""
+    x = space.points.copy()
+    x[space.surface("cavity").unique_nodes, 2] -= 0.7
+    assert self_intersection_clause(space, x, half=True).startswith("passes through its mirror image near (")
+
+
+def test_walls_that_are_close_at_rest_are_not_examined() -> None:
+    space = Discretisation.of(fork(0.4), "p2")
+    x = space.points.copy()
+    x[x[:, 1] > 1.2, 1] -= 0.6
+    assert self_intersection_clause(space, x, half=False) == ""
+
+
+def test_a_crossing_of_neighbouring_walls_is_not_counted(
+    beam: Discretisation,
+) -> None:
+    """Two ends of the beam come near each other without crossing, and a node is pushed through its own corner."""
+    x = curled(beam, 0.93)
+    assert self_intersection_clause(beam, x, half=False) == ""
+    surface = np.unique(np.concatenate([faces.triangles for faces in beam.surfaces.values()]))
+    rest = beam.points[surface]
+    corner = surface[int(np.argmin(np.linalg.norm(rest - (12.0, 0.0, 0.0), axis=1)))]
+    x[corner] += 2.0 * (x[surface[int(np.argmin(np.linalg.norm(rest - (12.0, 1.0, 0.5), axis=1)))]] - x[corner])
+    triangles = np.concatenate([faces.triangles for faces in beam.surfaces.values()])
+    assert crossings(x, triangles)[0].size > 0
+    assert self_intersection_clause(beam, x, half=False) == ""
+
+
+def test_a_boundary_that_crosses_itself_at_rest_is_found_where_it_does() -> None:
+    """A vertex of one prong is pulled through the other one: its elements are stretched, none is turned over."""
+    mesh = fork(0.4)
+    assert crossing_at_rest(mesh) is None
+    points = np.array(mesh.points)
+    tip = points[:, 0].max()
+    lower = points[:, 1] < 1.01
+    moved = int(np.flatnonzero((points[:, 0] == tip) & lower & (points[:, 2] > 0))[-1])
+    points[moved, 1] += 2.5
+    crossing = crossing_at_rest(Mesh(points, mesh.tets, {}))
+    assert crossing is not None
+    assert tip - 2.0 <= crossing[0] <= tip
+    assert crossing[1] > 0.9

@@ -1,0 +1,74 @@
+"""What steps say of the stability of their state, under a given load and under a given volume."""
+
+import numpy as np
+import pytest
+
+from fem import (
+    Fixed,
+    Model,
+    NeoHooke,
+    NotConverged,
+    Prescribed,
+    Pressure,
+    Step,
+    StVenantKirchhoff,
+    follow,
+    follow_volume,
+)
+from tests.bodies import box, hollow_box
+
+EARLIER = "the path was not followed: it lost its stability on the way to an earlier state"
+
+
+def pressed_column() -> Model:
+    """A clamped column that is shortened by a tenth, twice as much as it bears without buckling."""
+    supports = [Fixed("left"), Fixed("right", "yz"), Prescribed("right", "x", -0.8)]
+    return Model(box((8, 1, 1), (8.0, 1.0, 1.0)), StVenantKirchhoff(1.0, 1e-5), supports, [], "p2")
+
+
+def balloon() -> Model:
+    """Its largest load factor is 0.52, at nine times the volume at rest, 0.5 mm3."""
+    supports = [Fixed("clamp"), Fixed("sym", "z")]
+    return Model(hollow_box(half=True), NeoHooke(0.4, 20.0), supports, [Pressure("cavity", 1.0)])
+
+
+@pytest.fixture(scope="module")
+def column_steps() -> tuple[Step, ...]:
+    return follow(pressed_column(), [1.0, 1.0, 1.0, 0.25]).steps
+
+
+def test_an_unstable_state_that_is_a_target_again_stays_unstable(column_steps: tuple[Step, ...]) -> None:
+    first, second, third, relieved = column_steps
+    assert [step.negative_pivots for step in column_steps] == [4, 4, 4, 0]
+    assert "of the way to this state" in first.instability
+    for step in (second, third):
+        np.testing.assert_allclose(step.displacement, first.displacement, atol=1e-8)
+        assert step.instability.startswith("unstable in 4 directions")
+        assert EARLIER in step.instability
+    assert relieved.instability == ""
+
+
+def test_a_resumed_path_tells_the_same_of_its_stability(column_steps: tuple[Step, ...]) -> None:
+    for count in (1, 2):
+        again = follow(pressed_column(), [1.0, 1.0, 1.0], resume=column_steps[:count]).steps
+        assert [step.instability for step in again] == [step.instability for step in column_steps[:3]]
+
+
+def test_a_path_under_a_volume_goes_through_a_limit_of_the_load_and_is_followed() -> None:
+    (step,) = follow_volume(balloon(), "cavity", [5.5]).steps
+    assert len(step.increments) > 1
+    assert step.negative_pivots == 1
+    assert step.instability.startswith("unstable in 1 direction;")
+    assert "not followed" not in step.instability
+
+
+@pytest.mark.parametrize("before", [[], [4.0]])
+def test_the_end_of_a_path_under_a_volume_does_not_advise_a_volume(before: list[float]) -> None:
+    """It ends shortly behind the largest load, with 4 % of the elastic stiffness left."""
+    with pytest.raises(NotConverged) as caught:
+        follow_volume(balloon(), "cavity", [*before, 25.0])
+    cause = caught.value.end.cause
+    assert cause.startswith("no equilibrium after 12 iterations")
+    assert "limit point" not in cause
+    assert "volume (in Python" not in cause
+    assert cause.endswith("another formulation of the elements or volumes in between may lead further")

@@ -1,0 +1,292 @@
+"""The command that measures the arm's own law: its files, what it keeps, what it refuses, and the rod that reads it."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import pneurod
+from fem.cell.piece import BendingPiece, PieceFailed
+from pipeline.cell import curves, mesh_error, refinement
+from pipeline.cell.build import BETWEEN
+from pipeline.cell.deviation import is_not_reduced
+from pipeline.cell.mesh_error import NUMBERS
+from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.cell.refinement import refined_mesh
+from pipeline.cell.saved import SavedLaw
+from pipeline.cell.study import LawReport, measure_law
+from pipeline.cli import app
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
+from pipeline.context import RunContext
+from pipeline.progress import Silent
+from pipeline.store.store import open_store
+from rod import RodError
+from rod.arm_law.record import law_from_record
+
+CONFIGS = Path(__file__).resolve().parent.parent.parent.parent / "configs"
+ARM = ["geometry.chambers=4", "pressures=[6 kPa, 9 kPa]", "mesh.size=6 mm"]
+
+
+def arm(*settings: str, name: str = "pneunet_coarse") -> Config:
+    return load_config(CONFIGS / f"{name}.yaml", settings)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> LawReport:
+    return measure_law(arm(*ARM), tmp_path_factory.mktemp("law"), 1, False, Silent())
+
+
+def test_the_law_goes_through_rest_and_every_pressure_of_the_configuration(report: LawReport) -> None:
+    law = report.measured.law
+    assert report.measured.failures == ()
+    assert {0.0, 6.0, 9.0} | set(report.measured.added_kPa) == set(law.pressures)
+    assert (law.pitch, law.length, law.first_middle) == pytest.approx((10.0, 42.0, 6.0), abs=1e-9)
+    kappa_0 = [cell.at(0.0)[0] for cell in law.cells]
+    assert kappa_0[0] == pytest.approx(0.0, abs=1e-7)
+    assert np.all(np.diff(kappa_0) < 0.0)  # negative, as in experiment II
+    assert report.measured.error_between <= BETWEEN
+    assert report.measured.error_along < 0.01
+
+
+@pytest.mark.parametrize(
+    ("errors", "expected"),
+    [
+        ((1.9, 1.8, 1.7), True),
+        ((9.0, 1.8, 1.7), False),  # halved until now
+        ((1.9, 1.8, 0.9), False),
+        ((1.8, 1.7), False),
+        ((2.9, 2.8, 2.7), False),  # too far from what is allowed
+        ((8.0, 1.9, 1.8, 1.7), True),
+    ],
+)
+def test_intervals_of_the_pressure_are_not_divided_in_vain(errors: tuple[float, ...], expected: bool) -> None:
+    assert is_not_reduced(errors, 1.0) is expected
+
+
+def test_the_file_holds_the_law_with_its_errors_and_limits(report: LawReport) -> None:
+    content = json.loads((report.directory / "law.json").read_text(encoding="utf-8"))
+    assert {"format", "pitch_mm", "pressures_kPa", "curves", "clamp", "tip", "mesh_error", "limits"} <= set(content)
+    keys = {"pressure_kPa", "kappa_per_mm", "moment_N_mm", "stretch", "rigidity_N_mm2", "contact", "min_J"}
+    assert all(keys <= set(curve) for curve in content["curves"])
+    error = content["mesh_error"]
+    assert (error["size_mm"], error["second_mm"], error["reason"]) == (6.0, 3.0, "")
+    assert all(len(error[f"{name}_std"]) == len(error["pressures_kPa"]) for name in NUMBERS)
+    assert all(value > 0.0 for name in NUMBERS for value in error[f"{name}_std"])
+    for name in ("law.html", "law.svg", "run.json"):
+        assert (report.directory / name).stat().st_size > 1000
+
+
+def test_a_coarser_mesh_gives_the_error_where_a_finer_one_is_too_large(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mesh_error, "MOST_UNKNOWNS", 1000)
+    config = arm(*ARM)
+    with open_store(tmp_path, config, fresh=False) as store:
+        cells = report.measured.law.cells
+        error = mesh_error.mesh_error(ArmPieces(config, 0.04), cells, 2000, RunContext.alone(store, Silent()))
+    assert error.second_mm == 9.0
+    assert error.pressures_kPa == (6.0, 9.0)
+    assert error.reason.endswith("because a mesh of half the size has more than 1000 unknowns")
+
+
+def test_a_pressure_that_the_finer_mesh_does_not_bear_costs_the_others_nothing(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config, whole = arm(*ARM), report.measured.mesh_error
+    solved, lowest = mesh_error.numbers_on, min(whole.pressures_kPa)
+
+    def failing(piece: BendingPiece, pressure: float, *others: float) -> tuple[float, ...]:
+        if pressure == lowest and len(piece.space.points) > len(report_cell.space.points):
+            raise PieceFailed("the walls buckle.")
+        return solved(piece, pressure, *others)
+
+    monkeypatch.setattr(mesh_error, "numbers_on", failing)
+    with open_store(tmp_path, config, fresh=False) as store:
+        pieces = ArmPieces(config, 0.04)
+        report_cell = pieces.cell
+        unknowns = report.measured.unknowns["cell"]
+        context = RunContext.alone(store, Silent())
+        error = mesh_error.mesh_error(pieces, report.measured.law.cells, unknowns, context)
+    assert error.pressures_kPa == whole.pressures_kPa
+    assert error.second_mm == whole.second_mm == 3.0
+    for name in NUMBERS:
+        assert error.deviations[name][1:] == whole.deviations[name][1:]
+        assert error.deviations[name][0] != whole.deviations[name][0] > 0.0
+    assert error.reason == (
+        "the error of the mesh at 6 kPa is estimated from a coarser one, which is less certain, because on the mesh of "
+        "3 mm: the walls buckle"
+    )
+
+
+@pytest.mark.parametrize("family", ["pneunet_coarse", "semicircular_coarse"])
+def test_a_mesh_of_half_the_size_has_at_most_as_many_points_as_estimated(family: str) -> None:
+    pieces = ArmPieces(load_config(CONFIGS / f"{family}.yaml", ["mesh.size=4 mm"]), 0.04)
+    ratio = len(pieces.with_mesh_size(2.0).cell.space.points) / len(pieces.cell.space.points)
+    assert mesh_error.MORE_POINTS / 2 < ratio <= mesh_error.MORE_POINTS
+
+
+@pytest.mark.parametrize("order", [1.0, 1.5, 2.0])
+def test_the_stated_error_is_the_true_one_within_a_quarter_for_every_assumed_order(order: float) -> None:
+    error = 0.1
+    estimate = mesh_error.deviation(mesh_error.FINER, 1.0 + error, 1.0 + mesh_error.FINER**order * error)
+    assert estimate == pytest.approx(error, rel=0.25)
+    assert mesh_error.deviation(mesh_error.FINER, 1.0, 1.0) == 0.0
+
+
+def test_the_law_is_read_back_and_gives_the_same_rod(report: LawReport) -> None:
+    results = pneurod.read_results(report.directory)
+    assert isinstance(results.arm_law, pneurod.ArmLaw)
+    assert results.run.config_hash == report.config.hash
+    for pressure in (7.5, 9.0):
+        ours, theirs = (law.at(pressure).solve(end_y=0.0) for law in (results.arm_law, report.measured.law))
+        assert np.array_equal(ours.x, theirs.x)
+        assert np.array_equal(ours.moment, theirs.moment)
+
+
+def test_a_second_call_solves_nothing_and_writes_the_same_law(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(report.directory, tmp_path / "again")
+
+    def refuse(*arguments: object, **options: object) -> None:
+        raise AssertionError("a state is solved again")
+
+    for name in ("solve", "solve_near"):
+        monkeypatch.setattr(BendingPiece, name, refuse)
+    measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
+    first, second = (folder / "law.json" for folder in (report.directory, tmp_path / "again"))
+    assert first.read_bytes() == second.read_bytes()
+
+
+def test_an_interrupted_measurement_continues_with_equal_numbers(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A cell, an end and a check that are missing are measured again, from the same states as the first time."""
+    shutil.copytree(report.directory, tmp_path / "again")
+    for pattern in ("cell_9kPa*", "clamp_*_9kPa*", "between_6*"):
+        file = min((tmp_path / "again" / "law").glob(pattern))
+        file.unlink()
+    again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
+    for ours, theirs in zip(again.measured.law.cells, report.measured.law.cells, strict=True):
+        assert np.array_equal(ours.moment, theirs.moment)
+        assert np.array_equal(ours.ripple, theirs.ripple)
+    for clamp, other in zip(again.measured.law.clamps, report.measured.law.clamps, strict=True):
+        assert np.array_equal(clamp.offset, other.offset)
+
+
+def test_the_mesh_of_the_cell_is_refined_until_its_error_is_small_enough(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    config = arm(*ARM, "mesh.size=6 mm")
+    pieces = ArmPieces(config, 0.04)
+    with open_store(tmp_path, config, fresh=False) as store:
+        context = RunContext.alone(store, Silent())
+        taken = refined_mesh(pieces, context, 0.1)
+        assert taken.is_reached
+        assert len(taken.meshes) >= 3
+        sizes = [mesh.size_mm for mesh in taken.meshes]
+        assert sizes == pytest.approx([6.0 / refinement.RATIO**k for k in range(len(sizes))])
+        assert f"{taken.size_mm:.3g} mm was taken" in taken.sentence
+        before_last = taken.meshes[-2].degrees_of_freedom
+        monkeypatch.setattr(refinement, "MOST_UNKNOWNS", before_last * refinement.RATIO**2)
+        limited = refined_mesh(pieces, context, 1e-6)  # the same meshes, from the folder
+        assert limited.meshes == taken.meshes
+        assert not limited.is_reached
+        assert "not reached: a finer mesh has more than" in limited.sentence
+        monkeypatch.setattr(refinement, "MOST_UNKNOWNS", 1)
+        with pytest.raises(pneurod.RunFailed, match="fewer than 3 meshes"):
+            refined_mesh(pieces, context, 0.1)
+
+
+def test_processes_measure_the_same_law(report: LawReport, tmp_path: Path) -> None:
+    shutil.copytree(report.directory, tmp_path / "again")
+    for pattern in ("cell_6kPa*", "cell_9kPa*"):
+        for file in (tmp_path / "again" / "law").glob(pattern):
+            file.unlink()
+    again = measure_law(arm(*ARM), tmp_path / "again", 2, False, Silent()).measured.law
+    for ours, theirs in zip(again.cells, report.measured.law.cells, strict=True):
+        assert ours.moment == pytest.approx(theirs.moment, abs=1e-6)
+        assert ours.kappa == pytest.approx(theirs.kappa, rel=1e-6, abs=1e-9)
+
+
+def test_a_pressure_that_the_cell_does_not_bear_is_named_and_the_law_below_it_stays(
+    report: LawReport, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(report.directory, tmp_path / "again")
+    [file] = (tmp_path / "again" / "law").glob("cell_9kPa*")
+    file.unlink()
+
+    def fail(*arguments: object) -> None:
+        raise PieceFailed("no equilibrium of the half cell at 9 kPa and a mean curvature of -0.007 1/mm: for a test")
+
+    monkeypatch.setattr(curves, "sweep_cell", fail)
+    again = measure_law(arm(*ARM), tmp_path / "again", 1, False, Silent())
+    assert again.measured.law.pressures[-1] == 6.0
+    [sentence] = again.measured.failures
+    assert "9 kPa" in sentence
+    with pytest.raises(pneurod.RunFailed, match="no equilibrium of the half cell at 9 kPa") as failure:
+        again.raise_if_failed()
+    assert "the law goes up to 6 kPa, the whole arm may bear less, which `pneurod run` finds out" in str(failure.value)
+
+
+def test_the_rod_command_reads_the_law(report: LawReport, tmp_path: Path) -> None:
+    file = str(report.directory / "law.json")
+    call = CliRunner().invoke(
+        app, ["rod", file, "--pressure", "8 kPa", "--end-y", "0 mm", "--out", f"{tmp_path}/s.csv"]
+    )
+    assert call.exit_code == 0
+    assert "0.000 mm from the clamp" in call.stdout
+    rows = np.loadtxt(tmp_path / "s.csv", delimiter=",", skiprows=1)
+    assert rows[-1, 2] == pytest.approx(0.0, abs=1e-6)
+    outside = CliRunner().invoke(app, ["rod", file, "--pressure", "12 kPa"])
+    assert outside.exit_code == 2
+    assert "12 kPa is outside" in outside.stderr
+
+
+def test_the_section_law_is_exported_as_a_table(report: LawReport, tmp_path: Path) -> None:
+    shutil.copy(report.directory / "law.json", tmp_path)
+    for target in ("csv", "json"):
+        assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", target]).exit_code == 0
+    (table,), (text,) = tmp_path.glob("law_*kPa.csv"), tmp_path.glob("law_*kPa.json")
+    rows, content = np.genfromtxt(table, delimiter=",", names=True), json.loads(text.read_text(encoding="utf-8"))
+    assert content["pressures_kPa"][-1] == 9.0
+    last = rows[rows["pressure_kPa"] == 9.0]
+    assert last["kappa_per_mm"] == pytest.approx(content["kappa_per_mm"][-1])
+    assert CliRunner().invoke(app, ["export", str(tmp_path), "--to", "csv", "--pressure", "8 kPa"]).exit_code == 0
+    assert (tmp_path / "law_8kPa.csv").is_file()
+    refused = CliRunner().invoke(app, ["export", str(tmp_path), "--to", "mujoco"])
+    assert refused.exit_code == 2
+    assert "csv, json" in refused.stderr
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "sentence"),
+    [
+        ("pneunet_coarse", ["geometry.chambers=1"], "no inner cell"),
+        ("pneunet_coarse", ["effects.gravity=on"], "weight"),
+        ("finger", ["geometry.cell=8 mm"], "not known where the cells of this body lie"),
+        ("pneunet_coarse", ["effects.self_contact={faces: [gap, outer]}"], "contact on one outer face alone"),
+    ],
+)
+def test_an_arm_without_such_a_law_is_refused_in_one_sentence(name: str, settings: list[str], sentence: str) -> None:
+    with pytest.raises(NoArmLaw, match=sentence):
+        _ = ArmPieces(arm(*settings, name=name), None).repetition
+
+
+def test_the_command_refuses_such_an_arm_as_wrong_input(tmp_path: Path) -> None:
+    command = ["cell", str(CONFIGS / "pneunet_coarse.yaml"), "--set", "geometry.chambers=1", "--out", str(tmp_path)]
+    call = CliRunner().invoke(app, command)
+    assert call.exit_code == 2
+    assert "no inner cell" in call.stderr
+
+
+def test_another_file_is_no_law(tmp_path: Path) -> None:
+    (tmp_path / "law.json").write_text("{}")
+    with pytest.raises(pneurod.InputError, match="not the law of an arm"):
+        SavedLaw.read(tmp_path / "law.json")
+    with pytest.raises(RodError, match="format"):
+        law_from_record({"format": 99})

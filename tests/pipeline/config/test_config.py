@@ -1,0 +1,684 @@
+"""A configuration is read with its units, and errors are refused in one sentence with file and key."""
+
+import dataclasses
+import json
+import pickle
+from pathlib import Path
+
+import pytest
+
+import fem
+from fem.elements import ELEMENTS
+from fem.materials import LAWS, Constant
+from geometry import FAMILIES, PneuNet
+from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.config.config import AUTO, Config, End, IdentificationSettings, Validation
+from pipeline.config.load import load_config
+from pipeline.config.schema import EFFECTS
+from pipeline.config.units import DENSITY, LENGTH, PRESSURE, STRESS, Dimension, convert
+from pipeline.errors import InputError
+from pipeline.plausibility.before import before_solving
+from pipeline.simulation.scene import Scene, material_of
+
+
+def refusal(path: Path, *overrides: str) -> str:
+    with pytest.raises(InputError) as refused:
+        load_config(path, overrides)
+    sentences = refused.value.sentences
+    assert str(refused.value).split("\n") == list(sentences)
+    assert "pydantic" not in str(refused.value)
+    assert all(sentence.startswith((f"{path}: ", "--set ")) for sentence in sentences)
+    return sentences[0]
+
+
+@pytest.fixture
+def written(tmp_path: Path, configs: Path) -> Path:
+    """A copy of the coarse configuration that a test may spoil."""
+    path = tmp_path / "arm.yaml"
+    path.write_text((configs / "pneunet_coarse.yaml").read_text(encoding="utf-8"), encoding="utf-8")
+    return path
+
+
+def spoil(path: Path, old: str, new: str) -> Path:
+    text = path.read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return path
+
+
+def test_values_arrive_in_mm_N_MPa(configs: Path) -> None:
+    config = load_config(configs / "pneunet.yaml")
+    assert config.design == PneuNet()
+    assert config.design.length == 112.0
+    assert config.material.built() == fem.StVenantKirchhoff(1.2, 0.495)
+    assert config.material.constants == {"E": 1.2, "nu": 0.495}
+    assert config.material.density_tonne_mm3 == 1.13e-9
+    assert config.pressures_kPa == (5.0, 17.0, 31.0, 45.0)
+    assert config.end.y_mm == 0.0
+    assert config.mesh.formulation == "p2p0"
+    assert {name: getattr(config.effects, name).state for name in EFFECTS} == dict.fromkeys(EFFECTS, "auto")
+
+
+def test_the_record_has_the_keys_of_the_yaml_with_their_units(configs: Path) -> None:
+    record = load_config(configs / "pneunet_coarse.yaml", ["effects.self_contact={dhat: 0.1 mm}"]).record()
+    keys = ["name", "geometry", "material", "pressures_kPa", "experiments", "end", "identification"]
+    assert list(record) == [*keys, "added_pressures", "validation", "law", "mesh", "newton", "accuracy", "effects"]
+    assert record["end"] == {"x_mm": None, "y_mm": 0.0, "force_N": [0.0, 0.0]}
+    assert record["mesh"] == {"size_mm": 4.0, "formulation": "p2p0", "coarser": None, "grading": "off"}
+    effects = record["effects"]
+    assert isinstance(effects, dict)
+    assert list(effects) == list(EFFECTS)
+    assert effects["self_contact"] == {"state": "on", "dhat_mm": 0.1, "faces": None}
+    assert effects["gravity"] == {"state": "auto", "acceleration_mm_s2": [0.0, -9810.0, 0.0]}
+    assert effects["pressure"] == {"state": "auto", "cavities": {"cavity": {"fraction": 1.0, "constant_kPa": 0.0}}}
+
+
+def test_experiment_one_may_be_left_out_and_the_others_may_not(written: Path) -> None:
+    assert load_config(written).experiments == ("I", "II", "III")
+    assert load_config(written, ["experiments=[III, II]"]).experiments == ("II", "III")
+    assert load_config(written, ["experiments=[III, II]"]).hash == load_config(written, ["experiments=[II, III]"]).hash
+    for wrong in ("[II]", "II", "[I, II, III, IV]", "[II, II, III]", "[]"):
+        assert "allowed: [I, II, III] or [II, III]" in refusal(written, f"experiments={wrong}")
+
+
+def test_a_mesh_size_to_be_planned_is_no_number(configs: Path) -> None:
+    config = load_config(configs / "pneunet_coarse.yaml", ["mesh.size=auto", "accuracy=2 %"])
+    assert config.mesh.size_mm is AUTO
+    assert config.record()["mesh"] == {"size_mm": "auto", "formulation": "p2p0", "coarser": None, "grading": "off"}
+    with pytest.raises(ValueError, match="still to be planned"):
+        _ = config.mesh.element_size_mm
+    with pytest.raises(
+        InputError, match="only `pneurod run` and `pneurod cell` choose a mesh for a requested accuracy"
+    ):
+        Scene.meshed(config)
+    assert config.with_mesh_size(3.0).mesh.element_size_mm == 3.0
+
+
+def test_a_configuration_travels_to_other_processes(configs: Path) -> None:
+    config = load_config(configs / "pneunet.yaml")
+    assert pickle.loads(pickle.dumps(config)) == config
+    assert json.loads(json.dumps(config.record())) == config.record()
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        config.name = "other"  # type: ignore[misc]
+
+
+def test_the_hash_knows_values_not_spellings(configs: Path) -> None:
+    def hashed(*overrides: str) -> str:
+        return load_config(configs / "pneunet_coarse.yaml", overrides).hash
+
+    assert hashed("material.E=1200 kPa", "pressures=[0.017 MPa, 0.37 bar]", "end.y=0 m") == hashed()
+    different = {hashed(), hashed("mesh.size=3 mm"), hashed("pressures=[17 kPa]"), hashed("effects.symmetry=off")}
+    assert len(different) == 4
+
+
+@pytest.mark.parametrize("family", sorted(FAMILIES))
+def test_every_family_reads_its_own_keys(written: Path, family: str) -> None:
+    keys = [field.name for field in dataclasses.fields(FAMILIES[family])]
+    geometry = f"geometry={{family: {family}}}"
+    config = load_config(written, [geometry])
+    assert config.design == FAMILIES[family]()
+    assert refusal(written, geometry, "geometry.wings=2").endswith(f"allowed here: family, {', '.join(keys)}")
+
+
+def test_what_is_left_out_has_a_default(written: Path) -> None:
+    text = "name: short\ngeometry: {family: pneunet}\nmesh: {size: 4 mm}\n"
+    written.write_text(text + "material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}\n", encoding="utf-8")
+    config = load_config(written)
+    assert config.pressures_kPa == (5.0, 17.0, 31.0, 45.0)
+    assert {name: getattr(config.effects, name).state for name in EFFECTS} == dict.fromkeys(EFFECTS, "auto")
+
+
+#: what stands in the file, what is written instead, the key in the sentence, and what the sentence must say
+SPOILT = [
+    ("size: 4 mm", "size: 4", "mesh.size", "4 has no unit; write a length with its unit, for example '4 mm'"),
+    ("size: 4 mm", "size: 4 furlongz", "mesh.size", "'furlongz' in '4 furlongz' is not a known unit"),
+    ("size: 4 mm", "size: 4 kPa", "mesh.size", "'4 kPa' is not a length"),
+    ("size: 4 mm", "size: four mm", "mesh.size", "not a number followed by a unit"),
+    ("size: 4 mm", "size: 4 mm**", "mesh.size", "not a known unit"),
+    ("size: 4 mm", "size: 1e999 mm", "mesh.size", "not finite"),
+    ("size: 4 mm", "size: 4 mm*9**9**9**9", "mesh.size", "not a known unit"),  # Pint would work on it for ever
+    ("size: 4 mm", "size: 4 mm**9**9**9**9", "mesh.size", "not a known unit"),
+    ("size: 4 mm", "size: 4 mm^(1/0)", "mesh.size", "not a known unit"),
+    ("size: 4 mm", "size: 0.01 mm", "mesh.size", "elements in a body of 112 x 17 x 15 mm; at least 0.2"),
+    ("chambers: 11 ", "chambers: 1000000000000 ", "geometry.chambers", "at most 10000 fit into memory"),
+    ("wall: 1 mm  ", "wall: 1e-300 m  ", "geometry.wall", "must lie between 0.001 mm and 1e+06 mm"),
+    ("width: 15 mm", "width: 1e300 mm", "geometry.width", "must lie between 0.001 mm and 1e+06 mm"),
+    ("size: 4 mm", "size: 40 mm", "mesh.size", "larger than the body"),
+    ("size: 4 mm", "size: -4 mm", "mesh.size", "allowed: above zero"),
+    ("size: 4 mm", "sizes: 4 mm", "mesh.sizes", "unknown key; did you mean 'size'? allowed here: size, formulation"),
+    ("name: pneunet_coarse", "", "name", "is missing; for example 'name: pneunet'"),
+    ("name: pneunet_coarse", "name: a/b", "name", "letters"),
+    ("name: pneunet_coarse", "name: 12", "name", "is not a text"),
+    (
+        "name: pneunet_coarse",
+        "name: x\ncolour: red",
+        "colour",
+        "unknown key; allowed here: name, pressures, experiments, end",
+    ),
+    ("width: 15 mm", "width: 15", "geometry.width", "15 has no unit"),
+    ("width: 15 mm", "widht: 15 mm", "geometry.widht", "did you mean 'width'?"),
+    ("width: 15 mm", "width: -15 mm", "geometry.width", "must be a positive length"),
+    ("wall: 1 mm  ", "wall: 5 mm  ", "geometry.wall", "less than half of chamber_length"),
+    ("chambers: 11 ", "chambers: 11 mm ", "geometry.chambers", "is not a whole number"),
+    ("chambers: 11 ", "chambers: 1.5 ", "geometry.chambers", "is not a whole number"),
+    (
+        "family: pneunet",
+        "family: pneu",
+        "geometry.family",
+        "'pneu' is not known; did you mean 'pneunet'? allowed: pneunet",
+    ),
+    ("nu: 0.495", "nu: 0.5", "material.nu", "allowed: above -1 and below 0.5"),
+    ("nu: 0.495", "nu: 0.6", "material.nu", "allowed: above -1 and below 0.5"),
+    ("nu: 0.495", "nu: -1", "material.nu", "allowed: above -1 and below 0.5"),
+    ("nu: 0.495", "nu: .nan", "material.nu", "allowed: above -1 and below 0.5"),
+    ("nu: 0.495", "nu: 0.495 MPa", "material.nu", "is not a plain number"),
+    ("nu: 0.495", "mu: 0.4 MPa", "material.mu", "unknown key"),
+    ("E: 1.2 MPa", "E: 1.2 mm", "material.E", "'1.2 mm' is not a stress"),
+    ("E: 1.2 MPa", "E: 0 MPa", "material.E", "allowed: above zero"),
+    ("law: svk", "law: rubber", "material.law", "'rubber' is not known; allowed: svk"),
+    ("density: 1130 kg/m^3", "density: 1130 kg", "material.density", "is not a density"),
+    ("[17 kPa, 37 kPa]", "[37 kPa, 17 kPa]", "pressures", "is not in ascending order"),
+    ("[17 kPa, 37 kPa]", "[17 kPa, 17 kPa]", "pressures", "is not in ascending order"),
+    ("[17 kPa, 37 kPa]", "[17 kPa, 17.0001 kPa]", "pressures", "which differ by less than 1e-05 of themselves"),
+    ("[17 kPa, 37 kPa]", "[-17 kPa, 37 kPa]", "pressures", "-17 kPa is not above zero"),
+    ("[17 kPa, 37 kPa]", "[-17 kPa, -5 kPa]", "pressures", "for a vacuum give a cavity a negative fraction of them"),
+    ("[17 kPa, 37 kPa]", "[0 kPa, 37 kPa]", "pressures", "0 kPa is not above zero"),
+    ("[17 kPa, 37 kPa]", "[]", "pressures", "is empty"),
+    ("[17 kPa, 37 kPa]", "17 kPa", "pressures", "must be a list, for example [17 kPa, 37 kPa]"),
+    ("[17 kPa, 37 kPa]", "[17 kPa, 37]", "pressures[2]", "37 has no unit"),
+    ("y: 0 mm", "y: 0", "end.y", "0 has no unit"),
+    ("y: 0 mm", "z: 0 mm", "end.z", "unknown key; allowed here: x, y"),
+    ("formulation: p2p0", "formulation: p7", "mesh.formulation", "'p7' is not allowed; allowed: p2p0, p2, mixed or p1"),
+    ("self_contact: auto", "self_contact: never", "effects.self_contact", "allowed: auto, on or off"),
+    ("self_contact: auto", "friction: on", "effects.friction", "unknown key; allowed here: pressure, self_contact"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "key", "complaint"), SPOILT)
+def test_wrong_input_is_refused_in_one_sentence(written: Path, old: str, new: str, key: str, complaint: str) -> None:
+    sentence = refusal(spoil(written, old, new))
+    assert sentence.startswith(f"{written}: {key}: ")
+    assert complaint in sentence
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("", "holds no keys"),
+        ("- a\n- b\n", "holds no keys"),
+        ("name: [1, 2\n", "line 2: "),
+        ("name: a\nname: b\n", "line 2: key 'name' given twice"),
+        ("name: a\n", "geometry: is missing"),
+        ("name: a\ngeometry: 3\n", "geometry: must hold keys"),
+        ("name: a\ngeometry: {}\n", "geometry.family: is missing; allowed: pneunet"),
+        ("\x00", "write 'key: value' lines"),
+        ("name: " + "[" * 5000, "is nested too deeply"),
+        ("name: " + "9" * 5000, "has an invalid value"),
+        ("name: 2020-13-45", "has an invalid value"),
+        ("name: !!timestamp x", "has an invalid value"),
+    ],
+)
+def test_a_file_that_is_no_configuration_is_refused(written: Path, text: str, complaint: str) -> None:
+    written.write_text(text, encoding="utf-8")
+    sentence = refusal(written)
+    assert sentence.startswith(f"{written}: ")
+    assert complaint in sentence
+
+
+def test_a_file_that_cannot_be_read_is_refused(tmp_path: Path) -> None:
+    assert "no such file" in refusal(tmp_path / "none.yaml")
+    assert "cannot be read" in refusal(tmp_path)
+    binary = tmp_path / "binary.yaml"
+    binary.write_bytes(b"\xff\xfe\x80")
+    assert "not a text in UTF-8" in refusal(binary)
+
+
+def test_a_sentence_stays_short_whatever_it_quotes(written: Path) -> None:
+    laughter = "[&a0 [x]" + "".join(f", &a{n} [{', '.join([f'*a{n - 1}'] * 9)}]" for n in range(1, 30)) + "]"
+    for value in (laughter, "'" + "x\\n" * 1000 + "'", "0x" + "f" * 5000, "{" + "k" * 900 + ": 1}"):
+        assert len(refusal(written, f"mesh.size={value}")) < 400
+
+
+def refusals(path: Path, *overrides: str) -> list[str]:
+    with pytest.raises(InputError) as refused:
+        load_config(path, overrides)
+    return [sentence.removeprefix(f"{path}: ") for sentence in refused.value.sentences]
+
+
+def test_all_mistakes_of_the_keys_are_named_at_once(written: Path) -> None:
+    for old, new in [("nu: 0.495", "nu: 0.7"), ("size: 4 mm", "sise: 4 mm"), ("family: pneunet", "family: pneunett")]:
+        spoil(written, old, new)
+    named = refusals(written, "colour=red")
+    assert [sentence.partition(": ")[0] for sentence in named] == [
+        *("geometry.family", "mesh.sise", "--set colour", "material.nu")
+    ]
+    assert "did you mean 'pneunet'?" in named[0]
+    assert "did you mean 'size'?" in named[1]
+    assert not any("mesh.size: is missing" in sentence for sentence in named)
+
+
+def test_all_mistakes_of_the_geometry_are_named_at_once(written: Path) -> None:
+    spoil(spoil(written, "wall: 1 mm  ", "wall: 5 mm  "), "strip: 3 mm", "strip: -3 mm")
+    named = refusals(written, "geometry.roof=20 mm", "geometry.side_wall=8 mm", "mesh.size=1 km")
+    assert [sentence.partition(": ")[0] for sentence in named] == [
+        *("geometry.strip", "geometry.wall", "--set geometry.side_wall", "--set geometry.roof")
+    ]
+    assert "wall 5 mm must be less than half of chamber_length, 4 mm: the two walls leave no cavity" in named[1]
+
+
+def test_all_mistakes_between_keys_are_named_at_once(written: Path) -> None:
+    spoil(spoil(written, "wall: 1 mm  ", "wall: 5 mm  "), "[17 kPa, 37 kPa]", "[17 kPa, 37 MPa]")
+    named = refusals(written, "mesh.formulation=p2", "effects.incompressibility=on")
+    assert len(named) == 3
+    assert named[0].startswith("pressures: 37000 kPa is 30.8 E")
+    assert "contradict each other" in named[1]
+    assert named[2].startswith("geometry.wall: ")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "complaint"),
+    [
+        ("size: 4 mm", "size: 4,5 mm", "mesh.size: '4,5 mm' has a decimal comma; did you mean '4.5 mm'?"),
+        ("nu: 0.495", "nu: 0,495", "material.nu: '0,495' has a decimal comma; did you mean 0.495?"),
+        ("[17 kPa, 37 kPa]", "[17 MPa]", "pressures: 17000 kPa is 14.2 E, with Young's modulus E = 1.2 MPa"),
+        ("[17 kPa, 37 kPa]", "[17 MPa]", "did you mean kPa?"),
+        ("E: 1.2 MPa", "E: 1.2 kPa", "did you mean MPa for the material?"),
+        ("E: 1.2 MPa", "E: 1.2 GPa", "material.E: with 1.2 GPa the highest pressure is 3.1e-05 E"),
+        ("E: 1.2 MPa", "E: 1.2 GPa", "did you mean 1.2 MPa?"),
+        ("law: svk", "law: neo_hooke", "material.E: unknown key; the law has no E; its initial shear modulus is"),
+        ("law: svk", "law: SVK", "did you mean 'svk'?"),
+        ("formulation: p2p0", "formulation: p2po", "did you mean 'p2p0'?"),
+    ],
+)
+def test_a_likely_mistake_gets_a_suggestion(written: Path, old: str, new: str, complaint: str) -> None:
+    assert any(complaint in sentence for sentence in refusals(spoil(written, old, new)))
+
+
+def test_a_decimal_comma_in_braces_is_recognised(written: Path) -> None:
+    assert "a comma separates two values here" in refusal(written, "mesh={size: 4,5 mm}")
+
+
+def test_a_rubber_law_takes_nu_instead_of_kappa(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    for constants in (
+        "neo_hooke, mu: 0.4 MPa",
+        "mooney_rivlin, c10: 0.15 MPa, c01: 0.05 MPa",
+        "yeoh, c10: 0.2 MPa, c20: 0 MPa, c30: 0 MPa",
+        "ogden, mu: [0.4 MPa], alpha: [2]",
+        "ogden, mu: 0.4 MPa, alpha: 2",
+    ):
+        config = load_config(coarse, [f"material={{law: {constants}, nu: 0.49}}"])
+        assert config.material.built().poisson_ratio == pytest.approx(0.49, rel=1e-12)
+        assert config.material.constants["kappa"] == pytest.approx(2 * 0.4 * 1.49 / (3 * 0.02))
+        assert "give nu or kappa, not both" in refusal(
+            coarse, f"material={{law: {constants}, nu: 0.49, kappa: 20 MPa}}"
+        )
+        assert "material.kappa: is missing" in refusal(coarse, f"material={{law: {constants}}}")
+
+
+def test_only_gravity_needs_the_density(configs: Path) -> None:
+    material = "material={law: svk, E: 1.2 MPa, nu: 0.495}"
+    config = load_config(configs / "pneunet_coarse.yaml", [material])
+    assert config.material.density_tonne_mm3 is None
+    assert "gravity needs it" in refusal(configs / "pneunet_coarse.yaml", material, "effects.gravity=on")
+
+
+@pytest.mark.parametrize(
+    ("value", "state"), [("on", "on"), ("off", "off"), ("yes", "on"), ("no", "off"), ("auto", "auto"), ("'on'", "on")]
+)
+def test_switches_survive_the_booleans_of_yaml(written: Path, value: str, state: str) -> None:
+    assert (
+        load_config(spoil(written, "self_contact: auto", f"self_contact: {value}")).effects.self_contact.state == state
+    )
+
+
+def test_overrides_replace_values_before_the_check(written: Path) -> None:
+    overrides = ["mesh.size=3 mm", "pressures=[17 kPa, 37 kPa, 45 kPa]", "geometry.wall=1.5 mm", "effects.symmetry=off"]
+    config = load_config(spoil(written, "size: 4 mm", "size: 4"), overrides)
+    assert (config.mesh.size_mm, config.design.wall) == (3.0, 1.5)
+    assert config.pressures_kPa == (17.0, 37.0, 45.0)
+    assert config.effects.symmetry.off
+
+
+@pytest.mark.parametrize(
+    ("override", "sentence"),
+    [
+        ("mesh.size=4", "--set mesh.size: 4 has no unit"),
+        ("mesh.sise=4 mm", "--set mesh.sise: unknown key; did you mean 'size'?"),
+        ("mesh=4 mm", "--set mesh: must hold keys"),
+        ("mesh={size: 4}", "--set mesh: mesh.size: 4 has no unit"),
+        ("mesh.size.x=4 mm", "--set mesh.size.x: 'mesh.size' holds a value, not keys"),
+        ("mesh.size", "--set mesh.size: is not KEY=VALUE"),
+        ("=4 mm", "--set =4 mm: is not KEY=VALUE"),
+        ("mesh.size=[", "--set mesh.size: line 1: "),
+        ("material.nu=0.6", "--set material.nu: 0.6 is not a Poisson ratio"),
+        ("geometry.chamber_length=1 mm", "--set geometry.chamber_length: wall 1 mm must be less than half"),
+        ("material.law=rubber", "--set material.law: 'rubber' is not known"),
+    ],
+)
+def test_a_wrong_override_is_named(written: Path, override: str, sentence: str) -> None:
+    assert refusal(written, override).startswith(sentence)
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "number"),
+    [
+        ("112 mm", LENGTH, 112.0),
+        ("11.2cm", LENGTH, 112.0),
+        ("0.112 m", LENGTH, 112.0),
+        ("1.2e6 N/m^2", STRESS, 1.2),
+        ("0.45 bar", PRESSURE, 45.0),
+        ("0.017 MPa", PRESSURE, 17.0),
+        ("1130 kg/m^3", DENSITY, 1.13e-9),
+        ("1.13 g/cm**3", DENSITY, 1.13e-9),
+        ("-3 mm", LENGTH, -3.0),
+    ],
+)
+def test_units_are_converted(text: str, dimension: Dimension, number: float) -> None:
+    assert convert(text, dimension) == number
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_a_configuration_takes_every_element(configs: Path, name: str) -> None:
+    config = load_config(configs / "pneunet_coarse.yaml", [f"mesh.formulation={name}"])
+    assert config.mesh.formulation == name
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_a_configuration_takes_every_law_with_its_constants(configs: Path, name: str) -> None:
+    kinds, usual = LAWS[name].constants(), {Constant.POISSON_RATIO: 0.3}
+    values: dict[str, float | tuple[float, ...]] = {name: usual.get(kind, 0.5) for name, kind in kinds.items()}
+    texts = [f"{constant}: {value}{kinds[constant].unit}" for constant, value in values.items()]
+    for constant, kind in kinds.items():
+        if kind in (Constant.STRESSES, Constant.EXPONENTS):
+            values[constant] = (0.5,)
+    material = f"material={{law: {name}, density: 1130 kg/m^3, {', '.join(texts)}}}"
+    config = load_config(configs / "pneunet_coarse.yaml", [material])
+    assert config.material.built() == LAWS[name](**values)
+
+
+def test_the_terms_of_ogden_are_lists(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    terms = "mu: [630 kPa, 0.0012 MPa, -0.01 MPa], alpha: [1.3, 5, -2]"
+    config = load_config(coarse, [f"material={{law: ogden, {terms}, nu: 0.495}}"])
+    assert config.material.built() == fem.Ogden(
+        (0.63, 0.0012, -0.01), (1.3, 5.0, -2.0), config.material.constants["kappa"]
+    )
+    assert config.record()["material"]["mu"] == [0.63, 0.0012, -0.01]
+    assert config.material.built().poisson_ratio == pytest.approx(0.495)
+    for constants, sentence in (
+        ("mu: [0.4 MPa, 0.1 MPa], alpha: [2]", "material: Ogden: mu has 2 and alpha 1 entries; both need one for each"),
+        ("mu: [0.4], alpha: [2]", "material.mu[1]: 0.4 has no unit; write a stress with its unit"),
+        ("mu: [0.4 MPa], alpha: [2 mm]", "material.alpha[1]: '2 mm' is not a plain number"),
+        ("mu: [0.4 MPa], alpha: [0]", "material: Ogden: alpha = [0.0] must be finite numbers other than 0"),
+        ("mu: [0.4 MPa], alpha: [-2]", "material: Ogden: half the sum of mu times alpha = -0.4 MPa must be positive"),
+        ("mu: [0.4 MPa]", "material.alpha: is missing; for example 'alpha: [2]'"),
+        ("mu: [], alpha: []", "material.mu[1]: [] is not a stress"),
+        ("mu: [400 GPa], alpha: [2]", "material.mu: with 400 GPa the highest pressure is 3.1e-08 E"),
+    ):
+        assert sentence in refusal(coarse, f"material={{law: ogden, {constants}, nu: 0.49}}")
+
+
+def test_chambers_that_are_not_equal(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    chambers, heights = "geometry.chambers=3", "geometry.chamber_heights=[12 mm, 1.1 cm, 8 mm]"
+    config = load_config(coarse, [chambers, heights])
+    assert config.design == PneuNet(chambers=3, chamber_heights=(12.0, 11.0, 8.0))
+    assert config.record()["geometry"]["chamber_heights"] == [12.0, 11.0, 8.0]
+    assert not {"chamber_heights", "chamber_lengths", "gaps"} & set(load_config(coarse).record()["geometry"])
+    with pytest.raises(NoArmLaw, match="are not equal, so that it repeats no cell"):
+        ArmPieces(config, None)
+    longer = load_config(coarse, ["geometry.chambers=7", f"geometry.gaps=[{', '.join(['2 mm'] * 7)}, 3 mm]"])
+    assert any("means over the mean pitch of" in sentence for sentence in before_solving(longer))
+    for equal_or_too_short in (config, load_config(coarse)):
+        assert not any("mean pitch" in sentence for sentence in before_solving(equal_or_too_short))
+    for setting, sentence in (
+        ("geometry.chamber_heights=12 mm", "'12 mm' is no list; write one length for each, for example [8 mm, 6 mm]"),
+        ("geometry.chamber_heights=[12, 9 mm, 9 mm]", "geometry.chamber_heights[1]: 12 has no unit"),
+        ("geometry.gaps=[2 mm, 0 mm, 2 mm, 2 mm]", "geometry.gaps[2]: 0 is not allowed; allowed: above zero"),
+        ("geometry.gaps=[2 mm]", "must have 4 entries for 3 chambers, not 1; give all of them, or gap alone"),
+    ):
+        assert sentence in refusal(coarse, chambers, setting)
+
+
+def test_a_dimension_beside_the_list_that_replaces_it_is_refused(configs: Path, tmp_path: Path) -> None:
+    """The dimension was ignored, also where an override of the command line gave it."""
+    heights, three = "geometry.chamber_heights=[12 mm, 11 mm, 8 mm]", "geometry.chambers=3"
+    coarse, both = configs / "pneunet_coarse.yaml", tmp_path / "both.yaml"
+    text = coarse.read_text(encoding="utf-8")
+    both.write_text(text.replace("geometry:\n", "geometry:\n  gaps: [2 mm, 2 mm, 2 mm, 2 mm]\n"), encoding="utf-8")
+    assert "gap:" in text
+    wrong = "exclude each other; give one of them"
+    assert refusal(both, three) == f"{both}: geometry.gap: gap and gaps {wrong}"
+    assert refusal(coarse, three, heights, "geometry.chamber_height=9 mm") == (
+        f"--set geometry.chamber_height: chamber_height and chamber_heights {wrong}"
+    )
+    # the list on the command line replaces the dimension in the file
+    assert load_config(coarse, [three, heights]).design.chamber_height == 12.0
+
+
+def test_a_region_has_a_material_of_its_own(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    base = "materials.base={law: neo_hooke, mu: 0.6 MPa, nu: 0.49, density: 2000 kg/m^3}"
+    config, plain = load_config(coarse, [base]), load_config(coarse)
+    assert config.materials["base"].built().shear_modulus == 0.6
+    assert config.record()["materials"]["base"]["law"] == "neo_hooke"
+    assert "materials" not in plain.record()
+    assert config.hash != plain.hash
+    assert config.poisson_ratio == plain.poisson_ratio == 0.495
+    volume = config.design.region_volumes["base"]
+    assert config.mass_tonne == pytest.approx(plain.mass_tonne + volume * (2000 - 1130) * 1e-12)
+    material = material_of(config)
+    assert isinstance(material, fem.ByRegion)
+    assert material.body == plain.material.built()
+    for setting, sentence in (
+        (
+            "materials={roof: {law: svk, E: 1 MPa, nu: 0.4}}",
+            "materials.roof: this body has no region of that name; it has",
+        ),
+        ("materials=stiff", "must hold the names of regions, for example 'materials: {base: {law: svk"),
+        (
+            "materials={model_config: {law: svk, E: 1 MPa, nu: 0.4}}",
+            "materials.model_config: has a name that cannot be used",
+        ),
+        ("materials={_Set2: {law: svk, E: 1 MPa, nu: 0.4}}", "materials._Set2: has a name that cannot be used here"),
+        ("materials.base=3 MPa", "must hold keys, for example 'base: {law: svk, ...}'"),
+        ("materials.base={E: 1 MPa}", "materials.base.law: is missing; allowed: svk"),
+        ("materials.base={law: svk, E: 1 MPa}", "materials.base.nu: is missing; for example"),
+        ("materials.base={law: svk, E: 1, nu: 0.4}", "E: 1 has no unit"),
+        ("materials.base={law: yeoh, c10: 1 MPa, c20: 0 MPa, c30: 0 MPa}", "kappa: is missing"),
+        ("materials.base={law: yeoh, c10: 1 MPa, c20: 0 MPa, nu: 0.49}", "c30: is missing; for example 'c30: 0 MPa'"),
+        (
+            "materials.base={law: mooney_rivlin, c10: 1 MPa, c01: -1 MPa, kappa: 9 MPa}",
+            "materials.base: Mooney-Rivlin: ",
+        ),
+    ):
+        assert sentence in refusal(coarse, setting), setting
+    assert "materials.base.density: is missing, and gravity needs it" in refusal(
+        coarse, "materials.base={law: svk, E: 1 MPa, nu: 0.4}", "effects.gravity=on"
+    ).replace("--set materials.base: density", "--set materials.base: materials.base.density")
+
+
+def test_shipped_configurations_say_where_numbers_come_from(configs: Path) -> None:
+    files = sorted(configs.glob("*.yaml"))
+    assert len(files) >= 2
+    for path in files:
+        assert isinstance(load_config(path), Config)
+        for line in path.read_text(encoding="utf-8").splitlines():
+            value = line.partition("#")[0]
+            if any(character.isdigit() for character in value):
+                assert "paper" in line or "choice" in line, f"{path.name}: {line}"
+
+
+def test_a_load_between_the_pressures_with_the_end_elsewhere_is_part_of_every_run(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    assert load_config(coarse).validation == Validation((27.0,), (11.2,), (), with_experiments=False)
+    wider = load_config(coarse, ["pressures=[5 kPa, 17 kPa, 37 kPa]", "end.y=-2 mm"]).validation
+    assert (wider.pressures_kPa, wider.end_y_mm) == ((27.0,), (9.2,))
+    single = load_config(coarse, ["pressures=[17 kPa]"]).validation
+    assert (single.pressures_kPa, single.end_y_mm) == ((17.0,), (11.2,))
+    assert load_config(coarse, ["validation=off"]).validation == Validation((), (), ())
+
+
+def test_validation_pressures_written_with_six_digits_are_those_of_the_run(configs: Path) -> None:
+    in_psi = "pressures=[0.4 psi, 0.8 psi]"
+    loads = "validation={pressures: [2.7579 kPa, 4 kPa, 5.51581 kPa], end_y: [5 mm]}"
+    config = load_config(configs / "pneunet_coarse.yaml", [in_psi, loads])
+    low, high = config.pressures_kPa
+    assert config.validation.pressures_kPa == (low, 4.0, high)
+
+
+@pytest.mark.parametrize(
+    ("reached", "pressures"),
+    [((17.0, 37.0), (27.0,)), ((17.0, 30.0), (27.0,)), ((17.0,), (17.0,)), ((5.0, 8.0, 16.0), (12.0,)), ((), ())],
+)
+def test_the_load_that_the_program_chooses_is_among_reached_pressures(
+    configs: Path, reached: tuple[float, ...], pressures: tuple[float, ...]
+) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    chosen = load_config(coarse).validation.among(reached)
+    assert chosen.pressures_kPa == pressures
+    assert chosen.end_y_mm == ((11.2,) if pressures else ())
+    given = load_config(coarse, ["validation={pressures: [20 kPa], end_y: [5 mm]}"]).validation
+    assert given.among(reached) == given
+    highest = max(reached, default=0.0)
+    assert given.up_to(highest) == (given if highest >= 20.0 else Validation((), (), ()))
+
+
+def test_the_end_that_the_program_chooses_is_beyond_that_of_III(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    chosen = load_config(coarse, ["end.y=2 mm"]).validation
+    assert chosen.end_y_mm == (13.2,)
+    assert chosen.beyond(2.0, is_held_down=False) == chosen
+    assert chosen.beyond(2.0, is_held_down=True).end_y_mm == (-9.2,)
+    given = load_config(coarse, ["validation={pressures: [20 kPa], end_y: [5 mm]}"]).validation
+    assert given.beyond(0.0, is_held_down=True) == given
+
+
+@pytest.mark.parametrize(
+    ("written_end", "end"),
+    [
+        ("{}", End()),
+        ("{y: 5 mm}", End(y_mm=5.0)),
+        ("{x: 0.7 mm}", End(x_mm=0.7, y_mm=0.0)),
+        ("{x: 0.7 mm, y: -1 mm}", End(0.7, -1.0)),
+        ("{x: 0.175 N}", End(None, 0.0, (0.175, 0.0))),
+        ("{x: 175 mN, y: 0.07 N}", End(None, None, (0.175, 0.07))),
+        ("{x: 0.7 mm, y: 0 N}", End(0.7, None)),
+    ],
+)
+def test_the_end_has_a_displacement_or_a_force_along_each_axis(configs: Path, written_end: str, end: End) -> None:
+    assert load_config(configs / "pneunet_coarse.yaml", [f"end={written_end}"]).end == end
+
+
+def test_a_given_d_and_a_reference_weight_are_read(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    own = load_config(coarse)
+    assert own.identification == IdentificationSettings()
+    assert own.mass_tonne is not None
+    assert own.reference_weight == (pytest.approx(9810.0 * own.mass_tonne), "this arm")
+    given = load_config(coarse, ["identification={d: 1.4 cm, weight: 0.42 N, weight_of: arm of 11 chambers}"])
+    assert given.identification.d_mm == pytest.approx(14.0)
+    assert given.reference_weight == (0.42, "arm of 11 chambers")
+
+
+@pytest.mark.parametrize(
+    ("override", "reason"),
+    [
+        (
+            "end.x=0.1",
+            "0.1 has no unit; write a length with its unit, for example '4 mm', or a force, for example '0.05 N'",
+        ),
+        ("end.y=1 kPa", "or a force, for example '0.05 N'"),
+        ("identification.d=112 mm", "112 mm is not on the arm; allowed: below its length, 112 mm"),
+        ("identification.d=0 mm", "allowed: above zero"),
+        ("identification.weight_of=another arm", "names a weight that is missing; give weight as well"),
+    ],
+)
+def test_an_end_or_an_identification_that_makes_no_sense_is_refused(configs: Path, override: str, reason: str) -> None:
+    assert reason in refusal(configs / "pneunet_coarse.yaml", override)
+
+
+def test_a_run_makes_both_laws_unless_the_configuration_names_one(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    assert load_config(coarse).law == "both"
+    assert load_config(coarse, ["law=five"]).law == "five"
+    assert load_config(coarse, ["law=cell"]).law == "cell"
+    unequal = ["law=cell", "geometry.chambers=3", "geometry.gaps=[2 mm, 2 mm, 3 mm, 2 mm]"]
+    with pytest.raises(
+        InputError, match="law: cell is not possible: the chambers or the gaps of the arm are not equal"
+    ):
+        load_config(coarse, unequal)
+    assert "law" in refusal(coarse, "law=six")
+
+
+def test_validation_loads_are_read(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    plain = load_config(coarse)
+    assert plain.added_pressures == 0
+    config = load_config(coarse, ["validation={end_y: [1 cm, -10 mm], forces: [[0 N, 0.05 N]]}", "added_pressures=2"])
+    assert config.validation == Validation((17.0, 37.0), (10.0, -10.0), ((0.0, 0.05),))
+    assert config.added_pressures == 2
+    assert load_config(coarse, ["validation.pressures=[24 kPa]"]).validation == Validation((24.0,), (), ())
+
+
+@pytest.mark.parametrize(
+    ("override", "reason"),
+    [
+        ("validation.pressures=[50 kPa]", "50 kPa lies outside the pressures of the run; allowed: 17 to 37 kPa"),
+        ("validation.pressures=[17 kPa]", "are all pressures of the run; give one between them"),
+        ("validation.end_y=[0 mm]", "0 mm is what the numbers are identified with"),
+        ("validation.end_y=[1 mm, 0.1 cm]", "has an entry twice; list every load once"),
+        ("validation.end_y=[10]", "write a length with its unit"),
+        ("validation.forces=[[0 N, 0 N]]", "[0 N, 0 N] is experiment II, with which the numbers are identified"),
+        ("validation.forces=[[0 N, 0.05 N], [0 N, 0.05 N]]", "has an entry twice; list every load once"),
+        ("validation.forces=[[0.05 N]]", "has 1 numbers instead of the force along x and y"),
+        ("validation.loads=[1 N]", "unknown key"),
+        ("added_pressures=-1", "allowed: 0 or more"),
+    ],
+)
+def test_validation_loads_that_make_no_sense_are_refused(configs: Path, override: str, reason: str) -> None:
+    assert reason in refusal(configs / "pneunet_coarse.yaml", override)
+
+
+def test_the_force_of_experiment_III_is_no_validation_load(configs: Path) -> None:
+    coarse = configs / "pneunet_coarse.yaml"
+    end, forces = "end={x: 0 N, y: -0.01 N}", "validation.forces=[[0 N, -0.01 N]]"
+    assert refusal(coarse, end, forces) == (
+        "--set validation.forces: [0 N, -0.01 N] is what the numbers are identified with; give others"
+    )
+    assert load_config(coarse, [forces]).validation.forces_N == ((0.0, -0.01),)
+
+
+@pytest.mark.parametrize("faces", ["[]", "{}", "true", "1", "[1]", "[null]", "[[]]", "{a: 1}"])
+def test_faces_that_are_no_names_are_refused(configs: Path, faces: str) -> None:
+    sentence = refusal(configs / "pneunet_coarse.yaml", f"effects.self_contact.faces={faces}")
+    assert "is not a text; for example '[gap, cavity]'" in sentence
+
+
+@pytest.mark.parametrize("number", ["1e-6", "1.0e-6", "0.000001", "1E-6"])
+def test_a_number_with_an_exponent_needs_no_decimal_point(written: Path, number: str) -> None:
+    """YAML 1.1 reads 1e-6 as a text."""
+    assert load_config(written, [f"newton.tolerance={number}"]).newton.tolerance == 1e-6
+    with written.open("a", encoding="utf-8") as file:
+        file.write(f"\nnewton: {{tolerance: {number}}}\n")
+    assert load_config(written).newton.tolerance == 1e-6
+
+
+def test_the_key_against_small_faces_says_for_which_bodies_it_is() -> None:
+    path = Path(__file__).resolve().parent.parent.parent.parent / "configs" / "pneunet_coarse.yaml"
+    sentence = refusal(path, "geometry.defeature=0.2 mm")
+    assert "it removes small faces and edges of a body from a CAD file or a surface (STL, OBJ)" in sentence
+
+
+@pytest.mark.parametrize(
+    ("setting", "hint"),
+    [
+        ("fillet=0.5 mm", "it rounds the edges of a pneunet; draw another body with them in a CAD program"),
+        ("chamber_heights=[9 mm, 10 mm]", "it is for the chambers of a pneunet; draw another body with them in a CAD"),
+        ("symmetric=true", "bodies of the other families are symmetric, and surfaces are meshed as a whole"),
+    ],
+)
+def test_keys_of_other_families_are_explained(setting: str, hint: str) -> None:
+    path = Path(__file__).resolve().parent.parent.parent.parent / "configs" / "bisected_circle.yaml"
+    assert hint in refusal(path, f"geometry.{setting}")

@@ -1,0 +1,106 @@
+"""Values of a configuration or a sweep that could be read as something else than their user means."""
+
+from pathlib import Path
+
+import pytest
+
+from pipeline.config.load import load_config
+from pipeline.errors import InputError
+from pipeline.plausibility.units import of_units
+from pipeline.rods.saved import SavedRod
+from pipeline.sweep.spec import read_sweep
+from rod import RodError
+
+HERE = Path(__file__).parent.parent.parent
+COARSE = HERE.parent / "configs" / "pneunet_coarse.yaml"
+
+
+def refused(*overrides: str) -> str:
+    with pytest.raises(InputError) as caught:
+        load_config(COARSE, overrides)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("written", ["010", "011", "1:30", "0x10", "1_1", "0b11"])
+def test_whole_numbers_of_yaml_1_1_are_refused(written: str) -> None:
+    """They would be 8, 9, 90, 16, 11 and 3."""
+    assert "geometry.chambers: " in (sentence := refused(f"geometry.chambers={written}"))
+    assert "is not a whole number" in sentence
+    assert load_config(COARSE, ["geometry.chambers=9"]).design.repeats
+
+
+def test_numbers_that_no_float_holds_are_refused() -> None:
+    huge = "9" * 400
+    assert "is too large" in refused(f"material.nu={huge}")
+    assert "is too large" in refused(f"effects.pressure={{cavities: {{cavity: {huge}}}}}")
+
+
+@pytest.mark.parametrize("written", ["1.001", "8", ".inf", "-1.5"])
+def test_a_second_mesh_that_shows_no_convergence_is_refused(written: str) -> None:
+    assert "is not allowed; allowed: 1.1 to 5" in refused(f"mesh.coarser={written}")
+
+
+def test_parameters_of_an_effect_go_beside_its_state() -> None:
+    """The file has `self_contact: auto`."""
+    effect = load_config(COARSE, ["effects.self_contact.dhat=0.1 mm"]).effects.self_contact
+    assert (effect.state, effect.dhat_mm) == ("auto", 0.1)
+    assert load_config(
+        COARSE, ["effects.self_contact=off", "effects.self_contact.dhat=0.1 mm"]
+    ).effects.self_contact.off
+
+
+def test_the_override_is_named_and_not_the_file() -> None:
+    assert refused("material.E=1.2 Pa").startswith("--set material.E: 37 kPa is")
+
+
+@pytest.mark.parametrize(
+    ("overrides", "sentence"),
+    [
+        (
+            ["effects.pressure={cavities: {cavity: 17}}"],
+            "cavity: 17 without a unit is 17 times the pressure of the run",
+        ),
+        (["material={law: neo_hooke, mu: 0.4 MPa, kappa: 40 kPa}"], "mean a Poisson ratio of -0.65"),
+        (["effects.gravity.acceleration=[0 m/s^2, -9810 m/s^2, 0 m/s^2]"], "is 9810 m/s2 in all"),
+        (["effects.gravity.acceleration=[0 m/s^2, 0 m/s^2, 0 m/s^2]"], "is 0 m/s2 in all"),
+    ],
+)
+def test_notes_on_values_in_another_unit(overrides: list[str], sentence: str) -> None:
+    assert of_units(load_config(COARSE)) == ()
+    assert any(sentence in note for note in of_units(load_config(COARSE, overrides)))
+
+
+def test_a_stiff_base_does_not_make_a_force_small() -> None:
+    """0.05 N bends it: E I of the base alone is 25 N mm2."""
+    stiff = [
+        "material={law: neo_hooke, mu: 0.023 MPa, nu: 0.49}",
+        "materials={base: {law: svk, E: 2.5 GPa, nu: 0.35}}",
+        "geometry.base=0.2 mm",
+        "mesh.size=auto",
+    ]
+    assert of_units(load_config(COARSE, [*stiff, "validation.forces=[[0 N, 0.05 N]]"])) == ()
+    (note,) = of_units(load_config(COARSE, [*stiff, "validation.forces=[[0 N, 1e-8 N]]"]))
+    assert "too small to move the arm" in note
+
+
+@pytest.mark.parametrize(
+    "axes",
+    [
+        "[{mesh.size: [4 mm, 5 mm]}, {mesh: [{size: 6 mm}, {size: 7 mm}]}]",
+        "[{mesh: [{size: 6 mm}, {size: 7 mm}]}, {mesh.size: [4 mm, 5 mm]}]",
+    ],
+)
+def test_an_axis_within_another_one_is_refused(axes: str, tmp_path: Path) -> None:
+    """The table would have the sizes of one, and the points those of the other."""
+    sweep = tmp_path / "sweep.yaml"
+    sweep.write_text(f"name: s\nbase: {COARSE}\naxes: {axes}\n", encoding="utf-8")
+    with pytest.raises(InputError, match=r"axes: mesh and mesh.size are both given, and the first replaces the second"):
+        read_sweep(sweep)
+
+
+def test_the_modulus_of_an_exported_rod_is_that_of_its_law() -> None:
+    material = {"law": "neo_hooke", "mu": 0.02, "kappa": 2.0, "density_tonne_mm3": 1e-9}
+    rod = SavedRod(None, None, material, None, {}, None)  # type: ignore[arg-type]
+    assert rod.modulus_MPa == pytest.approx(9 * 2.0 * 0.02 / (3 * 2.0 + 0.02))
+    with pytest.raises(RodError, match="The material of the file is not a law with its constants"):
+        _ = SavedRod(None, None, {"law": "steel"}, None, {}, None).modulus_MPa  # type: ignore[arg-type]

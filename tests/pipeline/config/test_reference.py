@@ -1,0 +1,140 @@
+"""The reference of the keys is that of the schema, and the file of `pneurod init` is a configuration."""
+
+import re
+from pathlib import Path
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from fem.materials import LAWS
+from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
+from pipeline.cli import app
+from pipeline.config.config import AUTO
+from pipeline.config.example import BODIES, example
+from pipeline.config.load import load_config
+from pipeline.config.reference import effect_keys, general_keys, geometry_keys, material_keys, with_tables
+from pipeline.config.schema import OWN, _FilledMesh, _Mesh, _ReadyMesh
+from pipeline.identification.too_short import too_short
+from pipeline.simulation.scene import Scene
+
+PAGE = Path(__file__).resolve().parent.parent.parent.parent / "docs" / "configuration.md"
+
+
+def test_the_page_has_the_tables_of_the_schema() -> None:
+    """`python -m pipeline.config.reference docs/configuration.md` writes them."""
+    page = PAGE.read_text(encoding="utf-8")
+    assert page.count("<!-- keys: ") == 11
+    assert with_tables(page) == page
+
+
+def test_every_key_is_on_the_page() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    keys = [entry.key for entry in general_keys()] + [f"effects.{entry.key}" for entry in effect_keys()]
+    for design in (*FAMILIES.values(), CadFile, MeshFile, SurfaceFile):
+        keys += [entry.key for entry in geometry_keys(design)]
+    for law in LAWS:
+        keys += [entry.key for entry in material_keys(law)]
+    assert len(keys) > 70
+    assert [key for key in keys if f"| `{key}` |" not in page] == []
+
+
+def test_the_examples_of_the_page_are_arms_with_five_parameters(tmp_path: Path, configs: Path) -> None:
+    base = yaml.safe_load((configs / "pneunet_coarse.yaml").read_text(encoding="utf-8"))
+    blocks = re.findall(r"```yaml\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
+    assert len(blocks) == 3
+    for block in blocks:
+        keys = yaml.safe_load(block)
+        file = tmp_path / "arm.yaml"
+        file.write_text(yaml.safe_dump(keys if "name" in keys else {**base, **keys}), encoding="utf-8")
+        assert too_short(load_config(file)) == "", block
+
+
+def test_every_key_says_what_it_means() -> None:
+    entries = [*general_keys(), *effect_keys(), *(e for law in LAWS for e in material_keys(law))]
+    for entry in [
+        *entries,
+        *(e for design in (*FAMILIES.values(), CadFile, MeshFile, SurfaceFile) for e in geometry_keys(design)),
+    ]:
+        assert len(entry.meaning) > 4, entry
+        assert entry.allowed, entry
+        assert entry.example, entry
+
+
+@pytest.mark.parametrize("family", BODIES)
+def test_init_writes_a_configuration_that_is_meshed(family: str, tmp_path: Path, configs: Path) -> None:
+    (tmp_path / "finger.step").write_bytes((configs / "finger.step").read_bytes())
+    file = tmp_path / "arm.yaml"
+    result = CliRunner().invoke(app, ["init", family, "--out", str(file)])
+    assert result.exit_code == 0, result.stderr
+    config = load_config(file, ["mesh.size=6 mm"])
+    assert config.name == f"my_{family}"
+    assert Scene.meshed(config).body.mesh.volume > 0.0
+    if family in FAMILIES:
+        assert config.design == FAMILIES[family]()
+
+
+@pytest.mark.parametrize("family", BODIES)
+def test_every_key_of_the_written_file_can_be_used(family: str, tmp_path: Path, configs: Path) -> None:
+    (tmp_path / "finger.step").write_bytes((configs / "finger.step").read_bytes())
+    text = re.sub(r"^# (?=\s*\w+:(\s|$))", "", example(family), flags=re.MULTILINE)
+    if family == "pneunet":  # the lists are given instead of these
+        text = re.sub(r"^  (chamber_length|chamber_height|gap): .*$", "", text, flags=re.MULTILINE)
+    if family == OWN:  # the file of this test is a single solid
+        text = re.sub(r"^(  parts|materials): .*$", "", text, flags=re.MULTILINE)
+    content = yaml.safe_load(text)
+    assert {"newton", "validation", "effects", "accuracy", "law", "end"} <= set(content)
+    assert ("materials" in content) == (family not in (OWN, "bisected_circle"))
+    file = tmp_path / "arm.yaml"
+    file.write_text(text, encoding="utf-8")
+    config = load_config(file)
+    assert config.mesh.size_mm is AUTO  # with an accuracy, which decides it
+    assert config.newton.tolerance == 1e-6
+
+
+def test_of_a_body_from_a_file_only_required_keys_are_no_comments() -> None:
+    text = example(OWN)
+    content = yaml.safe_load(text)
+    assert set(content) == {"name", "geometry", "material", "pressures"}
+    assert set(content["geometry"]) == {"family", "file", "curve"}
+    assert {"  parts:", "  defeature:", "  cell:", "  air:", "  tip:"} <= set(re.findall(r"^# (  \w+:)", text, re.M))
+    assert "# materials: {base: " in text
+
+
+@pytest.mark.parametrize(
+    ("file", "design", "section"),
+    [("a mesh of tetrahedra", MeshFile, _ReadyMesh), ("a surface such as STL", SurfaceFile, _FilledMesh)],
+)
+def test_the_keys_that_other_files_do_not_have_are_named(file: str, design: type, section: type[_Mesh]) -> None:
+    [line] = [line for line in example(OWN).splitlines() if line.startswith(f"# The file of {file} has no ")]
+    named = set(re.findall(r"[\w]+\.[\w]+", line))
+    has = {f"geometry.{entry.key}" for entry in geometry_keys(design)} | {f"mesh.{key}" for key in section.model_fields}
+    of_cad = {f"geometry.{entry.key}" for entry in geometry_keys(CadFile)} | {f"mesh.{k}" for k in _Mesh.model_fields}
+    assert named == of_cad - has
+    assert named
+
+
+@pytest.mark.parametrize("family", BODIES)
+def test_a_line_with_a_value_that_is_no_default_says_so(family: str) -> None:
+    lines = example(family).splitlines()
+    for entry in general_keys():
+        key = entry.key.rpartition(".")[2]
+        shown = [line for line in lines if re.match(rf"# +{key}: ", line) and entry.plain_meaning in line]
+        if "." in entry.key and entry.default == "none":
+            assert shown, entry
+            assert all(line.endswith("; an example") for line in shown)
+    on = [line for line in lines if re.match(r"#     state: on ", line)]
+    assert len(on) == 2
+    assert all("the default is auto, which leaves it off" in line for line in on)
+
+
+def test_init_replaces_no_file_and_knows_the_families(tmp_path: Path) -> None:
+    file = tmp_path / "arm.yaml"
+    file.write_text("mine")
+    refused = CliRunner().invoke(app, ["init", "--out", str(file)])
+    assert (refused.exit_code, file.read_text()) == (2, "mine")
+    assert "--force" in refused.stderr
+    assert CliRunner().invoke(app, ["init", "--out", str(file), "--force"]).exit_code == 0
+    wrong = CliRunner().invoke(app, ["init", "pneunett", "--out", str(tmp_path / "other.yaml")])
+    assert wrong.exit_code == 2
+    assert "did you mean 'pneunet'?" in wrong.stderr

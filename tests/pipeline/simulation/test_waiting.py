@@ -1,0 +1,53 @@
+"""What is said while a body is meshed, and before."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+from pipeline.config.load import load_config
+from pipeline.plausibility.body import of_edges
+from tests.step_bodies import save
+
+HERE = Path(__file__).resolve().parent.parent.parent.parent
+
+
+def small_fillets(occ: Any, radius: float = 0.5) -> Any:
+    """A bar of 60 x 12 x 15 mm with rounded upper edges and one cavity."""
+    block = occ.addBox(0, 0, -7.5, 60, 12, 15)
+    occ.synchronize()
+    reach = {tag: occ.getBoundingBox(1, tag) for _, tag in occ.getEntities(1)}
+    upper = [tag for tag, box in reach.items() if box[3] - box[0] > 59 and box[1] > 11]
+    return occ.cut(occ.fillet([block], upper, [radius]), [(3, occ.addBox(5, 4, -4, 50, 5, 8))])[0]
+
+
+FILLETS = """
+name: fillets
+geometry: {family: own, file: fillets.step, curve: 2 mm}
+material: {law: neo_hooke, mu: 0.4 MPa, nu: 0.49}
+pressures: [20 kPa]
+mesh: {size: 5 mm, grading: off}
+"""
+
+
+def test_meshing_says_how_far_it_is_and_names_small_edges(tmp_path: Path) -> None:
+    """In a process of its own, where what is printed while Gmsh meshes could be lost."""
+    save(tmp_path / "fillets.step", small_fillets)
+    path = tmp_path / "fillets.yaml"
+    path.write_text(FILLETS, encoding="utf-8")
+    command = [sys.executable, "-m", "pipeline", "mesh", str(path), "--out", str(tmp_path / "out")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=HERE)
+    first, small, surface, volume, *_ = done.stdout.splitlines()
+    assert first == "stage: mesh"
+    edges = (
+        r"note: 4 of the \d+ edges in the CAD file are shorter than a third of mesh.size, 5 mm, the shortest 0.79 mm "
+    )
+    assert re.match(edges + r"near \((0|60), 11\.\d, -?7\.\d+\) mm: ", small)
+    assert small.endswith("remove them with geometry.defeature, for example 0.86 mm, or in the CAD program")
+    assert re.fullmatch(r"note: the surface is meshed: [1-9]\d+ triangles", surface)
+    assert volume == "note: the volume is being filled with tetrahedra"
+    assert of_edges(load_config(path, ["mesh.size=2 mm"])) == ""
+    save(tmp_path / "fillets.step", lambda occ: small_fillets(occ, 1.0))  # too wide to be removed at these walls
+    assert of_edges(load_config(path)).endswith("do not matter, remove them in the CAD program")
+    assert of_edges(load_config(HERE / "configs" / "pneunet.yaml")) == ""

@@ -1,0 +1,278 @@
+"""The arm's own law in a whole run on a short arm: files, rows of the validation, the first lines of the report."""
+
+import json
+from math import inf
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+import pneurod
+from pipeline.cell import of_run
+from pipeline.cell.of_run import LawOfRun, law_of_run
+from pipeline.cell.pieces import ArmPieces, NoArmLaw
+from pipeline.config.config import Config
+from pipeline.config.load import load_config
+from pipeline.context import RunContext
+from pipeline.errors import InputError
+from pipeline.parallel.workers import Done, Pending
+from pipeline.progress import Silent
+from pipeline.report.results import read_results
+from pipeline.report.verdict import verdict_of
+from pipeline.run import run
+from pipeline.simulation.below_limit import highest_of_use
+from pipeline.simulation.failure import Failure
+from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import Simulation
+from pipeline.store.store import open_store
+from rod import Rod, law_from_record
+from tests.pipeline.simulation.test_outcome import outcome, record
+
+SHORT = """
+name: five
+geometry: {family: pneunet, chambers: 5}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [6 kPa, 12 kPa]
+mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
+"""
+
+
+def config(folder: Path, *settings: str) -> Config:
+    path = folder / "five.yaml"
+    path.write_text(SHORT, encoding="utf-8")
+    return load_config(path, settings)
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("results")
+    run(config(tmp_path_factory.mktemp("config"), "law=cell"), out, 1, False, Silent()).raise_if_failed()
+    return out
+
+
+def read(results: Path, name: str):
+    return json.loads((results / name).read_text(encoding="utf-8"))
+
+
+def test_the_law_meets_the_finite_elements_under_loads_that_nothing_was_fitted_to(results: Path) -> None:
+    rows = read(results, "validation.json")
+    states = [(row["experiment"], row["pressure_kPa"], row["load"]) for row in rows]
+    assert states == [
+        *(("II", 6.0, ""), ("III", 6.0, ""), ("II", 12.0, ""), ("III", 12.0, "")),
+        ("III", 9.0, "end at +5.2 mm"),
+    ]
+    for row in rows:
+        assert (row["rod"], row["sample"], row["reason"]) == ("arm_law", "out", "")
+        assert row["distance_over_length"] < 0.003
+        assert abs(row["end_angle_error_rad"]) < 0.01
+        assert row["experiment"] == "II" or abs(row["force_error"]) < 0.02  # measured: 0.012
+
+
+def test_the_law_of_a_run_is_a_file_that_gives_a_rod(results: Path) -> None:
+    law = law_from_record(read(results, "law.json"))
+    assert law.pressures[0] == 0.0
+    shape = Rod(law.length, law=law.at(9.0)).solve(force=(0.0, 0.01))
+    assert shape.x[-1] > 40.0
+    effects = {row["effect"]: row for row in read(results, "effects.json")}
+    assert effects["arm_law"]["state"] == "on"
+    assert "from 0 to 12 kPa" in effects["arm_law"]["reason"]
+
+
+@pytest.mark.slow
+def test_the_law_predicts_the_five_parameters(tmp_path: Path) -> None:
+    both = config(tmp_path, "pressures=[12 kPa]", "validation=off", "geometry.chambers=8")
+    run(both, tmp_path / "both", 1, False, Silent()).raise_if_failed()
+    content = read(tmp_path / "both", "parameters.json")
+    predicted, identified = content["predicted_by_arm_law"], content["estimators"]["cell_averaged"]
+    assert predicted["reason"] == [""]
+    assert predicted["alpha2_N_mm2"][0] == pytest.approx(identified["alpha2_N_mm2"][0], rel=0.05)
+    assert {row["rod"] for row in read(tmp_path / "both", "validation.json")} == {"five", "five_extensible", "arm_law"}
+
+
+def test_a_run_with_the_law_alone_identifies_no_parameters(results: Path) -> None:
+    assert not (results / "parameters.json").exists()
+    html = (results / "report.html").read_text(encoding="utf-8")
+    assert "Take the rod with the arm&#39;s own law (arm_law)" in html
+    assert 'id="figure-arm_law"' in html
+    read_back = pneurod.read_results(results)
+    assert set(read_back.validation["rod"]) == {"arm_law"}
+    assert read_back.arm_law is not None
+    assert read_back.arm_law.pressures[-1] == 12.0
+
+
+def test_an_arm_without_a_law_keeps_its_five_parameters_and_says_why(tmp_path: Path) -> None:
+    weight = "effects.gravity={acceleration: [0 m/s^2, -9.81 m/s^2, 0 m/s^2]}"
+    for choice in ("both", "five"):
+        heavy = config(tmp_path, weight, f"law={choice}")
+        with open_store(tmp_path / choice, heavy) as store:
+            law = law_of_run(Scene.meshed(heavy), RunContext.alone(store, Silent())).result()
+        assert law.law is None
+        assert law.effect.state == "off"
+        assert ("switched off" if choice == "five" else "weight") in law.reason
+        assert law.failures == ()
+    with pytest.raises(InputError, match=r"law: cell is not possible: the weight loads every cell differently"):
+        config(tmp_path, weight, "law=cell")
+
+
+def test_an_arm_without_an_inner_cell_is_refused_before_anything_is_meshed(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="law: cell is not possible: the arm has no inner cell; its own law needs two"):
+        config(tmp_path, "geometry.chambers=1", "law=cell", "validation=off")
+
+
+def test_a_body_of_which_no_piece_is_made_fails_with_the_reason(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(self: ArmPieces) -> None:
+        raise NoArmLaw("no wall faces the plane between two cells.")
+
+    design = config(tmp_path, "law=cell", "validation=off")
+    monkeypatch.setattr(ArmPieces, "repetition", property(refused))
+    with open_store(tmp_path / "refused", design) as store:
+        law = law_of_run(Scene.meshed(design), RunContext.alone(store, Silent())).result()
+    assert law.law is None
+    assert law.failures == ("no law of the arm: no wall faces the plane between two cells",)
+
+
+def law_up_to(pressure: float, not_borne: bool) -> LawOfRun:
+    measured: Any = SimpleNamespace(law=SimpleNamespace(pressures=(0.0, pressure)))
+    return LawOfRun(measured, "of one cell", (), not_borne)
+
+
+def test_the_reason_of_a_limit_has_no_number_of_pivots(monkeypatch: pytest.MonkeyPatch) -> None:
+    limit = "no equilibrium of the clamped end at 37 kPa: the tangent stays indefinite (1 negative pivots)"
+    law = SimpleNamespace(pressures=(0.0, 37.0))
+    measured = SimpleNamespace(law=law, error_between=None, failures=(), limits=(limit,))
+    monkeypatch.setattr(of_run, "build_law", lambda pieces, context, highest: measured)
+    pieces: Any = None
+    made = of_run._law("both", pieces, pieces, None)
+    assert made.reason.endswith("at 37 kPa: the tangent stays indefinite")
+
+
+def test_where_the_whole_arm_ends_is_named_beside_its_law() -> None:
+    """Of what a pool of workers has solved nothing is used before all of it is there."""
+    ended = {
+        "I": Failure(150.0, "the limit of II", 0, 0, reached_kPa=17.0, not_followed=True),
+        "II": Failure(150.0, "a limit point", 0, 0, limit_kPa=64.77),
+        "III": Failure(150.0, "a limit point", 0, 0, limit_kPa=44.93, reached_kPa=44.87),
+    }
+    outcomes = Outcomes({name: outcome(name, record(17.0), failure=failure) for name, failure in ended.items()})
+    without = Outcomes({name: outcome(name, record(17.0)) for name in ended})
+    for law in (law_up_to(37.0, True), LawOfRun(None, "the cell bears none of the pressures", (), True)):
+        assert law.beside(outcomes).reason == f"{law.reason}; experiment III of the whole arm ends at 44.93 kPa"
+        assert (law.beside(without), law.remarks(outcomes), law.remarks(without)) == (law, (), ())
+    higher = law_up_to(64.64, False)
+    assert higher.beside(outcomes) == higher
+    assert higher.remarks(without) == ()
+    (remark,) = higher.remarks(outcomes)
+    assert remark.startswith(
+        "the arm's own law goes up to 64.64 kPa, but experiment III of the whole arm ends at 44.93"
+    )
+
+
+@pytest.mark.slow
+def test_a_run_names_where_the_whole_arm_ends_beside_the_law(tmp_path: Path) -> None:
+    design = config(tmp_path, "pressures=[6 kPa, 2 MPa]", "law=cell", "validation=off", "experiments=[II, III]")
+    report = run(design, tmp_path / "out", 1, False, Silent())
+    first = report.outcomes.first_to_end
+    assert first is not None
+    assert report.arm.law is not None
+    assert report.arm.law.pressures[-1] == 6.0
+    assert ", on the way to 2000 kPa: " in report.arm.failures[0]
+    effects = {row["effect"]: row for row in read(tmp_path / "out", "effects.json")}
+    clause = f"; experiment {first[0]} of the whole arm ends at {first[1]:.4g} kPa"
+    assert effects["arm_law"]["reason"].endswith(clause)
+    assert [
+        step for step in verdict_of(read_results(tmp_path / "out")).on("next") if "law.json --pressure '6 kPa'" in step
+    ]
+
+
+def test_pressures_that_the_cell_does_not_bear_end_the_law_below_them(tmp_path: Path) -> None:
+    """All of them, or the highest one."""
+    for pressures, highest in (("[1 MPa, 2 MPa]", None), ("[6 kPa, 2 MPa]", 6.0)):
+        large = config(tmp_path, f"pressures={pressures}", "law=cell", "validation=off")
+        with open_store(tmp_path / str(highest), large) as store:
+            made = law_of_run(Scene.meshed(large), RunContext.alone(store, Silent())).result()
+        assert (made.law and made.law.pressures[-1]) == highest
+        assert "no equilibrium of the half cell at" in made.failures[0]
+        assert made.failures[0].startswith("no law of the arm: the cell of the arm has no") == (highest is None)
+
+
+def test_a_cell_that_bears_no_pressure_of_the_configuration_is_measured_below_the_limit_of_the_arm(
+    tmp_path: Path,
+) -> None:
+    large = config(tmp_path, "pressures=[1 MPa, 2 MPa]", "validation=off")
+    with open_store(tmp_path / "out", large) as store:
+        context = RunContext.alone(store, Silent())
+        made = law_of_run(Scene.meshed(large), context, lambda: 8.0).result()
+    assert made.law is not None
+    assert (made.law.pressures[0], made.law.pressures[-1]) == (0.0, 8.0)
+    assert made.not_borne
+    assert "no equilibrium of the half cell at" in made.reason
+    assert made.measured is not None
+    assert 8.0 in made.measured.added_kPa
+
+
+@pytest.mark.parametrize(
+    ("reached", "below_limit", "end", "highest"),
+    [
+        pytest.param((6.0, 12.0), (), 0.0, 12.0, marks=pytest.mark.slow),
+        ((6.0,), (), 11.0, 6.0),
+        ((6.0,), (2.0, 9.0), 11.0, 9.0),
+        ((), (2.0, 4.0), 5.0, 4.0),
+        ((), (), 5.0, 4.0),
+        pytest.param((), (), 0.0, 12.0, marks=pytest.mark.slow),
+    ],
+)
+def test_the_law_goes_no_higher_than_the_whole_arm(
+    tmp_path: Path, reached: tuple[float, ...], below_limit: tuple[float, ...], end: float, highest: float
+) -> None:
+    """Up to the highest pressure at which II has a state, those below its limit included."""
+    design = config(tmp_path, "validation=off")
+    scene, simulated = Scene.meshed(design), ended(design, reached, below_limit, end)
+    with open_store(tmp_path / "out", design) as store:
+        context = RunContext.alone(store, Silent())
+        made = law_of_run(scene, context, lambda: highest_of_use(scene, *simulated)).result()
+    assert made.law is not None
+    assert made.law.pressures[-1] == highest
+    assert all(pressure in made.law.pressures for pressure in (6.0, 12.0) if pressure <= highest)
+    assert (f"the law goes up to {highest:g} kPa, because the whole arm was not solved" in made.reason) == (
+        highest < 12.0
+    )
+    assert made.failures == ()
+    assert made.measured is not None
+    assert highest in made.measured.mesh_error.pressures_kPa
+    assert (highest in made.measured.added_kPa) == (highest not in (6.0, 12.0))
+
+
+def ended(
+    design: Config, reached: tuple[float, ...], below_limit: tuple[float, ...], end: float
+) -> tuple[Simulation, Done[tuple[Outcomes, str]]]:
+    """Experiment II with states at these pressures, and with those that were added below its limit."""
+    failure = Failure(12.0, "a limit point", 0, 0, limit_kPa=end) if len(reached) < 2 else None
+    second, complete = (
+        outcome("II", *map(record, pressures), failure=failure) for pressures in (reached, (*reached, *below_limit))
+    )
+    return Simulation({"II": Done(second)}), Done((Outcomes({"II": complete}), ""))
+
+
+def test_the_law_goes_up_to_the_loads_of_the_validation_below_the_end_of_the_arm(tmp_path: Path) -> None:
+    design = config(tmp_path, "validation={pressures: [6 kPa, 8 kPa, 10 kPa], end_y: [5 mm]}")
+    scene = Scene.meshed(design)
+    assert highest_of_use(scene, *ended(design, (6.0,), (), 9.0)) == 8.0
+    assert highest_of_use(scene, Simulation({}), Done((Outcomes({}), ""))) == inf
+
+
+@pytest.mark.parametrize("jobs", [pytest.param(1, marks=pytest.mark.slow), 2])
+def test_a_run_tells_its_law_how_high_it_goes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, jobs: int) -> None:
+    def up_to_six(scene: Scene, simulation: Simulation, complete: Pending[tuple[Outcomes, str]]) -> float:
+        assert simulation.pending["II"].result().failure is None
+        assert [record.pressure_kPa for record in complete.result()[0]["II"].records] == [6.0, 12.0]
+        return 6.0
+
+    monkeypatch.setattr("pipeline.run.highest_of_use", up_to_six)
+    design = config(tmp_path, "law=cell", "validation=off")
+    report = run(design, tmp_path / "out", jobs, False, Silent())
+    assert report.arm.law is not None
+    assert report.arm.law.pressures[-1] == 6.0

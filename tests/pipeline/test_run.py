@@ -1,0 +1,295 @@
+"""A whole run on a short arm: the result files, resumption, and a pressure that cannot be reached."""
+
+import csv
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from unittest.mock import Mock
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from pipeline.cli import app
+from pipeline.config.load import load_config
+from pipeline.errors import RunFailed
+from pipeline.progress import Silent
+from pipeline.report.results import read_results
+from pipeline.report.verdict import verdict_of
+from pipeline.run import _Stages, run, stage_names
+
+SHORT = """
+name: short
+geometry: {family: pneunet, chambers: 9}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [8 kPa, 16 kPa]
+law: five
+validation: off
+end: {y: 0 mm}
+mesh: {size: 6 mm, formulation: p2p0, coarser: off}
+effects: {self_contact: auto, symmetry: auto}
+"""
+
+
+@pytest.fixture(scope="module")
+def config_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("config") / "short.yaml"
+    path.write_text(SHORT)
+    return path
+
+
+@pytest.fixture(scope="module")
+def results(config_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("results")
+    run(load_config(config_file), out, 1, False, Silent())
+    return out
+
+
+def read(results: Path, name: str):
+    return json.loads((results / name).read_text())
+
+
+def test_every_file_of_the_contract_is_there(results: Path) -> None:
+    named = [*(f"{name}.json" for name in ("parameters", "experiments", "validation", "effects", "run"))]
+    named += ["curves.csv", "mesh.vtu", "I.pvd", "II.pvd", "III.pvd", "report.html", "fields/III_8kPa.vtu"]
+    named += [f"pictures/{name}.png" for name in ("body", "body_open", "II_16kPa")]
+    missing = [name for name in named if not (results / name).is_file()]
+    assert not missing
+
+
+@pytest.mark.parametrize(
+    ("settings", "counted"),
+    [(("mesh.coarser=1.5",), True), (("mesh.coarser=off",), False), (("mesh.coarser=1.5", "law=cell"), False)],
+)
+def test_a_second_mesh_is_a_stage_where_there_is_one(
+    config_file: Path, settings: tuple[str, ...], counted: bool
+) -> None:
+    config = load_config(config_file, settings)
+    listener = Mock()
+    names = stage_names(config)
+    stages = _Stages(listener, names)
+    for name in ("mesh", "coarser mesh", "report"):
+        with stages.timed(name):
+            pass
+    count = 10 if counted else 9
+    of_second = [f"coarser mesh (7 of {count})"] if counted else []
+    assert [call.args[0] for call in listener.stage.mock_calls] == [
+        f"mesh (1 of {count})",
+        *of_second,
+        f"report ({count} of {count})",
+    ]
+    assert ("coarser mesh" in stages.seconds) is counted
+
+
+def test_parameters_are_those_of_a_rod(results: Path) -> None:
+    parameters = read(results, "parameters.json")
+    assert parameters["pressures_kPa"] == [8.0, 16.0]
+    assert parameters["length_mm"] == 92.0
+    for name in ("alpha1_N_mm2", "alpha2_N_mm2", "d_mm"):
+        assert min(parameters[name]) > 0
+        assert min(parameters[f"{name}_std"]) >= 0
+    assert {"m01_N_mm", "m02_N_mm", "beta1_N_mm2_per_kPa", "beta2_N_mm2_per_kPa", "linear_range_kPa"} <= set(parameters)
+    profile = parameters["kappa_0"]
+    assert np.shape(profile["kappa_0_per_mm"]) == (2, len(profile["s_mm"]))
+    assert (
+        np.mean(profile["cell_averaged_per_mm"][1]) < np.mean(profile["cell_averaged_per_mm"][0]) < 0
+    )  # it curls down
+
+
+def test_the_command_that_the_report_suggests_gives_the_rod_of_experiment_III(results: Path) -> None:
+    verdict = verdict_of(read_results(results))
+    (step,) = (step for step in verdict.on("next") if "under the load of experiment III" in step)
+    program, *arguments = shlex.split(step.split(": ", 1)[1])
+    assert program == "pneurod"
+    assert "--moment" in arguments
+    answer = CliRunner().invoke(app, arguments)
+    assert answer.exit_code == 0
+    (row,) = (
+        row
+        for row in read(results, "validation.json")
+        if (row["rod"], row["experiment"], row["pressure_kPa"]) == (verdict.rod, "III", 16.0)
+    )
+    (force,) = re.findall(r"end force +\[[^,]*, ([^]]*)\] N", answer.stdout)
+    assert float(force) == pytest.approx(row["rod_force_N"], rel=1e-4)
+    assert ", y = 0.000 mm from the clamped end" in answer.stdout
+    assert len(answer.stdout.splitlines()) == 5  # without a warning
+    assert answer.stderr == ""
+
+
+def test_experiments_hold_what_the_contract_names(results: Path) -> None:
+    rows = read(results, "experiments.json")
+    assert [(row["experiment"], row["pressure_kPa"]) for row in rows] == [
+        (name, pressure) for name in ("I", "II", "III") for pressure in (8.0, 16.0)
+    ]
+    for row in rows:
+        assert row["status"] == "converged"
+        assert row["negative_pivots"] == 0
+        assert 0 < row["min_J"] < 1 < row["max_stretch"]
+        area_times_pressure = 1e-3 * row["pressure_kPa"] * 9 * (11 * 13 * 2)
+        if row["experiment"] != "III":
+            assert np.hypot(*row["clamp_reaction_N"]) < 1e-6 * area_times_pressure
+        else:
+            assert row["end_y_mm"] == pytest.approx(1.0, abs=1e-9)
+            assert np.add(row["clamp_reaction_N"], row["reaction_N"]) == pytest.approx(
+                0, abs=1e-6 * area_times_pressure
+            )
+
+
+def test_the_error_indicator_of_every_state_and_the_largest_one(results: Path) -> None:
+    rows = read(results, "experiments.json")
+    errors = [row["stress_error"] for row in rows]
+    assert 0.01 < min(errors) <= max(errors) < 0.5
+    indicator = read(results, "run.json")["indicator"]
+    worst = rows[int(np.argmax(errors))]
+    assert indicator["stress_error"] == max(errors)
+    assert (indicator["experiment"], indicator["pressure_kPa"]) == (worst["experiment"], worst["pressure_kPa"])
+    assert indicator["at_mm"] == worst["stress_error_at_mm"]
+    assert indicator["sentence"] in (results / "report.html").read_text()
+
+
+ASKED = """
+name: asked
+geometry: {family: semicircular, chambers: 7}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [20 kPa]
+law: five
+validation: off
+mesh: {size: auto}
+"""
+
+
+@pytest.mark.slow
+def test_a_requested_accuracy_is_reported_before_and_after_the_run(tmp_path: Path) -> None:
+    path = tmp_path / "asked.yaml"
+    path.write_text(ASKED, encoding="utf-8")
+    run(load_config(path, ["accuracy=20 %"]), tmp_path / "out", 1, False, Silent())
+    record = read(tmp_path / "out", "run.json")
+    accuracy, indicator = record["accuracy"], record["indicator"]
+    assert accuracy["size_mm"] == record["config"]["mesh"]["size_mm"]
+    assert accuracy["is_reached"]
+    assert accuracy["choices"][0]["degrees_of_freedom"] == pytest.approx(
+        record["degrees_of_freedom"]["II"], rel=0.35
+    )  # predicted from the pilots
+    assert 1.0 <= accuracy["order"] <= 4.0
+    before, after = accuracy["estimated_error"], accuracy["after"]["estimated_error"]
+    assert 0.5 * before < after < 1.5 * before
+    assert accuracy["after"]["indicator"]["at_mm"] == indicator["at_mm"]
+    assert accuracy["sentence"] in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_moment_by_equation_seven_balances_the_clamp(results: Path) -> None:
+    with (results / "curves.csv").open() as file:
+        curves = [row for row in csv.DictReader(file) if row["experiment"] == "III"]
+    for row in read(results, "experiments.json"):
+        if row["experiment"] == "III":
+            start = next(c for c in curves if float(c["pressure_kPa"]) == row["pressure_kPa"])
+            assert float(start["moment_N_mm"]) == pytest.approx(-row["clamp_moment_N_mm"], rel=1e-4)
+
+
+def test_the_rod_follows_the_finite_elements(results: Path) -> None:
+    rows = read(results, "validation.json")
+    assert [row["rod"] for row in rows] == ["five", "five_extensible"] * 4
+    for row in rows:
+        assert row["distance_over_length"] < 0.02
+        assert row["experiment"] == "II" or abs(row["force_error"]) < 0.1  # measured on this coarse mesh: 0.06
+
+
+def test_the_end_is_pulled_the_break_is_given_and_numbers_have_a_named_weight(
+    config_file: Path, tmp_path: Path
+) -> None:
+    changes = [
+        *("pressures=[16 kPa]", "experiments=[II, III]", "end={x: 0.1 N, y: 0.05 N}"),
+        "identification={d: 12 mm, weight: 0.42 N, weight_of: arm of 11 chambers}",
+    ]
+    run(load_config(config_file, changes), tmp_path, 1, False, Silent())
+    loaded = next(row for row in read(tmp_path, "experiments.json") if row["experiment"] == "III")
+    assert loaded["reaction_N"] == pytest.approx([0.1, 0.05], abs=1e-8)
+    assert loaded["clamp_reaction_N"] == pytest.approx([-0.1, -0.05], rel=1e-4)
+    parameters = read(tmp_path, "parameters.json")
+    assert (parameters["d_mm"], parameters["d_mm_std"], parameters["d_given_mm"]) == ([12.0], [0.0], 12.0)
+    assert all(of["d_mm"] == [pytest.approx(12.0)] for of in parameters["estimators"].values())
+    without_unit = parameters["dimensionless_numbers"]
+    assert (without_unit["weight_N"], without_unit["weight_of"]) == (0.42, "arm of 11 chambers")
+    assert without_unit["alpha2_over_m_g_length2"] == [
+        pytest.approx(parameters["alpha2_N_mm2"][0] / (0.42 * 92.0**2), rel=1e-9)
+    ]
+    assert without_unit["d_over_length"] == [pytest.approx(12.0 / 92.0)]
+    held, pulled = (
+        next(row for row in read(tmp_path, "validation.json") if row["experiment"] == n) for n in ("II", "III")
+    )
+    assert held["distance_over_length"] < 0.02
+    assert pulled["distance_over_length"] < 0.05
+    assert pulled["force_error"] is None  # the force is given
+    assert "a force F_x = 0.1 N, F_y = 0.05 N on the end" in (tmp_path / "report.html").read_text()
+
+
+def test_the_same_command_goes_on_from_what_is_finished(config_file: Path, results: Path, tmp_path: Path) -> None:
+    shutil.copytree(results, tmp_path, dirs_exist_ok=True)
+    for name in ("III_16kPa", "I_8kPa", "I_16kPa"):
+        (tmp_path / "states" / f"{name}.npz").unlink()
+    (tmp_path / "parameters.json").unlink()
+    for name, difference in (("II_8kPa", 0.081), ("II_16kPa", np.inf)):  # as if contact depended on the load increments
+        state = tmp_path / "states" / f"{name}.npz"
+        with np.load(state, allow_pickle=False) as stored:
+            arrays = {**stored, "path_dependence": np.array(difference)}
+        np.savez(state, **arrays)
+    report = run(load_config(config_file), tmp_path, 2, False, Silent())
+    assert [remark for remark in report.remarks if remark.startswith("folded walls")]
+    reasons = {(row["experiment"], row["pressure_kPa"]): row["reason"] for row in read(tmp_path, "experiments.json")}
+    assert "searched anew differs by 8.1 % in displacement or strain" in reasons.pop(("II", 8.0))
+    assert "contact searched anew led to no equilibrium" in reasons.pop(("II", 16.0))
+    assert not any("searched anew" in reason for reason in reasons.values())
+    for name in ("end_x_mm", "end_y_mm", "cavity_volume_mm3"):
+        first = [row[name] for row in read(results, "experiments.json")]
+        again = [row[name] for row in read(tmp_path, "experiments.json")]
+        assert again == pytest.approx(first, rel=1e-9)
+    # a repeated run changes nothing: pictures are not drawn again, and the report and its times stay
+    shown = [tmp_path / "report.html", tmp_path / "run.json", *tmp_path.glob("pictures/*"), *tmp_path.glob("fields/*")]
+    written = {path: path.stat().st_mtime_ns for path in shown}
+    assert len(written) > 15
+    run(load_config(config_file), tmp_path, 1, False, Silent())
+    assert {path: path.stat().st_mtime_ns for path in written} == written
+
+
+REFUSED = r"experiment I+ stopped before 1000 kPa: no equilibrium found beyond [\d.]+ kPa on the way to 1000 kPa: "
+
+
+def test_a_pressure_that_cannot_be_borne_ends_in_a_sentence_and_keeps_the_rest(
+    config_file: Path, tmp_path: Path
+) -> None:
+    config = load_config(config_file, ["pressures=[8 kPa, 1 MPa]", "geometry.chambers=2"])
+    report = run(config, tmp_path, 2, False, Silent())
+    with pytest.raises(RunFailed, match=REFUSED) as failure:
+        report.raise_if_failed()
+    assert "\n" not in str(failure.value)
+    assert failure.value.brief == (
+        "experiments I, II and III stopped before 1000 kPa; no five parameters; why, and what was reached, is in "
+        f"{tmp_path}"
+    )
+    assert {outcome.failure and outcome.failure.pressure_kPa for outcome in report.outcomes} == {1000.0}
+    rows = read(tmp_path, "experiments.json")
+    assert {row["status"] for row in rows if row["pressure_kPa"] == 8.0} == {"converged"}
+    assert all(row["reason"] for row in rows if row["pressure_kPa"] == 1000.0)
+    assert "1000 kPa" in (tmp_path / "report.html").read_text()
+    (note,) = [remark for remark in read(tmp_path, "run.json")["remarks"] if "stay below" in remark]
+    (suggested,) = re.findall(r"stay below ([\d.]+) kPa, because an experiment ended at", note)
+    assert float(suggested) < report.outcomes.lowest_end_kPa() < 1000.0
+
+
+def test_exit_status_of_a_failed_run_is_one_and_of_wrong_input_two(config_file: Path, tmp_path: Path) -> None:
+    def status(*settings: str) -> tuple[int, str]:
+        command = [sys.executable, "-m", "pipeline", "run", str(config_file), "--out", str(tmp_path / "out"), *settings]
+        ended = subprocess.run(command, capture_output=True, text=True, cwd=Path(__file__).parent.parent.parent)
+        assert "Traceback" not in ended.stderr
+        return ended.returncode, ended.stderr
+
+    code, message = status("--set", "material.nu=0.6")
+    assert code == 2
+    assert "nu" in message
+    code, message = status("--set", "geometry.chambers=1", "--set", "pressures=[1 MPa]", "--jobs", "1")
+    assert code == 1
+    assert message.startswith("pneurod: experiment")

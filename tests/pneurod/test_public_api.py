@@ -1,0 +1,455 @@
+"""The package `pneurod`: its names, what it imports, runs from Python, and results read from folders."""
+
+import copy
+import json
+import pickle
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import FrozenInstanceError, fields, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import fem
+import geometry
+import pneurod
+import rod
+from pipeline.store.store import locked
+from tests.test_rooms import HEAVY, loaded_after, loaded_by_command
+
+HERE = Path(__file__).resolve().parent.parent.parent
+#: a result folder without `format` in parameters.json, its profiles and curves thinned out
+OLD = Path(__file__).resolve().parent.parent / "data" / "results_format_1"
+
+DESIGN = """
+name: short
+geometry: {family: pneunet, chambers: 7}
+material: {law: svk, E: 1.2 MPa, nu: 0.495, density: 1130 kg/m^3}
+pressures: [8 kPa, 16 kPa]
+law: five
+validation: off
+mesh: {size: 8 mm, formulation: p2p0, grading: off, coarser: off}
+"""
+
+
+@pytest.fixture(scope="module")
+def design(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("design") / "short.yaml"
+    path.write_text(DESIGN, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def results(design: Path, tmp_path_factory: pytest.TempPathFactory) -> pneurod.Results:
+    return pneurod.characterize(design, out=tmp_path_factory.mktemp("results"), jobs=1)
+
+
+def frames(results: pneurod.Results) -> Iterator[tuple[str, pd.DataFrame]]:
+    for field in fields(results):
+        value = getattr(results, field.name)
+        if isinstance(value, pd.DataFrame):
+            yield field.name, value
+
+
+def test_rooms_and_classes_have_one_identity() -> None:
+    assert pneurod.fem is fem
+    assert pneurod.rod is rod
+    assert pneurod.geometry is geometry
+    assert pneurod.fem.Pressure is fem.Pressure
+    assert pneurod.Rod is rod.Rod
+    assert pneurod.FiveParameters is rod.FiveParameters
+    assert pneurod.pipeline.__name__ == "pipeline"
+
+
+def test_every_public_name_is_there_and_no_other() -> None:
+    assert len(pneurod.__all__) > 10
+    for name in pneurod.__all__:
+        assert getattr(pneurod, name) is not None
+    assert set(dir(pneurod)) == set(pneurod.__all__)
+    with pytest.raises(AttributeError, match=r"no attribute 'Mesh'; it has .*Rod"):
+        _ = pneurod.Mesh
+
+
+def test_import_loads_nothing_heavy() -> None:
+    loaded = loaded_after("import pneurod")
+    assert "pneurod" in loaded
+    assert loaded & (HEAVY | {"pandas", "rich", "typer"}) == set()
+
+
+def test_a_rod_is_solved_without_what_is_slow_to_import() -> None:
+    """From the command to the answer: numba would double its time, scipy.optimize more than that."""
+    load = ("--pressure", "31 kPa", "--force", "[0 N, 0.01 N]")
+    loaded = loaded_by_command("rod", str(OLD / "parameters.json"), *load, says="end angle")
+    assert {"rod", "numpy"} <= loaded
+    assert loaded & ((HEAVY | {"fem"}) - {"numpy", "pydantic", "pint"}) == set()
+
+
+def test_a_run_gives_what_its_folder_gives(results: pneurod.Results) -> None:
+    again = pneurod.read_results(results.directory)
+    names = [name for name, _ in frames(results)]
+    assert len(names) > 10
+    for name in names:
+        pd.testing.assert_frame_equal(getattr(results, name), getattr(again, name))
+    assert again.run == results.run
+    assert again.slopes == results.slopes or np.isnan(results.slopes.linear_range_kPa[0])
+
+
+def test_parameters_carry_units_and_errors(results: pneurod.Results) -> None:
+    content = json.loads((results.directory / "parameters.json").read_text(encoding="utf-8"))
+    assert results.pressures_kPa == (8.0, 16.0)
+    assert results.length_mm == 72.0
+    assert results.parameters["alpha2_N_mm2"].tolist() == content["alpha2_N_mm2"]
+    assert results.parameters["alpha2_N_mm2_std"].tolist() == content["alpha2_N_mm2_std"]
+    spread = results.interval("alpha2", 16.0)
+    assert [spread.low, spread.high] == content["alpha2_N_mm2_95"][1]
+    assert spread.low <= spread.value <= spread.high
+    assert results.law(16.0).alpha2 == content["alpha2_N_mm2"][1]
+    assert results.law(16.00005) == results.law(16.0)  # the same pressure with six digits
+    assert results.interval("alpha2", 16.00005) == spread
+    assert results.rod(16.00005).law == results.law(16.0)
+    assert results.estimators["estimator"].unique().tolist() == ["cell_averaged", "gaussian_process", "rod_fit"]
+    assert np.isfinite(results.kappa_0["kappa_0_per_mm"]).all()
+    assert results.kappa_0.groupby("pressure_kPa")["s_mm"].max().tolist() == [72.0, 72.0]
+    assert np.isfinite(results.extensible["eccentricity_mm"]).all()
+
+
+def test_experiments_and_curves_are_complete(results: pneurod.Results) -> None:
+    rows = results.experiments.set_index(["experiment", "pressure_kPa"])
+    assert set(rows.index) == {(name, p) for name in ("I", "II", "III") for p in (8.0, 16.0)}
+    assert (rows["status"] == "converged").all()
+    assert rows.loc[("III", 16.0), "reaction_y_N"] > 0.0
+    assert set(results.curves["experiment"]) == {"I", "II", "III"}
+    assert results.curves["kappa_per_mm"].notna().all()
+    assert (results.validation["sample"] == "in").all()
+    assert results.validation["distance_over_length"].max() < 0.05
+    assert set(results.effects["state"]) == {"on", "off"}
+    assert results.laws.empty
+    assert "simplest" in results.laws.columns
+
+
+def test_rods_moved_to_the_start_of_the_curve_lie_on_the_curves(results: pneurod.Results) -> None:
+    free = results.curves.query("experiment == 'II' and pressure_kPa == 16.0")
+    assert results.curve_start_mm == (0.0, 1.0)  # the material curve of this arm is 1 mm above its lower face
+    curve = results.rod(16.0, extensible=False).solve().positions(free["s_mm"].to_numpy()) + results.curve_start_mm
+    np.testing.assert_allclose(curve, free[["rod_x_mm", "rod_y_mm"]], atol=1e-6)
+
+
+def test_results_can_be_pickled_and_copied(results: pneurod.Results) -> None:
+    for again in (pickle.loads(pickle.dumps(results)), copy.deepcopy(results)):
+        assert again.run == results.run
+        assert again.pictures == results.pictures
+        pd.testing.assert_frame_equal(again.curves, results.curves)
+        assert again.rod(12.0).solve().end == results.rod(12.0).solve().end
+        with pytest.raises(TypeError, match="does not support item assignment"):
+            again.run.config["name"] = "other"
+
+
+def test_a_pressure_that_is_no_number_is_refused(results: pneurod.Results) -> None:
+    text: Any = "12 kPa"
+    for method in (results.rod, results.law, lambda p: results.interval("d", p)):
+        with pytest.raises(pneurod.InputError, match="The pressure in kPa must be a finite number, not '12 kPa'"):
+            method(text)
+
+
+def test_the_record_of_the_run_is_typed(results: pneurod.Results) -> None:
+    record = results.run
+    assert record.finished
+    assert record.failure == ""
+    assert record.name == "short"
+    assert record.packages["numpy"] == np.__version__
+    assert record.seconds["experiments"] > 0.0
+    assert set(record.factorizations) == {"I", "II", "III"}
+    assert record.stress_error > 0.0
+    assert results.report.is_file()
+    assert results.pictures["body"].is_file()
+
+
+def test_results_are_frozen(results: pneurod.Results) -> None:
+    with pytest.raises(FrozenInstanceError):
+        results.length_mm = 1.0
+    with pytest.raises(TypeError):
+        results.run.seconds["experiments"] = 0.0
+
+
+def test_the_rod_of_results_is_the_rod_of_the_validation(results: pneurod.Results) -> None:
+    """In III the rod must need the force that validation.json says."""
+    curve = results.curves.query("experiment == 'III' and pressure_kPa == 16.0")
+    row = results.validation.query("experiment == 'III' and pressure_kPa == 16.0").iloc[0]
+    clamped = replace(results.rod(16.0), start=(0.0, float(curve["y_mm"].iloc[0])))
+    held = clamped.solve(end_y=float(curve["y_mm"].iloc[-1]))
+    assert held.force[1] == pytest.approx(row["rod_force_N"], rel=0.05)  # without the couple of the held edge
+    assert results.rod(12.0, extensible=True).extension is not None
+    with pytest.raises(pneurod.InputError, match="outside the identified range"):
+        results.rod(40.0)
+    assert results.rod(20.0, extrapolate=True).length == 72.0
+
+
+def test_a_load_beyond_the_identification_is_told(results: pneurod.Results) -> None:
+    pressure = results.pressures_kPa[-1]
+    rod = results.rod(pressure)
+    assert results.warning(pressure, rod.solve()) == ""
+    shape = rod.solve(force=(0.0, -3.0))
+    assert "N mm of the identification on" in results.warning(pressure, shape)
+    assert "N mm of the identification on" in results.warning(pressure, shape, extensible=True)
+    with pytest.raises(pneurod.InputError, match=r"Give extrapolate=True to go beyond it"):
+        results.warning(1.2 * pressure, shape)
+
+
+def test_arguments_of_a_run_that_are_none_are_refused(design: Path) -> None:
+    for jobs in (0, -1, "x", 1.5, True):
+        with pytest.raises(pneurod.InputError, match=r"jobs: .* is not allowed; give a whole number from 1 on"):
+            pneurod.characterize(design, jobs=jobs)  # type: ignore[arg-type]
+
+
+def test_an_empty_accuracy_is_refused(design: Path) -> None:
+    with pytest.raises(pneurod.InputError, match="is no accuracy; write a percentage"):
+        pneurod.characterize(design, accuracy="")
+
+
+def test_wrong_names_and_pressures_are_refused(results: pneurod.Results) -> None:
+    with pytest.raises(pneurod.InputError, match="no parameters at 9 kPa; identified are 8, 16 kPa"):
+        results.law(9.0)
+    with pytest.raises(pneurod.InputError, match="allowed: alpha1, alpha2, m01, m02, d"):
+        results.interval("alpha", 8.0)
+
+
+@pytest.mark.slow
+def test_a_run_is_silent_unless_progress_is_requested(
+    design: Path, results: pneurod.Results, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pneurod.characterize(design, out=results.directory, jobs=1)
+    assert capfd.readouterr() == ("", "")
+    pneurod.characterize(design, out=results.directory, jobs=1, progress=True)
+    out, err = capfd.readouterr()
+    assert "III: 16 kPa (" in out
+    assert err == ""
+
+
+@pytest.mark.slow
+def test_a_program_without_a_guard_may_use_several_processes(design: Path, results: pneurod.Results) -> None:
+    """The workers must not run the program once more."""
+    program = design.parent / "program.py"
+    program.write_text(
+        "import pneurod\n"
+        "print('program')\n"
+        f"results = pneurod.characterize({str(design)!r}, out={str(results.directory)!r}, jobs=2)\n"
+        "print(len(results.parameters))\n"
+    )
+    command = [sys.executable, str(program)]
+    environment = {"PYTHONPATH": str(HERE), "PATH": "/usr/bin:/bin"}
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=design.parent, env=environment)
+    assert (ended.returncode, ended.stdout, ended.stderr) == (0, "program\n2\n", "")
+
+
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"mesh.size": "1 kPa"}, "settings[\"mesh.size\"]: '1 kPa' is not a length; write a length with its unit, "),
+        ({"mesh.size": 6}, 'settings["mesh.size"]: 6 has no unit; '),
+        ({"mesh.size": "["}, 'settings["mesh.size"]: line 1: '),
+        ({"mesh": {"size": 7}}, 'settings["mesh"]: mesh.size: 7 has no unit; '),
+        ({"mesh.size.x": 7}, "settings[\"mesh.size.x\"]: 'mesh.size' holds a value, not keys"),
+        ({".size": 7}, 'settings[".size"]: is not a key; write one such as mesh.size'),
+        ({"pressures": np.array([1.0, 2.0])}, 'settings["pressures"]: pressures[1]: 1.0 has no unit; '),
+        ({"pressures": b"1 kPa"}, 'settings["pressures"]: b\'1 kPa\' is not allowed; give a text such as "6 mm", '),
+        ({"geometry.chambers": np.int64(0)}, 'settings["geometry.chambers"]: must be a whole number of at least 1'),
+        ({3: "6 mm"}, 'settings: 3 is not a key; keys are texts such as "mesh.size"'),
+        (["mesh.size=6 mm"], 'settings: give values by their keys, for example {"mesh.size": "6 mm"}'),
+    ],
+)
+def test_a_wrong_setting_is_named_as_it_was_given(design: Path, tmp_path: Path, settings: Any, sentence: str) -> None:
+    with pytest.raises(pneurod.InputError) as refusal:
+        pneurod.characterize(design, out=tmp_path, settings=settings)
+    assert str(refusal.value).startswith(sentence)
+    assert "--" not in str(refusal.value)
+
+
+def test_numbers_of_numpy_are_settings(design: Path, results: pneurod.Results) -> None:
+    same: Any = {"geometry.chambers": np.int64(7), "pressures": np.array(["8 kPa", "16 kPa"])}
+    same["material.nu"] = np.float64(0.495)
+    again = pneurod.characterize(design, out=results.directory, settings=same, jobs=1)
+    assert again.run.config_hash == results.run.config_hash
+
+
+def test_a_wrong_accuracy_is_named_as_it_was_given(design: Path) -> None:
+    with pytest.raises(pneurod.InputError, match=r"^accuracy: 'x' is no accuracy; "):
+        pneurod.characterize(design, accuracy="x")
+    with pytest.raises(pneurod.InputError, match=r'^settings\["accuracy"\]: \'x\' is no accuracy; '):
+        pneurod.characterize(design, settings={"accuracy": "x"})
+
+
+def test_a_folder_that_cannot_be_used_is_named_as_it_was_given(
+    design: Path, results: pneurod.Results, tmp_path: Path
+) -> None:
+    out = results.directory
+    with pytest.raises(pneurod.InputError) as refusal:
+        pneurod.characterize(design, out=out, settings={"mesh.size": "7 mm"})
+    assert str(refusal.value) == (
+        f"out={out}: holds the results of another configuration; give another out, or fresh=True to replace them"
+    )
+    with locked(tmp_path), pytest.raises(pneurod.InputError) as refusal:
+        pneurod.characterize(design, out=tmp_path)
+    assert str(refusal.value) == f"out={tmp_path}: another run is at work in it; wait for it or give another out"
+    with pytest.raises(pneurod.InputError, match=r"^out=.*short\.yaml: cannot be written"):
+        pneurod.characterize(design, out=design)
+
+
+@pytest.mark.parametrize("wrong", [None, {}, 3, "", b"arm.yaml", "a\0b"])
+def test_what_is_no_path_is_refused(design: Path, wrong: Any) -> None:
+    with pytest.raises(pneurod.InputError, match=r'^config: .* is no path; give a text or a Path, for example "'):
+        pneurod.characterize(wrong)
+    with pytest.raises(pneurod.InputError, match=r'^directory: .* is no path; give a text or a Path, for example "'):
+        pneurod.read_results(wrong)
+    if wrong is not None:
+        with pytest.raises(pneurod.InputError, match=r'^out: .* is no path; give a text or a Path, for example "'):
+            pneurod.characterize(design, out=wrong)
+    with pytest.raises(pneurod.InputError, match="no such file"):
+        pneurod.characterize(design.parent / "missing.yaml")
+
+
+@pytest.mark.parametrize("wrong", ["no", 1, None])
+def test_what_is_neither_true_nor_false_is_refused(design: Path, wrong: Any) -> None:
+    results = pneurod.read_results(OLD)
+    shape = results.rod(20.0).solve()
+    calls: dict[str, list[Callable[..., object]]] = {
+        "fresh": [lambda value: pneurod.characterize(design, fresh=value)],
+        "progress": [lambda value: pneurod.characterize(design, progress=value)],
+        "extrapolate": [
+            lambda value: results.rod(20.0, extrapolate=value),
+            lambda value: results.warning(20.0, shape, extrapolate=value),
+        ],
+    }
+    if wrong is not None:  # which chooses the rod
+        calls["extensible"] = [
+            lambda value: results.rod(20.0, extensible=value),
+            lambda value: results.warning(20.0, shape, extensible=value),
+        ]
+    for name, functions in calls.items():
+        for function in functions:
+            with pytest.raises(pneurod.InputError, match=f"^{name}: {wrong!r} is not allowed; give True or False$"):
+                function(wrong)
+
+
+def test_a_name_or_a_shape_of_another_type_is_refused() -> None:
+    results, other = pneurod.read_results(OLD), "x"
+    with pytest.raises(pneurod.InputError, match=r"\['alpha1'\] is no parameter of the rod; allowed: alpha1, "):
+        results.interval(["alpha1"], 17.0)  # type: ignore[arg-type]
+    with pytest.raises(pneurod.InputError, match="shape: 'x' is no shape of a rod; give what the `solve` of a rod"):
+        results.warning(20.0, other)  # type: ignore[arg-type]
+    assert results.rod(20.0, extensible=np.bool_(True)).extension is not None
+
+
+def test_a_failed_run_says_where_its_results_are(design: Path, tmp_path: Path) -> None:
+    """Three chambers are too few for five parameters, but their experiments are there."""
+    settings: dict[str, str | int | list[str]] = {"geometry.chambers": 3, "pressures": ["5 kPa"]}
+    with pytest.raises(pneurod.RunFailed, match="no five") as failure:
+        pneurod.characterize(design, out=tmp_path, settings=settings, jobs=1)
+    assert failure.value.directory == tmp_path
+    partial = pneurod.read_results(tmp_path)
+    assert partial.run.finished
+    assert "no five" in partial.run.failure
+    assert len(partial.experiments) == 3
+    assert partial.parameters.empty
+    assert np.isnan(partial.slopes.beta2_N_mm2_per_kPa)
+    with pytest.raises(pneurod.InputError, match="holds no parameters of a rod: no five"):
+        partial.rod(5.0)
+
+
+def test_every_field_is_documented() -> None:
+    """In the section on Python of docs/results.md."""
+    section = (HERE / "docs" / "results.md").read_text(encoding="utf-8").partition("## From Python")[2]
+    names = {field.name for value in (pneurod.Results, pneurod.RunRecord) for field in fields(value)}
+    assert {name for name in names if f"`{name}`" not in section} == set()
+
+
+def test_results_of_format_1_are_read() -> None:
+    results = pneurod.read_results(OLD)
+    assert "format" not in json.loads((OLD / "parameters.json").read_text(encoding="utf-8"))
+    assert results.pressures_kPa == (17.0, 37.0)
+    assert not results.parameters["single_line_suffices"].any()
+    assert results.parameters["evidence_for_two_lines"].isna().all()
+    assert results.parameters["two_lines_on_coarser_mesh"].isna().all()
+    assert results.parameters["moment_range_high_N_mm"].tolist() == pytest.approx([4.0991325, 10.8961063])
+    assert results.extensible["eccentricity_mm"].tolist() == pytest.approx([1.2990923, 1.5808547])
+    assert set(results.validation["rod"]) == {"five", "five_extensible"}
+    assert results.validation["distance_over_length"].notna().all()
+    assert results.slopes.beta2_N_mm2_per_kPa == pytest.approx(8.05370998)
+    assert results.rod(27.0, extensible=True).extension is not None
+    assert results.run.commit is not None
+
+
+def test_frames_have_the_same_columns_in_both_formats(results: pneurod.Results) -> None:
+    old = dict(frames(pneurod.read_results(OLD)))
+    for name, frame in frames(results):
+        assert set(frame.columns) == set(old[name].columns), name
+
+
+def test_numbers_of_curves_are_read_exactly() -> None:
+    text = (OLD / "curves.csv").read_text(encoding="utf-8").splitlines()
+    column = text[0].split(",").index("kappa_per_mm")
+    assert pneurod.read_results(OLD).curves["kappa_per_mm"].tolist() == [
+        float(line.split(",")[column]) for line in text[1:]
+    ]
+
+
+@pytest.mark.parametrize(
+    ("files", "rows"),
+    [
+        (("experiments.json",), {"experiments": 6, "parameters": 0, "curves": 0}),
+        (("experiments.json", "effects.json", "parameters.json"), {"experiments": 6, "parameters": 2, "validation": 0}),
+        (("run.json",), {"experiments": 0, "parameters": 0, "kappa_0": 0}),
+    ],
+    ids=["experiments only", "until the identification", "record only"],
+)
+def test_half_finished_folders_give_what_is_there(files: tuple[str, ...], rows: dict[str, int], tmp_path: Path) -> None:
+    for name in files:
+        shutil.copy(OLD / name, tmp_path)
+    results = pneurod.read_results(tmp_path)
+    assert {name: len(getattr(results, name)) for name in rows} == rows
+    assert results.run.finished == ("run.json" in files)
+    columns = {name: list(frame.columns) for name, frame in frames(results)}
+    assert all(columns.values())
+
+
+def test_folders_without_results_are_refused_in_one_sentence(tmp_path: Path) -> None:
+    with pytest.raises(pneurod.InputError, match="no such folder; give the folder of a run"):
+        pneurod.read_results(tmp_path / "missing")
+    with pytest.raises(pneurod.InputError, match="holds no results"):
+        pneurod.read_results(str(tmp_path))
+    (tmp_path / "accuracy.json").write_text("{}")
+    with pytest.raises(pneurod.InputError, match=r"holds accuracy\.json, which is not the result of `pneurod run`"):
+        pneurod.read_results(tmp_path)
+    (tmp_path / "states").mkdir()
+    (tmp_path / "states" / "configuration.json").write_text("{}")
+    with pytest.raises(pneurod.InputError, match="its run has no results yet"):
+        pneurod.read_results(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("parameters.json", "{"),
+        ("parameters.json", "[1]"),
+        ("parameters.json", '{"pressures_kPa": [1.0]}'),
+        ("parameters.json", '{"pressures_kPa": [1.0], "kappa_0": {}, "alpha1_N_mm2": [1.0, 2.0]}'),
+        ("experiments.json", '{"a": 1}'),
+        ("experiments.json", '["a"]'),
+        ("experiments.json", '[{"experiment": "I", "min_J": "small"}]'),
+        ("run.json", '{"seconds": [1]}'),
+        ("run.json", "3"),
+        ("curves.csv", ""),
+        ("curves.csv", 'experiment,pressure_kPa\nI,"1'),
+        ("effects.json", "\x00"),
+    ],
+)
+def test_broken_files_are_named(name: str, content: str, tmp_path: Path) -> None:
+    shutil.copytree(OLD, tmp_path / "results")
+    (tmp_path / "results" / name).write_text(content)
+    with pytest.raises(pneurod.InputError, match=name.replace(".", r"\.")) as refusal:
+        pneurod.read_results(tmp_path / "results")
+    assert "\n" not in str(refusal.value)

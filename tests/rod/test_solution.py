@@ -1,0 +1,101 @@
+"""What a rod in equilibrium puts out: its material curve, the end of it, and the angle of its end."""
+
+import copy
+import pickle
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geometry import Centreline
+from rod import FiveParameters, Rod, RodError, RodSolution
+from tests.rod.arm_law.test_arm_law import LENGTH, law_of, straight_law
+
+FIVE = Rod(LENGTH, -0.01, FiveParameters(400.0, 400.0, 0.0, 0.0, 20.0), start=(0.0, 1.0))
+#: mm, the end of the material curve beside the axis, along and normal to it
+BESIDE = (0.5, 3.0)
+
+
+def beside_the_axis() -> RodSolution:
+    """The arm's own law of a straight arm whose material curve leaves the axis over the last 10 mm."""
+    cell, clamp, tip = straight_law(0.0, -0.01)
+    tip = replace(tip, beside=np.array([(0.0, 0.0), BESIDE]))
+    return Rod(LENGTH, law=law_of((cell, clamp, tip)).at(0.0)).solve()
+
+
+def test_with_five_parameters_the_material_curve_is_the_axis() -> None:
+    shape = FIVE.solve(force=(0.0, 0.02))
+    np.testing.assert_array_equal(shape.curve, np.column_stack([shape.x, shape.y]))
+    np.testing.assert_allclose(shape.curve, shape.positions(shape.s), atol=1e-12)
+    assert shape.end == (shape.x[-1], shape.y[-1])
+    assert shape.end_angle == pytest.approx(float(np.interp(0.99 * LENGTH, shape.s, shape.theta)), abs=1e-4)
+    with pytest.raises(ValueError, match="read-only"):
+        shape.curve[0, 0] = 1.0
+
+
+def test_with_the_arms_own_law_curve_and_end_are_those_beside_the_axis() -> None:
+    shape = beside_the_axis()
+    turn = float(shape.theta[-1])
+    along, normal = BESIDE
+    assert shape.end[0] - shape.x[-1] == pytest.approx(along * np.cos(turn) - normal * np.sin(turn))
+    assert shape.end[1] - shape.y[-1] == pytest.approx(along * np.sin(turn) + normal * np.cos(turn))
+    np.testing.assert_allclose(shape.curve, shape.positions(shape.s), atol=1e-12)
+    assert shape.end_angle - turn == pytest.approx(np.arctan2(0.3, 1.05), abs=0.02)  # 3 and 0.5 mm on 10 mm
+
+
+def test_the_end_angle_is_the_same_of_rods_and_of_curves_of_nodes() -> None:
+    nodes = np.linspace(0.0, LENGTH, 401)
+    for shape in (FIVE.solve(force=(0.0, 0.02)), beside_the_axis()):
+        assert Centreline(nodes, *shape.positions(nodes).T).end_angle == pytest.approx(shape.end_angle, abs=1e-6)
+
+
+def test_the_end_angle_counts_full_turns() -> None:
+    shape = replace(FIVE, kappa_0=-0.1).solve()
+    assert shape.end_angle == pytest.approx(-0.1 * 0.99 * LENGTH, abs=1e-4)  # cubics between the s
+    nodes = np.linspace(0.0, LENGTH, 401)
+    assert Centreline(nodes, *shape.positions(nodes).T).end_angle == pytest.approx(shape.end_angle, abs=1e-4)
+
+
+def test_solutions_can_be_pickled_and_copied() -> None:
+    for shape in (FIVE.solve(force=(0.0, 0.02)), beside_the_axis()):
+        for again in (pickle.loads(pickle.dumps(shape)), copy.deepcopy(shape)):
+            np.testing.assert_array_equal(again.curve, shape.curve)
+            assert again.end_angle == shape.end_angle
+
+
+@pytest.mark.parametrize(
+    ("loads", "sentence"),
+    [
+        ({"end_y": float("nan")}, "end_y must be a finite number, not nan."),
+        ({"end_y": "3"}, "end_y must be a finite number, not '3'."),
+        ({"end": (100.0, None)}, "end is a pair of finite numbers, x and y; (100.0, None) is not."),
+        ({"force": 0.05}, "force is a pair of finite numbers, x and y; 0.05 is not."),
+        ({"force": ("0 N", "0.05 N")}, "force is a pair of finite numbers, x and y; ('0 N', '0.05 N') is not."),
+        ({"force": (0.0, 0.1, 0.0)}, "force is a pair of finite numbers, x and y; (0.0, 0.1, 0.0) is not."),
+        ({"moment": None}, "The end moment must be a finite number, not None."),
+    ],
+)
+def test_loads_that_are_no_numbers_are_refused_by_all_rods(loads: dict[str, Any], sentence: str) -> None:
+    law = law_of(straight_law(0.0)).at(0.0)
+    for rod in (FIVE, law, Rod(LENGTH, law=law)):
+        with pytest.raises(RodError) as refused:
+            rod.solve(**loads)
+        assert str(refused.value) == sentence
+
+
+@pytest.mark.parametrize("s", [5, [float("nan")], "5", [[1.0, 2.0]], None])
+def test_positions_are_those_of_an_array_of_numbers(s: Any) -> None:
+    with pytest.raises(RodError, match="s is an array"):
+        FIVE.solve().positions(s)
+
+
+def test_a_law_over_all_pressures_is_refused_as_the_law_of_a_rod() -> None:
+    law: Any = law_of(straight_law(0.0))
+    with pytest.raises(RodError, match=r"law = arm_law\.at\(pressure in kPa\)"):
+        Rod(LENGTH, law=law)
+    five: Any = "five"
+    with pytest.raises(RodError, match="The law of a rod is five parameters, two slopes, or"):
+        Rod(LENGTH, -0.01, five)
+    with pytest.raises(RodError, match="The pressure in kPa must be a finite number, not '0 kPa'"):
+        law.at("0 kPa")
