@@ -18,7 +18,7 @@ JOBS :=
 LAW := both
 LARGER := 1
 
-all_targets := pneunet pneunet-coarse semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy foreign scaling
+all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy foreign scaling
 .PHONY: help setup $(all_targets) test slow hard fuzz kills unseen unseen-again nightly wheel examples lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
@@ -31,6 +31,10 @@ pneunet: $(READY)  ## the gapped pneu-net arm: five parameters and a report in r
 
 pneunet-coarse: $(READY)  ## the same arm on a coarse mesh, in less time
 	@$(BIN)/pneurod run configs/pneunet_coarse.yaml --out results/pneunet_coarse
+
+golden: $(READY)  ## the coarse arm, and its numbers against those kept from an earlier version
+	@$(BIN)/pneurod run configs/pneunet_coarse.yaml --fresh --out results/golden
+	$(BIN)/python -m tests.golden results/golden
 
 semicircular: $(READY)  ## the semicircular arm with 11 cavities
 	@$(BIN)/pneurod run configs/semicircular.yaml --out results/semicircular

@@ -4,6 +4,7 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -115,6 +116,63 @@ def test_imports_look_down_through_one_door() -> None:
     assert [refusal for module, source in sources.items() for refusal in refusals(module, source)] == []
     count = sum(len(list(imported(source, module))) for module, source in sources.items())
     assert count > 100
+
+
+#: files that import each other in a circle and still have to be parted
+CIRCLES = [
+    {"fem/equations/linear.py", "fem/equations/pardiso.py"},
+    {"pipeline/sweep/task.py", "pipeline/sweep/work.py"},
+]
+
+
+def circle_among(imports: dict[str, set[str]]) -> tuple[str, ...]:
+    """Files of `imports` (file -> the files it imports) that import each other in a circle; empty without one."""
+    try:
+        tuple(TopologicalSorter(imports).static_order())
+    except CycleError as error:
+        return tuple(error.args[1])
+    return ()
+
+
+def file_imports(sources: dict[str, str]) -> dict[str, set[str]]:
+    """File -> the other files that it imports, lazy imports included; `sources` are texts by file."""
+    return {module: set(_files_imported(source, module, sources)) - {module} for module, source in sources.items()}
+
+
+def _files_imported(source: str, module: str, sources: dict[str, str]) -> Iterator[str]:
+    names = {f"{name}.{alias.name}" for name, node in _from_imports(source, module) for alias in node.names}
+    for name in {*imported(source, module), *names}:
+        path = name.replace(".", "/")
+        yield from (file for file in (f"{path}.py", f"{path}/__init__.py") if file in sources)
+
+
+def _from_imports(source: str, module: str) -> Iterator[tuple[str, ast.ImportFrom]]:
+    folders = module.split("/")[:-1]
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ImportFrom):
+            package = ".".join(folders[: len(folders) + 1 - node.level]) if node.level else ""
+            yield ".".join(filter(None, (package, node.module))), node
+
+
+def test_no_files_import_each_other_in_a_circle() -> None:
+    imports = file_imports({module: (HERE / module).read_text(encoding="utf-8") for module in modules()})
+    assert sum(map(len, imports.values())) > 500
+    for circle in CIRCLES:
+        assert circle_among({file: imports[file] & circle for file in circle}), f"{circle} is parted: take it out"
+        for file in circle:
+            imports[file] -= circle
+    assert circle_among(imports) == ()
+
+
+def test_the_guard_finds_a_circle_of_lazy_imports() -> None:
+    sources = {
+        "fem/a.py": "from fem.b import x",
+        "fem/b.py": "def f():\n    from fem import c",
+        "fem/c.py": "def f():\n    import fem.a",
+        "fem/d.py": "from fem import a",
+    }
+    assert set(circle_among(file_imports(sources))) == {"fem/a.py", "fem/b.py", "fem/c.py"}
+    assert circle_among(file_imports({**sources, "fem/c.py": ""})) == ()
 
 
 @pytest.mark.parametrize("library", sorted(DOORS))

@@ -1,0 +1,130 @@
+"""The numbers of the coarse arm, kept from an earlier version, and a comparison of a run with them.
+
+    pneurod run configs/pneunet_coarse.yaml --out DIR
+    python -m tests.golden DIR             # exit status 1 and a line for every number that differs
+    python -m tests.golden --accept DIR    # keep DIR's numbers; refused where a number that was kept has changed
+
+Texts and times are left out. On the processor that the numbers were made with they agree to 1e-12. On another one the
+linear algebra rounds differently, and the solver's own tolerance decides.
+"""
+
+import argparse
+import csv
+import gzip
+import json
+import math
+import platform
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+KEPT = Path(__file__).resolve().parent / "data" / "golden.json.gz"
+FILES = ("parameters.json", "experiments.json", "validation.json", "effects.json", "law.json", "run.json")
+TABLES = ("curves.csv", "validation_curves.csv")
+#: what differs from run to run or from machine to machine although nothing else was computed
+LEFT_OUT = ("seconds", "solver_seconds", "share_of_time", "versions", "packages", "machine", "cores", "memory_GB")
+#: what the solver took for a number
+COUNTS = ("newton_iterations", "factorizations", "cutbacks")
+#: relative tolerance on the same processor, and on another one: Newton's iteration ends at 1e-8 of the forces
+SAME, OTHER = 1e-12, 1e-5
+
+
+def numbers_of(directory: Path) -> dict[str, float]:
+    """All numbers in the result files of a run, by file and position."""
+    found: dict[str, float] = {}
+    for name in FILES:
+        content = json.loads((directory / name).read_text(encoding="utf-8"))
+        found.update((f"{name}{path}", value) for path, value in _numbers(content, ""))
+    for name in TABLES:
+        with (directory / name).open(encoding="utf-8", newline="") as file:
+            for index, row in enumerate(csv.DictReader(file)):
+                found.update((f"{name}/{key}/{index}", float(text)) for key, text in row.items() if _is_number(text))
+    return found
+
+
+def _numbers(content: Any, path: str) -> Iterator[tuple[str, float]]:
+    if isinstance(content, dict):
+        for key, value in content.items():
+            if key not in LEFT_OUT:
+                yield from _numbers(value, f"{path}/{key}")
+    elif isinstance(content, list):
+        for index, value in enumerate(content):
+            yield from _numbers(value, f"{path}/{index}")
+    elif isinstance(content, int | float):
+        yield path, float(content)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def processor() -> str:
+    """The kind of processor, which decides how the linear algebra rounds."""
+    if sys.platform != "linux":
+        return f"{platform.system()} {platform.processor()}"
+    lines = [line.partition(":") for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()]
+    words = {name.strip(): value.strip() for name, _, value in lines}
+    return ", ".join(words.get(name, "") for name in ("model name", "cpu family", "model", "stepping"))
+
+
+def differences(kept: dict[str, float], found: dict[str, float], tolerance: float) -> list[str]:
+    """A line for every number that both have and that differs by more than `tolerance` of the largest of its list."""
+    sizes: dict[str, float] = {}
+    for path, value in kept.items():
+        sizes[_list_of(path)] = max(sizes.get(_list_of(path), 0.0), abs(value))
+    return [
+        f"{path}: {kept[path]!r} was kept, {found[path]!r} was found"
+        for path in kept.keys() & found.keys()
+        if abs(found[path] - kept[path]) > tolerance * sizes[_list_of(path)]
+    ]
+
+
+def _is_count(path: str) -> bool:
+    return any(part in COUNTS for part in path.split("/"))
+
+
+def _list_of(path: str) -> str:
+    """The path without the positions in lists: numbers of one kind have one size."""
+    return "/".join(part for part in path.split("/") if not part.isdigit())
+
+
+def main() -> int:
+    """The exit status: 0 where the numbers agree."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("directory", type=Path)
+    parser.add_argument("--accept", action="store_true")
+    options = parser.parse_args()
+    found = numbers_of(options.directory)
+    if options.accept and not KEPT.exists():
+        return _keep(found)
+    kept = json.loads(gzip.decompress(KEPT.read_bytes()))
+    same = kept["processor"] == processor()
+    numbers = kept["numbers"]
+    if not same:  # rounding may change how many steps a solution takes
+        numbers, found = ({path: v for path, v in n.items() if not _is_count(path)} for n in (numbers, found))
+    changed = differences(numbers, found, SAME if same else OTHER)
+    missing, new = numbers.keys() - found.keys(), found.keys() - numbers.keys()
+    if options.accept and not changed:
+        return _keep(found)
+    lines = [*changed, *(f"{path} is missing" for path in missing), *(f"{path} is new" for path in new)]
+    print("\n".join(sorted(lines)[:60]))
+    print(
+        f"{len(found)} numbers, {len(changed)} differ, {len(missing)} missing, {len(new)} new "
+        f"({'same' if same else 'another'} processor)"
+    )
+    return 1 if lines else 0
+
+
+def _keep(found: dict[str, float]) -> int:
+    content = json.dumps({"processor": processor(), "numbers": found})
+    KEPT.write_bytes(gzip.compress(content.encode(), mtime=0))
+    print(f"{len(found)} numbers are kept in {KEPT.name}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,26 @@
+"""The comparison of a run with the numbers kept from an earlier version finds what differs."""
+
+from pathlib import Path
+
+from tests.golden import SAME, differences, numbers_of
+
+
+def test_a_number_that_moved_is_found() -> None:
+    kept = {"a.json/x/0": 1.0, "a.json/x/1": 1e-9, "a.json/y": 3.0}
+    assert differences(kept, dict(kept), SAME) == []
+    # the small number of a list is measured against the largest of the list
+    assert differences(kept, kept | {"a.json/x/1": 1.1e-9}, SAME) != []
+    assert differences(kept, kept | {"a.json/x/1": 1e-9 + 1e-14}, SAME) == []
+    assert len(differences(kept, kept | {"a.json/y": 3.1}, 1e-5)) == 1
+
+
+def test_texts_and_times_are_left_out(tmp_path: Path) -> None:
+    for name in ("parameters", "experiments", "validation", "effects", "law", "run"):
+        (tmp_path / f"{name}.json").write_text('{"a": [1, "text", null], "seconds": 2.0, "b": {"c": 4.5}}')
+    for name in ("curves", "validation_curves"):
+        (tmp_path / f"{name}.csv").write_text("experiment,s_mm\nII,0.5\n")
+    numbers = numbers_of(tmp_path)
+    assert numbers["run.json/a/0"] == 1.0
+    assert numbers["run.json/b/c"] == 4.5
+    assert numbers["curves.csv/s_mm/0"] == 0.5
+    assert not [path for path in numbers if "seconds" in path]
