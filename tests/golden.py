@@ -111,18 +111,16 @@ def main() -> int:
     if options.accept and not changed:
         return _keep(found)
     lines = [*changed, *(f"{path} is missing" for path in missing), *(f"{path} is new" for path in new)]
-    print("\n".join(sorted(lines)[:60]))
-    print(
-        f"{len(found)} numbers, {len(changed)} differ, {len(missing)} missing, {len(new)} new "
-        f"({'same' if same else 'another'} processor)"
-    )
+    count = f"{len(found)} numbers, {len(changed)} differ, {len(missing)} missing, {len(new)} new"
+    summary = f"{count} ({'same' if same else 'another'} processor)"
+    sys.stdout.write("\n".join([*sorted(lines)[:60], summary, ""]))
     return 1 if lines else 0
 
 
 def _keep(found: dict[str, float]) -> int:
     content = json.dumps({"processor": processor(), "numbers": found})
     KEPT.write_bytes(gzip.compress(content.encode(), mtime=0))
-    print(f"{len(found)} numbers are kept in {KEPT.name}")
+    sys.stdout.write(f"{len(found)} numbers are kept in {KEPT.name}\n")
     return 0
 
 
