@@ -15,6 +15,7 @@ from geometry.grading import GRADINGS, Grading
 from geometry.mesh import Mesh, Quality
 from geometry.mesh_error import MeshError, position_text
 from geometry.meshing.cells import CellPlanes
+from geometry.reason import Reason
 
 __all__ = [
     "FAMILIES",
@@ -37,6 +38,7 @@ __all__ = [
     "Plug",
     "PneuNet",
     "Quality",
+    "Reason",
     "Rectangular",
     "Semicircular",
     "SemicircularSingle",
