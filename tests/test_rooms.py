@@ -57,7 +57,7 @@ DOORS: dict[str, set[str]] = {
     },
     "jinja2": {"pipeline/report/page.py"},
     "matplotlib": {"pipeline/accuracy/figure.py", "pipeline/cell/figure.py", "pipeline/sweep/picture.py"},
-    "plotly": {"pipeline/drawing/plots.py"},
+    "plotly": {"pipeline/plots.py", "pipeline/drawing/plots.py"},
     "distributed": {"pipeline/sweep/workers.py"},
     "dask": {"pipeline/sweep/workers.py"},
     "pyarrow": {"pipeline/sweep/table.py"},

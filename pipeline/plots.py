@@ -1,0 +1,229 @@
+"""Plots for HTML pages: lines, points, bands and error bars in one or more panels, drawn in the browser by plotly.js.
+
+A page holds plotly.js once (`library_scripts`, 2.0 MB with compression) and needs no network. Colours `INK` and `GREY`
+follow the page, light or dark; `plots.js` beside this file draws.
+"""
+
+import base64
+import gzip
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from plotly.offline import get_plotlyjs
+
+from geometry.arrays import Array
+
+#: colours of text and of less important lines; the browser puts those of the page in their place
+INK, GREY = "ink", "grey"
+#: of series without an order; they can be told apart by colour-blind readers, on white and on black
+COLOURS = ("#2a78b8", "#d55e00", "#009e73", "#b8558f", "#c98600", "#3d9ad1", "#8c6bb1", "#7a8b2a", "#a0522d", "#708090")
+#: of series with an order, from the first to the last
+_SCALE = ("#8fc93a", "#35b779", "#1f9e89", "#2a88a0", "#4a78c0", "#6a62bd", "#8a4fb0")
+#: a panel where one unit is equally long on both axes must not be flatter than this
+FLAT = 0.25
+#: more points than these are drawn by WebGL
+_MANY_POINTS = 4000
+
+
+def ordered_colour(number: int, count: int) -> str:
+    """Colour of series `number` of `count` series that have an order, such as pressures."""
+    return _SCALE[round(number * (len(_SCALE) - 1) / max(count - 1, 1))]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line, or points, of a panel. Values that are not finite interrupt it."""
+
+    x: Array | Sequence[Any]  #: (n,) numbers, or words for an axis of words
+    y: Array | Sequence[float]  #: (n,)
+    name: str  #: shown beside the pointer
+    colour: str = INK
+    dash: str = "solid"  #: solid, dash, dot, or "" for no line
+    marker: str = ""  #: a symbol of plotly such as circle, circle-open, square-open, x, or "" for none
+    width: float = 2.0  #: pixels
+    marker_size: float = 7.0  #: pixels
+    opacity: float = 1.0
+    spread: Array | None = None  #: (n,) half the height of a band around the line, of error bars where there is no line
+    texts: Sequence[str] = ()  #: (n,) shown beside the pointer in place of the name
+    entry: str | None = None  #: in the legend, where it shows and hides all lines of this entry; None for the name
+    frame: str = ""  #: such as "17 kPa": a figure with several frames lets the reader choose one; "" for all
+
+    @property
+    def legend(self) -> str:
+        """The entry in the legend; "" for none."""
+        return self.name if self.entry is None else self.entry
+
+    def traces(self) -> list[dict[str, Any]]:
+        """The traces of plotly: the band, if any, and the line."""
+        return [*([self._band()] if self.spread is not None and self.dash else []), self._trace()]
+
+    def _trace(self) -> dict[str, Any]:
+        mode = "+".join(word for word, has in (("lines", self.dash), ("markers", self.marker)) if has)
+        trace: dict[str, Any] = {
+            "type": "scattergl" if len(self.x) > _MANY_POINTS else "scatter",
+            "mode": mode,
+            "x": _values(self.x),
+            "y": _values(self.y),
+            "name": self.name,
+            "opacity": self.opacity,
+            "line": {"color": self.colour, "dash": self.dash or "solid", "width": self.width},
+            "marker": {"color": self.colour, "symbol": self.marker or "circle", "size": self.marker_size},
+            "hovertemplate": f"{'%{text}' if self.texts else escape(self.name)}<br>%{{x}}, %{{y}}<extra></extra>",
+            "meta": {"entry": self.legend, "frame": self.frame},
+        }
+        if self.texts:
+            trace["text"] = list(self.texts)
+        if self.spread is not None and not self.dash:
+            trace["error_y"] = {"array": _values(self.spread), "color": self.colour, "thickness": 1.2}
+        return trace
+
+    def _band(self) -> dict[str, Any]:
+        x, y, half = np.asarray(self.x), np.asarray(self.y), np.nan_to_num(np.asarray(self.spread))
+        there = np.isfinite(y)
+        x, low, high = x[there], (y - half)[there], (y + half)[there]
+        return {
+            "type": "scatter", "mode": "lines", "x": _values([*x, *x[::-1]]), "y": _values([*high, *low[::-1]]),
+            "line": {"width": 0, "color": self.colour}, "fill": "toself", "fillcolor": self.colour, "opacity": 0.16,
+            "hoverinfo": "skip", "meta": {"entry": self.legend, "frame": self.frame},
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Panel:
+    """One pair of axes."""
+
+    title: str
+    x: str  #: title of the axis, with its unit
+    y: str
+    lines: tuple[Line, ...]
+    log_x: bool = False
+    log_y: bool = False
+    from_zero: bool = False  #: the y axis begins at zero
+    lengths: bool = False  #: both axes are lengths: one unit is equally long on both, unless the panel becomes flat
+    percent_x: bool = False  #: numbers on the x axis are percentages of the values
+    x_range: tuple[float, float] | None = None
+    y_range: tuple[float, float] | None = None
+
+    @property
+    def is_to_scale(self) -> bool:
+        """Whether one unit is equally long on both axes."""
+        return self.lengths and _extent([line.y for line in self.lines]) >= FLAT * _extent(
+            [line.x for line in self.lines]
+        )
+
+    def html(self) -> str:
+        """The panel as an element that `plots.js` draws."""
+        x = {"title": {"text": self.x}, **_axis(self.x_range, self.log_x)}
+        y = {"title": {"text": self.y}, **_axis(self.y_range, self.log_y)}
+        if self.percent_x:
+            x["tickformat"] = ".0%"
+        if self.from_zero:
+            y["rangemode"] = "tozero"
+        if self.is_to_scale:
+            y |= {"scaleanchor": "x", "constrain": "domain"}
+            x["constrain"] = "domain"
+        elif self.lengths:
+            y["title"]["text"] += ", not to scale"
+        traces = [trace for line in self.lines for trace in line.traces()]
+        content = {"data": traces, "layout": {"xaxis": x, "yaxis": y}}
+        drawn = json.dumps(content, ensure_ascii=False, allow_nan=False).replace("</", "<\\/")
+        return (
+            f'<div class="plot" role="img" aria-label="{escape(self.title)}"><div class="plot-title">'
+            f'{escape(self.title)}</div><div class="plot-area"></div>'
+            f'<script type="application/json">{drawn}</script></div>'
+        )
+
+
+def figure(panels: Sequence[Panel], panel_width: str = "21rem") -> str:
+    """Panels beside each other with one legend, as an HTML element without plotly.js.
+
+    They wrap where a panel would be narrower than `panel_width`, a CSS length.
+    """
+    lines = [line for panel in panels for line in panel.lines]
+    frames = list(dict.fromkeys(line.frame for line in lines if line.frame))
+    entries = list(dict.fromkeys(line.legend for line in lines if line.legend))
+    buttons = ""
+    if len(frames) > 1:
+        colour = {line.frame: line.colour for line in reversed(lines)}
+        shown = [_button("frame", name, _swatch([Line((), (), name, colour[name], width=6)])) for name in frames]
+        buttons += f'<div class="plot-keys">{_button("frame", "", "", "all")}{"".join(shown)}</div>'
+    if len(entries) > 1:
+        shown = [_button("entry", name, _swatch([line for line in lines if line.legend == name])) for name in entries]
+        buttons += f'<div class="plot-keys">{"".join(shown)}</div>'
+    columns = f"grid-template-columns: repeat(auto-fit, minmax(min(100%, {panel_width}), 1fr))"
+    drawn = "".join(panel.html() for panel in panels)
+    return f'<div class="plots">{buttons}<div class="plot-panels" style="{columns}">{drawn}</div></div>'
+
+
+@cache
+def library_scripts() -> str:
+    """The style sheet and the scripts that draw all figures of a page; once per page, at the end of its body."""
+    packed = base64.b64encode(gzip.compress(get_plotlyjs().encode(), 9, mtime=0)).decode()
+    own = files("pipeline")
+    style, script = (own.joinpath(name).read_text(encoding="utf-8") for name in ("plots.css", "plots.js"))
+    return (
+        f'<style>{style}</style><script type="text/plain" id="plotly-packed">{packed}</script><script>{script}</script>'
+    )
+
+
+def standalone_page(title: str, *figures: str) -> str:
+    """An HTML page with figures under a title; it opens offline."""
+    return (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        '<meta name="viewport" content="width=device-width, initial-scale=1"></head>'
+        f'<body class="plots-page"><h1>{escape(title)}</h1>{"".join(figures)}{library_scripts()}</body></html>\n'
+    )
+
+
+def _axis(ends: tuple[float, float] | None, log: bool) -> dict[str, Any]:
+    axis: dict[str, Any] = {"type": "log", "dtick": "D2", "exponentformat": "none"} if log else {}
+    if ends is not None:
+        axis["range"] = [float(np.log10(end)) if log else float(end) for end in ends]
+    return axis
+
+
+def _values(values: Array | Sequence[Any]) -> list[Any]:
+    """Numbers with six digits, None where they are not finite; words as they are."""
+    return [
+        value if isinstance(value, str) else float(f"{value:.6g}") if np.isfinite(value) else None for value in values
+    ]
+
+
+def _extent(values: Sequence[Any]) -> float:
+    numbers = np.concatenate([np.asarray(of_line, dtype=float) for of_line in values] or [np.zeros(1)])
+    finite = numbers[np.isfinite(numbers)]
+    return float(np.ptp(finite)) if len(finite) else 0.0
+
+
+def _button(kind: str, name: str, swatch: str, text: str | None = None) -> str:
+    pressed = "true" if kind == "entry" or not name else "false"
+    return (
+        f'<button type="button" data-{kind}="{escape(name)}" aria-pressed="{pressed}">'
+        f"{swatch}{escape(name if text is None else text)}</button>"
+    )
+
+
+def _swatch(lines: Sequence[Line]) -> str:
+    """A small picture of an entry; in the colour of the text where its lines have several colours."""
+    first, colours = lines[0], {line.colour for line in lines}
+    colour = colours.pop() if len(colours) == 1 else INK
+    stroke = {INK: "currentColor", GREY: "gray"}.get(colour, colour)
+    dashes = {"dash": "6 4", "dot": "2 3"}.get(first.dash, "none")
+    drawn = (
+        f'<path d="M1 6H27" stroke-width="{min(first.width, 6)}" stroke-dasharray="{dashes}"/>' if first.dash else ""
+    )
+    if first.marker:
+        fill = "none" if first.marker.endswith("-open") else stroke
+        square = first.marker.startswith("square")
+        shape = '<rect x="10" y="2" width="8" height="8"' if square else '<circle cx="14" cy="6" r="4"'
+        drawn += f'{shape} fill="{fill}"/>'
+    return (
+        f'<svg width="28" height="12" aria-hidden="true" stroke="{stroke}" opacity="{first.opacity}" fill="none">'
+        f"{drawn}</svg>"
+    )
