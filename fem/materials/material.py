@@ -4,8 +4,8 @@ Every law is a sum of a *shear* and a *volumetric* part, because near incompress
 different rules (`fem.elements`). Both parts take the Green-Lagrange strain in Voigt notation (11, 22, 33, 12,
 23, 13 with engineering shear, the factor 2) and return stress in the same order (no factor).
 
-A law is a frozen dataclass of a module of its own. Its fields are its constants, each annotated with its kind. Together
-with an entry in `fem.materials.LAWS` that is all a new law needs.
+A law is a frozen dataclass of a module of its own. Its fields are its constants, each annotated with its kind and its
+meaning. Together with an entry in `fem.materials.LAWS` that is all a new law needs.
 """
 
 from abc import ABC, abstractmethod
@@ -42,7 +42,8 @@ Stress = Annotated[float, Constant.STRESS]
 Stresses = Annotated[tuple[float, ...], Constant.STRESSES]
 Exponents = Annotated[tuple[float, ...], Constant.EXPONENTS]
 PositiveStress = Annotated[float, Constant.POSITIVE_STRESS]
-PoissonRatio = Annotated[float, Constant.POISSON_RATIO]
+PoissonRatio = Annotated[float, Constant.POISSON_RATIO, "Poisson's ratio"]
+BulkModulus = Annotated[PositiveStress, "bulk modulus"]
 
 
 @dataclass(frozen=True)
@@ -96,6 +97,12 @@ class Material(ABC):
         """The kind of each constant, by name in the order of the arguments."""
         kinds = get_type_hints(cls, include_extras=True)
         return {field.name: kinds[field.name].__metadata__[0] for field in fields(cls)}
+
+    @classmethod
+    def meanings(cls) -> dict[str, str]:
+        """What each constant is: the text beside its kind, or else the kind."""
+        hints = get_type_hints(cls, include_extras=True)
+        return {name: [kind.value, *hints[name].__metadata__[1:]][-1] for name, kind in cls.constants().items()}
 
     @classmethod
     @abstractmethod
@@ -171,7 +178,7 @@ def check_moduli(E: float, nu: float) -> None:
 class TwoModuli(LinearLaw):
     """A law that is given by Young's modulus E in MPa and Poisson's ratio nu. Raises `MaterialError`."""
 
-    E: PositiveStress
+    E: Annotated[PositiveStress, "Young's modulus"]
     nu: PoissonRatio
 
     def __post_init__(self) -> None:

@@ -8,11 +8,11 @@ derivative has the divided differences (S_a - S_b) / (c_a - c_b), whose limit fo
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
 
-from fem.materials.material import Exponents, MaterialError, PositiveStress, Response, Stresses
+from fem.materials.material import BulkModulus, Exponents, MaterialError, Response, Stresses
 from fem.materials.rubber_law import RubberLaw, check_positive, range_of
 from fem.materials.tensors import MIN_DETERMINANT, PAIRS, CauchyGreen, from_principal_axes
 from geometry.arrays import Array, Mask
@@ -40,9 +40,9 @@ class Ogden(RubberLaw):
 
     title = "Ogden"
 
-    mu: Stresses
-    alpha: Exponents
-    kappa: PositiveStress
+    mu: Annotated[Stresses, "modulus μ_i of each term; the shear modulus is half the sum of μ_i α_i"]
+    alpha: Annotated[Exponents, "exponent α_i of each term"]
+    kappa: BulkModulus
 
     def __post_init__(self) -> None:
         if not self.mu or len(self.mu) != len(self.alpha):

@@ -7,12 +7,12 @@ Saunders, Phil. Trans. R. Soc. A 243 (1951) 251.
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import final
+from typing import Annotated, final
 
 import numpy as np
 
 from fem.finite import check_finite
-from fem.materials.material import LinearLaw, MaterialError, PositiveStress, Response, Stress
+from fem.materials.material import BulkModulus, LinearLaw, MaterialError, PositiveStress, Response, Stress
 from fem.materials.rubber_law import RubberLaw, check_positive
 from fem.materials.tensors import IDENTITY, CauchyGreen, Products, scaled
 from geometry.arrays import Array
@@ -80,8 +80,8 @@ class NeoHooke(IsochoricLaw):
 
     title = "neo-Hooke"
 
-    mu: PositiveStress
-    kappa: PositiveStress
+    mu: Annotated[PositiveStress, "shear modulus"]
+    kappa: BulkModulus
 
     def __post_init__(self) -> None:
         check_positive(NeoHooke, {"mu": self.mu, "kappa": self.kappa})
@@ -108,9 +108,9 @@ class MooneyRivlin(IsochoricLaw):
 
     title = "Mooney-Rivlin"
 
-    c10: Stress
-    c01: Stress
-    kappa: PositiveStress
+    c10: Annotated[Stress, "first constant, of the first invariant"]
+    c01: Annotated[Stress, "second constant, of the second invariant"]
+    kappa: BulkModulus
 
     def __post_init__(self) -> None:
         check_positive(MooneyRivlin, {"c10 + c01": self.c10 + self.c01, "kappa": self.kappa})
@@ -137,10 +137,10 @@ class Yeoh(IsochoricLaw):
 
     title = "Yeoh"
 
-    c10: Stress
-    c20: Stress
-    c30: Stress
-    kappa: PositiveStress
+    c10: Annotated[Stress, "first constant, of the first invariant"]
+    c20: Annotated[Stress, "constant of the square of the first invariant"]
+    c30: Annotated[Stress, "constant of its cube"]
+    kappa: BulkModulus
 
     def __post_init__(self) -> None:
         check_positive(Yeoh, {"c10": self.c10, "kappa": self.kappa})

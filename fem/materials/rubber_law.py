@@ -11,7 +11,7 @@ from typing import Self, final
 
 import numpy as np
 
-from fem.materials.material import Dilatation, Material, MaterialError, PositiveStress, Response, Uniaxial
+from fem.materials.material import BulkModulus, Dilatation, Material, MaterialError, Response, Uniaxial
 from fem.materials.tensors import CauchyGreen, Products, scaled
 from geometry.arrays import Array, Mask
 
@@ -24,7 +24,7 @@ class RubberLaw(Material):
     at another, and tangents on the way are indefinite.
     """
 
-    kappa: PositiveStress  #: bulk modulus, MPa
+    kappa: BulkModulus  #: MPa
 
     @abstractmethod
     def isochoric(self, c: CauchyGreen) -> Response:

@@ -18,24 +18,14 @@ from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
 from pipeline.config import schema
 from pipeline.config.kinds import Written
 
-#: the constants of all laws and the density, by key
+#: the keys of a material beside the constants of its law
 MATERIAL = {
     "law": "law of the solid ([materials](materials.md))",
     "density": "mass per volume; for gravity, the mass of the arm and M/(m g l), which are left out without it",
     "holds_between": "smallest and largest stretch for which the law describes the solid, as `pneurod material` writes "
     "them; beyond them a run says so",
-    "E": "Young's modulus",
-    "nu": "Poisson's ratio; with a rubber law it can be given instead of `kappa`",
-    "mu": "shear modulus",
-    "alpha": "exponent α_i of each term",
-    "kappa": "bulk modulus",
-    "c10": "first constant, of the first invariant",
-    "c01": "second constant, of the second invariant",
-    "c20": "constant of the square of the first invariant",
-    "c30": "constant of its cube",
+    "nu": "Poisson's ratio, which can be given instead of `kappa`",
 }
-#: what a key means for one law, where it means something else there
-MATERIAL_OF_LAW = {("ogden", "mu"): "modulus μ_i of each term; the shear modulus is half the sum of μ_i α_i"}
 REQUIRED = "required"
 _MARKED = re.compile(r"<!-- keys: (\w+) -->\n.*?<!-- end of keys -->", re.DOTALL)
 _COMMENT = re.compile(r"^    (\w+): [^#\n]*  #: (.*)$", re.MULTILINE)
@@ -118,28 +108,24 @@ def geometry_keys(design: Any) -> list[KeyEntry]:
 
 
 def material_keys(law: str) -> list[KeyEntry]:
-    """The keys of a material that obeys a law; kappa before nu, which may stand instead."""
-    kinds = get_type_hints(schema.material_model(law), include_extras=True)
-    names = [name for name in kinds if name in MATERIAL and name != "law"]
+    """The keys of a material that obeys a law: its constants, and what every material has."""
+    kinds, meanings = schema.material_model(law).__annotations__, LAWS[law].meanings()
     entries = []
-    for name in names:
+    for name in [*kinds]:
         written = _written(kinds[name])
-        optional = name in ("density", "holds_between") or (schema.BULK in names and name in ("nu", schema.BULK))
+        optional = name not in meanings or (schema.BULK in kinds and name == schema.BULK)
         default = "none" if optional else REQUIRED
-        meaning, example = MATERIAL_OF_LAW.get((law, name), MATERIAL[name]), _EXAMPLES[name]
-        example = f"[{example}]" if "list" in written.allowed else example
+        meaning = meanings.get(name) or MATERIAL[name]
+        example = _EXAMPLES.get(name) or _kind_example(kinds[name])
         entries.append(KeyEntry(name, written.unit, written.allowed, default, meaning, example))
-    return entries
+    return [entry for entry in entries if entry.key != "law"]
 
 
 #: values of the example file
 _EXAMPLES = {
     "E": "1.2 MPa",
-    "nu": "0.495",
     "mu": "0.4 MPa",
-    "alpha": "2",
     "kappa": "20 MPa",
-    "density": "1130 kg/m^3",
     "holds_between": "[0.7, 1.9]",
     **schema.EXAMPLES,
 }
@@ -229,7 +215,7 @@ def _material_table() -> str:
     rows = ["| key | unit | allowed | laws | meaning |", "|---|---|---|---|---|"]
     rows.append(f"| `law` | | {', '.join(f'`{law}`' for law in LAWS)} | all | {MATERIAL['law']} |")
     entries = {law: {entry.key: entry for entry in material_keys(law)} for law in LAWS}
-    for key in MATERIAL:
+    for key in dict.fromkeys(key for of_law in entries.values() for key in of_law):
         laws: dict[str, list[str]] = {}  # by what stands in the other columns
         for law in LAWS:
             if key in entries[law]:

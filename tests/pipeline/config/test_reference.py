@@ -1,19 +1,30 @@
 """The reference of the keys is that of the schema, and the file of `pneurod init` is a configuration."""
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 import pytest
 import yaml
 from typer.testing import CliRunner
 
-from fem.materials import LAWS
+from fem.materials import LAWS, NeoHooke
+from fem.materials.material import PositiveStress
 from geometry import FAMILIES, CadFile, MeshFile, SurfaceFile
 from pipeline.cli import app
 from pipeline.config.config import AUTO
 from pipeline.config.example import BODIES, example
 from pipeline.config.load import load_config
-from pipeline.config.reference import effect_keys, general_keys, geometry_keys, material_keys, with_tables
+from pipeline.config.reference import (
+    REQUIRED,
+    effect_keys,
+    general_keys,
+    geometry_keys,
+    material_keys,
+    tables,
+    with_tables,
+)
 from pipeline.config.schema import OWN, _FilledMesh, _Mesh, _ReadyMesh
 from pipeline.identification.too_short import too_short
 from pipeline.simulation.scene import Scene
@@ -48,6 +59,18 @@ def test_the_examples_of_the_page_are_arms_with_five_parameters(tmp_path: Path, 
         file = tmp_path / "arm.yaml"
         file.write_text(yaml.safe_dump(keys if "name" in keys else {**base, **keys}), encoding="utf-8")
         assert too_short(load_config(file)) == "", block
+
+
+@pytest.mark.parametrize(("kind", "meaning"), [(PositiveStress, "above zero"), (Annotated[PositiveStress, "J"], "J")])
+def test_a_constant_of_a_new_law_is_in_the_reference(
+    kind: object, meaning: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    law = dataclass(frozen=True)(type("Gent", (NeoHooke.__base__,), {"__annotations__": {"Jm": kind}}))
+    monkeypatch.setitem(LAWS, "gent", law)
+    entry = next(entry for entry in material_keys("gent") if entry.key == "Jm")
+    assert (entry.unit, entry.default) == ("MPa", REQUIRED)
+    assert meaning in entry.meaning
+    assert any("`Jm`" in line and "`gent`" in line for line in tables()["material"].splitlines())
 
 
 def test_every_key_says_what_it_means() -> None:
