@@ -271,7 +271,7 @@ def test_a_run_tells_its_law_how_high_it_goes(tmp_path: Path, monkeypatch: pytes
         assert [record.pressure_kPa for record in complete.result()[0]["II"].records] == [6.0, 12.0]
         return 6.0
 
-    monkeypatch.setattr("pipeline.run.highest_of_use", up_to_six)
+    monkeypatch.setattr("pipeline.stages.highest_of_use", up_to_six)
     design = config(tmp_path, "law=cell", "validation=off")
     report = run(design, tmp_path / "out", jobs, False, Silent())
     assert report.arm.law is not None

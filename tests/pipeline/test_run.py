@@ -20,7 +20,8 @@ from pipeline.errors import RunFailed
 from pipeline.progress import Silent
 from pipeline.report.results import read_results
 from pipeline.report.verdict import verdict_of
-from pipeline.run import _Stages, run, stage_names
+from pipeline.run import run
+from pipeline.stages import Stages, stage_names
 
 SHORT = """
 name: short
@@ -71,7 +72,7 @@ def test_a_second_mesh_is_a_stage_where_there_is_one(
     config = load_config(config_file, settings)
     listener = Mock()
     names = stage_names(config)
-    stages = _Stages(listener, names)
+    stages = Stages(listener, names)
     for name in ("mesh", "coarser mesh", "report"):
         with stages.timed(name):
             pass

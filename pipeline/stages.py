@@ -1,0 +1,245 @@
+"""The stages of a run, each a function of the state of the run and of what earlier stages have found."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import TypeAlias
+
+from pipeline.accuracy.plan import review
+from pipeline.accuracy.planning import Planned
+from pipeline.cell.of_run import LawOfRun, law_of_run
+from pipeline.config.config import Config
+from pipeline.context import RunContext
+from pipeline.identification.added_pressures import Identified, identify_run
+from pipeline.identification.mesh_error import with_mesh_error
+from pipeline.identification.parameters import Parameters
+from pipeline.identification.record import parameters_record
+from pipeline.parallel.loading import loaded
+from pipeline.parallel.workers import Pending
+from pipeline.plausibility.after import Solved, after_solving, largest_bend_rad
+from pipeline.plausibility.before import Borne, before_solving
+from pipeline.plausibility.body import of_body
+from pipeline.plausibility.units import of_contact, of_units
+from pipeline.progress import Progress
+from pipeline.report.saved import save_report
+from pipeline.run_report import ReviewedPlan, RunReport
+from pipeline.simulation.below_limit import completed, highest_of_use
+from pipeline.simulation.effects_record import effect_states
+from pipeline.simulation.mesh_record import MeshRecord
+from pipeline.simulation.outcome import Outcomes
+from pipeline.simulation.pictures import draw_all
+from pipeline.simulation.scene import Scene
+from pipeline.simulation.simulate import begun
+from pipeline.simulation.waiting import meshed_with_progress
+from pipeline.store.formats import CURVE_COLUMNS
+from pipeline.validation.compare import Comparison, compare, curve_rows
+from pipeline.validation.rods import ArmRods
+from pipeline.validation.validate import Validated, beyond_end_of_II, validation_outcomes, with_reached_loads
+from pipeline.validation.validate import validate as compare_loads
+
+#: the stage of a run whose configuration has a second mesh
+_COARSER_MESH = "coarser mesh"
+#: in their order
+_STAGES = (
+    *("mesh", "kernels (compiled once)", "experiments", "identification", "pictures", "cell law", _COARSER_MESH),
+    *("rod", "validation", "report"),
+)
+#: which of the tasks that wait for a worker are next: those of the longest chain first
+_OF_LAW, _OF_EXPERIMENTS, _OF_COARSER_MESH, _OF_VALIDATION = range(4)
+
+
+def stage_names(config: Config) -> tuple[str, ...]:
+    """The stages of a run in their order; a second mesh only where the five parameters are to have its error."""
+    has_coarser = config.mesh.coarser is not None and config.law != "cell"
+    return tuple(name for name in _STAGES if has_coarser or name != _COARSER_MESH)
+
+
+class Stages:
+    """The stages of a run. Each is reported with its number as it begins; what is kept is how long the run waited."""
+
+    def __init__(self, progress: Progress, names: Sequence[str]) -> None:
+        self._progress = progress
+        self._names = names
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def timed(self, name: str) -> Iterator[None]:
+        """While the block runs, the run is in this stage."""
+        if name not in self._names:
+            yield
+            return
+        self._progress.stage(f"{name} ({self._names.index(name) + 1} of {len(self._names)})")
+        start = perf_counter()
+        yield
+        self.seconds[name] = perf_counter() - start
+
+
+#: the parameters with the errors of the mesh, and a sentence where there are none at some pressure
+WithMeshError: TypeAlias = tuple[tuple[Parameters, ...], str]
+
+
+@dataclass(frozen=True)
+class RunState:
+    """What the stages of a run share."""
+
+    planned: Planned
+    context: RunContext
+    stages: Stages
+    scene: Scene
+    remarks: tuple[str, ...]  #: sentences on the design and on how far it went, which the user was told
+
+    @property
+    def config(self) -> Config:
+        """As it is solved, with the mesh that an accuracy was planned with."""
+        return self.planned.config
+
+    def with_urgency(self, urgency: int) -> RunContext:
+        """The context for tasks of this urgency."""
+        return replace(self.context, urgency=urgency)
+
+    def with_remarks(self, *sentences: str) -> "RunState":
+        """Tell those sentences that are not empty."""
+        told = tuple(filter(None, sentences))
+        for sentence in told:
+            self.context.progress.remark(sentence)
+        return replace(self, remarks=(*self.remarks, *told))
+
+
+def mesh(planned: Planned, context: RunContext) -> RunState:
+    """Mesh the body, while the workers load the solver."""
+    stages = Stages(context.progress, stage_names(planned.config))
+    loading = loaded(context, planned.config)
+    with stages.timed("mesh"):
+        scene = meshed_with_progress(planned.config, context.progress)
+    state = RunState(planned, context, stages, scene, planned.remarks)
+    state = state.with_remarks(*of_body(scene.body, planned.config), of_contact(scene))
+    with stages.timed("kernels (compiled once)"):
+        for pending in loading:
+            pending.result()
+    return state
+
+
+def solve_experiments(state: RunState) -> tuple[RunState, Outcomes, Pending[LawOfRun]]:
+    """Solve experiments I, II and III, and begin to measure the arm's own law."""
+    scene, context = state.scene, state.with_urgency(_OF_EXPERIMENTS)
+    with state.stages.timed("experiments"):
+        simulation = begun(scene, context)
+        complete = context.workers.beside(completed, scene, state.context, simulation)
+        law = law_of_run(scene, state.with_urgency(_OF_LAW), lambda: highest_of_use(scene, simulation, complete))
+        outcomes, remark = complete.result()
+    return state.with_remarks(remark), outcomes, law
+
+
+def begin_validation(state: RunState, outcomes: Outcomes) -> tuple[Scene, Pending[Outcomes]]:
+    """Begin to solve the loads of the validation, which go on from states of the experiments.
+
+    The scene is that of the run with the loads that are solved.
+    """
+    loaded_scene, context = with_reached_loads(state.scene, outcomes), state.with_urgency(_OF_VALIDATION)
+    pending = context.workers.beside(validation_outcomes, loaded_scene, context, outcomes.reached_kPa)
+    return loaded_scene, pending
+
+
+def identify(state: RunState, outcomes: Outcomes) -> tuple[Identified, Pending[WithMeshError]]:
+    """Identify the five parameters, write experiments.json, and begin with their error on the coarser mesh."""
+    with state.stages.timed("identification"):
+        identified = identify_run(state.scene, state.context, outcomes)
+        state.context.store.save_json("experiments.json", identified.outcomes.rows())
+        context = state.with_urgency(_OF_COARSER_MESH)
+        return identified, context.workers.beside(with_mesh_error, state.config, context, identified.parameters)
+
+
+def draw(state: RunState, outcomes: Outcomes) -> None:
+    """Draw the body and its states."""
+    with state.stages.timed("pictures"):
+        draw_all(state.scene.body, outcomes, state.context.store)
+
+
+def measure_law(state: RunState, outcomes: Outcomes, law: Pending[LawOfRun]) -> LawOfRun:
+    """Write law.json."""
+    with state.stages.timed("cell law"):
+        arm = law.result().beside(outcomes)
+        arm.save(state.context.store)
+    return arm
+
+
+def add_mesh_error(
+    state: RunState, identified: Identified, improved: Pending[WithMeshError], arm: LawOfRun
+) -> Identified:
+    """Write parameters.json, with the errors of the mesh."""
+    with state.stages.timed(_COARSER_MESH):
+        parameters, no_mesh_error = improved.result()
+    if state.config.law != "cell":
+        content = parameters_record(state.config, parameters, arm.law, no_mesh_error)
+        state.context.store.save_json("parameters.json", content)
+    return replace(identified, parameters=parameters)
+
+
+def compare_rods(state: RunState, identified: Identified, arm: LawOfRun) -> tuple[ArmRods, tuple[Comparison, ...]]:
+    """Compare the rods with experiments II and III; write curves.csv."""
+    body, outcomes = state.scene.body, identified.outcomes
+    with state.stages.timed("rod"):
+        straight = state.config.effects.straight_without_pressure
+        rods = ArmRods(identified.parameters, arm.law, (0.0, body.curve_y), straight)
+        comparisons = compare(outcomes, rods, body.pitch)
+        rows = curve_rows(outcomes, comparisons, body.pitch)
+        state.context.store.save_rows("curves.csv", CURVE_COLUMNS, rows)
+    return rods, comparisons
+
+
+def validate(
+    state: RunState, loads: tuple[Scene, Pending[Outcomes]], rods: ArmRods, comparisons: Sequence[Comparison]
+) -> Validated:
+    """Compare the rods with the loads of the validation; write validation.json, with the comparisons before."""
+    scene, pending = loads
+    with state.stages.timed("validation"):
+        validated = compare_loads(scene, pending.result(), rods) if rods.parameters or rods.law else Validated()
+        validated.save(state.context.store, comparisons)
+    return validated
+
+
+def report(
+    state: RunState, identified: Identified, arm: LawOfRun, comparisons: Sequence[Comparison], validated: Validated
+) -> RunReport:
+    """Write effects.json, run.json and report.html."""
+    scene, outcomes, plan = state.scene, identified.outcomes, state.planned.plan
+    with state.stages.timed("report"):
+        effects = (*effect_states(scene, outcomes), arm.effect)
+        state.context.store.save_json("effects.json", [effect.row() for effect in effects])
+        reviewed = review(plan, outcomes, identified.parameters, outcomes.largest_indicator) if plan else None
+        result = RunReport(
+            directory=state.context.store.directory,
+            config=state.config,
+            outcomes=outcomes,
+            parameters=identified.parameters,
+            comparisons=(*comparisons, *validated.comparisons),
+            arm=arm,
+            laws=validated.laws,
+            effects=effects,
+            accuracy=ReviewedPlan(plan, reviewed) if plan else None,
+            mesh=MeshRecord.of(scene),
+            seconds=dict(state.stages.seconds),
+            failures=_failures(state.config, identified, arm, validated),
+            remarks=_remarks(state, identified, arm),
+        )
+        save_report(state.context.store, result.record())
+    return result
+
+
+def _failures(config: Config, identified: Identified, arm: LawOfRun, validated: Validated) -> tuple[str, ...]:
+    """A sentence for everything that was to be solved and was not."""
+    outcomes, not_identified = identified.outcomes, identified.failures(arm.law is not None)
+    left_out = beyond_end_of_II(config, outcomes)
+    return (*outcomes.failures, *arm.failures, *not_identified, *validated.failures, *left_out)
+
+
+def _remarks(state: RunState, identified: Identified, arm: LawOfRun) -> tuple[str, ...]:
+    """What is unusual about the design and its results, each sentence once."""
+    config, outcomes = state.config, identified.outcomes
+    regions = {name: state.scene.body.mesh.regions[name] for name in config.materials}
+    solved = Solved(config, outcomes, identified.parameters, regions)
+    borne = Borne(outcomes.lowest_end_kPa(), max(outcomes.reached_kPa, default=0.0), largest_bend_rad(solved))
+    of_design = (*before_solving(config, borne), *of_units(config))
+    of_results = (*identified.remarks(arm.law is not None), *arm.remarks(outcomes), *after_solving(solved))
+    return tuple(dict.fromkeys((*of_design, *state.remarks, *of_results)))
