@@ -18,8 +18,8 @@ JOBS :=
 LAW := both
 LARGER := 1
 
-all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy requested-accuracy foreign scaling
-.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen unseen-again nightly wheel examples lint types docs doctor bench-peers bench-run clean
+all_targets := pneunet pneunet-coarse golden semicircular semicircular-single bisected-circle all effects cell material sweep paper-coarse paper accuracy
+.PHONY: help setup $(all_targets) test slow hard fuzz kills unseen nightly wheel examples lint types docs doctor bench-peers bench-run clean
 
 help:  ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## (.*)/make \1\t\2/' | expand -t 26
@@ -69,7 +69,7 @@ paper: $(READY)  ## the same on the meshes of the shipped configurations, in res
 material: $(READY)  ## the constants of every law from the tensile tests of the example
 	@$(BIN)/pneurod material configs/elastosil_m4601_yeoh.csv --out results/material
 
-accuracy: $(READY)  ## convergence studies of the four coarse arms, and the tables of docs/accuracy.md
+accuracy: $(READY)  ## convergence studies of the four coarse arms, in results/*_accuracy
 	@for arm in semicircular semicircular_single bisected_circle; do
 		$(BIN)/pneurod accuracy configs/$${arm}_coarse.yaml --out results/$${arm}_accuracy
 	done
@@ -77,16 +77,6 @@ accuracy: $(READY)  ## convergence studies of the four coarse arms, and the tabl
 	$(BIN)/pneurod accuracy configs/pneunet_coarse.yaml --set "pressures=[17 kPa, 20 kPa]" --out results/pneunet_accuracy
 	# with Hencky's law they reach 45 kPa
 	$(BIN)/pneurod accuracy configs/pneunet_coarse.yaml --set material.law=hencky --set "pressures=[5 kPa, 17 kPa, 31 kPa, 45 kPa]" --out results/pneunet_hencky_accuracy
-	$(BIN)/python benchmarks/accuracy.py results
-
-requested-accuracy: $(READY)  ## requested accuracy of nine other arms: estimated and true errors, the table of docs/accuracy.md (an hour)
-	@$(BIN)/python benchmarks/requested_accuracy.py results/requested_accuracy
-
-foreign: $(READY)  ## bodies from files of other programs, run from file to report: the table of docs/how_to/own_bodies_tried.md
-	@$(BIN)/python benchmarks/foreign.py results/foreign
-
-scaling: $(READY)  ## arms of 7, 11 and 20 cells from one parameterization, against their own finite elements
-	@$(BIN)/python benchmarks/scaling.py
 
 # one process per core; with more threads of the linear algebra they wait for each other, and take three times as long
 test: export OMP_NUM_THREADS := 1
@@ -107,10 +97,7 @@ kills: $(READY)  ## fifty runs killed at random times and continued, compared wi
 	@$(BIN)/python benchmarks/kills.py
 
 unseen: $(READY)  ## N=40 designs drawn at random with SEED=7, run (JOBS at a time), checked and sorted by their outcome; a table
-	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --larger $(LARGER) --page docs
-
-unseen-again: $(READY)  ## the designs of docs/unseen.md that did not end, with the present sources and ten times the CPU time
-	@$(BIN)/python -m benchmarks.unseen.again --page docs $(addprefix --jobs ,$(JOBS))
+	@$(BIN)/python -m benchmarks.unseen --seed $(SEED) --count $(N) --finer $(FINER) $(addprefix --jobs ,$(JOBS)) --law $(LAW) --larger $(LARGER)
 
 nightly: $(READY)  ## for a scheduler: hard cases, slow tests, and 40 designs drawn with today's date as the seed
 	@status=0

@@ -24,11 +24,6 @@ def commit_of_sources(rooms: Path = ROOMS) -> str:
     return f"{commit}+" if commit and changed else commit or "unknown"
 
 
-def written_with() -> str:
-    """A sentence for below a table."""
-    return f"Written with the sources of commit {commit_of_sources()}."
-
-
 def _git(rooms: Path, *arguments: str) -> str:
     """What git says; nothing outside a clone or without git."""
     try:

@@ -84,7 +84,9 @@ def test_every_page_is_linked_from_the_readme_or_the_overview() -> None:
 
 
 def test_named_files_and_folders_exist() -> None:
-    paths = [(page, path) for page in PAGES for path in paths_of(page)]
+    """The changelog names files as they were."""
+    pages = [page for page in PAGES if page.name != "CHANGELOG.md"]
+    paths = [(page, path) for page in pages for path in paths_of(page)]
     assert len(paths) > 60
     assert [f"{page.name}: {path}" for page, path in paths if not list(HERE.glob(path.rstrip("/")))] == []
 

@@ -8,12 +8,12 @@ from string import Template
 from textwrap import fill
 from typing import Any
 
+from benchmarks.markdown import table
 from benchmarks.paper.claims.common import SAME, STRAIGHT
 from benchmarks.paper.claims.rigidities import SLOPE_BY_PROCESS, SLOPE_OF_ONE_RIGIDITY, SUBTRACTED
 from benchmarks.paper.data import LAWS
 from benchmarks.paper.estimates import LENGTH_SCALE, PROCESS
 from benchmarks.paper.reading import CONTRADICTED, FAILS, HOLDS, OPEN, Claim, Reading, claim_from_record
-from benchmarks.peers.page import table
 
 TEMPLATE = Path(__file__).with_name("page.md")
 WIDTH = 118  #: characters of a line

@@ -5,6 +5,7 @@ from pathlib import Path
 from statistics import median
 from string import Template
 
+from benchmarks.markdown import table
 from benchmarks.peers.problem import REFERENCE
 from benchmarks.peers.runs import OWN, Peer, Run, Session, Spread, checked, fresh, ratios, warm
 
@@ -14,12 +15,6 @@ WITH_RATIOS = ("NGSolve", "FElupe", "scikit-fem and SciPy", "CalculiX")
 
 Seconds = Callable[[Run], float]
 Latest = Mapping[tuple[str, str], Sequence[Run]]
-
-
-def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table; the first column to the left, the others to the right."""
-    lines = [head, ["---", *["---:"] * (len(head) - 1)], *rows]
-    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def latest(runs: Sequence[Run]) -> dict[tuple[str, str], list[Run]]:

@@ -8,14 +8,12 @@ same pressure, or goes on, at least well beyond the limit, where the sentence na
 second law says nothing about an end at which the run itself names no limit.
 """
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import fem
-from benchmarks.unseen.sentences import names_a_limit, names_the_law
 from pipeline.config.config import Config, Material
 from pipeline.context import RunContext
 from pipeline.progress import Silent
@@ -35,8 +33,20 @@ NEAR_OF_LAWS = 0.25
 VOLUMES, STEP = 24, 0.35
 #: begin of what a prescribed volume says where it confirms a limit
 BY_VOLUME = "with a prescribed volume the pressure has its maximum"
-#: the highest pressure with a prescribed volume, in what is said of it
-HIGHEST = re.compile(r"(?:of the pressure up to|has its maximum at) (\S+) kPa")
+
+#: says that nothing explains the end, although it has the words "a limit point"
+UNEXPLAINED = "neither the law nor a limit point explains it"
+#: names the law, in compression and in tension (`fem.outside_stable_range`; the last one up to seed 59)
+OF_LAW = ("is no longer stable", "the largest at which the law", "can be trusted at")
+#: names a limit: its pressure, a limit point near the last equilibrium, a body that passes through itself
+OF_BODY = ("the limit is at", ": a limit point", "passes through itself")
+#: what the sentence of an experiment says that ends because II does, whose own sentence decides
+BECAUSE_OF_II = (
+    "experiment II of the same arm has its limit",
+    "limit of experiment II of the same arm",
+    "experiment II of the same arm has its last equilibrium",
+    "last equilibrium of experiment II of the same arm",
+)
 
 
 @dataclass(frozen=True)
@@ -68,23 +78,6 @@ def confirmed(config: Config, outcome: Outcome, folder: Path) -> Confirmation:
         return Confirmation(outcome.name, end, agrees, said)
     by_law, agrees = by_second_law(config, failure, end, outcome.name, folder)
     return Confirmation(outcome.name, end, agrees, f"{by_law}; prescribed volume: {said}")
-
-
-def judged_again(limit: Mapping[str, Any], reason: str) -> Mapping[str, Any]:
-    """A recorded confirmation, not confirmed where the present rules speak against it.
-
-    reason: the sentence of the run. Earlier versions let a second law confirm ends at which the run names no limit, and
-    ends above which a prescribed volume has equilibria.
-    """
-    said: str = limit["sentence"]
-    if not limit["confirmed"] or said.startswith(BY_VOLUME):
-        return limit
-    against = [] if names_a_limit(reason) else ["the run names no limit"]
-    if (highest := HIGHEST.search(said)) and _is_beyond(float(highest[1]), limit["limit_kPa"]):
-        against.append(_refuted(float(highest[1])))
-    if not against:
-        return limit
-    return {**limit, "confirmed": False, "sentence": f"{' and '.join(against)}; recorded as confirmed: {said}"}
 
 
 def by_prescribed_volume(config: Config, outcome: Outcome, limit_kPa: float) -> tuple[str, bool | None]:
@@ -201,3 +194,13 @@ def judged(failure: Failure, limit_kPa: float, law: str, of_second: Failure | No
     if abs(other - limit_kPa) > NEAR_OF_LAWS * limit_kPa:
         return there, False
     return (there, True) if is_named else (f"the run names no limit; {there}", False)
+
+
+def names_a_limit(reason: str) -> bool:
+    """Whether a sentence says which limit was met, or that the experiment was not followed because of the end of II."""
+    return UNEXPLAINED not in reason and any(part in reason for part in (*OF_LAW, *OF_BODY, *BECAUSE_OF_II))
+
+
+def names_the_law(reason: str) -> bool:
+    """Whether a sentence names the material law as the cause."""
+    return any(part in reason for part in OF_LAW)

@@ -7,7 +7,7 @@ p V_air / (E V_solid), about half the strain of a wall (V: volumes of air and of
 """
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from math import exp, log
 from typing import Any
 
@@ -237,8 +237,3 @@ _DIMENSIONS = {
     "rectangular": _rectangular,
 }
 assert set(_DIMENSIONS) == set(FAMILIES), "every family is drawn"
-
-
-def numbers_drawn(design: Drawn) -> dict[str, Any]:
-    """The design for a JSON file."""
-    return asdict(design)

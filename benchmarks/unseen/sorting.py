@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from benchmarks.unseen.checks import Check
-from benchmarks.unseen.confirm import judged_again
-from benchmarks.unseen.sentences import names_a_limit
+from benchmarks.unseen.confirm import names_a_limit
 from benchmarks.unseen.work import ERROR, FAILED, REFUSED, SLOW
 
 Record = Mapping[str, Any]
@@ -17,18 +16,11 @@ WRONG, NO_LIMIT, TOO_SLOW, TRACEBACK = "wrong", "stopped without a limit", "too 
 OUTCOMES = (SOLVED, LIMIT, EARLY, NO_LIMIT, TOO_SLOW, TRACEBACK, WRONG)
 #: largest error of the default mesh that is allowed, in parts of the number
 MESH_ERROR = 0.03
-#: part of the states that is to be solved or beyond a confirmed limit, and of the meshes that have no larger error
-GOOD_STATES, GOOD_MESHES = 0.95, 0.9
 
 
 def checks_in(record: Record) -> tuple[Check, ...]:
     """The checks of a design."""
     return tuple(Check.of(row) for row in record["checks"])
-
-
-def limits_in(record: Record) -> tuple[Record, ...]:
-    """The ends of a design that were checked, with the verdict of the present rules (`judged_again`)."""
-    return tuple(judged_again(limit, record["reasons"].get(limit["experiment"], "")) for limit in record["limits"])
 
 
 def outcome(record: Record) -> str:
@@ -44,11 +36,6 @@ def outcome(record: Record) -> str:
     if not record["reasons"]:
         return SOLVED
     return LIMIT if all(names_a_limit(reason) for reason in record["reasons"].values()) else NO_LIMIT
-
-
-def did_not_end(record: Record) -> bool:
-    """Whether a design was too slow or met an error of the program."""
-    return outcome(record) in (TOO_SLOW, TRACEBACK)
 
 
 @dataclass(frozen=True)
@@ -95,8 +82,8 @@ def states_of(record: Record) -> States:
     if result == WRONG:
         return States(0, 0, len(rows), 0)
     reached = sum(row["reached"] for row in rows)
-    missed, limits = [row for row in rows if not row["reached"]], limits_in(record)
-    beyond = sum(any(_covers(limit, row) for limit in limits) for row in missed)
+    missed = [row for row in rows if not row["reached"]]
+    beyond = sum(any(_covers(limit, row) for limit in record["limits"]) for row in missed)
     return States(reached, beyond, len(missed) - beyond, 0)
 
 
@@ -112,11 +99,6 @@ def _covers(limit: Mapping[str, Any], state: Mapping[str, Any]) -> bool:
     if limit["experiment"] == state["experiment"]:
         return True
     return bool(state["pressure_kPa"] >= 0.8 * limit["limit_kPa"] > 0.0)
-
-
-def run_seconds(record: Record) -> float:
-    """CPU seconds of the run; 0 where none is recorded."""
-    return float(record["seconds"].get("run", 0.0))
 
 
 def has_numbers(record: Record) -> bool:

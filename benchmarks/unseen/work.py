@@ -250,7 +250,7 @@ def _cpu_seconds() -> float:
 
 
 def _of_report(report: RunReport) -> Record:
-    """What the sorting and the page need of a run."""
+    """What the sorting and the table need of a run."""
     config, outcomes = report.config, report.outcomes
     states = [
         {"experiment": outcome.name, "pressure_kPa": pressure, "reached": outcome.at(pressure) is not None}

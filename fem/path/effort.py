@@ -14,7 +14,7 @@ RETRY_ITERATIONS, ITERATIONS_NEAR_LIMIT = 12, 8
 #: anywhere on the hard cases had at most 5
 MAX_UNSTABLE = 7
 #: the same where a smaller increment follows one that failed, but for those from rest, and with walls in contact near a
-#: limit that the path announces: 121 stable equilibria of benchmarks/limits.py took at most 2, before all those with a
+#: limit that the path announces: 121 stable equilibria of short arms took at most 2, before all those with a
 #: definite tangent
 MAX_UNSTABLE_RETRY = 2
 #: length of an increment over the last one from which on a smaller one costs less than other starts

@@ -2,7 +2,6 @@
 
 import json
 import math
-from argparse import Namespace
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, replace
@@ -13,16 +12,11 @@ import numpy as np
 import pytest
 
 import fem
-from benchmarks.unseen.__main__ import campaign, sample, with_larger_elements
 from benchmarks.unseen.__main__ import main as campaigns_main
-from benchmarks.unseen.again import main as again_main
+from benchmarks.unseen.__main__ import sample, with_larger_elements
 from benchmarks.unseen.checks import ALLOWED, Check, checks_of, followed, work_difference
-from benchmarks.unseen.confirm import BY_VOLUME, end_of, judged, judged_again, second_law, turned
+from benchmarks.unseen.confirm import BY_VOLUME, UNEXPLAINED, end_of, judged, names_a_limit, second_law, turned
 from benchmarks.unseen.designs import COMPRESSIBLE, LOAD, LOWER, Drawn, drawn
-from benchmarks.unseen.details import designs_table
-from benchmarks.unseen.histogram import CLASSES, counts
-from benchmarks.unseen.page import joined, pages, write_pages
-from benchmarks.unseen.sentences import UNEXPLAINED, names_a_limit
 from benchmarks.unseen.sorting import (
     EARLY,
     LIMIT,
@@ -36,12 +30,9 @@ from benchmarks.unseen.sorting import (
     outcome,
     rod_errors,
     states_of,
-    within_mesh_error,
 )
-from benchmarks.unseen.summary import confirmed as told
-from benchmarks.unseen.summary import largest_share, rods, seeds, targets
+from benchmarks.unseen.table import largest_share, summary
 from benchmarks.unseen.work import ERROR, FAILED, RAN, REFUSED, SLOW, Work, outcome_of, outcomes_of
-from benchmarks.unseen.work import LIMIT as LIMIT_OF_CPU_TIME
 from fem.materials import LAWS
 from fem.path.diagnosis import near_limit_point
 from fem.path.predictor import PathPoint
@@ -268,33 +259,6 @@ def test_a_second_law_confirms_nothing_where_one_of_both_names_no_limit() -> Non
     assert not agrees
 
 
-OLD = "with hencky the limit is at 12 kPa; prescribed volume: no maximum of the pressure up to {} kPa: it ended"
-
-
-@pytest.mark.parametrize(
-    ("sentence", "reason", "confirmed"),
-    [
-        (OLD.format(13.2), REASON, True),
-        (OLD.format(13.3), REASON, False),  # 12.6 and 5 % of it are 13.23
-        (OLD.format(12), STOPPED, False),
-        (f"{BY_VOLUME} at 12.6 kPa and falls behind it", STOPPED, True),
-        ("with hencky the body passes through itself as well; prescribed volume: no pressure of a limit is named",) * 2
-        + (True,),
-    ],
-)
-def test_recorded_limits_are_judged_by_the_present_rules(sentence: str, reason: str, confirmed: bool) -> None:
-    """A limit that keeps its verdict keeps its sentence, and one judged again stays as it is."""
-    kPa = 0.0 if "itself" in sentence else 12.6
-    recorded = {"experiment": "II", "limit_kPa": kPa, "confirmed": True, "sentence": sentence}
-    again = judged_again(recorded, reason)
-    assert again["confirmed"] == confirmed
-    assert (again == recorded) == confirmed
-    assert judged_again(again, reason) == again
-    design = record(**{**MISSED, "reasons": {"I": REASON, "II": reason}}, limits=[recorded])
-    assert states_of(design).beyond == (2 if confirmed and kPa else confirmed)
-    assert f"{int(confirmed)} are confirmed as limits" in told([{"seed": 7, **design}])
-
-
 def test_the_sentence_that_nothing_explains_an_end_names_no_limit() -> None:
     """As `fem` writes it, with the words "a limit point" in it; nor does the word "limit" alone."""
     compression = Traction("right", lambda x: np.broadcast_to([-0.001, 0.0, 0.0], x.shape))
@@ -319,195 +283,24 @@ def test_the_second_law_has_the_same_moduli(seed: int, tmp_path: Path) -> None:
         assert second.poisson_ratio == pytest.approx(first.poisson_ratio)
 
 
-def test_errors_of_the_rod_are_counted_by_size() -> None:
-    errors = rod_errors([record(), record(rod=None)])
-    assert errors == {"shape": [0.004], "force": [0.05]}
-    numbers = counts([1e-9, 0.004, 0.05, 7.0])
-    assert numbers.sum() == 4
-    assert (numbers[0], numbers[-1]) == (1, 1)
-    assert numbers[CLASSES.index(0.2)] == 1
-    assert np.all(np.diff(CLASSES) > 0)
-
-
-@pytest.mark.parametrize(
-    ("at_kPa", "cell"), [([10.0], "1 of 2 pressures"), ([], "0 of 2 pressures"), ([3.2, 6.4], "2 below the limit")]
-)
-def test_the_page_tells_at_which_pressures_there_are_parameters(at_kPa: list[float], cell: str) -> None:
-    assert f" | {cell} | " in designs_table([record(seed=1, five_at_kPa=at_kPa)])
-
-
-def test_the_page_lists_every_design() -> None:
-    errors = {
-        name: {"error": error, "std": 0.01, "estimated": 0.02, "values": [1.0, 1.01]}
-        for name, error in (("kappa_0", 0.01), ("alpha2", -0.02), ("force", 0.04))
-    }
-    finer = record(number=2, finer={"errors": errors, "pressure_kPa": 10.0, "sizes_mm": [3.0, 2.0]})
-    assert within_mesh_error(finer) is False
-    assert within_mesh_error(record()) is None
-    wrong = record(number=1, checks=[Check("work", 10.0, 1.0).record()])
-    slow = record(number=3, ended=SLOW, states=[], checks=[], rod=None, reason="the run needed more than 400 s")
-    limited = record(number=4, **MISSED, limits=[limit(True)])
-    given = Namespace(seed=7, count=40, limit=400.0, law="five")
-    content = campaign(given, [record(), wrong, finer, slow, limited])
-    text, listed = pages(content)["unseen.md"], pages(content)["unseen_designs.md"]
-    assert "with `law: five`" in text
-    assert "sources of commit abc1234; at most 400 s of CPU time for each stage." in " ".join(text.split())
-    assert sum(line.endswith("| **no** |") for line in text.splitlines()) == 3
-    assert "| designs that end wrong, with an error of the program, or not in time | none | 2 of 5 | **no** |" in text
-    assert "| designs with numbers or an early refusal | all | 5 of 5 | yes |" in text
-    for row in ("| solved | 2 |", "| wrong | 1 |", "| too slow | 1 |", "| named limit | 1 |"):
-        assert row in text, row
-    for number in range(5):
-        assert f"\n| 7-{number} | an arm |" in listed
-    assert "The first 5 of 40 designs of seed 7" in text
-    assert "0 of 1 designs are within 3 %" in text
-    assert "the run needed more than 400 s" in listed
-    late = record(**MISSED, slow=["limits"])
-    sentences = told([{"seed": 7, **late}, {"seed": 7, **limited}])
-    assert "For 1 (7-0) the check ran out of CPU time. Of the other 1 ends 1 are confirmed as limits" in sentences
-    assert sentences.endswith("limits: 1 by a prescribed volume.")
-    assert "1 designs ended at a named limit. Of each of them one end was checked" in " ".join(text.split())
-
-
-def test_results_are_told_by_seed() -> None:
-    def finer(error: float) -> dict[str, Any]:
-        return {"errors": {name: {"error": error} for name in ("kappa_0", "alpha2", "force")}}
-
-    records = [record(), record(number=1, finer=finer(0.01)), record(number=2, finer=finer(0.04), turn_rad=0.01)]
-    slow = record(number=3, ended=SLOW, states=[], checks=[], rod=None, five_at_kPa=[], has_arm_law=False)
-    *_, first, second = seeds([{"seed": 3, **r} for r in records] + [{"seed": 2, **slow}]).splitlines()
-    assert first == "| 3 | 3 | 0 | 100.0 % | 3 | 1 of 2 | 1 of 1 | 30 |"
-    assert second == "| 2 | 1 | 1 | 0.0 % | 0 | 0 of 0 | 0 of 0 | 30 |"
-
-
-def test_the_shape_error_of_arms_that_bend_far_is_told() -> None:
-    straight = {**record(turn_rad=0.01)["rod"], "distance_over_length_out_of_sample": 0.04}
-    records = [record(turn_rad=0.01, rod=straight), record(turn_rad=-0.9), record()]
-    assert "largest 4 %, below 3 % on 2 of 3 designs" in rods(records)
-    assert "on the 2 that bend by 45 degrees or more at the lower pressure" in rods(records)
-    assert "a median of 0.4 %, is at most 0.4 % on nine of ten and at most 0.4 % on all" in rods(records)
-    assert "bend by 45 degrees" not in rods(records[:1])
-
-
-def test_goals_are_met_by_the_last_seeds() -> None:
-    """Beside them the results of all; those of arms that bend have no goal of their own."""
-    finer = {"errors": {name: {"error": 0.01} for name in ("kappa_0", "alpha2", "force")}}
-    slow = record(ended=SLOW, states=[], checks=[], rod=None, five_at_kPa=[], has_arm_law=False)
-    records = [{"seed": 1, **slow}, *({"seed": seed, **record(finer=finer)} for seed in (2, 3, 4))]
-    head, _, bad, states, numbers, meshes, bent = targets(records).splitlines()
-    assert head == "|  | goal | last 3 seeds (3 designs) | all seeds (4 designs) | met by the last |"
-    assert bad.endswith("| none | 0 of 3 | 1 of 4 | yes |")
-    assert states.endswith("| 95 % | 100.0 % | 75.0 % | yes |")
-    assert numbers.endswith("| all | 3 of 3 | 3 of 4 | yes |")
-    assert meshes.endswith("| nine of ten | 3 of 3 | 3 of 3 | yes |")
-    assert bent.endswith("rad or more |  | 3 of 3 | 3 of 3 |  |")
-
-
-def test_campaigns_are_joined_on_one_page() -> None:
-    settings = [Namespace(seed=seed, count=count, limit=400.0, law="both") for seed, count in ((7, 1), (9, 40))]
-    first, second = campaign(settings[0], [record()]), campaign(settings[1], [record(), record(number=1)])
-    texts = pages(joined([first, second]))
-    assert "make unseen SEED=7 N=1 LAW=both\n    make unseen SEED=9 N=40 LAW=both" in texts["unseen.md"]
-    assert "All 1 designs of seed 7" in texts["unseen.md"]
-    assert "The first 2 of 40 designs of seed 9" in texts["unseen.md"]
-    assert "none | 0 of 3 | yes |" in texts["unseen.md"]
-    for name in ("7-0", "9-0", "9-1"):
-        assert f"\n| {name} | an arm |" in texts["unseen_designs.md"]
-    with pytest.raises(ValueError, match="the same law of the rod"):
-        joined([first, campaign(Namespace(seed=9, count=1, limit=400.0, law="five"), [record()])])
-    with pytest.raises(ValueError, match="design 7-0 is in two of the folders and pages"):
-        joined([first, first])
-
-
-def test_parts_of_a_campaign_are_joined_in_the_order_of_their_designs() -> None:
-    settings = Namespace(seed=9, count=40, limit=400.0, law="both")
-    parts = [campaign(settings, [record(number=n) for n in numbers]) for numbers in ((2,), (0, 1))]
-    whole = joined(parts)
-    assert [r["number"] for r in whole["records"]] == [0, 1, 2]
-    assert len(whole["campaigns"]) == 1
-    with pytest.raises(ValueError, match="parts of seed 9 must have the same number of designs"):
-        joined([parts[0], campaign(Namespace(seed=9, count=41, limit=400.0, law="both"), [])])
-
-
-def test_the_page_says_which_designs_ran_with_which_sources() -> None:
-    settings = Namespace(seed=9, count=40, limit=400.0, law="both")
-    records = [record(number=n, sources="abc1234" if n < 5 else "def5678") for n in (0, 1, 2, 4, 7, 8)]
-    text = " ".join(pages(campaign(settings, records))["unseen.md"].split())
-    assert "Of 40 designs those with the numbers 0 to 2, 4 and 7 to 8 of seed 9; sources of commit" in text
-    assert "sources of commit abc1234 for 0 to 2 and 4; def5678 for 7 to 8; at most 400 s" in text
-
-
-def test_designs_that_did_not_end_are_run_again_beside_their_first_records(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    without = {"states": [], "checks": [], "rod": None, "five_at_kPa": [], "has_arm_law": False}
-    settings = Namespace(seed=9, count=40, limit=LIMIT_OF_CPU_TIME, law="both")
-    records = [record(), record(number=1, ended=SLOW, **without), record(number=2, ended=ERROR, **without)]
-    write_pages(tmp_path, campaign(settings, records))
-    page, given = tmp_path / "unseen.md", ["again", "--page", str(tmp_path), "--results", str(tmp_path / "results")]
-    assert "None of the 2 designs that did not end has been run again." in page.read_text()
-
-    def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
-        assert all(work.limit == 10 * LIMIT_OF_CPU_TIME for work in works)
-        return (record(seed=9, number=work.design.number, seconds={"run": 700.0}) for work in works[:1])
-
-    monkeypatch.setattr("benchmarks.unseen.again.outcomes_of", outcomes)
-    monkeypatch.setattr("sys.argv", given)
-    again_main()
-    text = " ".join(page.read_text().split())
-    assert "1 of the 2 designs that were too slow or met an error of the program have been run again" in text
-    assert "1 of them have numbers, 0 after at most 600 s." in text
-    assert "66.7 % of the states of all seeds would be solved or beyond a confirmed limit, and 2 of 3" in text
-    assert "| designs with numbers or an early refusal | all | 1 of 3 | **no** |" in text  # the first records count
-    again_main()  # the one that is left
-    content = json.loads((tmp_path / "unseen.json").read_text())
-    assert [r["number"] for r in content["again"]] == [1, 2]
-    assert [r["ended"] for r in content["records"]] == [RAN, SLOW, ERROR]
-    assert joined([content, campaign(settings, [record(number=3)])])["again"] == content["again"]
-    monkeypatch.setattr("sys.argv", [*given, "--designs", "9-1"])
-    again_main()
-    assert [r["number"] for r in json.loads((tmp_path / "unseen.json").read_text())["again"]] == [1, 2]
-    monkeypatch.setattr("sys.argv", [*given, "--designs", "9-0"])
-    with pytest.raises(SystemExit):
-        again_main()
-
-
-def test_designs_are_added_to_those_of_a_page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """What a page contains is not run again, and never replaced."""
-    solved: list[int] = []
-
-    def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
-        solved[:] = [work.design.number for work in works]
-        return (record(number=number, sources="new") for number in solved)
-
-    def sources(*arguments: str) -> list[tuple[int, int, str]]:
-        given = ["--count", "3", "--page", str(tmp_path / "page"), "--results", str(tmp_path / "results"), *arguments]
-        monkeypatch.setattr("sys.argv", ["unseen", *given])
-        assert campaigns_main() == 0
-        content = json.loads((tmp_path / "page" / "unseen.json").read_text())
-        return [(r["seed"], r["number"], r["sources"]) for r in content["records"]]
-
-    monkeypatch.setattr("benchmarks.unseen.__main__.outcomes_of", outcomes)
-    before = campaign(Namespace(seed=7, count=3, limit=LIMIT_OF_CPU_TIME, law="both"), [record(sources="old")])
-    (tmp_path / "page").mkdir()
-    write_pages(tmp_path / "page", before)
-    of_seven = [(7, 0, "old"), (7, 1, "new"), (7, 2, "new")]
-    assert sources("--seed", "7") == of_seven
-    assert solved == [1, 2]
-    both = [*of_seven, *((9, number, "new") for number in range(3))]
-    assert sources("--seed", "9") == both
-    assert sources("--seed", "7") == both
-    assert solved == [0, 1, 2]
-    in_results = json.loads((tmp_path / "results" / "7_of_3_both" / "unseen.json").read_text())
-    assert [r["sources"] for r in in_results["records"]] == ["new"] * 3
-    assert sources("--seed", "2") == both
-    assert sources("--seed", "11", "--law", "five") == both
-    assert sources("--seed", "7", "--stored") == both
-    assert sources("--seed", "13", "--larger", "2") == both
+def test_the_table_counts_designs_states_and_the_errors_of_the_rod() -> None:
+    records = [record(), record(rod=None, limits=[limit(True)], **MISSED)]
+    assert rod_errors(records) == {"shape": [0.004], "force": [0.05]}
+    lines = summary(records).splitlines()
+    for row in (
+        f"| {SOLVED} | 1 |",
+        f"| {LIMIT} | 1 |",
+        "| states solved | 8 of 10 |",
+        "| states beyond a confirmed limit | 2 |",
+        "| limits confirmed | 1 of 1 |",
+        "| designs with numbers or an early refusal | 2 of 2 |",
+        "| shape error of the rod: median, largest | 0.4 %, 0.4 % |",
+    ):
+        assert row in lines, row
 
 
 def test_larger_elements_are_those_of_the_program_times_a_factor(tmp_path: Path) -> None:
-    """And nothing else of a design changes; only a campaign with the sizes of the program is published (above)."""
+    """And nothing else of a design changes."""
     usual = drawn(2, 4)[3]
     (larger,) = with_larger_elements([usual], 1.5)
     sizes = []
@@ -531,37 +324,6 @@ def test_a_campaign_of_which_every_design_is_refused_fails(tmp_path: Path, monke
 
     assert status("refused", "refused") == 1
     assert status("refused", "ran") == 0
-
-
-def test_campaigns_that_run_at_the_same_time_are_both_on_the_page(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    page, results = tmp_path / "page", tmp_path / "results"
-
-    def run(seed: int, *arguments: str) -> list[tuple[int, int]]:
-        given = ["--seed", str(seed), "--count", "3", "--page", str(page), "--results", str(results), *arguments]
-        monkeypatch.setattr("sys.argv", ["unseen", *given])
-        assert campaigns_main() == 0
-        content = json.loads((page / "unseen.json").read_text())
-        return [(r["seed"], r["number"]) for r in content["records"]]
-
-    def outcomes(works: Sequence[Work], jobs: int) -> Iterator[dict[str, Any]]:
-        for work in works:
-            if work.design.seed == 9 and work.design.number == 1:
-                run(11)
-            work.folder.mkdir(parents=True, exist_ok=True)
-            result = record(number=work.design.number)
-            (work.folder / "outcome.json").write_text(json.dumps({**result, "finished": True}))
-            yield result
-
-    monkeypatch.setattr("benchmarks.unseen.__main__.outcomes_of", outcomes)
-    assert run(7, "--first", "1") == [(7, 0)]
-    assert run(9) == [(7, 0), *((11, number) for number in range(3)), *((9, number) for number in range(3))]
-    assert run(7)[:3] == [(7, number) for number in range(3)]
-    of_seven = json.loads((results / "7_of_3_both" / "unseen.json").read_text())
-    assert [r["number"] for r in of_seven["records"]] == [0, 1, 2]  # with the one that was published before
-    with pytest.raises(SystemExit):
-        run(7, "--with", str(results / "9_of_3_both"))
 
 
 def test_few_designs_say_little() -> None:
