@@ -131,7 +131,7 @@ docs: $(READY)  ## the documentation as a site in build/site; broken links and w
 doctor: $(READY)  ## what is installed, what is missing, and the command that installs it
 	@$(BIN)/pneurod doctor
 
-bench-peers: $(READY) $(PEERS)/.ready  ## pneurod compared with NGSolve and FElupe: docs/peers.md (six minutes on a machine without other load)
+bench-peers: $(READY) $(PEERS)/.ready  ## pneurod compared with NGSolve and FElupe: tables (six minutes on a machine without other load)
 	@$(BIN)/python -m benchmarks.peers --fresh --python $(PEERS)/bin/python
 
 bench-run: $(READY)  ## make pneunet from this checkout and from OTHER=../other in turn: times, memory, whether results agree

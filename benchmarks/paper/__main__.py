@@ -2,10 +2,9 @@
 
     make paper-coarse        # runs the sweeps of configs/paper/coarse, and then the next line
     python -m benchmarks.paper results/paper_coarse
-    python -m benchmarks.paper results/paper_coarse --page docs
 
 Reads the sweeps below the given folder and writes there estimates.csv, scan.csv, the figures, and the claims as
-paper.md and paper.json; --page writes these two into another folder. What was not reached is listed, and a figure or a
+paper.md and paper.json. What was not reached is listed, and a figure or a
 claim whose sweep is missing is left out or says so.
 """
 
@@ -94,7 +93,6 @@ def _short(commit: str | None) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="of the sweeps, such as results/paper_coarse")
-    parser.add_argument("--page", type=Path, help="folder into which paper.md and paper.json are written as well")
     parser.add_argument("--no-figures", action="store_true", help="tables and claims alone")
     options = parser.parse_args()
     data = Data(options.folder)
@@ -107,15 +105,13 @@ def main() -> None:
     write(options.folder / "scan.csv", scan(data.states("pneunet", "svk", ARMS[0])))
     drawn = [] if options.no_figures else draw(data, options.folder)
     record = {
-        "folder": str(options.folder),
         "provenance": provenance(data),
         "claims": [claim.record() for claim in claims(data)],
         "unreached": data.unreached(),
         "figures": [[name, title] for name, title in drawn],
     }
-    for folder in filter(None, (options.folder, options.page)):
-        write_page(folder, record)
-        sys.stdout.write(f"written: {folder / 'paper.md'}\n")
+    write_page(options.folder, record)
+    sys.stdout.write(f"written: {options.folder / 'paper.md'}\n")
 
 
 if __name__ == "__main__":

@@ -1,21 +1,16 @@
-"""docs/paper.md from the claims, with docs/paper.json beside it, from which the page can be written again."""
+"""paper.md from the claims, with paper.json beside it."""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from string import Template
 from textwrap import fill
 from typing import Any
 
 from benchmarks.markdown import table
-from benchmarks.paper.claims.common import SAME, STRAIGHT
-from benchmarks.paper.claims.rigidities import SLOPE_BY_PROCESS, SLOPE_OF_ONE_RIGIDITY, SUBTRACTED
 from benchmarks.paper.data import LAWS
-from benchmarks.paper.estimates import LENGTH_SCALE, PROCESS
-from benchmarks.paper.reading import CONTRADICTED, FAILS, HOLDS, OPEN, Claim, Reading, claim_from_record
+from benchmarks.paper.reading import OPEN, Claim, Reading, claim_from_record
 
-TEMPLATE = Path(__file__).with_name("page.md")
 WIDTH = 118  #: characters of a line
 _SYMBOLS = {"alpha1": "α₁", "alpha2": "α₂"}
 
@@ -30,18 +25,14 @@ def write_page(folder: Path, record: Mapping[str, Any]) -> None:
 def page(record: Mapping[str, Any]) -> str:
     """The page of a record: claims, what was not reached, figures, and how the results were made."""
     claims = [claim_from_record(entry) for entry in record["claims"]]
-    return Template(TEMPLATE.read_text(encoding="utf-8")).substitute(
-        provenance=fill(record["provenance"], WIDTH),
-        folder=record["folder"],
-        scale=f"{LENGTH_SCALE:g}",
-        straight=f"{100 * STRAIGHT:g}",
-        same=f"{100 * SAME:g}",
-        overview=_overview(claims),
-        follows=_follows(claims),
-        readings="\n\n".join(_details(claim) for claim in claims if claim.readings),
-        unreached=_unreached(record["unreached"]),
-        figures=_figures(record["figures"]),
-    )
+    parts = {
+        "The results of the paper, reproduced": fill(record["provenance"], WIDTH),
+        "Claims": _overview(claims),
+        "All test numbers": "\n\n".join(_details(claim) for claim in claims if claim.readings),
+        "What was not reached": _unreached(record["unreached"]),
+        "Figures": _figures(record["figures"]),
+    }
+    return "\n\n".join(f"## {title}\n\n{text}" for title, text in parts.items()) + "\n"
 
 
 def _overview(claims: Sequence[Claim]) -> str:
@@ -125,107 +116,6 @@ def _required(reading: Reading) -> str:
     if low == high:
         return f"{low:g}{unit}"
     return f"{low:.3g} to {high:.3g}{unit}".replace("-", "−")
-
-
-def _follows(claims: Sequence[Claim]) -> str:
-    """What the numbers say together; a sentence stands here only if the numbers show it."""
-    by_number = {claim.number: claim for claim in claims}
-    sentences = [
-        _of_force(by_number["16"]),
-        _of_law(by_number["1a"], by_number["15"]),
-        _of_zone(by_number["9"]),
-        _of_sign(by_number["6b"]),
-        _of_single_cavities(by_number["8a"]),
-    ]
-    shown = [sentence for sentence in sentences if sentence]
-    return "## What follows\n\n" + "\n\n".join(fill(sentence, WIDTH) for sentence in shown) if shown else ""
-
-
-def _by_law(claim: Claim, start: str) -> dict[str, Reading]:
-    return {r.law: r for r in claim.readings if r.what.startswith(start)}
-
-
-def _of_force(claim: Claim) -> str:
-    readings = _by_law(claim, "F_y at rest height")
-    if "svk" not in readings or readings["svk"].status != HOLDS:
-        return ""
-    parts = [f"{abs(100.0 * (r.value - 1.0)):.1f} % (`{law}`)" for law, r in readings.items()]
-    return (
-        f"**The end force of the paper's own experiment is met within {parts[0]}**"
-        + (f", and within {parts[1]}" if len(parts) > 1 else "")
-        + ". Dimensions, material and height of the end had been fixed before this force was compared."
-    )
-
-
-def _of_law(curvature: Claim, scaling: Claim) -> str:
-    status = {law: r.status for law, r in _by_law(curvature, "off a line").items()}
-    scaled = {law: {r.status for r in scaling.readings if r.law == law} for law in LAWS}
-    if status != {"svk": FAILS, "hencky": HOLDS} or FAILS not in scaled["svk"] or scaled["hencky"] != {HOLDS}:
-        return ""
-    return (
-        "**κ₀ proportional to p, and with it eq. (9), comes with `hencky`, not with `svk`.** Inference: the paper "
-        "names St. Venant-Kirchhoff material and used a program with large displacements; what such programs call "
-        "elastic is close to linear in the logarithmic strain. The end force (claim 16) speaks for `svk`: the question "
-        "stays open."
-    )
-
-
-def _of_zone(claim: Claim) -> str:
-    printed = [r for r in claim.readings if r.estimator in ("paper_cells", PROCESS) and r.status == HOLDS]
-    control = _by_law(claim, "d/l that the process").get("svk")
-    zone = _by_law(claim, "d of the default").get("svk")
-    own = [r for r in claim.readings if r.estimator == "default" and r.status == FAILS]
-    required = printed[0].required if printed else None
-    if (
-        control is None
-        or zone is None
-        or not own
-        or required is None
-        or not required[0] <= control.value <= required[1]
-    ):
-        return ""
-    return (
-        "**d/l = 0.13 belongs to the smoothing, not to the arm.** Means over a pitch and a Gaussian process print it, "
-        f"and the process, whose length scale was chosen because it prints 0.13, prints {control.value:.3f} for a rod "
-        f"that has one rigidity everywhere. The default puts the end of the softer zone at {number(zone)} from the "
-        "clamp; the range is that over the pressures, and the uncertainty of d at each of them is larger."
-    )
-
-
-def _of_sign(claim: Claim) -> str:
-    starts = (f"{SLOPE_BY_PROCESS}, {SUBTRACTED[0]} subtracted", SLOPE_OF_ONE_RIGIDITY)
-    chord, single = (_by_law(claim, start).get("svk") for start in starts)
-    if chord is None or single is None or not (chord.high < 0.0 and single.value < 0.0):
-        return ""
-    return (
-        "**The paper's α₁ may be negative** (inference). `paper_process`, which prints its d/l, gives a negative slope "
-        "next to the clamp that falls with p, as Fig. 15 (b) has it; eq. (10) names the limits ±∞ and ±0; no sign is "
-        "printed. The same process gives a rod with one rigidity a negative slope: the smoothing makes it. "
-        + _of_subtraction(claim)
-    )
-
-
-def _of_subtraction(claim: Claim) -> str:
-    readings = [_by_law(claim, f"{SLOPE_BY_PROCESS}, {name} subtracted").get("svk") for name in SUBTRACTED]
-    if any(reading is None for reading in readings):
-        return ""
-    parts = [f"{number(r)} ({name})" for name, r in zip(SUBTRACTED, readings, strict=True) if r is not None]
-    return (
-        f"It depends on what is subtracted from the coordinates before they become a process: {', '.join(parts)}, at "
-        "17 to 37 kPa. A process has the mean zero, and next to the clamp, where data lie on one side alone, the curve "
-        "bends towards whatever was subtracted."
-    )
-
-
-def _of_single_cavities(claim: Claim) -> str:
-    counted = [r for r in claim.readings if r.status not in (None, OPEN)]
-    if not claim.verdict.startswith(CONTRADICTED):
-        return ""
-    return (
-        "**α₂ of the arms with one cavity along the axis rises here**, in all "
-        f"{len(counted)} test numbers that are not open, where the paper's falls. The paper prints no dimension of "
-        "these arms; its bodies may be others."
-    )
 
 
 def _unreached(unreached: Mapping[str, Sequence[str]]) -> str:

@@ -1,11 +1,11 @@
-"""The same problem through pneurod and its peers: docs/peers.md and docs/peers.json.
+"""The same problem through pneurod and its peers: tables of what it costs and what comes out.
 
     make bench-peers        # or: python -m benchmarks.peers --python .venv-peers/bin/python
 
-Runs are interleaved and stored one by one; the same command continues the rounds of the same day. Before each round the
-load of the machine is measured, and the round is refused while other programs compute. `--fresh` forgets the runs of
-the chosen peers on this machine; other runs stay with their date and machine. Without names, the peers that take
-minutes for a run (scikit-fem with SuperLU, CalculiX, NGSolve with compiled forms) are left out.
+Runs are interleaved and stored one by one in results/peers/peers.json; the same command continues the rounds of the
+same day. Before each round the load of the machine is measured, and the round is refused while other programs compute.
+`--fresh` forgets all runs. Without names, the peers that take minutes for a run (scikit-fem with SuperLU, CalculiX,
+NGSolve with compiled forms) are left out.
 """
 
 import argparse
@@ -18,8 +18,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from benchmarks.peers import load
-from benchmarks.peers.page import page
-from benchmarks.peers.runs import ROOT, Peer, Round, RunFailed, Session, case, measured, plan
+from benchmarks.peers.runs import ROOT, Peer, Round, RunFailed, Session, measured, plan
+from benchmarks.peers.tables import answers, costs
 from pipeline.store.provenance import processor
 
 PEERS = (
@@ -101,28 +101,24 @@ def main() -> int:
     parser.add_argument("peers", nargs="*", help="their names; pneurod runs beside them in each round")
     parser.add_argument("--python", default=".venv-peers/bin/python", help="of the peers' virtual environment")
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--fresh", action="store_true", help="forget the runs of these peers")
-    parser.add_argument("--own", nargs="*", default=[], help='of pneurod alone: "coarse", or sizes of meshes in mm')
-    parser.add_argument("--out", type=Path, default=ROOT / "docs", help="folder of peers.md and peers.json")
+    parser.add_argument("--fresh", action="store_true", help="forget the runs that are stored")
+    parser.add_argument("--out", type=Path, default=ROOT / "results" / "peers", help="folder of peers.json")
     options = parser.parse_args()
     try:
         peers = [peer for peer in chosen(options.peers) if not absent(peer)]
     except ValueError as reason:
         parser.error(str(reason))
     stored, here = options.out / "peers.json", (datetime.now(UTC).date().isoformat(), machine())
-    session = Session.load(stored) if stored.exists() else Session()
-    names = {peer.name for peer in peers}
-    if options.fresh:
-        session.forget(names, here)
+    session = Session() if options.fresh or not stored.exists() else Session.load(stored)
     session.missing = {peer.name: why for peer in PEERS if (why := absent(peer))}
     if plan(peers, options.rounds, session.made(here)):
         measured(PEERS[0], "four", sys.executable, Round(*here, 0, None))  # not counted: compiles the kernels
     complete = run_rounds(session, peers, options, stored, here)
-    for what in options.own:
-        session.add(case(what, sys.executable, here[0]))
-        session.save(stored)
     session.save(stored)
-    (options.out / "peers.md").write_text(page(PEERS, session), encoding="utf-8")
+    made = session.made(here)
+    for path in ("four", "straight"):
+        say(f"\n{path}\n\n{costs(PEERS, path, made, session.missing)}")
+    say(f"\n{answers(PEERS, made)}")
     return 0 if complete else 1
 
 

@@ -5,17 +5,15 @@ import os
 import resource
 import subprocess
 import tempfile
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from statistics import median
 from time import perf_counter
 
-from benchmarks.peers.own import Case
 from benchmarks.peers.problem import Outcome
 
 ROOT = Path(__file__).resolve().parents[2]
-OWN = "pneurod"  #: with which the others are compared
 THREADS = ("OMP", "MKL", "OPENBLAS", "NUMBA")
 
 
@@ -80,12 +78,6 @@ def measured(peer: Peer, path: str, python: str, when: Round) -> Run:
     check_threads(peer.name, path, outcome)
     cpu, peak = used.ru_utime + used.ru_stime, used.ru_maxrss / 1024
     return Run(peer.name, path, outcome, cpu, wall, peak, when.date, when.number, when.busy, when.machine)
-
-
-def case(what: str, python: str, date: str) -> Case:
-    """Run pneurod alone on what `benchmarks.peers.own` knows; raises `RunFailed`."""
-    written, _, _ = processed(f"pneurod, {what}", python, "own", (what,))
-    return Case(**{**written, "date": date})
 
 
 def processed(
@@ -200,35 +192,21 @@ def outcome_of(written: dict) -> Outcome:
 
 @dataclass
 class Session:
-    """What has been run so far; earlier runs stay until their peer is run again on the same machine."""
+    """What has been run so far."""
 
     runs: list[Run] = field(default_factory=list)
     missing: dict[str, str] = field(default_factory=dict)  #: peer: why there is no run of it
-    own: list[Case] = field(default_factory=list)  #: what pneurod was run on besides
 
     @classmethod
     def load(cls, path: Path) -> "Session":
         """A session that was kept."""
         written = json.loads(path.read_text(encoding="utf-8"))
         runs = [Run(**{**run, "outcome": outcome_of(run["outcome"])}) for run in written["runs"]]
-        own = [Case(**case) for case in written.get("own", [])]
-        return cls(runs, written["missing"], own)
+        return cls(runs, written["missing"])
 
     def made(self, here: tuple[str, str]) -> list[Run]:
         """The runs of a date on a machine."""
         return [run for run in self.runs if run.session == here]
-
-    def forget(self, peers: Collection[str], here: tuple[str, str]) -> None:
-        """Leave out the runs of these peers on the machine of `here`, date and machine; those of pneurod stay where a
-        peer that stays is compared with them."""
-        kept = [run for run in self.runs if run.peer not in peers or run.machine != here[1]]
-        sessions = {run.session for run in kept} - {here}
-        self.runs = [run for run in self.runs if run in kept or (run.peer == OWN and run.session in sessions)]
-
-    def add(self, case: Case) -> None:
-        """A further measurement of pneurod alone, in place of an earlier one of the same name."""
-        others = [other for other in self.own if other.name != case.name]
-        self.own = sorted([*others, case], key=lambda other: other.unknowns)
 
     def save(self, path: Path) -> None:
         """Keep the session, whole."""

@@ -2,15 +2,13 @@
 
 import sys
 from dataclasses import replace
-from math import ceil, floor
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from benchmarks.peers import by_calculix, load, page
-from benchmarks.peers.__main__ import PEERS, chosen
-from benchmarks.peers.own import Case
+from benchmarks.peers import by_calculix, load
+from benchmarks.peers.__main__ import chosen
 from benchmarks.peers.problem import Body, Outcome, PathResult, busy_threads, thread_seconds
 from benchmarks.peers.runs import (
     Peer,
@@ -28,8 +26,7 @@ from benchmarks.peers.runs import (
     warm,
 )
 from benchmarks.peers.stepping import NoEquilibrium, Stepping, newton
-
-DOCS = Path(__file__).resolve().parent.parent.parent / "docs"
+from benchmarks.peers.tables import costs
 
 
 @pytest.fixture(scope="module")
@@ -235,80 +232,17 @@ def test_the_table_of_costs_names_ratios_and_what_is_missing() -> None:
     peers = [Peer("pneurod", "by_a"), Peer("slow", "by_b"), Peer("stuck", "by_c"), Peer("absent", "by_d")]
     runs = [run("pneurod", solve=2.0), run("slow", solve=30.0), run("stuck", note="no equilibrium")]
     runs += [run("pneurod", solve=4.0, number=2), run("slow", solve=40.0, number=2)]
-    session = Session(runs, {"absent": "not installed: `apt-get install it`"})
-    lines = page.costs(peers, "four", session).splitlines()
+    lines = costs(peers, "four", runs, {"absent": "not installed: `apt-get install it`"}).splitlines()
     cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    assert {len(row) for row in cells} == {10}
+    assert {len(row) for row in cells} == {9}
     assert cells[3][:5] == ["slow", "4 (1)", "10", "35.5 (30.5 to 40.5)", "10.6 (9.0 to 12.2)"]
-    assert cells[3][5:] == ["35.0 (30.0 to 40.0)", "12.5 (10.0 to 15.0)", "100", "2", "2026-11-21, AMD EPYC"]
+    assert cells[3][5:] == ["35.0 (30.0 to 40.0)", "12.5 (10.0 to 15.0)", "100", "2"]
     assert cells[4][1].startswith("stopped above 5 kPa after 10 factorizations")
     assert cells[5][:2] == ["absent", "not installed: `apt-get install it`"]
 
 
-def test_only_the_last_session_of_a_peer_counts_with_its_own_rounds() -> None:
-    """A peer that takes minutes stays with its date, and is compared with pneurod as it was then."""
-    old = {"date": "2026-11-20"}
-    runs = [run("pneurod", solve=4.0, **old), run("slow", solve=400.0, **old), run("quick", solve=8.0, **old)]
-    runs += [run("pneurod", solve=2.0), run("quick", solve=6.0)]
-    session = Session(runs, {})
-    lines = page.costs([Peer(name, "by") for name in ("pneurod", "quick", "slow")], "four", session).splitlines()
-    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
-    assert [(row[0], row[6], row[9]) for row in cells] == [
-        ("pneurod", "1.0", "2026-11-21, AMD EPYC"),
-        ("quick", "3.0", "2026-11-21, AMD EPYC"),
-        ("slow", "100.0", "2026-11-20, AMD EPYC"),
-    ]
-    session.forget({"pneurod", "quick"}, ("2026-11-21", runs[0].machine))
-    assert [(entry.peer, entry.date) for entry in session.runs] == [("pneurod", "2026-11-20"), ("slow", "2026-11-20")]
-
-
-def test_the_page_says_how_busy_the_machine_was() -> None:
-    runs = [run("a"), replace(run("a", number=2), busy=0.11), replace(run("b", date="2026-11-20"), busy=None)]
-    first, second = page.loads(runs).splitlines()
-    machine = "AMD EPYC, 2 cores, Python 3.11.7"
-    assert first.startswith(f"- 2026-11-21, {machine}: before its rounds other programs used 0.02, 0.11 cores; wall")
-    assert second.startswith(f"- 2026-11-20, {machine}: without a check of the load")
-
-
-def test_ratios_of_each_machine_stand_side_by_side() -> None:
-    """On the same day too; a peer is compared with pneurod on its own machine, and a new run replaces one there."""
-    other = {"machine": "Intel(R) Xeon(R) Processor, 4 cores, Python 3.11.7"}
-    runs = [
-        run(peer, path, solve) for peer, solve in (("pneurod", 1.0), ("NGSolve", 9.0)) for path in ("four", "straight")
-    ]
-    runs += [run("pneurod", solve=2.0, **other), run("NGSolve", solve=30.0, **other)]
-    session = Session(runs, {})
-    lines = page.on_each_machine([Peer("pneurod", "by"), Peer("NGSolve", "by")], session).splitlines()[2:]
-    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
-    assert [(row[0], row[1], row[4], row[7]) for row in cells] == [
-        ("pneurod", "", "1", "1"),
-        ("NGSolve", "Intel Xeon", "15.0", ""),
-        ("NGSolve", "AMD EPYC", "9.0", "9.0"),
-    ]
-    session.forget({"pneurod", "NGSolve"}, ("2026-11-22", other["machine"]))
-    assert session.runs == runs[:4]
-
-
 def test_a_session_is_kept_whole(tmp_path: Path) -> None:
     session = Session([run("a"), run("a", path="straight")], {"b": "not installed"})
-    session.add(Case("a mesh", 200, 5, 3.0, 0.4, 1.5, "2026-11-20"))
-    session.add(Case("a mesh", 200, 5, 2.0, 0.3, 1.4, "2026-11-21"))
-    session.add(Case("another mesh", 100, 5, 2.0, 0.3, 1.4, "2026-11-21"))
-    assert [(case.name, case.cpu) for case in session.own] == [("another mesh", 2.0), ("a mesh", 2.0)]
     session.save(tmp_path / "peers.json")
     assert Session.load(tmp_path / "peers.json") == session
     assert [path.name for path in tmp_path.iterdir()] == ["peers.json"]
-
-
-def test_page_and_readme_are_those_of_the_kept_runs() -> None:
-    session = Session.load(DOCS / "peers.json")
-    assert PEERS[0].name in {run.peer for run in session.runs} <= {peer.name for peer in PEERS}
-    assert (DOCS / "peers.md").read_text(encoding="utf-8") == page.page(PEERS, session)
-    rows = [
-        row.split("|")
-        for row in page.on_each_machine(PEERS, session).splitlines()
-        if row.startswith(("| NGSolve", "| FElupe"))
-    ]
-    fresh = [float(row[column].split()[0]) for row in rows for column in (4, 7)]
-    sentence = f"takes {floor(min(fresh))} to {ceil(max(fresh))} times the CPU time of one of pneurod"
-    assert sentence in " ".join((DOCS.parent / "README.md").read_text(encoding="utf-8").split())
